@@ -1,0 +1,39 @@
+#include "base/input_file.h"
+
+#include <fmt/core.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+namespace haptometer {
+
+Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_bytes) {
+  namespace fs = std::filesystem;
+  std::error_code failure;
+  const fs::file_status status = fs::status(path, failure);
+  if (status.type() == fs::file_type::not_found) {
+    return CannotAnswer(path, "no such file", "check the path");
+  }
+  if (status.type() == fs::file_type::directory) {
+    return CannotAnswer(path, "is a directory", "name a file in it");
+  }
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return CannotAnswer(path, std::strerror(errno), "check its permissions");
+  // in pieces, because pipes and /dev files have no size to ask for
+  std::string content;
+  char piece[1 << 16];
+  while (file.read(piece, sizeof piece) || file.gcount() > 0) {
+    content.append(piece, static_cast<std::size_t>(file.gcount()));
+    if (content.size() > limit_bytes) {
+      return CannotAnswer(path, fmt::format("is larger than {} MiB", limit_bytes >> 20),
+                          "cut it, or give a trial.bin, which is read in pieces");
+    }
+  }
+  if (file.bad()) return CannotAnswer(path, "could not be read to its end", "check the disk");
+  if (content.empty()) return CannotAnswer(path, "is empty", "was the recording interrupted?");
+  return content;
+}
+
+}  // namespace haptometer

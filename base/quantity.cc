@@ -1,0 +1,194 @@
+#include "base/quantity.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace haptometer {
+namespace {
+
+struct Unit {
+  std::string_view symbol;
+  double si;  // how many SI units one of these is
+};
+
+struct DimensionRow {
+  Dimension dimension;
+  std::string_view name;
+  std::string_view example;
+  bool may_be_bare;
+  std::array<Unit, 6> units;  // SI unit first; unused places have an empty symbol
+};
+
+// "u" stands for micro here; Normalised() turns both code points of the Greek letter into it.
+constexpr std::array<DimensionRow, 12> kDimensions{{
+    {Dimension::kNone, "a plain number", "0.3", true, {{{"", 1}}}},
+    {Dimension::kLength, "a length", "10mm", false,
+     {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}}},
+    {Dimension::kMass, "a mass", "1.4g", false, {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}}},
+    {Dimension::kInductance, "an inductance", "130uH", false,
+     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}}}},
+    {Dimension::kTime, "a time", "3s", true,
+     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}}},
+    {Dimension::kFrequency, "a frequency", "225Hz", true,
+     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}}}},
+    {Dimension::kVoltage, "a voltage", "5V", true, {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}}}},
+    {Dimension::kCurrent, "a current", "0.13A", true, {{{"A", 1}, {"mA", 1e-3}}}},
+    {Dimension::kResistance, "a resistance", "27ohm", true,
+     {{{"ohm", 1}, {"mohm", 1e-3}, {"kohm", 1e3}, {"Mohm", 1e6}}}},
+    {Dimension::kStiffness, "a stiffness", "2800N/m", true, {{{"N/m", 1}, {"N/mm", 1e3}}}},
+    {Dimension::kDamping, "a damping", "0.0322Ns/m", true,
+     {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}}},
+    {Dimension::kForceConstant, "a force constant", "1.0N/A", true, {{{"N/A", 1}}}},
+}};
+
+const DimensionRow& RowOf(Dimension dimension) {
+  return kDimensions[static_cast<std::size_t>(dimension)];
+}
+
+void ReplaceAll(std::string& text, std::string_view from, std::string_view to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+// one spelling for micro, ohm and plus-minus; no surrounding blanks
+std::string Normalised(std::string_view raw) {
+  std::string text(raw);
+  ReplaceAll(text, "\u00b5", "u");
+  ReplaceAll(text, "\u03bc", "u");
+  ReplaceAll(text, "\u03a9", "ohm");
+  ReplaceAll(text, "\u2126", "ohm");
+  ReplaceAll(text, "\u00b1", "+-");
+  ReplaceAll(text, "+/-", "+-");
+  const auto first = text.find_first_not_of(' ');
+  if (first == std::string::npos) return {};
+  return text.substr(first, text.find_last_not_of(' ') - first + 1);
+}
+
+struct Number {
+  double value = 0;
+  double last_digit = 1;    // what one unit of the last written digit is worth
+  std::size_t length = 0;   // characters read
+};
+
+// a decimal number at the front of `text`
+std::optional<Number> LeadingNumber(std::string_view text) {
+  const std::size_t sign = !text.empty() && text[0] == '+' ? 1 : 0;
+  Number number;
+  const char* begin = text.data() + sign;
+  const auto [end, failure] = std::from_chars(begin, text.data() + text.size(), number.value);
+  if (failure != std::errc{} || !std::isfinite(number.value)) return std::nullopt;
+  number.length = static_cast<std::size_t>(end - text.data());
+  const std::string_view digits = text.substr(sign, number.length - sign);
+  const auto dot = digits.find('.');
+  if (dot != std::string_view::npos) {
+    const auto past = digits.find_first_not_of("0123456789", dot + 1);
+    const auto stop = past == std::string_view::npos ? digits.size() : past;
+    number.last_digit = std::pow(10.0, -static_cast<double>(stop - dot - 1));
+  }
+  return number;
+}
+
+// the factor of a unit, or nothing
+std::optional<double> FactorOf(const DimensionRow& row, std::string_view symbol) {
+  for (const Unit& unit : row.units) {
+    if (!unit.symbol.empty() && unit.symbol == symbol) return unit.si;
+  }
+  return std::nullopt;
+}
+
+std::string UnitList(const DimensionRow& row) {
+  std::string list;
+  for (const Unit& unit : row.units) {
+    if (unit.symbol.empty()) continue;
+    if (!list.empty()) list += ", ";
+    list += unit.symbol;
+  }
+  return list;
+}
+
+std::string_view Trimmed(std::string_view text) {
+  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
+  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
+  return text;
+}
+
+// the unit behind a number in SI, or why there is none
+Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std::string_view number,
+                          std::string_view where) {
+  if (!symbol.empty()) {
+    if (const auto factor = FactorOf(row, symbol)) return *factor;
+    const std::string units = UnitList(row);
+    return Usage(std::string(where), fmt::format("'{}' is not a unit of {}", symbol, row.name),
+                 units.empty() ? "write the number alone" : "use one of " + units);
+  }
+  if (row.may_be_bare) return 1.0;
+  const std::string_view customary = row.dimension == Dimension::kLength ? "mm"
+                                     : row.dimension == Dimension::kMass ? "g"
+                                                                         : "uH";
+  return Usage(std::string(where), fmt::format("'{}' has no unit, and {} needs one", number, row.name),
+               fmt::format("did you mean {}{}?", number, customary));
+}
+
+Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::string_view where) {
+  return Usage(std::string(where), fmt::format("'{}' is not {}", raw, row.name),
+               fmt::format("write it like {}", row.example));
+}
+
+}  // namespace
+
+std::string_view SiUnit(Dimension dimension) { return RowOf(dimension).units[0].symbol; }
+
+Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::string_view where) {
+  const DimensionRow& row = RowOf(dimension);
+  const std::string text = Normalised(raw);
+  if (dimension == Dimension::kResistance && (text == "inf" || text == "open")) {
+    return Quantity{std::numeric_limits<double>::infinity(), 0};
+  }
+  const auto number = LeadingNumber(text);
+  if (!number) return NotANumber(raw, row, where);
+  std::string_view rest = std::string_view(text).substr(number->length);
+  double uncertainty = 0;
+
+  // 1.40(3)g: the bracket counts in units of the last digit
+  if (!rest.empty() && rest[0] == '(') {
+    const auto bracket = LeadingNumber(rest.substr(1));
+    if (!bracket || bracket->length + 1 >= rest.size() || rest[bracket->length + 1] != ')') {
+      return NotANumber(raw, row, where);
+    }
+    const bool counts_digits = rest.substr(1, bracket->length).find('.') == std::string_view::npos;
+    uncertainty = bracket->value * (counts_digits ? number->last_digit : 1.0);
+    rest.remove_prefix(bracket->length + 2);
+  }
+
+  // 1.40g+-0.03g: two quantities; the left unit serves both when the right one has none
+  const auto plus_minus = rest.find("+-");
+  std::string_view symbol = Trimmed(rest.substr(0, plus_minus));
+  if (plus_minus != std::string_view::npos) {
+    const std::string_view right = Trimmed(rest.substr(plus_minus + 2));
+    const auto deviation = LeadingNumber(right);
+    if (!deviation || uncertainty != 0) return NotANumber(raw, row, where);
+    const std::string_view right_symbol = Trimmed(right.substr(deviation->length));
+    if (symbol.empty()) symbol = right_symbol;
+    const auto factor = UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
+                                   right.substr(0, deviation->length), where);
+    if (!factor) return std::unexpected(factor.error());
+    uncertainty = deviation->value * *factor;
+    if (uncertainty < 0) return NotANumber(raw, row, where);
+    const auto left = UnitFactor(row, symbol, text.substr(0, number->length), where);
+    if (!left) return std::unexpected(left.error());
+    return Quantity{number->value * *left, uncertainty};
+  }
+  const auto factor =
+      UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where);
+  if (!factor) return std::unexpected(factor.error());
+  if (uncertainty < 0) return NotANumber(raw, row, where);
+  return Quantity{number->value * *factor, uncertainty * *factor};
+}
+
+}  // namespace haptometer

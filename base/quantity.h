@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+
+namespace haptometer {
+
+/// What a quantity measures. Lengths, masses and inductances need a unit; the others may be bare SI
+/// numbers, because nobody writes a frequency in kHz without saying so, but many write 10 for 10 mm.
+enum class Dimension : std::uint8_t {
+  kNone,           ///< a plain number or ratio
+  kLength,         ///< m, mm, um, nm                 (unit required)
+  kMass,           ///< kg, g, mg                     (unit required)
+  kInductance,     ///< H, mH, uH                     (unit required)
+  kTime,           ///< s, ms, us, min, h
+  kFrequency,      ///< Hz, kHz, MHz
+  kVoltage,        ///< V, mV, uV
+  kCurrent,        ///< A, mA
+  kResistance,     ///< ohm, mohm, kohm, Mohm; "inf" and "open" are infinite
+  kStiffness,      ///< N/m, N/mm
+  kDamping,        ///< N s/m (also Ns/m, N*s/m)
+  kForceConstant,  ///< N/A
+};
+
+/// A number with its standard uncertainty, both in SI units.
+struct Quantity {
+  double value = 0;
+  double standard_uncertainty = 0;  ///< 0: stated as exact
+
+  [[nodiscard]] bool exact() const { return standard_uncertainty == 0; }
+};
+
+/// Reads "1.4g", "10 mm", "27", "1.40(3)g", "1.40g+-0.03g" (also ± and +/-) as SI.
+///
+/// The concise form's bracket counts in units of the last digit: 1.40(3) g is 1.40 g with u = 0.03 g.
+/// Both "u" and "µ" (either code point) mean micro. `where` names the option or key in errors.
+/// Errors (Cause::kUsage): not a number, an unknown unit, a unit of another dimension, a negative
+/// uncertainty, a bare length, mass or inductance ("did you mean 10mm?"), NaN, infinity except for
+/// resistances.
+[[nodiscard]] Result<Quantity> ParseQuantity(std::string_view text, Dimension dimension,
+                                             std::string_view where);
+
+/// The coherent SI unit of `dimension` as text: "m", "N s/m", "" for kNone.
+[[nodiscard]] std::string_view SiUnit(Dimension dimension);
+
+}  // namespace haptometer

@@ -1,0 +1,208 @@
+#include "base/toml_table.h"
+
+#include <fmt/core.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "base/input_file.h"
+
+namespace haptometer {
+
+struct TomlTable::State {
+  toml::table root;                    // only in the file's own table
+  const toml::table* table = nullptr;  // what this table reads
+  std::string where;
+  mutable std::set<std::string, std::less<>> asked;
+  std::map<std::string, TomlTable, std::less<>> children;
+  std::optional<Error> first_error;
+
+  const toml::node* Find(std::string_view key) const {
+    asked.emplace(key);
+    return table->get(key);
+  }
+  void Fail(std::string_view key, std::string what, std::string remedy = {}) {
+    if (first_error) return;
+    first_error = Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what),
+                        std::move(remedy)};
+  }
+};
+
+namespace {
+
+// Levenshtein distance, for "did you mean"
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
+  const auto nearest = std::min_element(known.begin(), known.end(), [&](auto& a, auto& b) {
+    return EditDistance(key, a) < EditDistance(key, b);
+  });
+  if (nearest == known.end()) return "remove it";
+  return fmt::format("did you mean {}?", *nearest);
+}
+
+std::string Joined(const std::vector<std::string>& choices) {
+  std::string text;
+  for (const std::string& choice : choices) text += (text.empty() ? "" : ", ") + choice;
+  return text;
+}
+
+}  // namespace
+
+TomlTable::TomlTable(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TomlTable::TomlTable(TomlTable&&) noexcept = default;
+TomlTable& TomlTable::operator=(TomlTable&&) noexcept = default;
+TomlTable::~TomlTable() = default;
+
+Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
+  auto text = ReadInputFile(path, 1ULL << 20);
+  if (!text) return std::unexpected(text.error());
+  return ParseText(*text, path);
+}
+
+Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
+  auto state = std::make_unique<State>();
+  try {
+    state->root = toml::parse(text, where);
+  } catch (const toml::parse_error& error) {
+    const auto at = error.source().begin;
+    return CannotAnswer(fmt::format("{}:{}:{}", where, at.line, at.column),
+                        std::string(error.description()), "mend the TOML there");
+  }
+  state->table = &state->root;
+  state->where = std::move(where);
+  return TomlTable(std::move(state));
+}
+
+bool TomlTable::Has(std::string_view key) const { return state_->Find(key) != nullptr; }
+
+TomlTable* TomlTable::Table(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return nullptr;
+  const toml::table* table = node->as_table();
+  if (table == nullptr) {
+    state_->Fail(key, "is not a table", fmt::format("write [{}]", key));
+    return nullptr;
+  }
+  auto found = state_->children.find(key);
+  if (found == state_->children.end()) {
+    auto child = std::make_unique<State>();
+    child->table = table;
+    child->where = fmt::format("{}: [{}]", state_->where, key);
+    found = state_->children.emplace(std::string(key), TomlTable(std::move(child))).first;
+  }
+  return &found->second;
+}
+
+namespace {
+
+// a number as it stands (SI), or a string with a unit
+Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::string_view where) {
+  if (const auto* text = node.as_string()) return ParseQuantity(text->get(), dimension, where);
+  const auto number = node.value<double>();
+  if (!number || node.is_boolean()) {
+    return Usage(std::string(where), "is not a number", "write an SI number or a string with a unit");
+  }
+  const bool may_be_infinite = dimension == Dimension::kResistance && *number > 0;
+  if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
+    return Usage(std::string(where), "is not a finite number", "write an SI number");
+  }
+  return Quantity{*number, 0};
+}
+
+}  // namespace
+
+Quantity TomlTable::RequireQuantity(std::string_view key, Dimension dimension) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) {
+    const std::string_view unit = SiUnit(dimension);
+    state_->Fail(key, "is missing",
+                 unit.empty() ? "add it" : fmt::format("add it, in {} or with a unit", unit));
+    return {};
+  }
+  auto quantity = ReadQuantity(*node, dimension, fmt::format("{}: {}", state_->where, key));
+  if (!quantity) {
+    if (!state_->first_error) state_->first_error = quantity.error();
+    return {};
+  }
+  return *quantity;
+}
+
+double TomlTable::Require(std::string_view key, Dimension dimension) {
+  return RequireQuantity(key, dimension).value;
+}
+
+std::optional<double> TomlTable::Number(std::string_view key, Dimension dimension) {
+  if (!Has(key)) return std::nullopt;
+  return Require(key, dimension);
+}
+
+std::optional<std::string> TomlTable::Text(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* text = node->as_string()) return text->get();
+  state_->Fail(key, "is not a text", "put it in quotes");
+  return std::nullopt;
+}
+
+std::optional<bool> TomlTable::Flag(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* flag = node->as_boolean()) return flag->get();
+  state_->Fail(key, "is neither true nor false", "write true or false");
+  return std::nullopt;
+}
+
+std::optional<long long> TomlTable::Integer(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto* number = node->as_integer()) return number->get();
+  state_->Fail(key, "is not a whole number", "write it without a point or quotes");
+  return std::nullopt;
+}
+
+std::optional<std::string> TomlTable::Choice(std::string_view key,
+                                             const std::vector<std::string>& choices) {
+  auto text = Text(key);
+  if (!text || std::ranges::find(choices, *text) != choices.end()) return text;
+  state_->Fail(key, fmt::format("\"{}\" is not known", *text), "use one of " + Joined(choices));
+  return std::nullopt;
+}
+
+void TomlTable::Refuse(std::string_view key, std::string what) {
+  state_->Fail(key, std::move(what));
+}
+
+Result<void> TomlTable::Finish() const {
+  // an unknown key explains a missing one, so it is told first
+  for (const auto& [key, node] : *state_->table) {
+    if (!state_->asked.contains(key.str())) {
+      return Usage(state_->where, fmt::format("key {} is not known", key.str()),
+                   NearestRemedy(key.str(), state_->asked));
+    }
+  }
+  if (state_->first_error) return std::unexpected(*state_->first_error);
+  for (const auto& [key, child] : state_->children) {
+    if (auto done = child.Finish(); !done) return done;
+  }
+  return {};
+}
+
+const std::string& TomlTable::where() const { return state_->where; }
+
+}  // namespace haptometer

@@ -1,0 +1,18 @@
+# Every third-party part, in one place; Debian's package is named beside each (tools/packages.txt
+# installs them). cmake/haptometerConfig.cmake.in repeats those that the installed libraries need.
+find_package(Threads REQUIRED)
+find_package(PkgConfig REQUIRED)
+find_package(fmt REQUIRED)                 # libfmt-dev
+find_package(ZLIB REQUIRED)                # zlib1g-dev: crc32
+find_package(nlohmann_json REQUIRED)       # nlohmann-json3-dev
+find_package(Eigen3 REQUIRED NO_MODULE)    # libeigen3-dev
+find_package(Ceres REQUIRED)               # libceres-dev
+pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)    # libtomlplusplus-dev
+pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)                  # libfftw3-dev
+pkg_check_modules(libserialport REQUIRED IMPORTED_TARGET libserialport)  # libserialport-dev
+find_package(CLI11 REQUIRED)               # libcli11-dev
+if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
+  find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
+  find_package(benchmark REQUIRED)         # libbenchmark-dev
+  find_package(Python3 COMPONENTS Interpreter)
+endif()

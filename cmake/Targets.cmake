@@ -1,0 +1,69 @@
+# One function per kind of target.
+
+# haptometer_room(NAME HEADERS ... SOURCES ... DEPENDS ... PARTS ...)
+# A room: the static library haptometer_NAME, also known as haptometer::NAME. DEPENDS are lower rooms
+# and parts that its headers show; PARTS are third-party libraries that only its sources use. Each header
+# is compiled on its own when CMAKE_VERIFY_INTERFACE_HEADER_SETS is on.
+function(haptometer_room name)
+  cmake_parse_arguments(PARSE_ARGV 1 room "" "" "HEADERS;SOURCES;DEPENDS;PARTS")
+  set(target haptometer_${name})
+  add_library(${target} STATIC ${room_SOURCES})
+  add_library(haptometer::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_sources(${target} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR}
+                 FILES ${room_HEADERS})
+  target_compile_features(${target} PUBLIC cxx_std_23)
+  target_link_libraries(${target} PUBLIC ${room_DEPENDS} PRIVATE ${room_PARTS})
+  install(TARGETS ${target} EXPORT haptometer
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/haptometer)
+endfunction()
+
+# haptometer_test(NAME SOURCES ... DEPENDS ...)
+# The program NAME_test with one ctest entry per GoogleTest case. Fixtures and programs are found
+# through compile definitions, so a test runs from any directory.
+function(haptometer_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS")
+  set(target ${name}_test)
+  add_executable(${target} ${test_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${target} PRIVATE
+    HAPTOMETER_FIXTURES="${PROJECT_SOURCE_DIR}/fixtures"
+    HAPTOMETER_PROGRAMS="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
+  target_link_libraries(${target} PRIVATE ${test_DEPENDS} GTest::gtest_main GTest::gmock)
+  gtest_discover_tests(${target} TEST_PREFIX "${name}." PROPERTIES TIMEOUT 120 DISCOVERY_TIMEOUT 60)
+endfunction()
+
+# haptometer_script_test(NAME SCRIPT ... DEPENDS ...)
+# A test written in Python, run with Debian's interpreter (the one that sees SciPy). A script that
+# exits with 77 says what it misses and counts as skipped.
+function(haptometer_script_test name script)
+  add_test(NAME ${name} COMMAND /usr/bin/python3 ${script} ${ARGN}
+           WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300
+    ENVIRONMENT "HAPTOMETER_PROGRAMS=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};PYTHONDONTWRITEBYTECODE=1")
+endfunction()
+
+# haptometer_bench(NAME SOURCES ... DEPENDS ...)
+# The Google Benchmark program NAME_bench, and a ctest entry that runs each of its cases once, so that
+# a bench cannot rot. Its times are read by hand, never asserted.
+function(haptometer_bench name)
+  cmake_parse_arguments(PARSE_ARGV 1 bench "" "" "SOURCES;DEPENDS")
+  set(target ${name}_bench)
+  add_executable(${target} ${bench_SOURCES})
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${target} PRIVATE ${bench_DEPENDS} benchmark::benchmark_main)
+  add_test(NAME bench.${name} COMMAND ${target} --benchmark_min_time=0.001)
+endfunction()
+
+# haptometer_fuzz(NAME DEPENDS ...)
+# The libFuzzer program NAME_fuzz from fuzz/NAME_fuzz.cc.
+function(haptometer_fuzz name)
+  cmake_parse_arguments(PARSE_ARGV 1 fuzz "" "" "DEPENDS")
+  set(target ${name}_fuzz)
+  add_executable(${target} EXCLUDE_FROM_ALL ${name}_fuzz.cc)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${target} PRIVATE ${fuzz_DEPENDS})
+  target_link_options(${target} PRIVATE -fsanitize=fuzzer)
+  add_dependencies(fuzzers ${target})
+endfunction()

@@ -1,0 +1,91 @@
+#include "base/quantity.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "tests/residual.h"
+
+namespace haptometer {
+namespace {
+
+struct Case {
+  const char* text;
+  Dimension dimension;
+  double value;
+  double standard_uncertainty;
+};
+
+class Quantities : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Quantities, AreReadAsSi) {
+  const Case& c = GetParam();
+  const auto quantity = ParseQuantity(c.text, c.dimension, "--x");
+  ASSERT_TRUE(quantity) << quantity.error().Text();
+  EXPECT_REL(quantity->value, c.value, 4e-16, "one rounding of the unit's factor");
+  EXPECT_ABS(quantity->standard_uncertainty, c.standard_uncertainty, 1e-15 * c.value,
+             "rounding of the factors");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Forms, Quantities,
+    ::testing::Values(Case{"1.4g", Dimension::kMass, 1.4e-3, 0},
+                      Case{" 10 mm ", Dimension::kLength, 1e-2, 0},
+                      Case{"1.40(3)g", Dimension::kMass, 1.4e-3, 3e-5},
+                      Case{"2800(58)", Dimension::kStiffness, 2800, 58},
+                      Case{"1.40(0.03) g", Dimension::kMass, 1.4e-3, 3e-5},
+                      Case{"1.40g+-0.03g", Dimension::kMass, 1.4e-3, 3e-5},
+                      Case{"1.40 ± 0.03 g", Dimension::kMass, 1.4e-3, 3e-5},
+                      Case{"1.40g+/-30mg", Dimension::kMass, 1.4e-3, 3e-5},
+                      Case{"130µH", Dimension::kInductance, 130e-6, 0},
+                      Case{"130μH", Dimension::kInductance, 130e-6, 0},
+                      Case{"27Ω", Dimension::kResistance, 27, 0},
+                      Case{"27", Dimension::kResistance, 27, 0},
+                      Case{"0.0322 N s/m", Dimension::kDamping, 0.0322, 0},
+                      Case{"+225Hz", Dimension::kFrequency, 225, 0},
+                      Case{"1e3", Dimension::kFrequency, 1000, 0},
+                      Case{"2min", Dimension::kTime, 120, 0}));
+
+TEST(Quantity, OpenCircuitIsInfinite) {
+  for (const char* text : {"inf", "open"}) {
+    const auto quantity = ParseQuantity(text, Dimension::kResistance, "--load");
+    ASSERT_TRUE(quantity);
+    EXPECT_EQ(quantity->value, std::numeric_limits<double>::infinity());
+  }
+}
+
+TEST(Quantity, BareLengthMassAndInductanceAreRefusedWithAProposal) {
+  const auto length = ParseQuantity("10", Dimension::kLength, "--drop-height");
+  ASSERT_FALSE(length);
+  EXPECT_EQ(length.error().Text(),
+            "--drop-height: '10' has no unit, and a length needs one; did you mean 10mm?");
+  EXPECT_EQ(length.error().cause, Cause::kUsage);
+  EXPECT_EQ(ParseQuantity("1.4", Dimension::kMass, "m").error().remedy, "did you mean 1.4g?");
+  EXPECT_EQ(ParseQuantity("130", Dimension::kInductance, "l").error().remedy,
+            "did you mean 130uH?");
+}
+
+class BadQuantities : public ::testing::TestWithParam<std::pair<const char*, Dimension>> {};
+
+TEST_P(BadQuantities, AreUsageErrors) {
+  const auto quantity = ParseQuantity(GetParam().first, GetParam().second, "--x");
+  ASSERT_FALSE(quantity);
+  EXPECT_EQ(quantity.error().cause, Cause::kUsage);
+  EXPECT_FALSE(quantity.error().remedy.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Forms, BadQuantities,
+    ::testing::Values(std::pair{"", Dimension::kTime}, std::pair{"abc", Dimension::kTime},
+                      std::pair{"3kg", Dimension::kTime}, std::pair{"nan", Dimension::kTime},
+                      std::pair{"inf", Dimension::kTime}, std::pair{"1e999", Dimension::kTime},
+                      std::pair{"1.4(3g", Dimension::kMass}, std::pair{"1.4()g", Dimension::kMass},
+                      std::pair{"1.4g+-", Dimension::kMass},
+                      std::pair{"1.4g+--0.1g", Dimension::kMass},
+                      std::pair{"1.4(3)g+-0.1g", Dimension::kMass},
+                      std::pair{"1.4g+-0.1mm", Dimension::kMass},
+                      std::pair{"1.4(-3)g", Dimension::kMass},
+                      std::pair{"1,4g", Dimension::kMass}, std::pair{"5 V", Dimension::kNone}));
+
+}  // namespace
+}  // namespace haptometer

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <atomic>
+
+namespace haptometer::cli {
+
+/// From now on SIGINT and SIGTERM only set a flag, so that a verb can finish its file; a second
+/// signal of the same kind ends the program at once. SIGPIPE is ignored.
+void CatchInterrupts();
+
+/// Set to true by the first signal; a recorder polls it.
+[[nodiscard]] const std::atomic<bool>& Interrupted();
+
+/// 130 after SIGINT, 143 after SIGTERM, `otherwise` when no signal came.
+[[nodiscard]] int InterruptedStatus(int otherwise);
+
+}  // namespace haptometer::cli

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string_view>
+
+#include "base/result.h"
+
+namespace haptometer::cli {
+
+/// Prints "haptometer VERB: TEXT" on stderr, in one line, and returns the exit status of its cause.
+[[nodiscard]] int ReportError(std::string_view verb, const Error& error);
+
+/// A remark on stderr: "VERB: TEXT".
+void Remark(std::string_view verb, std::string_view text);
+
+}  // namespace haptometer::cli
