@@ -2,8 +2,7 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <vector>
+#include <string_view>
 
 #include "sim/actuator.h"
 #include "sim/skin.h"
@@ -46,6 +45,9 @@ struct Sensor {
   double latency_s = 0;    ///< a reading of time t shows the motion of t - latency_s
   std::uint64_t seed = 1;  ///< of the head's noise
 };
+
+/// A perfect sensor on the skin: 10 kHz, no averaging, rounding, noise, range or delay.
+[[nodiscard]] Sensor IdealSensor();
 
 /// A linear scene with a sine drive: all that this version simulates. Contact is bilateral: the
 /// skin also pulls. Without an adapter the case itself touches the skin, directly or through a

@@ -17,12 +17,12 @@ namespace haptometer::sim {
 /// at each instant rather than stepped, so the drive's phase does not drift.
 class TimeResponse {
  public:
-  /// Cost: about 60 exponentials of (9, 9). kSteady takes the phasor at t = 0 as the initial state.
+  /// Cost: 84 exponentials of (9, 9). kSteady takes the phasor at t = 0 as the initial state.
   TimeResponse(const LinearModel& model, const SineDrive& drive, Start start);
   /// From any state at t = 0: `initial` has model.states() entries.
   TimeResponse(const LinearModel& model, const SineDrive& drive, Eigen::VectorXd initial);
 
-  /// The state at any time 0 <= t_s < 2^20 s; for t_s < 0 the initial state when it is zero.
+  /// The state at any time 0 <= t_s < 2^20 s (12 days).
   ///
   /// t is taken apart into powers of two, whose exponentials are kept, so the answer costs the same
   /// for any t (some 25 products with a (9, 9) matrix, about a microsecond) and does not depend on
@@ -41,11 +41,13 @@ class TimeResponse {
   [[nodiscard]] double WindowRms(Eigen::Index state, double begin_s, double end_s) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXd StepOver(double h_s) const;
+
   Eigen::Index states_;
-  double omega_rad_per_s_;
+  double frequency_hz_;
   Eigen::MatrixXd generator_;            // (n + 2, n + 2)
   Eigen::VectorXd initial_;              // (n)
-  std::vector<Eigen::MatrixXd> powers_;  // exp(G 2^k s), smallest k first
+  std::vector<Eigen::MatrixXd> powers_;  // StepOver(2^k s), (n, n + 2), smallest k first
 };
 
 }  // namespace haptometer::sim
