@@ -17,9 +17,9 @@ enum class SectionKind : std::uint8_t { kHighPass, kBandPass, kLowPass };
 ///
 ///   d[n] = d[n-1] - f d[n-1] - e y[n-1] + b m[n],   y[n] = y[n-1] + d[n]
 ///
-/// m is the numerator's combination of inputs. e and f are small where the corners are far below the
-/// rate; a direct form would hold 2 - e - f and 1 - f instead and lose their digits.
-/// Middleton and Goodwin, Digital Control and Estimation, 1990 (delta operator).
+/// m is the numerator's combination of inputs. e and f are small where the corners are far below
+/// the rate; a direct form would hold 2 - e - f and 1 - f instead and lose their digits. Middleton
+/// and Goodwin, Digital Control and Estimation, 1990 (delta operator).
 struct DeltaSection {
   SectionKind kind = SectionKind::kHighPass;
   double e = 0;  ///< 1 + a1 + a2 of the direct form, > 0
@@ -55,8 +55,8 @@ inline constexpr int kHighestOrder = 8;
 /// by (sqrt(2) - 1)^(1/2N) and keeps w0, so that |H|^2 is 1/sqrt(2) at both corners.
 /// Only tan, sin, cos, sqrt and roots without cancellation are used: the response of the stored
 /// sections is within 6e-15 of the formula for rates of 2 kHz to 400 kHz (tests).
-/// Errors (Cause::kUsage): order outside 1..8, corners not in order or not positive, upper corner at
-/// or above rate/2, rate not positive.
+/// Errors (Cause::kUsage): order outside 1..8, corners not in order or not positive, upper corner
+/// at or above rate/2, rate not positive.
 [[nodiscard]] Result<FilterDesign> DesignBandPass(const BandPass& band, double rate_hz);
 
 /// The complex response of one pass of the stored sections at `frequency_hz` (any, up to rate/2).

@@ -26,9 +26,9 @@ class Cascade {
 
  private:
   struct State {
-    double output = 0;          // y[n-1]
-    double step = 0;            // d[n-1] = y[n-1] - y[n-2]
-    double input_before = 0;    // of high-pass and band-pass: x[n-1] - x[n-2]; low-pass: the sum
+    double output = 0;        // y[n-1]
+    double step = 0;          // d[n-1] = y[n-1] - y[n-2]
+    double input_before = 0;  // of high-pass and band-pass: x[n-1] - x[n-2]; low-pass: the sum
   };
 
   template <std::size_t kPairs, std::size_t kMiddle>

@@ -21,9 +21,9 @@ struct SettledSignal {
 /// Filters with zero phase and measures, instead of assuming, where the result has settled.
 ///
 /// The signal is filtered with an odd and with a constant continuation. From the middle outwards,
-/// settled samples reach to the last one on each side at which both agree to kSettledTolerance times
-/// the RMS over the settled samples themselves (repeated until that holds). Large motion below the
-/// band, such as a hand's tremor, so takes more from the ends than a clean tone does.
+/// settled samples reach to the last one on each side at which both agree to kSettledTolerance
+/// times the RMS over the settled samples themselves (repeated until that holds). Large motion
+/// below the band, such as a hand's tremor, so takes more from the ends than a clean tone does.
 /// Cost: two zero-phase runs. Memory: twice the signal.
 [[nodiscard]] SettledSignal FilterSettled(const FilterDesign& design,
                                           std::span<const double> signal);

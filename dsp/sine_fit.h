@@ -10,15 +10,15 @@ namespace haptometer::dsp {
 /// `noise_bandwidth_hz`; NaN where converged is false.
 struct SineFit {
   double frequency_hz = 0;
-  double amplitude = 0;       ///< >= 0, in the signal's unit
-  double phase_rad = 0;       ///< at the first sample, -pi to pi
+  double amplitude = 0;  ///< >= 0, in the signal's unit
+  double phase_rad = 0;  ///< at the first sample, -pi to pi
   double offset = 0;
-  double residual_rms = 0;    ///< of what the sine and offset leave
+  double residual_rms = 0;              ///< of what the sine and offset leave
   double frequency_uncertainty_hz = 0;  ///< 0 where the frequency was given
   double amplitude_uncertainty = 0;
   double phase_uncertainty_rad = 0;
   int iterations = 0;
-  bool converged = false;     ///< false: the numbers are the start's and mean nothing more
+  bool converged = false;  ///< false: the numbers are the start's and mean nothing more
 };
 
 /// How a fit reads its signal.
