@@ -1,5 +1,6 @@
 #include "dsp/rms.h"
 
+#include <array>
 #include <cmath>
 
 #include "base/check.h"
@@ -8,14 +9,20 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kBlock = 128;
+constexpr std::size_t kLanes = 8;
 
-// sum of term(x), split at a fixed grid so that only the values decide the rounding
+// sum of term(x): eight running sums in a block, blocks split at a fixed grid, all added in pairs
 template <typename Term>
 double PairwiseSum(std::span<const double> values, const Term& term) {
   if (values.size() <= kBlock) {
-    double sum = 0;
-    for (const double value : values) sum += term(value);
-    return sum;
+    std::array<double, kLanes> sums{};
+    std::size_t k = 0;
+    for (; k + kLanes <= values.size(); k += kLanes) {
+      for (std::size_t lane = 0; lane < kLanes; ++lane) sums[lane] += term(values[k + lane]);
+    }
+    for (; k < values.size(); ++k) sums[k % kLanes] += term(values[k]);
+    return ((sums[0] + sums[1]) + (sums[2] + sums[3])) +
+           ((sums[4] + sums[5]) + (sums[6] + sums[7]));
   }
   const std::size_t blocks = (values.size() + kBlock - 1) / kBlock;
   const std::size_t left = blocks / 2 * kBlock;
