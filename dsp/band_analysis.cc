@@ -124,15 +124,18 @@ void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysi
         analysis.fresh_rate_hz, analysis.observable_upper_hz, band.lower_hz, band.upper_hz,
         needed_hz));
   }
-  double uncertainty_s = 0;
+  // a polled reading's own age; the arrivals of a free-running source may scatter by many periods,
+  // which says nothing of its clock
+  const double limit_s = kTimeUncertaintyPeriods / band.upper_hz;
   for (const Segment& segment : segments.parts) {
-    uncertainty_s = std::max(uncertainty_s, segment.time_uncertainty_s);
-  }
-  if (uncertainty_s >= kTimeUncertaintyPeriods / band.upper_hz) {
+    if (segment.time_uncertainty_s < limit_s || segment.time_uncertainty_s * segment.rate_hz >= 1) {
+      continue;
+    }
     analysis.reasons.push_back(fmt::format(
-        "the time of a reading is uncertain by {:.3g} ms; a tone at {:g} Hz needs less "
-        "than {:.3g} ms: use a sensor that samples on a clock of its own",
-        uncertainty_s * 1e3, band.upper_hz, kTimeUncertaintyPeriods / band.upper_hz * 1e3));
+        "each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less than {:.3g} ms: "
+        "use a sensor that samples on a clock of its own",
+        segment.time_uncertainty_s * 1e3, band.upper_hz, limit_s * 1e3));
+    break;
   }
 }
 
@@ -150,6 +153,7 @@ std::vector<Filtered> FilterAll(const Segments& segments, const BandPass& band) 
   return all;
 }
 
+// `all` is not empty
 const Filtered& LongestSettled(const std::vector<Filtered>& all) {
   return *std::ranges::max_element(all, {}, &Filtered::settled_s);
 }
@@ -174,34 +178,47 @@ bool LeaksLittle(const Filtered& filtered, double lower_hz) {
   return !below || below->leaked_rms_m * below->leaked_rms_m <= kLeakedPowerLimit * rms_m * rms_m;
 }
 
+// why nothing is answered after filtering, and what would help
+std::string TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
+  const auto design = DesignBandPass(band, rate_hz);
+  HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / rate_hz;
+  const double least_s = kLeastWindowPeriods / band.lower_hz;
+  std::string text =
+      fmt::format("only {:.3f} s of it have settled in a filter of order {}; {:.3g} s are needed",
+                  settled_s, band.order, least_s);
+  if (leaks) {
+    text += fmt::format(", and a lower order lets too much of the motion below {:g} Hz through",
+                        band.lower_hz);
+  }
+  return text + fmt::format(": record at least {:.1f} s without a gap", 2 * ringing_s + least_s);
+}
+
 // Filters with the asked order, or with the highest lower one that leaves enough settled. Says in
 // `analysis` which, or why none does; then nothing is returned.
 std::vector<Filtered> FilterSettledEnough(const Segments& segments, const BandQuestion& question,
                                           BandAnalysis& analysis) {
-  const double least_s = kLeastWindowPeriods / question.band.lower_hz;
-  const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, question.band.order)
-                                              : question.band.order;
-  double best_s = 0;
-  for (int order = question.band.order; order >= lowest; --order) {
+  const int asked = question.band.order;
+  const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, asked) : asked;
+  double asked_settled_s = 0;
+  bool leaks = false;
+  for (int order = asked; order >= lowest && !leaks; --order) {
     analysis.band.order = order;
     std::vector<Filtered> all = FilterAll(segments, analysis.band);
+    if (all.empty()) break;
     const Filtered& longest = LongestSettled(all);
-    best_s = std::max(best_s, longest.settled_s());
-    if (longest.settled_s() < least_s) continue;
-    if (order == question.band.order) return all;
-    if (!LeaksLittle(longest, question.band.lower_hz)) break;
-    analysis.remarks.push_back(fmt::format(
-        "filter order lowered from {} to {}: too little had settled", question.band.order, order));
+    if (order == asked) asked_settled_s = longest.settled_s();
+    if (longest.settled_s() < kLeastWindowPeriods / question.band.lower_hz) continue;
+    if (order == asked) return all;
+    leaks = !LeaksLittle(longest, question.band.lower_hz);
+    if (leaks) continue;
+    analysis.remarks.push_back(fmt::format("filter order lowered from {} to {}: of order {} only "
+                                           "{:.3f} s had settled",
+                                           asked, order, asked, asked_settled_s));
     return all;
   }
   analysis.band = question.band;
-  const auto design = DesignBandPass(question.band, analysis.rate_hz);
-  const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / analysis.rate_hz;
-  analysis.reasons.push_back(fmt::format(
-      "too little of the record is free of its ends' influence: the longest piece that "
-      "a filter of order {} settles in is too short or lets too much of the motion below "
-      "{:g} Hz through: record at least {:.1f} s without a gap",
-      question.band.order, question.band.lower_hz, 2 * ringing_s + least_s));
+  analysis.reasons.push_back(TooShort(question.band, analysis.rate_hz, asked_settled_s, leaks));
   return {};
 }
 
