@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/nearest.h"
 
 namespace haptometer {
 
@@ -26,34 +26,17 @@ struct TomlTable::State {
   }
   void Fail(std::string_view key, std::string what, std::string remedy = {}) {
     if (first_error) return;
-    first_error = Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what),
-                        std::move(remedy)};
+    first_error =
+        Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what), std::move(remedy)};
   }
 };
 
 namespace {
 
-// Levenshtein distance, for "did you mean"
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
+// what to say of a key that nobody asked for
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](auto& a, auto& b) {
-    return EditDistance(key, a) < EditDistance(key, b);
-  });
-  if (nearest == known.end()) return "remove it";
-  return fmt::format("did you mean {}?", *nearest);
+  const std::string nearest = Nearest(key, {known.begin(), known.end()});
+  return nearest.empty() ? "remove it" : fmt::format("did you mean {}?", nearest);
 }
 
 std::string Joined(const std::vector<std::string>& choices) {
@@ -116,7 +99,8 @@ Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::
   if (const auto* text = node.as_string()) return ParseQuantity(text->get(), dimension, where);
   const auto number = node.value<double>();
   if (!number || node.is_boolean()) {
-    return Usage(std::string(where), "is not a number", "write an SI number or a string with a unit");
+    return Usage(std::string(where), "is not a number",
+                 "write an SI number or a string with a unit");
   }
   const bool may_be_infinite = dimension == Dimension::kResistance && *number > 0;
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
