@@ -19,7 +19,7 @@ struct FittedValue {
   bool determined = false;
 };
 
-/// What one given input does to the results: relative change of each per input's own unit of change.
+/// What one given input does to the results.
 struct InputInfluence {
   std::string input;         ///< "moving mass", "load 33 ohm", ...
   double value = 0;          ///< in SI units
@@ -35,7 +35,7 @@ struct FittedRecord {
   std::string name;
   double load_ohm = 0;             ///< infinite: open
   double impact_s = 0;             ///< on the record's own time axis
-  double impact_speed_m_per_s = 0;  ///< of mover against case; signed; see speed_determined
+  double impact_speed_m_per_s = 0;  ///< of mover against case, its magnitude; see below
   bool speed_determined = false;   ///< whether the impact speed is known or measured
   double offset_v = 0;
   double decay_per_s = 0;          ///< of this record, with its load

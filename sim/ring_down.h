@@ -159,4 +159,6 @@ T RingDown<T>::VoltagePerSpeed(const T& time_s) const {
   return gain_v_s_per_m_ * shape;
 }
 
+extern template class RingDown<double>;  // compiled once, in ring_down.cc
+
 }  // namespace haptometer::sim
