@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "base/result.h"
 
 namespace haptometer {
+
+/// What stands under a key, for the few keys that may hold one thing or another.
+enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 
 /// One table of a TOML file, read strictly: every key must be asked for, or Finish() names it.
 ///
@@ -38,6 +42,9 @@ class TomlTable {
 
   /// Whether the key is present (this also counts as asking for it).
   [[nodiscard]] bool Has(std::string_view key) const;
+
+  /// What stands under the key (this also counts as asking for it).
+  [[nodiscard]] TomlKind KindOf(std::string_view key) const;
 
   /// The sub-table `key`, or nullptr where it is absent. Its errors show in the root's Finish().
   [[nodiscard]] TomlTable* Table(std::string_view key);
