@@ -14,7 +14,8 @@
 /// The Keyence DL-RS1A (RS-232C unit of the IL series): ASCII lines, one command at a time. Pure
 /// functions between lines and meanings, both directions; no time, no port.
 ///
-/// Source: Keyence, DL-RS1A User's Manual (IL Edition), 96081E, p. 6-15.
+/// Source: Keyence, DL-RS1A User's Manual, IL Edition (96081E), p. 13-14 for values and data
+/// numbers; GT-70A Edition, p. 15, for the error numbers, which the editions share.
 namespace haptometer::acquire::dl_rs1a {
 
 /// The only rates of the unit; the first is the factory setting.
@@ -27,21 +28,22 @@ inline constexpr std::size_t kLongestLine = 2 + kMostUnits * 11;
 inline constexpr std::string_view kLineEnd = "\r\n";
 /// Processing of M0 and MS between the request's last and the reply's first character, at most.
 inline constexpr MonotonicNs kProcessingNs = 4'000'000;
-/// How often the unit refreshes the values that M0 reads, with one amplifier: 7 ms.
+/// How often the unit refreshes the values that M0 reads, with one amplifier: 7 ms (IB and GT-70A
+/// Editions; the IL Edition gives no figure).
 inline constexpr MonotonicNs kRefreshNs = 7'000'000;
 
-/// Data numbers of SR used here (IL edition, p. 13).
+/// Data numbers of SR used here (IL Edition, p. 13).
 inline constexpr int kErrorFlags = 33;
+inline constexpr int kBank = 98;
 inline constexpr int kSamplingCycle = 132;
 inline constexpr int kAveraging = 133;
 inline constexpr int kHold = 136;
 inline constexpr int kZeroShiftMemory = 152;
 inline constexpr int kHighPassCutoff = 159;
-inline constexpr int kBank = 98;
 inline constexpr int kConnectedHead = 195;
 inline constexpr int kProductName = 200;
 
-/// Error numbers of `ER` (p. 15).
+/// Error numbers of `ER`.
 inline constexpr int kInvalidCommand = 0;
 inline constexpr int kDataLength = 20;
 inline constexpr int kParameterCount = 21;
@@ -123,7 +125,7 @@ struct Reply {
 /// `MS,04,-00.007,...\r\n`; outputs[i] belongs to values[i].
 [[nodiscard]] std::string FormatMsReply(std::span<const int> outputs,
                                         std::span<const Value> values);
-/// `SR,00,195,+000000001\r\n` with the data as given (at most 10 characters).
+/// `SR,00,195,1\r\n` with the data as given (at most 10 characters).
 [[nodiscard]] std::string FormatSrReply(int unit, int number, std::string_view data);
 /// `ER,SR,22\r\n`.
 [[nodiscard]] std::string FormatErrorReply(const Refusal& refusal);

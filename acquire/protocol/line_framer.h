@@ -55,6 +55,7 @@ class LineFramer {
 
  private:
   Frame Finish(std::size_t end);
+  void DropOverlongStart();
 
   char end_character_;
   std::size_t longest_;
