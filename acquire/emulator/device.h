@@ -8,11 +8,12 @@
 
 namespace haptometer::acquire::emulator {
 
-/// What an emulated device does with bytes and time, and nothing else: no file, no thread, no clock.
+/// What an emulated device does with bytes and time, and nothing else: no file, no thread, no
+/// clock.
 ///
-/// All times are nanoseconds since the device was switched on, so sample 0 is taken at 0. The caller
-/// never goes back in time. How often it calls makes no difference to the bytes: only to how late
-/// they are handed over.
+/// All times are nanoseconds since the device was switched on, so sample 0 is taken at 0. The
+/// caller never goes back in time. How often it calls makes no difference to the bytes: only to how
+/// late they are handed over.
 class Device {
  public:
   virtual ~Device() = default;

@@ -97,13 +97,14 @@ Result<void> Validate(const DlRs1aSetup& setup) {
                  fmt::format("give one of {}", fmt::join(dl_rs1a::kBauds, ", ")));
   }
   if (!SamplingCode(setup.head.head.sampling_s)) {
-    return Usage("--sampling",
-                 fmt::format("an IL-1000 does not sample every {:g} ms",
-                             1e3 * setup.head.head.sampling_s),
-                 "give 0.33ms, 1ms, 2ms or 5ms");
+    return Usage(
+        "--sampling",
+        fmt::format("an IL-1000 does not sample every {:g} ms", 1e3 * setup.head.head.sampling_s),
+        "give 0.33ms, 1ms, 2ms or 5ms");
   }
   if (!AveragingCode(setup.head.head.averages)) {
-    return Usage("--averages", fmt::format("an IL-1000 does not average {}", setup.head.head.averages),
+    return Usage("--averages",
+                 fmt::format("an IL-1000 does not average {}", setup.head.head.averages),
                  "give a power of two from 1 to 4096");
   }
   return {};
@@ -159,7 +160,8 @@ void DlRs1aUnit::RunTo(MonotonicNs now) {
   }
 }
 
-// When the oldest byte not yet taken in has crossed the wire, which it enters once the unit is free.
+// When the oldest byte not yet taken in has crossed the wire, which it enters once the unit is
+// free.
 MonotonicNs DlRs1aUnit::NextArrival() {
   if (!next_arrival_) {
     next_arrival_ = host_to_unit_.Send(std::max(incoming_.front().written, free_since_));
@@ -226,7 +228,7 @@ void DlRs1aUnit::PrepareAnswer() {
   } else if (fault != nullptr && fault->refuses) {
     answer_ = dl_rs1a::FormatErrorReply({command, dl_rs1a::kCommunication});
   } else if (!parsed.request) {
-    answer_ = dl_rs1a::FormatErrorReply(parsed.refusal);
+    answer_ = dl_rs1a::FormatErrorReply({command, parsed.refusal.number});
   } else {
     answer_ = AnswerTo(*parsed.request, fault);
   }

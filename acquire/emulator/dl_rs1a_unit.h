@@ -20,10 +20,10 @@ namespace haptometer::acquire::emulator {
 /// refresh of the IL series is not printed, its siblings (IB, GT-70A) say 7 ms.
 struct DlRs1aSetup {
   int baud = dl_rs1a::kBauds.front();
-  MovingHead head;                                      ///< an IL-030 (trial::Il030())
-  MonotonicNs processing_ns = dl_rs1a::kProcessingNs;   ///< T4 of M0 and MS
-  MonotonicNs direct_processing_ns = 13'000'000;        ///< T4 of SR
-  MonotonicNs refresh_ns = dl_rs1a::kRefreshNs;         ///< T2: the buffer is refilled at k * refresh
+  MovingHead head;                                     ///< an IL-030 (trial::Il030())
+  MonotonicNs processing_ns = dl_rs1a::kProcessingNs;  ///< T4 of M0 and MS
+  MonotonicNs direct_processing_ns = 13'000'000;       ///< T4 of SR
+  MonotonicNs refresh_ns = dl_rs1a::kRefreshNs;  ///< T2: the buffer is refilled at k * refresh
   FaultPlan faults;
 };
 
@@ -33,20 +33,21 @@ struct DlRs1aSetup {
 
 /// A Keyence DL-RS1A with one IL-1000 amplifier (number 00) and an IL-030 head.
 ///
-/// Understands M0, MS and SR; its R/W switch stands on R, so SW and AW are refused with 67. SR knows
-/// the numbers that describe the amplifier (033, 036-040, 098, 132, 133, 136, 152, 159, 193, 195 and
-/// 200, the product name, which is EMULATED), others are refused with 22. Comparator limits are the
-/// ends of the measuring range.
+/// Understands M0, MS and SR; its R/W switch stands on R, so SW and AW are refused with 67. SR
+/// knows the numbers that describe the amplifier (033, 036-040, 098, 132, 133, 136, 152, 159, 193,
+/// 195 and 200, the product name, which is EMULATED), others are refused with 22. Comparator limits
+/// are the ends of the measuring range.
 ///
-/// Time: a request crosses the wire byte by byte, is processed when its CR, or the LF behind it, has
-/// arrived, and the answer crosses the wire back; then the next request is taken in. So no exchange
-/// takes less than request + processing + answer, and one who sends a request before the answer is
-/// complete (the manual forbids it) wins nothing: it waits in a receive buffer of 256 bytes, and what
-/// does not fit is lost. M0 and MS give the buffer's reading at the end of processing, which is the
-/// head's last one at the latest refresh; SR gives the head's last one.
+/// Time: a request crosses the wire byte by byte, is processed when its CR, or the LF behind it,
+/// has arrived, and the answer crosses the wire back; then the next request is taken in. So no
+/// exchange takes less than request + processing + answer, and one who sends a request before the
+/// answer is complete (the manual forbids it) wins nothing: it waits in a receive buffer of 256
+/// bytes, and what does not fit is lost. M0 and MS give the buffer's reading at the end of
+/// processing, which is the head's last one at the latest refresh; SR gives the head's last one.
 ///
-/// Source: Keyence, DL-RS1A User's Manual (IL Edition), p. 6-15. The manual does not say how an empty
-/// line is answered (here: not at all), nor when within the processing time the buffer is read.
+/// Source: Keyence, DL-RS1A User's Manual (IL Edition), p. 6-15. The manual does not say how an
+/// empty line is answered (here: not at all), nor when within the processing time the buffer is
+/// read.
 class DlRs1aUnit final : public Device {
  public:
   /// `setup` has passed Validate().

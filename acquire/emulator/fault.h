@@ -22,12 +22,12 @@ enum class Damage : std::uint8_t {
 /// One way in which a device fails; a row of the table in fault.cc.
 struct Fault {
   std::string_view name;
-  std::string_view summary;  ///< for --help
+  std::string_view summary;                               ///< for --help
   trial::SampleStatus status = trial::SampleStatus::kOk;  ///< the reading's, where not kOk
   Damage damage = Damage::kNone;
-  bool refuses = false;       ///< a polled unit answers `ER`
-  MonotonicNs delay_ns = 0;   ///< a polled unit answers this much later
-  bool hangs_up = false;      ///< the device drops off the line instead of answering
+  bool refuses = false;      ///< a polled unit answers `ER`
+  MonotonicNs delay_ns = 0;  ///< a polled unit answers this much later
+  bool hangs_up = false;     ///< the device drops off the line instead of answering
 };
 
 /// All faults: silent, late, truncate, garbage, error, invalid, over, disconnect.

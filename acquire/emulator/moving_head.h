@@ -10,8 +10,9 @@ namespace haptometer::acquire::emulator {
 /// A sensor head that looks at something moving, over the emulator's time (0: switched on).
 struct MovingHead {
   trial::SensorHead head;
-  trial::Displacement displacement;  ///< metres at seconds since the start; also asked at negative times
-  std::uint64_t seed = 1;            ///< of the noise
+  trial::Displacement
+      displacement;        ///< metres at seconds since the start; also asked at negative times
+  std::uint64_t seed = 1;  ///< of the noise
 
   /// When raw sample `number` is complete: number * sampling_s, rounded to nanoseconds.
   [[nodiscard]] MonotonicNs SampleTime(std::int64_t number) const;

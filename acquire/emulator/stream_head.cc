@@ -40,8 +40,8 @@ std::string Advice(const StreamSetup& setup) {
 Result<void> Validate(const StreamSetup& setup) {
   const Fault* fault = setup.faults.fault;
   if (fault != nullptr && (fault->refuses || fault->delay_ns > 0)) {
-    return Usage("--fault", fmt::format("'{}' is a fault of answers, and nobody asks a stream",
-                                        fault->name),
+    return Usage("--fault",
+                 fmt::format("'{}' is a fault of answers, and nobody asks a stream", fault->name),
                  "choose another, or --protocol dl-rs1a");
   }
   if (setup.baud < 1 || !Fits(LineBytes(setup.format), setup.baud, setup.head.head.sampling_s)) {

@@ -47,9 +47,9 @@ class StreamHead final : public Device {
 
   StreamSetup setup_;
   SerialLine wire_;
-  std::string line_;            ///< line number next_ - 1
-  std::size_t sent_ = 0;        ///< of line_
-  MonotonicNs departure_ = 0;   ///< when line_[sent_] has crossed the wire
+  std::string line_;           ///< line number next_ - 1
+  std::size_t sent_ = 0;       ///< of line_
+  MonotonicNs departure_ = 0;  ///< when line_[sent_] has crossed the wire
   MonotonicNs advanced_to_ = 0;
   std::int64_t next_ = 0;
   bool hang_up_ = false;
