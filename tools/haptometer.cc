@@ -22,7 +22,8 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 1> kVerbs{{
+constexpr std::array<Verb, 2> kVerbs{{
+    {"acquire", "A sensor's readings become a trial", RunAcquire},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
 }};
 
