@@ -17,8 +17,7 @@ namespace haptometer::sim {
 namespace {
 
 constexpr std::string_view kThisVersion =
-    "is not simulated: this version simulates linear scenes with a sine drive and bilateral "
-    "contact";
+    "this version simulates linear scenes with a sine drive and bilateral contact";
 
 // Values between which every actuator, adapter and skin of this kind lies; beyond them the
 // arithmetic, not the mechanics, would be under test.
