@@ -23,7 +23,6 @@ constexpr std::string_view kThisVersion =
 // arithmetic, not the mechanics, would be under test.
 constexpr double kSmallest = 1e-9;
 constexpr double kLargest = 1e9;
-constexpr double kLongestRunS = 1e6;
 constexpr long long kMostAverages = 65536;
 
 void RefuseUnlessReal(TomlTable& table, std::string_view key, double value) {

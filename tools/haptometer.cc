@@ -22,8 +22,9 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 1> kVerbs{{
+constexpr std::array<Verb, 2> kVerbs{{
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"simulate", "A scene's exact motion, current and power", RunSimulate},
 }};
 
 const Verb* Find(std::string_view name) {
