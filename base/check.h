@@ -16,10 +16,10 @@ namespace haptometer::internal {
 /// values, printed when the condition is false:
 ///   HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
 /// Anything that a user, file or device can cause is a Result (base/result.h), never a check.
-#define HAPTOMETER_CHECK(condition, ...)                                                 \
-  do {                                                                                   \
-    if (!(condition)) {                                                                  \
-      ::haptometer::internal::CheckFailed(__FILE__, __LINE__, #condition,                \
-                                          fmt::format(__VA_ARGS__));                     \
-    }                                                                                    \
+#define HAPTOMETER_CHECK(condition, ...)                                  \
+  do {                                                                    \
+    if (!(condition)) {                                                   \
+      ::haptometer::internal::CheckFailed(__FILE__, __LINE__, #condition, \
+                                          fmt::format(__VA_ARGS__));      \
+    }                                                                     \
   } while (false)

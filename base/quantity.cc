@@ -27,21 +27,39 @@ struct DimensionRow {
 // "u" stands for micro here; Normalised() turns both code points of the Greek letter into it.
 constexpr std::array<DimensionRow, 12> kDimensions{{
     {Dimension::kNone, "a plain number", "0.3", true, {{{"", 1}}}},
-    {Dimension::kLength, "a length", "10mm", false,
+    {Dimension::kLength,
+     "a length",
+     "10mm",
+     false,
      {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}}},
     {Dimension::kMass, "a mass", "1.4g", false, {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}}},
-    {Dimension::kInductance, "an inductance", "130uH", false,
+    {Dimension::kInductance,
+     "an inductance",
+     "130uH",
+     false,
      {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}}}},
-    {Dimension::kTime, "a time", "3s", true,
+    {Dimension::kTime,
+     "a time",
+     "3s",
+     true,
      {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}}},
-    {Dimension::kFrequency, "a frequency", "225Hz", true,
+    {Dimension::kFrequency,
+     "a frequency",
+     "225Hz",
+     true,
      {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}}}},
     {Dimension::kVoltage, "a voltage", "5V", true, {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}}}},
     {Dimension::kCurrent, "a current", "0.13A", true, {{{"A", 1}, {"mA", 1e-3}}}},
-    {Dimension::kResistance, "a resistance", "27ohm", true,
+    {Dimension::kResistance,
+     "a resistance",
+     "27ohm",
+     true,
      {{{"ohm", 1}, {"mohm", 1e-3}, {"kohm", 1e3}, {"Mohm", 1e6}}}},
     {Dimension::kStiffness, "a stiffness", "2800N/m", true, {{{"N/m", 1}, {"N/mm", 1e3}}}},
-    {Dimension::kDamping, "a damping", "0.0322Ns/m", true,
+    {Dimension::kDamping,
+     "a damping",
+     "0.0322Ns/m",
+     true,
      {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}}},
     {Dimension::kForceConstant, "a force constant", "1.0N/A", true, {{{"N/A", 1}}}},
 }};
@@ -72,8 +90,8 @@ std::string Normalised(std::string_view raw) {
 
 struct Number {
   double value = 0;
-  double last_digit = 1;    // what one unit of the last written digit is worth
-  std::size_t length = 0;   // characters read
+  double last_digit = 1;   // what one unit of the last written digit is worth
+  std::size_t length = 0;  // characters read
 };
 
 // a decimal number at the front of `text`
@@ -131,7 +149,8 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
   const std::string_view customary = row.dimension == Dimension::kLength ? "mm"
                                      : row.dimension == Dimension::kMass ? "g"
                                                                          : "uH";
-  return Usage(std::string(where), fmt::format("'{}' has no unit, and {} needs one", number, row.name),
+  return Usage(std::string(where),
+               fmt::format("'{}' has no unit, and {} needs one", number, row.name),
                fmt::format("did you mean {}{}?", number, customary));
 }
 

@@ -9,7 +9,8 @@
 namespace haptometer {
 
 /// What a quantity measures. Lengths, masses and inductances need a unit; the others may be bare SI
-/// numbers, because nobody writes a frequency in kHz without saying so, but many write 10 for 10 mm.
+/// numbers, because nobody writes a frequency in kHz without saying so, but many write 10 for 10
+/// mm.
 enum class Dimension : std::uint8_t {
   kNone,           ///< a plain number or ratio
   kLength,         ///< m, mm, um, nm                 (unit required)
@@ -35,8 +36,8 @@ struct Quantity {
 
 /// Reads "1.4g", "10 mm", "27", "1.40(3)g", "1.40g+-0.03g" (also ± and +/-) as SI.
 ///
-/// The concise form's bracket counts in units of the last digit: 1.40(3) g is 1.40 g with u = 0.03 g.
-/// Both "u" and "µ" (either code point) mean micro. `where` names the option or key in errors.
+/// The concise form's bracket counts in units of the last digit: 1.40(3) g is 1.40 g with u = 0.03
+/// g. Both "u" and "µ" (either code point) mean micro. `where` names the option or key in errors.
 /// Errors (Cause::kUsage): not a number, an unknown unit, a unit of another dimension, a negative
 /// uncertainty, a bare length, mass or inductance ("did you mean 10mm?"), NaN, infinity except for
 /// resistances.

@@ -5,10 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/nearest.h"
 
 namespace haptometer {
 
@@ -26,34 +26,17 @@ struct TomlTable::State {
   }
   void Fail(std::string_view key, std::string what, std::string remedy = {}) {
     if (first_error) return;
-    first_error = Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what),
-                        std::move(remedy)};
+    first_error =
+        Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what), std::move(remedy)};
   }
 };
 
 namespace {
 
-// Levenshtein distance, for "did you mean"
-std::size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({substituted, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
+// what to say of a key that nobody asked for
 std::string NearestRemedy(std::string_view key, const std::set<std::string, std::less<>>& known) {
-  const auto nearest = std::min_element(known.begin(), known.end(), [&](auto& a, auto& b) {
-    return EditDistance(key, a) < EditDistance(key, b);
-  });
-  if (nearest == known.end()) return "remove it";
-  return fmt::format("did you mean {}?", *nearest);
+  const std::string nearest = Nearest(key, {known.begin(), known.end()});
+  return nearest.empty() ? "remove it" : fmt::format("did you mean {}?", nearest);
 }
 
 std::string Joined(const std::vector<std::string>& choices) {
@@ -91,6 +74,14 @@ Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where)
 
 bool TomlTable::Has(std::string_view key) const { return state_->Find(key) != nullptr; }
 
+TomlKind TomlTable::KindOf(std::string_view key) const {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return TomlKind::kAbsent;
+  if (node->is_table()) return TomlKind::kTable;
+  if (node->is_string()) return TomlKind::kText;
+  return node->is_boolean() ? TomlKind::kFlag : TomlKind::kOther;
+}
+
 TomlTable* TomlTable::Table(std::string_view key) {
   const toml::node* node = state_->Find(key);
   if (node == nullptr) return nullptr;
@@ -116,7 +107,8 @@ Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::
   if (const auto* text = node.as_string()) return ParseQuantity(text->get(), dimension, where);
   const auto number = node.value<double>();
   if (!number || node.is_boolean()) {
-    return Usage(std::string(where), "is not a number", "write an SI number or a string with a unit");
+    return Usage(std::string(where), "is not a number",
+                 "write an SI number or a string with a unit");
   }
   const bool may_be_infinite = dimension == Dimension::kResistance && *number > 0;
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
@@ -184,8 +176,8 @@ std::optional<std::string> TomlTable::Choice(std::string_view key,
   return std::nullopt;
 }
 
-void TomlTable::Refuse(std::string_view key, std::string what) {
-  state_->Fail(key, std::move(what));
+void TomlTable::Refuse(std::string_view key, std::string what, std::string remedy) {
+  state_->Fail(key, std::move(what), std::move(remedy));
 }
 
 Result<void> TomlTable::Finish() const {

@@ -27,17 +27,17 @@ inline ::testing::AssertionResult Within(const char* kind, const char* actual_te
   }
   if (residual <= tolerance) return ::testing::AssertionSuccess();
   return ::testing::AssertionFailure()
-         << actual_text << " = " << std::setprecision(17) << actual << ", expected " << expected_text
-         << " = " << expected << "; " << kind << " residual " << residual << " > " << tolerance
-         << " (" << reason << ")";
+         << actual_text << " = " << std::setprecision(17) << actual << ", expected "
+         << expected_text << " = " << expected << "; " << kind << " residual " << residual << " > "
+         << tolerance << " (" << reason << ")";
 }
 
 }  // namespace haptometer::tests
 
 /// Relative and absolute comparison. `reason` says where the tolerance comes from; it is required.
-#define EXPECT_REL(actual, expected, tolerance, reason)                                       \
+#define EXPECT_REL(actual, expected, tolerance, reason)                                         \
   EXPECT_TRUE(::haptometer::tests::Within("relative", #actual, #expected, (actual), (expected), \
                                           (tolerance), std::abs(expected), reason))
-#define EXPECT_ABS(actual, expected, tolerance, reason)                                       \
+#define EXPECT_ABS(actual, expected, tolerance, reason)                                         \
   EXPECT_TRUE(::haptometer::tests::Within("absolute", #actual, #expected, (actual), (expected), \
                                           (tolerance), 1.0, reason))

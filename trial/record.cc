@@ -9,11 +9,10 @@ namespace haptometer::trial {
 namespace {
 
 constexpr std::array<std::string_view, kSampleStatusCount> kStatusNames{
-    "ok",   "repeated", "over",    "under",    "invalid",
-    "device_error", "late", "clipped", "bad_frame"};
+    "ok", "repeated", "over", "under", "invalid", "device_error", "late", "clipped", "bad_frame"};
 
-constexpr std::array<std::string_view, 5> kRoleNames{"displacement", "voltage", "current", "trigger",
-                                                     "other"};
+constexpr std::array<std::string_view, 5> kRoleNames{"displacement", "voltage", "current",
+                                                     "trigger", "other"};
 
 // the enumerator whose place in `names` holds `name`
 template <typename Enum, std::size_t kCount>
@@ -48,7 +47,8 @@ const Channel* Record::Find(ChannelRole role) const {
 }
 
 double TimeOf(const Record& record, std::size_t row) {
-  HAPTOMETER_CHECK(row < record.rows && !record.stretches.empty(), "row {} of {}", row, record.rows);
+  HAPTOMETER_CHECK(row < record.rows && !record.stretches.empty(), "row {} of {}", row,
+                   record.rows);
   const auto after = std::ranges::upper_bound(record.stretches, row, {}, &Stretch::first_row);
   const Stretch& stretch = *std::prev(after);
   return stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;

@@ -45,9 +45,9 @@ enum class ChannelRole : std::uint8_t { kDisplacement, kVoltage, kCurrent, kTrig
 
 /// One measured quantity over time, in SI units.
 struct Channel {
-  std::string name;   ///< as the source calls it: "displacement", "CH1"
+  std::string name;  ///< as the source calls it: "displacement", "CH1"
   ChannelRole role = ChannelRole::kOther;
-  std::string unit;   ///< SI: "m", "V", "A"; "" where unknown
+  std::string unit;                    ///< SI: "m", "V", "A"; "" where unknown
   std::vector<double> values;          ///< (rows); NaN where there is no measurement
   std::vector<SampleStatus> statuses;  ///< (rows)
   double range_min = -std::numeric_limits<double>::infinity();  ///< in `unit`
@@ -69,21 +69,22 @@ struct Stretch {
 
 /// What a recording says of itself; every field is what the source knew, empty where it did not.
 struct Metadata {
-  std::string source;       ///< "device", "emulated device", "simulated", "imported", with detail
-  std::string sensor;       ///< "keyence-il", "stream", ...
-  std::string head;         ///< "IL-030"
-  std::optional<double> sampling_s;   ///< the sensor's own sampling period
-  std::optional<int> averages;        ///< raw samples averaged into one reading
-  std::string hold;                   ///< "sample", "peak", ...
+  std::string source;  ///< "device", "emulated device", "simulated", "imported", with detail
+  std::string sensor;  ///< "keyence-il", "stream", ...
+  std::string head;    ///< "IL-030"
+  std::optional<double> sampling_s;  ///< the sensor's own sampling period
+  std::optional<int> averages;       ///< raw samples averaged into one reading
+  std::string hold;                  ///< "sample", "peak", ...
   std::optional<double> nominal_rate_hz;
-  std::string laser_spot;             ///< "skin", "case", "mover"
+  std::string laser_spot;  ///< "skin", "case", "mover"
   std::optional<double> drive_frequency_hz;
   std::optional<double> drive_amplitude_v;
-  double tare_m = 0;                  ///< subtracted by readers who ask for tared values; never applied
+  double tare_m = 0;  ///< subtracted by readers who ask for tared values; never applied
   std::string utc_start;
   std::string host;
   std::string command_line;
-  std::map<std::string, std::string> labels;  ///< subject, condition, repeat, ...; the last word counts
+  std::map<std::string, std::string>
+      labels;  ///< subject, condition, repeat, ...; the last word counts
   std::map<std::string, std::string> fields;  ///< further `key = value` of the source, as text
   std::vector<std::string> notes;
 };

@@ -8,7 +8,8 @@
 namespace haptometer::trial {
 namespace {
 
-// splitmix64: a bijection of 64 bits that passes as random (Steele, Lea, Flood, OOPSLA 2014, p. 462)
+// splitmix64: a bijection of 64 bits that passes as random (Steele, Lea, Flood, OOPSLA 2014, p.
+// 462)
 std::uint64_t Mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15ULL;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -29,13 +30,23 @@ double NormalAt(std::uint64_t seed, std::int64_t number) {
 }  // namespace
 
 SensorHead Il030() {
-  return {.name = "IL-030", .sampling_s = 1e-3, .averages = 16, .resolution_m = 1e-6,
-          .noise_rms_m = 11e-6, .range_min_m = -15e-3, .range_max_m = 10e-3};
+  return {.name = "IL-030",
+          .sampling_s = 1e-3,
+          .averages = 16,
+          .resolution_m = 1e-6,
+          .noise_rms_m = 11e-6,
+          .range_min_m = -15e-3,
+          .range_max_m = 10e-3};
 }
 
 SensorHead Stream10kHz() {
-  return {.name = "stream-10kHz", .sampling_s = 1e-4, .averages = 1, .resolution_m = 1e-7,
-          .noise_rms_m = 0.5e-6, .range_min_m = -10e-3, .range_max_m = 10e-3};
+  return {.name = "stream-10kHz",
+          .sampling_s = 1e-4,
+          .averages = 1,
+          .resolution_m = 1e-7,
+          .noise_rms_m = 0.5e-6,
+          .range_min_m = -10e-3,
+          .range_max_m = 10e-3};
 }
 
 HeadReading ReadingAt(const SensorHead& head, const Displacement& displacement, std::int64_t k,

@@ -27,24 +27,23 @@ TEST_P(Quantities, AreReadAsSi) {
              "rounding of the factors");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Forms, Quantities,
-    ::testing::Values(Case{"1.4g", Dimension::kMass, 1.4e-3, 0},
-                      Case{" 10 mm ", Dimension::kLength, 1e-2, 0},
-                      Case{"1.40(3)g", Dimension::kMass, 1.4e-3, 3e-5},
-                      Case{"2800(58)", Dimension::kStiffness, 2800, 58},
-                      Case{"1.40(0.03) g", Dimension::kMass, 1.4e-3, 3e-5},
-                      Case{"1.40g+-0.03g", Dimension::kMass, 1.4e-3, 3e-5},
-                      Case{"1.40 ± 0.03 g", Dimension::kMass, 1.4e-3, 3e-5},
-                      Case{"1.40g+/-30mg", Dimension::kMass, 1.4e-3, 3e-5},
-                      Case{"130µH", Dimension::kInductance, 130e-6, 0},
-                      Case{"130μH", Dimension::kInductance, 130e-6, 0},
-                      Case{"27Ω", Dimension::kResistance, 27, 0},
-                      Case{"27", Dimension::kResistance, 27, 0},
-                      Case{"0.0322 N s/m", Dimension::kDamping, 0.0322, 0},
-                      Case{"+225Hz", Dimension::kFrequency, 225, 0},
-                      Case{"1e3", Dimension::kFrequency, 1000, 0},
-                      Case{"2min", Dimension::kTime, 120, 0}));
+INSTANTIATE_TEST_SUITE_P(Forms, Quantities,
+                         ::testing::Values(Case{"1.4g", Dimension::kMass, 1.4e-3, 0},
+                                           Case{" 10 mm ", Dimension::kLength, 1e-2, 0},
+                                           Case{"1.40(3)g", Dimension::kMass, 1.4e-3, 3e-5},
+                                           Case{"2800(58)", Dimension::kStiffness, 2800, 58},
+                                           Case{"1.40(0.03) g", Dimension::kMass, 1.4e-3, 3e-5},
+                                           Case{"1.40g+-0.03g", Dimension::kMass, 1.4e-3, 3e-5},
+                                           Case{"1.40 ± 0.03 g", Dimension::kMass, 1.4e-3, 3e-5},
+                                           Case{"1.40g+/-30mg", Dimension::kMass, 1.4e-3, 3e-5},
+                                           Case{"130µH", Dimension::kInductance, 130e-6, 0},
+                                           Case{"130μH", Dimension::kInductance, 130e-6, 0},
+                                           Case{"27Ω", Dimension::kResistance, 27, 0},
+                                           Case{"27", Dimension::kResistance, 27, 0},
+                                           Case{"0.0322 N s/m", Dimension::kDamping, 0.0322, 0},
+                                           Case{"+225Hz", Dimension::kFrequency, 225, 0},
+                                           Case{"1e3", Dimension::kFrequency, 1000, 0},
+                                           Case{"2min", Dimension::kTime, 120, 0}));
 
 TEST(Quantity, OpenCircuitIsInfinite) {
   for (const char* text : {"inf", "open"}) {
@@ -84,8 +83,8 @@ INSTANTIATE_TEST_SUITE_P(
                       std::pair{"1.4g+--0.1g", Dimension::kMass},
                       std::pair{"1.4(3)g+-0.1g", Dimension::kMass},
                       std::pair{"1.4g+-0.1mm", Dimension::kMass},
-                      std::pair{"1.4(-3)g", Dimension::kMass},
-                      std::pair{"1,4g", Dimension::kMass}, std::pair{"5 V", Dimension::kNone}));
+                      std::pair{"1.4(-3)g", Dimension::kMass}, std::pair{"1,4g", Dimension::kMass},
+                      std::pair{"5 V", Dimension::kNone}));
 
 }  // namespace
 }  // namespace haptometer

@@ -22,7 +22,8 @@ struct VerbText {
 /// Where an option is shown: in --help, or only in --help-all.
 enum class Shown : std::uint8_t { kHelp, kHelpAll };
 
-/// The command line of one verb. Declare every option with the variable that takes it, then Parse().
+/// The command line of one verb. Declare every option with the variable that takes it, then
+/// Parse().
 ///
 /// --help, --help-all, --version, --json and --verbose are declared here, so they are alike in all
 /// verbs. Names carry their dashes ("--drop-height"). A variable keeps its value when its option is

@@ -1,0 +1,49 @@
+#include "base/input_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace haptometer {
+namespace {
+
+namespace fs = std::filesystem;
+
+class InputFile : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::string Write(const std::string& name, const std::string& content) const {
+    std::ofstream(directory_ / name, std::ios::binary) << content;
+    return directory_ / name;
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("input_file_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(InputFile, ContentComesBackByteForByte) {
+  std::string content(200'001, '\0');  // more than three of the pieces in which it is read
+  for (std::size_t i = 0; i < content.size(); ++i) content[i] = static_cast<char>(i * 7);
+  const auto read = ReadInputFile(Write("a.bin", content));
+  ASSERT_TRUE(read) << read.error().Text();
+  EXPECT_EQ(*read, content);
+}
+
+TEST_F(InputFile, MissingDirectoryAndEmptyAreTold) {
+  const std::string missing = directory_ / "none.csv";
+  EXPECT_EQ(ReadInputFile(missing).error().Text(), missing + ": no such file; check the path");
+  EXPECT_EQ(ReadInputFile(directory_).error().what, "is a directory");
+  EXPECT_EQ(ReadInputFile(Write("empty", "")).error().what, "is empty");
+  EXPECT_EQ(ReadInputFile(missing).error().cause, Cause::kCannotAnswer);
+}
+
+TEST_F(InputFile, TooLargeIsRefusedBeforeMemoryRunsOut) {
+  const std::string path = Write("large", std::string(2 << 20, 'x'));
+  EXPECT_EQ(ReadInputFile(path, 1 << 20).error().what, "is larger than 1 MiB");
+  EXPECT_EQ(ReadInputFile("/dev/zero", 1 << 20).error().what, "is larger than 1 MiB");
+}
+
+}  // namespace
+}  // namespace haptometer

@@ -1,0 +1,108 @@
+#include "base/toml_table.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace haptometer {
+namespace {
+
+TomlTable Parsed(std::string_view text) {
+  auto table = TomlTable::ParseText(text, "x.toml");
+  EXPECT_TRUE(table) << table.error().Text();
+  return std::move(*table);
+}
+
+TEST(TomlTable, ReadsNumbersTextsFlagsAndQuantities) {
+  TomlTable table = Parsed(R"(
+    mass_kg = 1.4e-3
+    load = "33ohm"
+    count = 3
+    on = true
+    kind = "sine"
+    open = inf)");
+  EXPECT_EQ(table.Require("mass_kg", Dimension::kMass), 1.4e-3);  // SI numbers may be bare in files
+  EXPECT_EQ(table.Require("load", Dimension::kResistance), 33);
+  EXPECT_EQ(table.Integer("count"), 3);
+  EXPECT_EQ(table.Flag("on"), true);
+  EXPECT_EQ(table.Choice("kind", {"sine", "chirp"}), "sine");
+  EXPECT_TRUE(std::isinf(table.Require("open", Dimension::kResistance)));
+  EXPECT_EQ(table.Number("absent", Dimension::kTime), std::nullopt);
+  EXPECT_TRUE(table.Finish());
+}
+
+TEST(TomlTable, UncertaintyComesAlong) {
+  TomlTable table = Parsed(R"(moving_mass_kg = "1.40(3)g")");
+  const Quantity mass = table.RequireQuantity("moving_mass_kg", Dimension::kMass);
+  EXPECT_NEAR(mass.standard_uncertainty, 3e-5, 1e-19);
+}
+
+TEST(TomlTable, AnUnknownKeyIsNamedWithTheNearestKnownOne) {
+  TomlTable root = Parsed("[skin]\nstifness_n_per_m = 600\n");
+  TomlTable* skin = root.Table("skin");
+  ASSERT_NE(skin, nullptr);
+  EXPECT_EQ(skin->Require("stiffness_n_per_m", Dimension::kStiffness), 0);
+  EXPECT_EQ(root.Finish().error().Text(),
+            "x.toml: [skin]: key stifness_n_per_m is not known; did you mean stiffness_n_per_m?");
+  EXPECT_EQ(root.Finish().error().cause, Cause::kUsage);
+}
+
+struct Fault {
+  const char* toml;
+  const char* text;  // of the error
+};
+
+class TomlFaults : public ::testing::TestWithParam<Fault> {};
+
+TEST_P(TomlFaults, AreNamed) {
+  TomlTable table = Parsed(GetParam().toml);
+  (void)table.Number("mass_kg", Dimension::kMass);
+  (void)table.Number("load_ohm", Dimension::kResistance);
+  (void)table.Flag("on");
+  (void)table.Integer("count");
+  (void)table.Choice("kind", {"sine", "chirp"});
+  (void)table.Table("skin");
+  const auto done = table.Finish();
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().Text(), GetParam().text);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, TomlFaults,
+    ::testing::Values(
+        Fault{"mass_kg = true",
+              "x.toml: mass_kg: is not a number; write an SI number or a string with a unit"},
+        Fault{"mass_kg = nan", "x.toml: mass_kg: is not a finite number; write an SI number"},
+        Fault{"load_ohm = -inf", "x.toml: load_ohm: is not a finite number; write an SI number"},
+        Fault{"mass_kg = \"3mm\"",
+              "x.toml: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},
+        Fault{"on = 1", "x.toml: on: is neither true nor false; write true or false"},
+        Fault{"count = 1.5",
+              "x.toml: count: is not a whole number; write it without a point or quotes"},
+        Fault{"kind = \"saw\"", "x.toml: kind: \"saw\" is not known; use one of sine, chirp"},
+        Fault{"kind = 3", "x.toml: kind: is not a text; put it in quotes"},
+        Fault{"skin = 3", "x.toml: skin: is not a table; write [skin]"}));
+
+TEST(TomlTable, MissingAndRefusedValuesAreTold) {
+  TomlTable missing = Parsed("");
+  EXPECT_EQ(missing.Require("mass_kg", Dimension::kMass), 0);
+  EXPECT_EQ(missing.Finish().error().Text(),
+            "x.toml: mass_kg: is missing; add it, in kg or with a unit");
+  TomlTable refused = Parsed("mass_kg = -1.0");
+  if (refused.Require("mass_kg", Dimension::kMass) < 0) {
+    refused.Refuse("mass_kg", "must be positive");
+  }
+  EXPECT_EQ(refused.Finish().error().Text(), "x.toml: mass_kg: must be positive");
+}
+
+TEST(TomlTable, BrokenTomlIsPlacedByLineAndColumn) {
+  for (const char* text : {"a = \n", "[\n", "a = 1\na = 2\n", "\"\n", "a = 0x\n"}) {
+    const auto table = TomlTable::ParseText(text, "x.toml");
+    ASSERT_FALSE(table) << text;
+    EXPECT_EQ(table.error().cause, Cause::kCannotAnswer);
+    EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
+  }
+}
+
+}  // namespace
+}  // namespace haptometer

@@ -1,0 +1,126 @@
+// Real-looking mistakes at the real program: each is answered in one line that names the thing and
+// the remedy, with the right exit status, and destroys nothing.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "tests/system/process.h"
+
+namespace haptometer::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+const std::string kFixtures = HAPTOMETER_FIXTURES;
+
+class BadInput : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::string Write(const std::string& name, const std::string& content) const {
+    std::ofstream(directory_ / name, std::ios::binary) << content;
+    return directory_ / name;
+  }
+  static std::string Content(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("bad_input_test_" + std::to_string(::getpid()));
+};
+
+// one line on stderr that holds `thing` and, behind a semicolon, a remedy; no trace of the inside
+void ExpectOneLine(const Outcome& outcome, int status, const std::string& thing) {
+  EXPECT_EQ(outcome.status, status) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr(thing));
+  EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+  EXPECT_NE(outcome.err.find("; "), std::string::npos) << "no remedy: " << outcome.err;
+  for (const char* trace : {"terminate called", "exception", ".cc:", "std::", "check failed"}) {
+    EXPECT_EQ(outcome.err.find(trace), std::string::npos) << outcome.err;
+  }
+}
+
+std::string RandomBytes(std::size_t n) {
+  std::mt19937 engine(7);
+  std::string bytes(n, '\0');
+  std::ranges::generate(bytes, [&] { return static_cast<char>(engine()); });
+  return bytes;
+}
+
+TEST_F(BadInput, FilesThatCannotAnswerGiveStatus3) {
+  const std::string empty = Write("empty.bin", "");
+  const std::string random = Write("random.bin", RandomBytes(4096));
+  const std::string text = Write("text.csv", "dear diary,\nthe motor buzzed today\n");
+  for (const char* verb : {"analyze", "fit-lra"}) {
+    for (const std::string& path :
+         {std::string("/no/such/file.bin"), directory_.string(), empty, random, text}) {
+      SCOPED_TRACE(verb + (" " + path));
+      ExpectOneLine(Run({"haptometer", verb, path}), 3, path);
+    }
+  }
+  for (const std::string& path : {std::string("/no/such/file.bin"), directory_.string(), empty}) {
+    ExpectOneLine(Run({"haptometer", "trial", "info", path}), 3, path);
+    ExpectOneLine(Run({"haptometer", "simulate", path}), 3, path);
+  }
+  ExpectOneLine(Run({"haptometer", "trial", "info", random}), 3, random);
+}
+
+TEST_F(BadInput, WrongCommandLinesGiveStatus2) {
+  const std::string impulse = kFixtures + "/impulse.csv";
+  ExpectOneLine(Run({"haptometer", "analyse", "x"}), 2, "did you mean analyze?");
+  ExpectOneLine(Run({"analyze", "--bnad", "20-500Hz", "x.bin"}), 2, "--bnad");
+  ExpectOneLine(Run({"acquire", "--prot", "/dev/ttyUSB0"}), 2, "did you mean --port?");
+  ExpectOneLine(Run({"fit-lra", impulse, "--drop-height", "10"}), 2, "did you mean 10mm?");
+  ExpectOneLine(Run({"fit-lra", impulse, "--moving-mass", "1.4"}), 2, "did you mean 1.4g?");
+  ExpectOneLine(Run({"fit-lra", impulse, "--inductance", "130"}), 2, "did you mean 130uH?");
+  ExpectOneLine(Run({"haptometer", "simulate", Write("typo.toml", "[actuator]\nmodell = 'x'\n")}), 2,
+                "did you mean model?");
+}
+
+TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
+  const std::string trial = directory_ / "t.bin";
+  ExpectOneLine(Run({"acquire", "--port", "/dev/ttyNOT0", "-o", trial}), 3, "/dev/ttyNOT0");
+  EXPECT_FALSE(fs::exists(trial));
+}
+
+TEST_F(BadInput, ABusyPortGivesStatus3AndDoesNotDisturbTheFirst) {
+  Process emulator({"haptometer", "emulate", "--scene", kFixtures + "/lra_adapter.toml", "--protocol",
+                    "stream", "--baud", "921600"});
+  const auto port = emulator.WaitForLine("ready ", 20);
+  ASSERT_TRUE(port);
+  const std::string first_file = directory_ / "first.bin";
+  Process first({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "--duration",
+                 "2s", "-o", first_file, "--json"});
+  while (!fs::exists(first_file)) usleep(10'000);
+  ExpectOneLine(Run({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "-o",
+                     directory_ / "second.bin"}),
+                3, *port);
+  EXPECT_EQ(first.Wait(30).status, 0);
+}
+
+TEST_F(BadInput, AnExistingRecordingIsNotOverwritten) {
+  const std::string kept = Write("kept.bin", "the only copy");
+  ExpectOneLine(Run({"acquire", "--port", "/dev/ttyNOT0", "-o", kept}), 2, kept);
+  EXPECT_EQ(Content(kept), "the only copy");
+}
+
+TEST_F(BadInput, ATruncatedTrialIsReadAsFarAsItGoesAndSaysSo) {
+  const std::string whole = directory_ / "whole.bin";
+  ASSERT_EQ(Run({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status, 0);
+  const std::string content = Content(whole);
+  const std::string cut = Write("cut.bin", content.substr(0, content.size() * 3 / 4));
+  const Outcome info = Run({"haptometer", "trial", "info", cut});
+  EXPECT_EQ(info.status, 0) << info.err;
+  EXPECT_THAT(info.out + info.err, HasSubstr("cut short"));
+  const Outcome head = Run({"haptometer", "trial", "info", Write("head.bin", content.substr(0, 20))});
+  ExpectOneLine(head, 3, "head.bin");
+}
+
+}  // namespace
+}  // namespace haptometer::tests

@@ -1,0 +1,109 @@
+// The main job through real processes and a real pseudo-terminal: emulate, acquire, analyze.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/residual.h"
+#include "tests/system/process.h"
+
+namespace haptometer::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
+
+class MainJob : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(directory_);
+    emulator_ = std::make_unique<Process>(std::vector<std::string>{
+        "haptometer", "emulate", "--scene", kScene, "--protocol", "stream", "--baud", "921600"});
+    const auto port = emulator_->WaitForLine("ready ", 20);
+    ASSERT_TRUE(port);
+    port_ = *port;
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::vector<std::string> Acquire(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"acquire", "--port",  port_, "--sensor", "stream",
+                                       "--baud",  "921600", "-o",  trial_,     "--json"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("main_job_test_" + std::to_string(::getpid()));
+  const std::string trial_ = directory_ / "trial.bin";
+  std::unique_ptr<Process> emulator_;
+  std::string port_;
+};
+
+TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
+  const Outcome acquired = Run(Acquire({"--duration", "3s"}));
+  ASSERT_EQ(acquired.status, 0) << acquired.err;
+  const json summary = json::parse(acquired.out);
+  EXPECT_EQ(summary["bad"], 0);
+  EXPECT_EQ(summary["gaps"], 0);
+  EXPECT_REL(summary["rate_hz"].get<double>(), 10000.0, 1e-3, "a 3 s count of a 10 kHz head");
+
+  const Outcome analyzed = Run({"analyze", trial_, "--json"});
+  ASSERT_EQ(analyzed.status, 0) << analyzed.err;
+  const json trial = json::parse(analyzed.out)["trials"][0];
+  // truth: the exact steady state of the scene (tests/sim/steady_state_test.cc)
+  EXPECT_REL(trial["band_rms_m"].get<double>(), 0.2001762058e-3, 1e-2, "the bar of the product");
+  EXPECT_ABS(trial["tone_frequency_hz"].get<double>(), 225.0, 0.05, "the bar of the product");
+}
+
+TEST_F(MainJob, CtrlCFinishesTheFile) {
+  Process acquire(Acquire({}));
+  while (!fs::exists(trial_)) usleep(10'000);
+  usleep(1'500'000);
+  acquire.Signal(SIGINT);
+  EXPECT_EQ(acquire.Wait(10).status, 130);
+  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_EQ(info["closed"], true);
+  EXPECT_GT(info["rows"].get<int>(), 10'000);
+}
+
+TEST_F(MainJob, SigtermFinishesTheFile) {
+  Process acquire(Acquire({}));
+  while (!fs::exists(trial_)) usleep(10'000);
+  usleep(500'000);
+  acquire.Signal(SIGTERM);
+  EXPECT_EQ(acquire.Wait(10).status, 143);
+  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_EQ(info["closed"], true);
+}
+
+TEST_F(MainJob, KillMinusNineKeepsEverythingUpToTheLastFlush) {
+  Process acquire(Acquire({}));
+  while (!fs::exists(trial_)) usleep(10'000);
+  usleep(3'500'000);
+  acquire.Signal(SIGKILL);
+  EXPECT_EQ(acquire.Wait(10).status, 128 + SIGKILL);
+  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_EQ(info["closed"], false);
+  // 3.5 s at 10 kHz, flushed once a second: at most the last interval is lost, and a slow start
+  EXPECT_GT(info["rows"].get<int>(), 20'000);
+  EXPECT_EQ(Run({"analyze", trial_, "--json"}).status, 0);
+}
+
+TEST_F(MainJob, AReplayGivesTheSameRows) {
+  ASSERT_EQ(Run(Acquire({"--samples", "5000"})).status, 0);
+  const std::string again = directory_ / "again.bin";
+  const Outcome replayed =
+      Run({"acquire", "--sensor", "replay", "--port", trial_, "-o", again, "--json"});
+  ASSERT_EQ(replayed.status, 0) << replayed.err;
+  EXPECT_EQ(json::parse(replayed.out)["readings"], 5000);
+  const Outcome first = Run({"haptometer", "trial", "export", trial_});
+  const Outcome second = Run({"haptometer", "trial", "export", again});
+  const auto values = [](const std::string& csv) { return csv.substr(csv.find("\ntime_s")); };
+  EXPECT_EQ(values(first.out), values(second.out));
+}
+
+}  // namespace
+}  // namespace haptometer::tests

@@ -1,0 +1,76 @@
+// The program: finds the verb and hands over. It answers to `haptometer VERB ...`, and to the
+// verb's own name where it is called by it (acquire, analyze, fit-lra).
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <span>
+#include <string_view>
+
+#include "base/nearest.h"
+#include "tools/cli/report.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+struct Verb {
+  std::string_view name;
+  std::string_view summary;
+  int (*run)(int argc, const char* const* argv);
+};
+
+constexpr std::array<Verb, 1> kVerbs{{
+    {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+}};
+
+const Verb* Find(std::string_view name) {
+  const auto found = std::ranges::find(kVerbs, name, &Verb::name);
+  return found == kVerbs.end() ? nullptr : &*found;
+}
+
+void PrintHelp() {
+  fmt::print("haptometer {}: vibration of tactile actuators by laser\n\nVerbs:\n",
+             HAPTOMETER_VERSION);
+  for (const Verb& verb : kVerbs) fmt::print("  {:<10} {}\n", verb.name, verb.summary);
+  fmt::print("\nhaptometer VERB --help shows a verb's options with examples.\n");
+}
+
+Error UnknownVerb(std::string_view word) {
+  std::vector<std::string> names;
+  for (const Verb& verb : kVerbs) names.emplace_back(verb.name);
+  const std::string nearest = Nearest(word, names);
+  return {Cause::kUsage, std::string(word), "is not a verb",
+          nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
+}
+
+int Run(int argc, const char* const* argv) {
+  const std::string_view path = argv[0];
+  if (const Verb* own = Find(path.substr(path.rfind('/') + 1))) return own->run(argc, argv);
+  const std::string_view word = argc > 1 ? argv[1] : "--help";
+  if (word == "--help" || word == "-h" || word == "help") {
+    PrintHelp();
+    return argc > 1 ? 0 : 2;
+  }
+  if (word == "--version") {
+    fmt::print("haptometer {}\n", HAPTOMETER_VERSION);
+    return 0;
+  }
+  if (const Verb* verb = Find(word)) return verb->run(argc - 1, argv + 1);
+  return cli::ReportError("", UnknownVerb(word));
+}
+
+}  // namespace
+}  // namespace haptometer::tools
+
+int main(int argc, char** argv) {
+  // nothing of ours throws; this is for the last resort of a library, such as memory running out
+  try {
+    return haptometer::tools::Run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "haptometer: stopped: %s\n", error.what());
+    return 1;
+  }
+}

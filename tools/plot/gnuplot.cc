@@ -1,0 +1,130 @@
+#include "tools/plot/gnuplot.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "base/check.h"
+
+namespace haptometer::plot {
+namespace {
+
+constexpr std::size_t kMostPoints = 4000;
+
+struct Terminal {
+  std::string_view ending;
+  std::string_view words;  // of "set terminal"; {0} is the height in pixels
+};
+
+constexpr Terminal kTerminals[] = {
+    {".svg", "svg size 900,{0} dynamic background '#ffffff' font 'Helvetica,13'"},
+    {".png", "pngcairo size 900,{0} font 'Helvetica,11'"},
+    {".pdf", "pdfcairo size 9in,{1}in font 'Helvetica,11'"},
+};
+
+const Terminal* TerminalOf(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension().string();
+  const auto found = std::ranges::find(kTerminals, ending, &Terminal::ending);
+  return found == std::end(kTerminals) ? nullptr : found;
+}
+
+// gnuplot doubles a quote inside quotes
+std::string Quoted(std::string_view text) {
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
+  return quoted + "'";
+}
+
+void AppendPoint(std::string& data, double x, double y) {
+  data += std::isfinite(y) ? fmt::format("{:.9g} {:.9g}\n", x, y) : "\n";
+}
+
+// minimum and maximum of each slice, so that a long record keeps its envelope
+void AppendEnvelope(std::string& data, const Series& series) {
+  const std::size_t slices = kMostPoints / 2;
+  const std::size_t n = series.y.size();
+  for (std::size_t slice = 0; slice < slices; ++slice) {
+    const std::size_t begin = slice * n / slices;
+    const std::size_t end = (slice + 1) * n / slices;
+    const auto [low, high] = std::minmax_element(series.y.begin() + static_cast<long>(begin),
+                                                 series.y.begin() + static_cast<long>(end));
+    AppendPoint(data, series.x[begin], *low);
+    AppendPoint(data, series.x[begin], *high);
+  }
+}
+
+std::string DataBlock(std::size_t panel, std::size_t number, const Series& series) {
+  HAPTOMETER_CHECK(series.x.size() == series.y.size(), "{} x, {} y", series.x.size(),
+                   series.y.size());
+  std::string data = fmt::format("$data_{}_{} << EOD\n", panel, number);
+  if (series.y.size() > kMostPoints) {
+    AppendEnvelope(data, series);
+  } else {
+    for (std::size_t i = 0; i < series.y.size(); ++i) AppendPoint(data, series.x[i], series.y[i]);
+  }
+  return data + "EOD\n";
+}
+
+std::string PanelScript(std::size_t number, const Panel& panel) {
+  std::string script =
+      fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nplot ", Quoted(panel.title),
+                  Quoted(panel.x_label), Quoted(panel.y_label));
+  for (std::size_t i = 0; i < panel.series.size(); ++i) {
+    const Series& series = panel.series[i];
+    const std::string title =
+        series.title.empty() ? "notitle" : fmt::format("title {}", Quoted(series.title));
+    script += fmt::format("{}$data_{}_{} using 1:2 with {} {}", i == 0 ? "" : ", ", number, i,
+                          series.style, title);
+  }
+  return script + "\n";
+}
+
+std::string Script(const std::string& path, const Terminal& terminal,
+                   const std::vector<Panel>& panels) {
+  const std::size_t height = 320 * panels.size();
+  std::string script =
+      "set encoding utf8\nset terminal " +
+      fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
+      "\nset output " + Quoted(path) + "\nset grid lc rgb '#e0e0e0'\nset key top right\n";
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
+      script += DataBlock(p, s, panels[p].series[s]);
+    }
+  }
+  script += fmt::format("set multiplot layout {},1\n", panels.size());
+  for (std::size_t p = 0; p < panels.size(); ++p) script += PanelScript(p, panels[p]);
+  return script + "unset multiplot\nunset output\n";
+}
+
+}  // namespace
+
+Result<void> CheckPlotPath(const std::string& path) {
+  if (TerminalOf(path) != nullptr) return {};
+  return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
+}
+
+Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels) {
+  HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
+  if (auto known = CheckPlotPath(path); !known) return known;
+  const std::string script = Script(path, *TerminalOf(path), panels);
+
+  // gnuplot's own words say nothing to a user; the file it left, or did not, is the evidence
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
+  std::FILE* gnuplot = popen("gnuplot 2>/dev/null", "w");
+  if (gnuplot == nullptr) return Failed(path, "gnuplot does not start");
+  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  const int status = pclose(gnuplot);
+  if (status == 127 << 8) {
+    return Failed(path, "gnuplot is not installed", "apt-get install gnuplot-nox");
+  }
+  if (!sent || status != 0 || !std::filesystem::exists(path)) {
+    return Failed(path, "the plot could not be written", "does its directory exist?");
+  }
+  return {};
+}
+
+}  // namespace haptometer::plot

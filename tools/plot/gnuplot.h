@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace haptometer::plot {
+
+/// One curve. A NaN in `y` breaks the line.
+struct Series {
+  std::string title;      ///< in the key; empty: not listed
+  std::string style;      ///< gnuplot's words: "lines lc rgb '#1f77b4'", "points pt 7 ps 0.3"
+  std::vector<double> x;  ///< (n), ascending
+  std::vector<double> y;  ///< (n)
+};
+
+/// One pair of axes.
+struct Panel {
+  std::string title;
+  std::string x_label;  ///< with its unit: "time / s"
+  std::string y_label;
+  std::vector<Series> series;
+};
+
+/// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).
+inline constexpr std::string_view kBlue = "#0072b2";
+inline constexpr std::string_view kOrange = "#d55e00";
+inline constexpr std::string_view kGrey = "#b0b0b0";
+
+/// Draws `panels` one below the other into `path`, whose ending chooses SVG, PNG or PDF.
+///
+/// A curve of more than 4000 points is drawn as the minimum and maximum of each of 2000 slices,
+/// which looks the same at this size. Errors: another ending (Cause::kUsage); gnuplot absent or
+/// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
+/// for it.
+[[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
+
+/// Whether `path` has an ending that DrawPanels can write; to be asked before long work.
+[[nodiscard]] Result<void> CheckPlotPath(const std::string& path);
+
+}  // namespace haptometer::plot
