@@ -74,6 +74,14 @@ Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where)
 
 bool TomlTable::Has(std::string_view key) const { return state_->Find(key) != nullptr; }
 
+TomlKind TomlTable::KindOf(std::string_view key) const {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return TomlKind::kAbsent;
+  if (node->is_table()) return TomlKind::kTable;
+  if (node->is_string()) return TomlKind::kText;
+  return node->is_boolean() ? TomlKind::kFlag : TomlKind::kOther;
+}
+
 TomlTable* TomlTable::Table(std::string_view key) {
   const toml::node* node = state_->Find(key);
   if (node == nullptr) return nullptr;
@@ -168,8 +176,8 @@ std::optional<std::string> TomlTable::Choice(std::string_view key,
   return std::nullopt;
 }
 
-void TomlTable::Refuse(std::string_view key, std::string what) {
-  state_->Fail(key, std::move(what));
+void TomlTable::Refuse(std::string_view key, std::string what, std::string remedy) {
+  state_->Fail(key, std::move(what), std::move(remedy));
 }
 
 Result<void> TomlTable::Finish() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
@@ -12,6 +13,9 @@
 #include "base/result.h"
 
 namespace haptometer {
+
+/// What stands under a key, for the few keys that may hold one thing or another.
+enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 
 /// One table of a TOML file, read strictly: every key must be asked for, or Finish() names it.
 ///
@@ -39,6 +43,9 @@ class TomlTable {
   /// Whether the key is present (this also counts as asking for it).
   [[nodiscard]] bool Has(std::string_view key) const;
 
+  /// What stands under the key (this also counts as asking for it).
+  [[nodiscard]] TomlKind KindOf(std::string_view key) const;
+
   /// The sub-table `key`, or nullptr where it is absent. Its errors show in the root's Finish().
   [[nodiscard]] TomlTable* Table(std::string_view key);
 
@@ -56,7 +63,7 @@ class TomlTable {
                                                   const std::vector<std::string>& choices);
 
   /// Reports a value that the reader finds impossible ("must be positive") under the key's name.
-  void Refuse(std::string_view key, std::string what);
+  void Refuse(std::string_view key, std::string what, std::string remedy = {});
 
   /// The first error of this table and those below it; success only when nothing is unread.
   [[nodiscard]] Result<void> Finish() const;

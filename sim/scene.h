@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "sim/actuator.h"
+#include "sim/skin.h"
+#include "trial/sensor_head.h"
+
+namespace haptometer::sim {
+
+/// The mechanical amplifier between case and skin (Lindsay 2013, section 2.1): a mass on the
+/// motor's side, a spring and damper, a mass on the skin's side.
+struct Adapter {
+  double motor_side_mass_kg = 0;  ///< Ma1 >= 0, rigid with the case
+  double skin_side_mass_kg = 0;   ///< Ma2 > 0
+  double stiffness_n_per_m = 0;   ///< Ka > 0
+  double damping_n_s_per_m = 0;   ///< Ba >= 0
+};
+
+/// v(t) = amplitude_v sin(2 pi frequency_hz t), from t = 0 on.
+struct SineDrive {
+  double amplitude_v = 0;
+  double frequency_hz = 0;  ///< > 0
+};
+
+/// What the bodies do at t = 0.
+enum class Start : std::uint8_t {
+  kRest,    ///< all states zero
+  kSteady,  ///< as if the drive had been on forever
+};
+
+/// The body that the laser's spot lies on; positions are absolute, towards the skin positive.
+enum class SensorTarget : std::uint8_t { kSkin, kCase, kMover };
+
+/// "skin", "case", "mover".
+[[nodiscard]] std::string_view Name(SensorTarget target);
+
+/// A displacement sensor over the scene.
+struct Sensor {
+  trial::SensorHead head;
+  SensorTarget target = SensorTarget::kSkin;
+  double rate_hz = 0;      ///< readings handed out; 1 / head.sampling_s divided by a whole number
+  double latency_s = 0;    ///< a reading of time t shows the motion of t - latency_s
+  std::uint64_t seed = 1;  ///< of the head's noise
+};
+
+/// A perfect sensor on the skin: 10 kHz, no averaging, rounding, noise, range or delay.
+[[nodiscard]] Sensor IdealSensor();
+
+/// A linear scene with a sine drive: all that this version simulates. Contact is bilateral: the
+/// skin also pulls. Without an adapter the case itself touches the skin, directly or through a
+/// rigid massless cone; the two differ only in the skin's constants.
+struct Scene {
+  Actuator actuator;
+  std::optional<Adapter> adapter;
+  Skin skin;
+  SineDrive drive;
+  std::optional<double> duration_s;  ///< absent: steady state only
+  std::optional<Start> start;        ///< as stated; StartOf() gives the default
+  std::optional<Sensor> sensor;
+};
+
+/// The stated start; where nothing is stated, rest for a scene with a duration, steady otherwise.
+[[nodiscard]] Start StartOf(const Scene& scene);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,104 @@
+#include "sim/sensor_model.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <memory>
+#include <numbers>
+#include <string>
+#include <utility>
+
+#include "base/check.h"
+#include "sim/linear_model.h"
+#include "sim/steady_state.h"
+#include "sim/time_response.h"
+
+namespace haptometer::sim {
+
+trial::Displacement MotionOf(const Scene& scene, SensorTarget target) {
+  const LinearModel model = AssembleModel(scene);
+  const Eigen::Index state = StateOf(model, target);
+  // steady: Im(X exp(j w t)) as one sine
+  if (StartOf(scene) == Start::kSteady) {
+    const std::complex<double> phasor =
+        SolveSteadyState(model, scene.drive, scene.skin).phasors(state);
+    return [amplitude_m = std::abs(phasor), phase_rad = std::arg(phasor),
+            frequency_hz = scene.drive.frequency_hz](double t_s) {
+      const double cycles = frequency_hz * t_s;
+      return amplitude_m *
+             std::sin(2 * std::numbers::pi * (cycles - std::nearbyint(cycles)) + phase_rad);
+    };
+  }
+  // shared, because a std::function is copied freely
+  auto response = std::make_shared<const TimeResponse>(model, scene.drive, Start::kRest);
+  return [response = std::move(response), state](double t_s) {
+    return t_s <= 0 ? 0.0 : response->StateAt(t_s)(state);
+  };
+}
+
+trial::Displacement SensedMotion(const Scene& scene) {
+  HAPTOMETER_CHECK(scene.sensor.has_value(), "the scene has no sensor");
+  trial::Displacement motion = MotionOf(scene, scene.sensor->target);
+  const double latency_s = scene.sensor->latency_s;
+  if (latency_s == 0) return motion;
+  return [motion = std::move(motion), latency_s](double t_s) { return motion(t_s - latency_s); };
+}
+
+namespace {
+
+trial::Metadata Describe(const Scene& scene) {
+  const Sensor& sensor = *scene.sensor;
+  trial::Metadata metadata;
+  metadata.source = fmt::format("simulated: linear scene, exact solution, start from {}",
+                                StartOf(scene) == Start::kRest ? "rest" : "steady state");
+  metadata.sensor = "sensor model";
+  metadata.head = sensor.head.name;
+  metadata.sampling_s = sensor.head.sampling_s;
+  metadata.averages = sensor.head.averages;
+  metadata.hold = "sample";
+  metadata.nominal_rate_hz = sensor.rate_hz;
+  metadata.laser_spot = Name(sensor.target);
+  metadata.drive_frequency_hz = scene.drive.frequency_hz;
+  metadata.drive_amplitude_v = scene.drive.amplitude_v;
+  return metadata;
+}
+
+}  // namespace
+
+trial::Record SimulateRecord(const Scene& scene, double duration_s) {
+  HAPTOMETER_CHECK(scene.sensor.has_value(), "the scene has no sensor");
+  const Sensor& sensor = *scene.sensor;
+  const auto rows = static_cast<std::size_t>(std::floor(duration_s * sensor.rate_hz * (1 + 1e-12)));
+  HAPTOMETER_CHECK(rows >= 1, "{} s at {} Hz", duration_s, sensor.rate_hz);
+  // every how many raw samples a reading is handed out
+  const auto stride =
+      static_cast<std::int64_t>(std::llround(1 / (sensor.rate_hz * sensor.head.sampling_s)));
+
+  trial::Channel channel;
+  channel.name = "displacement";
+  channel.role = trial::ChannelRole::kDisplacement;
+  channel.unit = "m";
+  channel.range_min = sensor.head.range_min_m;
+  channel.range_max = sensor.head.range_max_m;
+  channel.resolution = sensor.head.resolution_m;
+  const trial::Displacement motion = SensedMotion(scene);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const trial::HeadReading reading =
+        trial::ReadingAt(sensor.head, motion, static_cast<std::int64_t>(row) * stride, sensor.seed);
+    const bool measured = trial::IsMeasurement(reading.status);
+    channel.values.push_back(measured ? reading.value_m : std::numeric_limits<double>::quiet_NaN());
+    channel.statuses.push_back(reading.status);
+  }
+
+  trial::Record record;
+  record.rows = rows;
+  record.channels.push_back(std::move(channel));
+  record.stretches.push_back(
+      {.first_row = 0, .rows = rows, .start_s = 0, .rate_hz = sensor.rate_hz});
+  record.metadata = Describe(scene);
+  return record;
+}
+
+}  // namespace haptometer::sim

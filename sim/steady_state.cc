@@ -1,0 +1,95 @@
+#include "sim/steady_state.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "base/check.h"
+#include "sim/matrix_exponential.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+using Complex = std::complex<double>;
+using Wide = std::complex<long double>;
+
+// M X = r with M = j w I - A in balanced units
+struct PhasorSystem {
+  Eigen::MatrixXcd matrix;  // (n, n)
+  Eigen::VectorXcd right;   // (n)
+};
+
+// right - matrix * x, accumulated in 64 bits so that the refinement has something to refine
+Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
+  Eigen::VectorXcd residual(x.size());
+  for (Eigen::Index row = 0; row < x.size(); ++row) {
+    Wide sum(system.right(row));
+    for (Eigen::Index k = 0; k < x.size(); ++k) sum -= Wide(system.matrix(row, k)) * Wide(x(k));
+    residual(row) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
+  }
+  return residual;
+}
+
+// |M^-1| (|residual| + eps (|M| |x| + |right|)): how far each entry may be off
+Eigen::VectorXd ForwardBound(const PhasorSystem& system, const Eigen::MatrixXcd& inverse,
+                             const Eigen::VectorXcd& x) {
+  const double eps = std::numeric_limits<double>::epsilon();
+  const Eigen::VectorXd rounding =
+      eps * (system.matrix.cwiseAbs() * x.cwiseAbs() + system.right.cwiseAbs());
+  return inverse.cwiseAbs() * (Residual(system, x).cwiseAbs() + rounding);
+}
+
+// the numbers that the phasors hold
+void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& skin,
+               SteadyState& steady) {
+  const Eigen::VectorXcd& x = steady.phasors;
+  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+  const Complex current = x(LinearModel::kCurrent);
+  steady.skin_rms_m = std::abs(x(model.skin())) / std::numbers::sqrt2;
+  steady.case_rms_m = std::abs(x(LinearModel::kCase)) / std::numbers::sqrt2;
+  steady.mover_peak_m = std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
+  steady.current_rms_a = std::abs(current) / std::numbers::sqrt2;
+  steady.power_w = drive.amplitude_v * current.real() / 2;
+  steady.phase_rad = drive.amplitude_v < 0 ? std::arg(-current) : std::arg(current);
+  steady.skin_force_peak_n =
+      std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
+}
+
+}  // namespace
+
+SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, const Skin& skin) {
+  HAPTOMETER_CHECK(drive.frequency_hz > 0, "frequency_hz = {}", drive.frequency_hz);
+  const Eigen::Index n = model.states();
+  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+
+  // balanced units, so that pivots and norms compare like with like
+  const BalancedMatrix balanced = Balance(model.a);
+  PhasorSystem system;
+  system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
+  system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
+
+  // solve, then correct once by the residual
+  const Eigen::PartialPivLU<Eigen::MatrixXcd> factors(system.matrix);
+  Eigen::VectorXcd x = factors.solve(system.right);
+  x += factors.solve(Residual(system, x));
+
+  SteadyState steady;
+  steady.phasors = balanced.scale.asDiagonal() * x;
+  Summarise(model, drive, skin, steady);
+
+  // the skin's own bound; a singular matrix gives no number to compare with
+  const Eigen::Index k = model.skin();
+  const double error = ForwardBound(system, factors.inverse(), x)(k) / std::abs(x(k));
+  const bool silent = drive.amplitude_v == 0;
+  steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
+  return steady;
+}
+
+SteadyState SolveSteadyState(const Scene& scene) {
+  return SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "sim/linear_model.h"
+#include "sim/scene.h"
+
+namespace haptometer::sim {
+
+/// The periodic motion under a sine drive, long after every transient.
+struct SteadyState {
+  /// (n) peak phasors X: with v(t) = V sin(w t), state k is Im(X[k] exp(j w t)).
+  Eigen::VectorXcd phasors;
+
+  double skin_rms_m = 0;
+  double mover_peak_m = 0;  ///< amplitude of the moving mass's travel in the case, |Xv - Xa|
+  double case_rms_m = 0;
+  double current_rms_a = 0;
+  double power_w = 0;    ///< mean electrical power taken from the source
+  double phase_rad = 0;  ///< of the current relative to the voltage; negative: it lags
+  double skin_force_peak_n =
+      0;  ///< amplitude of Ks xs + Bs vs: a static preload below it lifts off
+  /// Bound of the relative error of skin_rms_m: residual and rounding of the matrix, both carried
+  /// through |M^-1|, M = j w I - A. 1 or more (also infinite): the drive excites an undamped
+  /// resonance and there is no steady state; the other fields then hold nothing.
+  double error_estimate = 0;
+};
+
+/// Solves (j w I - A) X = B V with row and column scaling by powers of two and one refinement.
+///
+/// `skin` is needed for the skin's force only. Cost: two factorisations of a complex (7, 7) matrix,
+/// microseconds; allocates; threads may share nothing or everything.
+[[nodiscard]] SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive,
+                                           const Skin& skin);
+
+/// The same of a scene.
+[[nodiscard]] SteadyState SolveSteadyState(const Scene& scene);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,222 @@
+#!/usr/bin/python3
+"""Reference values of the linear scenes, to 50 digits, printed with 20 as a C++ header.
+
+Written from the equations of motion (J. Lindsay, "A Mechanical Amplifier for Haptic Feedback",
+University of Washington, 2013, equations 2.1-2.4, with the reaction +Km i on the case that matrix
+2.5 has), not from the program:
+  steady state     the phasor equations of the coil and the three bodies, as second-order equations
+  time response    eigenvalues and eigenvectors, every exponential in closed form
+  window RMS       the integral of that closed form, term by term
+and a second time, from scratch, by SciPy's Radau integrator with the drive as a forcing function.
+
+  linear_reference.py            print the header
+  linear_reference.py --check    compare with linear_reference.h beside this file; 0 when equal
+"""
+import pathlib
+import sys
+
+try:
+    import mpmath as mp
+    import numpy as np
+    from scipy.integrate import solve_ivp
+except ImportError as missing:
+    print(f"skipped: {missing}; install python3-mpmath and python3-scipy")
+    sys.exit(77)
+
+mp.mp.dps = 50
+
+# Lindsay 2013, Table 2.1 and Table 2.4; decimal strings, so that nothing is rounded before 50 digits
+ACTUATOR = dict(Mv="1.4e-3", Mc="0.6e-3", Kv="2800", Bv="0.0322", Km="1", R="27", L="130e-6")
+ADAPTER = dict(Ma1="0.25e-3", Ma2="4.35e-3", Ka="8200", Ba="0.01")
+SCENES = {
+    "Adapter": dict(**ACTUATOR, **ADAPTER, Ks="600", Bs="0.75"),
+    "Cone": dict(**ACTUATOR, Ks="600", Bs="0.75"),
+    "Direct": dict(**ACTUATOR, Ks="1861.2", Bs="2.2185"),
+}
+VOLT, HERTZ = mp.mpf(5), mp.mpf(225)
+# Every constant is rounded to the nearest double first: the references are those of the numbers that
+# a program can hold, so the last digits compare.
+def constants(texts):
+    return {name: mp.mpf(float(text)) for name, text in texts.items()}
+
+
+def steady(texts):
+    """Peak phasors (i, xv, xa, xs) for v = VOLT at HERTZ."""
+    c = constants(texts)
+    s = mp.mpc(0, 2 * mp.pi * HERTZ)
+    motor = c["Kv"] + c["Bv"] * s
+    if "Ka" in c:
+        link = c["Ka"] + c["Ba"] * s
+        case = (c["Mc"] + c["Ma1"]) * s**2 + motor + link
+        skin = c["Ma2"] * s**2 + link + c["Ks"] + c["Bs"] * s
+    else:
+        # the case is the contact: tie xs to xa
+        link, skin = mp.mpf(1), mp.mpf(1)
+        case = c["Mc"] * s**2 + motor + c["Ks"] + c["Bs"] * s + link
+    m = mp.matrix([
+        [c["R"] + c["L"] * s, -c["Km"] * s, c["Km"] * s, 0],
+        [c["Km"], c["Mv"] * s**2 + motor, -motor, 0],
+        [-c["Km"], -motor, case, -link],
+        [0, 0, -link, skin]])
+    return mp.lu_solve(m, mp.matrix([VOLT, 0, 0, 0])), c
+
+
+def summary(texts):
+    (i, xv, xa, xs), c = steady(texts)
+    force = abs((c["Ks"] + mp.mpc(0, 2 * mp.pi * HERTZ) * c["Bs"]) * xs)
+    return dict(skin_rms_m=abs(xs) / mp.sqrt(2), mover_peak_m=abs(xv - xa),
+                case_rms_m=abs(xa) / mp.sqrt(2), current_rms_a=abs(i) / mp.sqrt(2),
+                power_w=VOLT * mp.re(i) / 2, phase_rad=mp.arg(i), skin_force_peak_n=force)
+
+
+def system(texts):
+    """A and B of the seven states i, xv, vv, xa, va, xs, vs."""
+    c = constants(texts)
+    mc1 = c["Mc"] + c["Ma1"]
+    a = mp.zeros(7, 7)
+    i, xv, vv, xa, va, xs, vs = range(7)
+
+    def add(row, mass, column, value):
+        a[row, column] += value / mass
+
+    def force(body, mass, on, other, stiffness, damping):
+        """The spring and damper between two bodies, or a body and ground, in the row of `body`."""
+        add(body, mass, on[0], -stiffness)
+        add(body, mass, on[1], -damping)
+        if other:
+            add(body, mass, other[0], stiffness)
+            add(body, mass, other[1], damping)
+
+    a[xv, vv] = a[xa, va] = a[xs, vs] = 1
+    add(i, c["L"], i, -c["R"])
+    add(i, c["L"], vv, c["Km"])
+    add(i, c["L"], va, -c["Km"])
+    force(vv, c["Mv"], (xv, vv), (xa, va), c["Kv"], c["Bv"])
+    add(vv, c["Mv"], i, -c["Km"])
+    force(va, mc1, (xa, va), (xv, vv), c["Kv"], c["Bv"])
+    force(va, mc1, (xa, va), (xs, vs), c["Ka"], c["Ba"])
+    add(va, mc1, i, c["Km"])
+    force(vs, c["Ma2"], (xs, vs), (xa, va), c["Ka"], c["Ba"])
+    force(vs, c["Ma2"], (xs, vs), None, c["Ks"], c["Bs"])
+    b = mp.zeros(7, 1)
+    b[i] = 1 / c["L"]
+    return a, b
+
+
+class FromRest:
+    """x(t) = sum_k c_k exp(lambda_k t): seven transients and the two lines of the drive."""
+
+    def __init__(self, texts):
+        a, b = system(texts)
+        eigenvalues, vectors = mp.eig(a)
+        w = 2 * mp.pi * HERTZ
+        phasor = mp.lu_solve(mp.mpc(0, w) * mp.eye(7) - a, VOLT * b)
+        # Im(X e^jwt) = (X e^jwt - conj(X) e^-jwt) / 2j
+        half = phasor / mp.mpc(0, 2)
+        start = mp.lu_solve(vectors, -phasor.apply(mp.im))
+        self.rates = list(eigenvalues) + [mp.mpc(0, w), mp.mpc(0, -w)]
+        self.weights = [[vectors[row, k] * start[k] for k in range(7)] +
+                        [half[row], mp.conj(half[row])] for row in range(7)]
+
+    def state(self, row, t):
+        return mp.re(sum(c * mp.exp(r * t) for c, r in zip(self.weights[row], self.rates)))
+
+    def window_rms(self, row, begin, end):
+        total = mp.mpf(0)
+        for c1, r1 in zip(self.weights[row], self.rates):
+            for c2, r2 in zip(self.weights[row], self.rates):
+                rate = r1 + r2
+                part = end - begin if abs(rate) < mp.mpf(10)**-30 else \
+                    (mp.exp(rate * end) - mp.exp(rate * begin)) / rate
+                total += c1 * c2 * part
+        return mp.sqrt(mp.re(total) / (end - begin))
+
+
+def moler():
+    """C. Moler, "A Balancing Act for the Matrix Exponential", 2012: the matrix of that example."""
+    a, b, c, d, e = map(mp.mpf, (2e10, 4e8 / 6, 200 / 3, 3.0, 1e-8))
+    return mp.matrix([[0, e, 0], [mp.mpf(float(-(a + b))), -d, a], [c, 0, -c]])
+
+
+def exponential(a, h):
+    eigenvalues, vectors = mp.eig(a)
+    scaled = vectors * mp.diag([mp.exp(e * h) for e in eigenvalues])
+    return (scaled * mp.inverse(vectors)).apply(mp.re)
+
+
+def by_radau(texts, begin, end):
+    """The window RMS once more, in double precision by an ODE solver; the integral is a state."""
+    a, b = system(texts)
+    a = np.array(a.tolist(), dtype=float)
+    b = np.array(b.tolist(), dtype=float).ravel()
+    unit = np.array([0.1, 1e-3, 1.0, 1e-3, 1.0, 1e-3, 1.0, 1e-9])
+
+    def rate(t, y):
+        x = y[:7] * unit[:7]
+        dx = a @ x + b * 5 * np.sin(2 * np.pi * 225 * t)
+        return np.append(dx, x[5]**2) / unit
+
+    first = solve_ivp(rate, (0, begin), np.zeros(8), method="Radau", rtol=1e-10, atol=1e-12)
+    y = first.y[:, -1].copy()
+    y[7] = 0
+    last = solve_ivp(rate, (begin, end), y, method="Radau", rtol=1e-10, atol=1e-12)
+    return float(np.sqrt(last.y[7, -1] * unit[7] / (end - begin)))
+
+
+def number(value):
+    return mp.nstr(value, 20, strip_zeros=False, min_fixed=0, max_fixed=0)
+
+
+def rows(values, indent):
+    return ",\n".join(" " * indent + number(v) for v in values)
+
+
+def header():
+    out = ["// Written by linear_reference.py; do not edit.", "#pragma once", "",
+           "namespace haptometer::tests {", ""]
+    for name, texts in SCENES.items():
+        for key, value in summary(texts).items():
+            words = "".join(w.capitalize() for w in key.split("_"))
+            out.append(f"inline constexpr double k{name}{words} = {number(value)};")
+        out.append("")
+
+    adapter = FromRest(SCENES["Adapter"])
+    begin, end = mp.mpf("0.1") - 10 / HERTZ, mp.mpf("0.1")
+    rms = adapter.window_rms(5, begin, end)
+    other = by_radau(SCENES["Adapter"], float(begin), float(end))
+    assert abs(other / rms - 1) < 1e-8, (other, rms)
+    out += ["// RMS of the skin over the last 10 periods of 0.1 s from rest, adapter scene",
+            f"inline constexpr double kAdapterWindowRmsM = {number(rms)};", ""]
+
+    out.append("// states at 0.0123 s from rest, adapter scene; the same with L = 10 uH and 1 uH")
+    for name, inductance in (("", "130e-6"), ("10uH", "10e-6"), ("1uH", "1e-6")):
+        response = FromRest(dict(SCENES["Adapter"], L=inductance))
+        at = mp.mpf(float("0.0123"))
+        states = rows((response.state(k, at) for k in range(7)), 4)
+        out += [f"inline constexpr double kAdapterState{name}[7] = {{", states + "};"]
+        # the same after 0.1 s, where rounding had a thousand steps to gather
+        states = rows((response.state(k, mp.mpf(float("0.1"))) for k in range(7)), 4)
+        out += [f"inline constexpr double kAdapterLater{name}[7] = {{", states + "};"]
+    out.append("")
+
+    out += ["// exp(A h) of the adapter scene, row by row", "struct ExponentialReference {",
+            "  double h_s;", "  double entries[49];", "};",
+            "inline constexpr ExponentialReference kExponentials[] = {"]
+    for h in ("1e-5", "1e-4", "1e-3", "1e-2", "1e-1"):
+        e = exponential(system(SCENES["Adapter"])[0], mp.mpf(float(h)))
+        out += [f"    {{{h}, {{", rows((e[r, c] for r in range(7) for c in range(7)), 8) + "}},"]
+    e = exponential(moler(), mp.mpf(1))
+    out += ["};", "", "// exp of Moler's matrix, row by row",
+            "inline constexpr double kMolerExponential[9] = {",
+            rows((e[r, c] for r in range(3) for c in range(3)), 4) + "};"]
+    out += ["", "}  // namespace haptometer::tests", ""]
+    return "\n".join(out)
+
+
+if __name__ == "__main__":
+    text = header()
+    if sys.argv[1:] == ["--check"]:
+        kept = pathlib.Path(__file__).with_suffix(".h").read_text(encoding="utf-8")
+        print("equal" if kept == text else "linear_reference.h differs from what this script makes")
+        sys.exit(0 if kept == text else 1)
+    sys.stdout.write(text)

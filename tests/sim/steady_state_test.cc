@@ -1,0 +1,170 @@
+#include "sim/steady_state.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "tests/residual.h"
+#include "tests/sim/reference/linear_reference.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+using tests::AdapterScene;
+using tests::ConeScene;
+using tests::DirectScene;
+
+constexpr const char* kFiftyDigits = "mpmath from the equations of motion; rounding only";
+
+TEST(SteadyStateBars, AreMet) {
+  EXPECT_REL(SolveSteadyState(AdapterScene()).skin_rms_m, 0.2001762058e-3, 1e-9,
+             "the bar, ten digits");
+  EXPECT_REL(SolveSteadyState(ConeScene()).skin_rms_m, 0.0461001664e-3, 1e-9,
+             "the bar, nine digits");
+  EXPECT_REL(SolveSteadyState(DirectScene()).skin_rms_m, 0.04499108754e-3, 1e-9,
+             "the bar, ten digits");
+}
+
+TEST(SteadyState, OfTheAdapterSceneAgreesWithFiftyDigits) {
+  const SteadyState steady = SolveSteadyState(AdapterScene());
+  EXPECT_REL(steady.skin_rms_m, tests::kAdapterSkinRmsM, 2e-15, kFiftyDigits);
+  EXPECT_REL(steady.mover_peak_m, tests::kAdapterMoverPeakM, 2e-15, kFiftyDigits);
+  EXPECT_REL(steady.case_rms_m, tests::kAdapterCaseRmsM, 2e-15, kFiftyDigits);
+  EXPECT_REL(steady.current_rms_a, tests::kAdapterCurrentRmsA, 2e-15, kFiftyDigits);
+  EXPECT_REL(steady.power_w, tests::kAdapterPowerW, 2e-15, kFiftyDigits);
+  EXPECT_REL(steady.phase_rad, tests::kAdapterPhaseRad, 2e-13, "a small angle of two large parts");
+  EXPECT_REL(steady.skin_force_peak_n, tests::kAdapterSkinForcePeakN, 2e-15, kFiftyDigits);
+}
+
+TEST(SteadyState, OfTheConeAndDirectScenesAgreesWithFiftyDigits) {
+  const SteadyState cone = SolveSteadyState(ConeScene());
+  EXPECT_REL(cone.skin_rms_m, tests::kConeSkinRmsM, 2e-15, kFiftyDigits);
+  EXPECT_REL(cone.mover_peak_m, tests::kConeMoverPeakM, 2e-15, kFiftyDigits);
+  EXPECT_REL(cone.power_w, tests::kConePowerW, 2e-15, kFiftyDigits);
+  EXPECT_REL(cone.phase_rad, tests::kConePhaseRad, 2e-13, "a small angle of two large parts");
+  EXPECT_EQ(cone.skin_rms_m, cone.case_rms_m);
+  const SteadyState direct = SolveSteadyState(DirectScene());
+  EXPECT_REL(direct.skin_rms_m, tests::kDirectSkinRmsM, 2e-15, kFiftyDigits);
+  EXPECT_REL(direct.mover_peak_m, tests::kDirectMoverPeakM, 2e-15, kFiftyDigits);
+  EXPECT_REL(direct.current_rms_a, tests::kDirectCurrentRmsA, 2e-15, kFiftyDigits);
+  EXPECT_REL(direct.skin_force_peak_n, tests::kDirectSkinForcePeakN, 2e-15, kFiftyDigits);
+}
+
+TEST(SteadyState, BoundsItsOwnError) {
+  for (const double frequency_hz : {10.0, 47.6, 225.15, 613.7, 1e4, 1e6}) {
+    Scene scene = AdapterScene();
+    scene.drive.frequency_hz = frequency_hz;
+    const SteadyState steady = SolveSteadyState(scene);
+    EXPECT_GT(steady.error_estimate, 1e-16) << frequency_hz;
+    EXPECT_LT(steady.error_estimate, 1e-11) << frequency_hz;
+  }
+  const SteadyState steady = SolveSteadyState(AdapterScene());
+  EXPECT_LE(std::abs(steady.skin_rms_m / tests::kAdapterSkinRmsM - 1), steady.error_estimate);
+}
+
+// mean electrical power against what the resistance and the three dampers turn into heat
+TEST(SteadyState, TakesThePowerThatItDissipates) {
+  for (Scene scene : {AdapterScene(), ConeScene(), DirectScene()}) {
+    for (const double frequency_hz : {20.0, 100.0, 225.0, 700.0}) {
+      scene.drive.frequency_hz = frequency_hz;
+      const LinearModel model = AssembleModel(scene);
+      const SteadyState steady = SolveSteadyState(scene);
+      const auto& x = steady.phasors;
+      const auto half_square = [](std::complex<double> z) { return std::norm(z) / 2; };
+      const auto case_velocity = x(LinearModel::kCaseVelocity);
+      const auto skin_velocity = x(model.skin_velocity());
+      double heat_w = scene.actuator.resistance_ohm * half_square(x(LinearModel::kCurrent));
+      heat_w += scene.actuator.damping_n_s_per_m *
+                half_square(x(LinearModel::kMoverVelocity) - case_velocity);
+      heat_w += scene.skin.damping_n_s_per_m * half_square(skin_velocity);
+      if (scene.adapter) {
+        heat_w += scene.adapter->damping_n_s_per_m * half_square(case_velocity - skin_velocity);
+      }
+      EXPECT_REL(heat_w, steady.power_w, 3e-15, "conservation of energy, rounding only");
+    }
+  }
+}
+
+TEST(SteadyState, IsLinearInTheVoltage) {
+  Scene scene = AdapterScene();
+  const SteadyState one = SolveSteadyState(scene);
+  scene.drive.amplitude_v *= 4;
+  const SteadyState four = SolveSteadyState(scene);
+  // a power of two is exact in binary
+  EXPECT_EQ(four.skin_rms_m, 4 * one.skin_rms_m);
+  EXPECT_EQ(four.power_w, 16 * one.power_w);
+  EXPECT_EQ(four.phase_rad, one.phase_rad);
+  scene.drive.amplitude_v = 0;
+  const SteadyState silent = SolveSteadyState(scene);
+  EXPECT_EQ(silent.skin_rms_m, 0);
+  EXPECT_EQ(silent.error_estimate, 0);
+}
+
+// Masses, springs and dampers times s, force constant and voltage times sqrt(s): the coil's
+// equation and so the current grow by sqrt(s), all forces by s, and the motion stays.
+TEST(SteadyState, ScalesWithTheUnitOfForce) {
+  const Scene scene = AdapterScene();
+  Scene scaled = scene;
+  const double s = 4;
+  scaled.actuator.moving_mass_kg *= s;
+  scaled.actuator.case_mass_kg *= s;
+  scaled.actuator.stiffness_n_per_m *= s;
+  scaled.actuator.damping_n_s_per_m *= s;
+  scaled.actuator.force_constant_n_per_a *= std::sqrt(s);
+  scaled.adapter->motor_side_mass_kg *= s;
+  scaled.adapter->skin_side_mass_kg *= s;
+  scaled.adapter->stiffness_n_per_m *= s;
+  scaled.adapter->damping_n_s_per_m *= s;
+  scaled.skin.stiffness_n_per_m *= s;
+  scaled.skin.damping_n_s_per_m *= s;
+  scaled.drive.amplitude_v *= std::sqrt(s);
+  const SteadyState one = SolveSteadyState(scene);
+  const SteadyState other = SolveSteadyState(scaled);
+  EXPECT_REL(other.skin_rms_m, one.skin_rms_m, 1e-15, "the same motion");
+  EXPECT_REL(other.power_w, s * one.power_w, 1e-15, "s times the power");
+}
+
+// Without dampers and skin, the mover against the free case is a two-body oscillator in closed
+// form, |Xrel| = F / |Kv - mu w^2| with mu = Mv Mc / (Mv + Mc); a resistance of 1e8 ohm makes the
+// current 1 A, whatever the back EMF.
+TEST(SteadyState, OfTwoFreeBodiesIsTheClosedForm) {
+  Scene scene = ConeScene();
+  scene.actuator.damping_n_s_per_m = 0;
+  scene.actuator.resistance_ohm = 1e8;
+  scene.actuator.inductance_h = 1e-9;
+  scene.skin = {0, 0};
+  scene.drive = {.amplitude_v = 1e8, .frequency_hz = 200};
+  const double omega = 2 * std::numbers::pi * 200;
+  const double reduced_kg = 1.4e-3 * 0.6e-3 / (1.4e-3 + 0.6e-3);
+  const double expected_m = 1 / std::abs(2800 - reduced_kg * omega * omega);
+  EXPECT_REL(SolveSteadyState(scene).mover_peak_m, expected_m, 1e-15, "back EMF of 1e-16");
+}
+
+// At an undamped resonance the amplitude has no bound, and the answer must not look like one.
+TEST(SteadyState, AtAnUndampedResonanceSaysThatThereIsNone) {
+  // the skin's side swings alone against a case that the drive does not reach
+  LinearModel model;
+  const double stiffness_n_per_m = 1024, mass_kg = 0.25;
+  model.a = Eigen::MatrixXd::Zero(5, 5);
+  model.b = Eigen::VectorXd::Zero(5);
+  model.a(0, 0) = -1;
+  model.a(1, 1) = -1;
+  model.a(2, 2) = -1;
+  model.a(3, 4) = 1;
+  model.a(4, 3) = -stiffness_n_per_m / mass_kg;
+  model.b(4) = 1;
+  const SineDrive drive{.amplitude_v = 1, .frequency_hz = 64 / (2 * std::numbers::pi)};
+  EXPECT_GE(SolveSteadyState(model, drive, Skin{}).error_estimate, 1);
+  // a thousandth beside it there is an answer again
+  const SineDrive beside{.amplitude_v = 1, .frequency_hz = 64.064 / (2 * std::numbers::pi)};
+  const SteadyState steady = SolveSteadyState(model, beside, Skin{});
+  EXPECT_LT(steady.error_estimate, 1e-11);
+  EXPECT_REL(steady.skin_rms_m, 1 / (64.064 * 64.064 - 64.0 * 64) / std::numbers::sqrt2, 5e-13,
+             "closed form, a thousandfold cancellation");
+}
+
+}  // namespace
+}  // namespace haptometer::sim
