@@ -41,13 +41,16 @@ struct Residual {
   const RingDownSamples* record;
   double inductance_h;
 
+  // false, a rejected step, where a trial point is so far away that the voltage overflows
   template <typename T>
   bool operator()(const T* shared, const T* own, T* residuals) const {
+    using std::isfinite;
     const auto circuit = Circuit(*record, inductance_h, shared);
     for (std::size_t n = 0; n < record->times_s.size(); ++n) {
       residuals[n] = (Voltage(circuit, record->polarity, own, record->times_s[n]) -
                       record->voltages_v[n]) /
                      record->noise_v;
+      if (!isfinite(residuals[n])) return false;
     }
     return true;
   }

@@ -114,21 +114,6 @@ std::unexpected<Error> Unfit(const ImpulseRecord& record, std::string what, std:
   return CannotAnswer(record.name, std::move(what), std::move(remedy));
 }
 
-// whether what follows the blow is long and dense enough
-Result<void> CheckSampling(const ImpulseRecord& record, std::size_t samples, double frequency_hz) {
-  const double periods = static_cast<double>(samples) * record.step_s * frequency_hz;
-  const double per_period = 1 / (frequency_hz * record.step_s);
-  if (periods < kLeastPeriods) {
-    return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),
-                 "record at least three decay times");
-  }
-  if (per_period < kLeastSamplesPerPeriod) {
-    return Unfit(record, fmt::format("has only {:.1f} samples a period", per_period),
-                 "sample faster, at least 10 times the resonance");
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<RingStart> FindRingStart(const ImpulseRecord& record) {
@@ -146,12 +131,14 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
     return Unfit(record, "shows no ring-down",
                  "the voltage must jump and then decay for at least 32 samples");
   }
-  if (auto dense = CheckSampling(record, values.size() - blow, *frequency_hz); !dense) {
-    return std::unexpected(dense.error());
+  const double period_samples = 1 / (*frequency_hz * record.step_s);
+  const double periods = static_cast<double>(values.size() - blow) / period_samples;
+  if (periods < kLeastPeriods) {
+    return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),
+                 "record at least three decay times");
   }
 
   RingStart start;
-  const double period_samples = 1 / (*frequency_hz * record.step_s);
   const auto eighth = static_cast<std::size_t>(std::ceil(period_samples / 8));
   start.first_sample = blow + eighth;
   start.quiet_samples = blow > 2 * eighth ? blow - 2 * eighth : 0;
@@ -171,6 +158,10 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
                  fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
                              *frequency_hz, energy),
                  "record a stronger blow or a smaller voltage range (50 times is the least)");
+  }
+  if (period_samples < kLeastSamplesPerPeriod) {
+    return Unfit(record, fmt::format("has only {:.1f} samples a period", period_samples),
+                 "sample faster, at least 10 times the resonance");
   }
 
   // backwards to the blow, which lies before its first sample
