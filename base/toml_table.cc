@@ -176,8 +176,8 @@ std::optional<std::string> TomlTable::Choice(std::string_view key,
   return std::nullopt;
 }
 
-void TomlTable::Refuse(std::string_view key, std::string what) {
-  state_->Fail(key, std::move(what));
+void TomlTable::Refuse(std::string_view key, std::string what, std::string remedy) {
+  state_->Fail(key, std::move(what), std::move(remedy));
 }
 
 Result<void> TomlTable::Finish() const {

@@ -63,7 +63,7 @@ class TomlTable {
                                                   const std::vector<std::string>& choices);
 
   /// Reports a value that the reader finds impossible ("must be positive") under the key's name.
-  void Refuse(std::string_view key, std::string what);
+  void Refuse(std::string_view key, std::string what, std::string remedy = {});
 
   /// The first error of this table and those below it; success only when nothing is unread.
   [[nodiscard]] Result<void> Finish() const;

@@ -18,7 +18,8 @@ std::optional<Quantity> Optional(TomlTable& table, std::string_view key, Dimensi
 
 void RefuseUnlessPositive(TomlTable& table, std::string_view key,
                           const std::optional<Quantity>& quantity) {
-  if (quantity && !(quantity->value > 0)) table.Refuse(key, "must be greater than 0");
+  if (quantity && !(quantity->value > 0))
+    table.Refuse(key, "must be greater than 0", "check its sign");
 }
 
 }  // namespace
@@ -53,7 +54,7 @@ StatedActuator ReadActuator(TomlTable& table) {
   RefuseUnlessPositive(table, "stiffness_n_per_m", stated.stiffness_n_per_m);
   RefuseUnlessPositive(table, "force_constant_n_per_a", stated.force_constant_n_per_a);
   if (stated.damping_n_s_per_m && stated.damping_n_s_per_m->value < 0) {
-    table.Refuse("damping_n_s_per_m", "must not be negative");
+    table.Refuse("damping_n_s_per_m", "must not be negative", "check its sign");
   }
   return stated;
 }

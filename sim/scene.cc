@@ -25,4 +25,8 @@ Sensor IdealSensor() {
   return sensor;
 }
 
+Start StartOf(const Scene& scene) {
+  return scene.start.value_or(scene.duration_s ? Start::kRest : Start::kSteady);
+}
+
 }  // namespace haptometer::sim

@@ -58,8 +58,11 @@ struct Scene {
   Skin skin;
   SineDrive drive;
   std::optional<double> duration_s;  ///< absent: steady state only
-  Start start = Start::kSteady;  ///< of the time response; files: "rest" where a duration is set
+  std::optional<Start> start;        ///< as stated; StartOf() gives the default
   std::optional<Sensor> sensor;
 };
+
+/// The stated start; where nothing is stated, rest for a scene with a duration, steady otherwise.
+[[nodiscard]] Start StartOf(const Scene& scene);
 
 }  // namespace haptometer::sim

@@ -29,21 +29,23 @@ constexpr long long kMostAverages = 65536;
 
 void RefuseUnlessReal(TomlTable& table, std::string_view key, double value) {
   if (value < kSmallest || value > kLargest) {
-    table.Refuse(key, fmt::format("{:g} is outside {:g} to {:g}, in which every real scene lies",
-                                  value, kSmallest, kLargest));
+    table.Refuse(key,
+                 fmt::format("{:g} is outside {:g} to {:g}, where all scenes lie", value, kSmallest,
+                             kLargest),
+                 "check its unit");
   }
 }
 
 double Positive(TomlTable& table, std::string_view key, Dimension dimension) {
   const double value = table.Require(key, dimension);
-  if (!(value > 0)) table.Refuse(key, "must be greater than 0");
+  if (!(value > 0)) table.Refuse(key, "must be greater than 0", "check its sign");
   RefuseUnlessReal(table, key, value);
   return value;
 }
 
 double NotNegative(TomlTable& table, std::string_view key, Dimension dimension) {
   const double value = table.Require(key, dimension);
-  if (value < 0) table.Refuse(key, "must not be negative");
+  if (value < 0) table.Refuse(key, "must not be negative", "check its sign");
   if (value != 0) RefuseUnlessReal(table, key, value);
   return value;
 }
@@ -52,10 +54,14 @@ double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension
   return table.Has(key) ? NotNegative(table, key, dimension) : absent;
 }
 
-// keys of the format that this version cannot honour
+// what the format knows and this version cannot honour
+void RefuseUnsimulated(TomlTable& table, std::string_view key, std::string what) {
+  table.Refuse(key, std::move(what), std::string(kThisVersion));
+}
+
 void RefuseAll(TomlTable& table, std::initializer_list<std::string_view> keys) {
   for (const std::string_view key : keys) {
-    if (table.Has(key)) table.Refuse(key, std::string(kThisVersion));
+    if (table.Has(key)) RefuseUnsimulated(table, key, "is not simulated yet");
   }
 }
 
@@ -74,8 +80,8 @@ Result<StatedActuator> ReadActuatorTable(TomlTable& table, const std::string& sc
         "force_constant_n_per_a", "resistance_ohm", "inductance_h", "file"}) {
     const bool wanted = key == "file" && !table.Has("model");
     if (table.Has(key) && !wanted) {
-      table.Refuse(key, fmt::format("stands beside {}: give one or the other",
-                                    table.Has("model") ? "model" : "file"));
+      table.Refuse(key, fmt::format("stands beside {}", table.Has("model") ? "model" : "file"),
+                   "give one or the other");
     }
   }
   if (auto done = table.Finish(); !done) return std::unexpected(done.error());
@@ -108,16 +114,17 @@ std::optional<Adapter> ReadAdapter(TomlTable* table) {
 Skin ReadSkinUnderArea(TomlTable& table) {
   const double area_m2 = table.Require("contact_area_m2", Dimension::kNone);
   if (!(area_m2 >= kSkinAreaMinM2 && area_m2 <= kSkinAreaMaxM2)) {
-    table.Refuse("contact_area_m2", "the law covers 1e-6 to 100e-6 m2");
+    table.Refuse("contact_area_m2", "is outside the law's 1e-6 to 100e-6 m2",
+                 "give stiffness_n_per_m and damping_n_s_per_m instead");
   }
   const auto law = table.Choice("law", {"power"});
-  if (!table.Has("law")) table.Refuse("law", "is missing; the known one is \"power\"");
+  if (!table.Has("law")) table.Refuse("law", "is missing", "write law = \"power\"");
   const auto range = table.Choice("range", {"text", "table"});
   if (!table.Has("range")) {
-    table.Refuse("range", "is missing; \"text\" (600-2000 N/m) or \"table\" (600-1200 N/m)");
+    table.Refuse("range", "is missing", "\"text\" (600-2000 N/m) or \"table\" (600-1200 N/m)");
   }
   for (const std::string_view key : {"stiffness_n_per_m", "damping_n_s_per_m"}) {
-    if (table.Has(key)) table.Refuse(key, "stands beside contact_area_m2: give one or the other");
+    if (table.Has(key)) table.Refuse(key, "stands beside contact_area_m2", "give one or the other");
   }
   if (!table.Finish() || !law || !range) return {};
   return SkinUnderArea(area_m2, *range == "text" ? SkinRange::kText : SkinRange::kTable);
@@ -125,12 +132,13 @@ Skin ReadSkinUnderArea(TomlTable& table) {
 
 Skin ReadSkin(TomlTable& table) {
   if (table.Choice("contact", {"bilateral", "unilateral"}) == "unilateral") {
-    table.Refuse("contact", fmt::format("\"unilateral\" {}", kThisVersion));
+    RefuseUnsimulated(table, "contact", "\"unilateral\" is not simulated yet");
   }
   RefuseAll(table, {"preload_n"});
   if (table.Has("contact_area_m2")) return ReadSkinUnderArea(table);
   for (const std::string_view key : {"law", "range"}) {
-    if (table.Has(key)) table.Refuse(key, "needs contact_area_m2");
+    if (table.Has(key))
+      table.Refuse(key, "stands without contact_area_m2", "add it or remove this");
   }
   return {.stiffness_n_per_m = NotNegative(table, "stiffness_n_per_m", Dimension::kStiffness),
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
@@ -138,9 +146,9 @@ Skin ReadSkin(TomlTable& table) {
 
 SineDrive ReadDrive(TomlTable& table) {
   const auto kind = table.Text("kind");
-  if (!table.Has("kind")) table.Refuse("kind", "is missing; write kind = \"sine\"");
+  if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
   if (kind && *kind != "sine") {
-    table.Refuse("kind", fmt::format("\"{}\" {}", *kind, kThisVersion));
+    RefuseUnsimulated(table, "kind", fmt::format("\"{}\" is not simulated yet", *kind));
     return {};
   }
   return {.amplitude_v = NotNegative(table, "amplitude_v", Dimension::kVoltage),
@@ -153,12 +161,12 @@ void ReadRun(TomlTable* table, Scene& scene) {
   if (table->Has("duration_s")) {
     scene.duration_s = Positive(*table, "duration_s", Dimension::kTime);
     if (*scene.duration_s > kLongestRunS) {
-      table->Refuse("duration_s", fmt::format("is longer than {:g} s", kLongestRunS));
+      table->Refuse("duration_s", fmt::format("is longer than {:g} s", kLongestRunS),
+                    "leave it out for the steady state");
     }
   }
   const auto start = table->Choice("start", {"rest", "steady"});
-  const bool rest = start ? *start == "rest" : scene.duration_s.has_value();
-  scene.start = rest ? Start::kRest : Start::kSteady;
+  if (start) scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
 }
 
 trial::SensorHead HeadOfKind(const std::string& kind) {
@@ -181,12 +189,14 @@ void ReadHead(TomlTable& table, const std::string& kind, Sensor& sensor) {
   const double samples_a_reading = 1 / (sensor.rate_hz * head.sampling_s);
   if (!(samples_a_reading > 0.5) ||
       std::abs(samples_a_reading - std::round(samples_a_reading)) > 1e-9 * samples_a_reading) {
-    table.Refuse("rate_hz", fmt::format("must be 1/sampling_s = {:g} Hz divided by a whole number",
-                                        1 / head.sampling_s));
+    table.Refuse(
+        "rate_hz",
+        fmt::format("is not 1/sampling_s = {:g} Hz divided by a whole number", 1 / head.sampling_s),
+        "change one of the two");
   }
   if (const auto averages = table.Integer("averages")) {
     if (*averages < 1 || *averages > kMostAverages) {
-      table.Refuse("averages", fmt::format("must be 1 to {}", kMostAverages));
+      table.Refuse("averages", fmt::format("is not 1 to {}", kMostAverages), "check it");
     } else {
       head.averages = static_cast<int>(*averages);
     }
@@ -203,7 +213,7 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
   if (table == nullptr) return std::nullopt;
   const auto kind = table->Choice("kind", {"ideal", "il-030", "stream"});
   if (!table->Has("kind")) {
-    table->Refuse("kind", "is missing; \"ideal\", \"il-030\" or \"stream\"");
+    table->Refuse("kind", "is missing", "\"ideal\", \"il-030\" or \"stream\"");
   }
   Sensor sensor;
   sensor.head = HeadOfKind(kind.value_or("ideal"));
@@ -214,7 +224,7 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
                                       : SensorTarget::kSkin;
   sensor.latency_s = NotNegativeOr(*table, "latency_s", Dimension::kTime, 0);
   if (const auto seed = table->Integer("seed")) {
-    if (*seed < 0) table->Refuse("seed", "must not be negative");
+    if (*seed < 0) table->Refuse("seed", "must not be negative", "check its sign");
     sensor.seed = static_cast<std::uint64_t>(*seed);
   }
   return sensor;
@@ -223,7 +233,7 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
 // an effect that is off is what this version simulates, and so is the coil's inductance
 void ReadEffects(TomlTable& root) {
   if (root.KindOf("effects") == TomlKind::kText) {
-    root.Refuse("effects", fmt::format("\"auto\" {}", kThisVersion));
+    RefuseUnsimulated(root, "effects", "\"auto\" is not simulated yet");
     return;
   }
   TomlTable* effects = root.Table("effects");
@@ -234,15 +244,8 @@ void ReadEffects(TomlTable& root) {
     if (kind == TomlKind::kAbsent) continue;
     const bool simulated = key == "inductance";
     if (kind == TomlKind::kFlag && effects->Flag(key) == simulated) continue;
-    effects->Refuse(key, simulated ? "stays on in this version: write true or leave it out"
-                                   : std::string(kThisVersion));
+    RefuseUnsimulated(*effects, key, simulated ? "can only be true yet" : "can only be false yet");
   }
-}
-
-// a table that every scene needs; an empty one stands in, so that reading goes on to Finish()
-TomlTable* RequireTable(TomlTable& root, std::string_view key) {
-  if (!root.Has(key)) root.Refuse(key, fmt::format("is missing; add a table [{}]", key));
-  return root.Table(key);
 }
 
 }  // namespace
@@ -250,29 +253,36 @@ TomlTable* RequireTable(TomlTable& root, std::string_view key) {
 Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   auto root = TomlTable::ParseText(text, where);
   if (!root) return std::unexpected(root.error());
-  TomlTable* actuator_table = RequireTable(*root, "actuator");
-  TomlTable* skin_table = RequireTable(*root, "skin");
-  TomlTable* drive_table = RequireTable(*root, "drive");
-  RefuseAll(*root, {"mounting"});
+  TomlTable* actuator_table = root->Table("actuator");
+  TomlTable* skin_table = root->Table("skin");
+  TomlTable* drive_table = root->Table("drive");
 
   Scene scene;
+  Result<StatedActuator> stated = StatedActuator{};
+  if (actuator_table != nullptr) stated = ReadActuatorTable(*actuator_table, where);
   scene.adapter = ReadAdapter(root->Table("adapter"));
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
   if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table);
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
   ReadEffects(*root);
+  RefuseAll(*root, {"mounting"});
 
-  // the actuator last: it may lie in a file of its own, which speaks for itself
-  Result<StatedActuator> stated = StatedActuator{};
-  if (actuator_table != nullptr) stated = ReadActuatorTable(*actuator_table, where);
+  // a misspelt key explains a missing table, so missing ones are told last
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
+  for (const std::string_view key : {"actuator", "skin", "drive"}) {
+    if (!root->Has(key)) {
+      return Usage(where, fmt::format("has no [{}]", key), "add that table (docs/notation.md)");
+    }
+  }
+
+  // an actuator's file has spoken for itself; its numbers are held to the same limits
   if (!stated) return std::unexpected(stated.error());
   const auto actuator = Complete(*stated);
   if (!actuator) return std::unexpected(actuator.error());
-  RefuseUnrealActuator(*actuator_table, *actuator);
-  if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   scene.actuator = *actuator;
+  RefuseUnrealActuator(*actuator_table, scene.actuator);
+  if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   return scene;
 }
 

@@ -21,7 +21,7 @@ trial::Displacement MotionOf(const Scene& scene, SensorTarget target) {
   const LinearModel model = AssembleModel(scene);
   const Eigen::Index state = StateOf(model, target);
   // steady: Im(X exp(j w t)) as one sine
-  if (scene.start == Start::kSteady) {
+  if (StartOf(scene) == Start::kSteady) {
     const std::complex<double> phasor =
         SolveSteadyState(model, scene.drive, scene.skin).phasors(state);
     return [amplitude_m = std::abs(phasor), phase_rad = std::arg(phasor),
@@ -32,7 +32,7 @@ trial::Displacement MotionOf(const Scene& scene, SensorTarget target) {
     };
   }
   // shared, because a std::function is copied freely
-  auto response = std::make_shared<const TimeResponse>(model, scene.drive, scene.start);
+  auto response = std::make_shared<const TimeResponse>(model, scene.drive, Start::kRest);
   return [response = std::move(response), state](double t_s) {
     return t_s <= 0 ? 0.0 : response->StateAt(t_s)(state);
   };
@@ -52,7 +52,7 @@ trial::Metadata Describe(const Scene& scene) {
   const Sensor& sensor = *scene.sensor;
   trial::Metadata metadata;
   metadata.source = fmt::format("simulated: linear scene, exact solution, start from {}",
-                                scene.start == Start::kRest ? "rest" : "steady state");
+                                StartOf(scene) == Start::kRest ? "rest" : "steady state");
   metadata.sensor = "sensor model";
   metadata.head = sensor.head.name;
   metadata.sampling_s = sensor.head.sampling_s;

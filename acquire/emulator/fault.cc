@@ -1,0 +1,92 @@
+#include "acquire/emulator/fault.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <charconv>
+
+namespace haptometer::acquire::emulator {
+namespace {
+
+// The delay is longer than the second after which the maker's manual gives an answer up for lost.
+constexpr std::array kFaults = {
+    Fault{.name = "silent", .summary = "no answer", .damage = Damage::kMissing},
+    Fault{.name = "late", .summary = "the answer comes after 1.5 s", .delay_ns = 3 * kNsPerS / 2},
+    Fault{.name = "truncate", .summary = "half an answer", .damage = Damage::kTruncated},
+    Fault{.name = "garbage", .summary = "noise for an answer", .damage = Damage::kGarbled},
+    Fault{.name = "error", .summary = "the unit answers ER,..,29", .refuses = true},
+    Fault{.name = "invalid", .summary = "no target", .status = trial::SampleStatus::kInvalid},
+    Fault{.name = "over", .summary = "beyond the range", .status = trial::SampleStatus::kOver},
+    Fault{.name = "disconnect", .summary = "the line drops", .hangs_up = true},
+};
+
+std::string KnownNames() {
+  std::string names;
+  for (const Fault& fault : kFaults) {
+    if (!names.empty()) names += ", ";
+    names += fault.name;
+  }
+  return names;
+}
+
+// the line's end: CR, LF or both
+std::size_t BodySize(std::string_view answer) {
+  const std::size_t last = answer.find_last_not_of("\r\n");
+  return last == std::string_view::npos ? 0 : last + 1;
+}
+
+}  // namespace
+
+std::span<const Fault> Faults() { return kFaults; }
+
+const Fault* FaultPlan::At(std::int64_t number) const {
+  return fault != nullptr && number % every == 0 ? fault : nullptr;
+}
+
+Result<FaultPlan> ParseFaultPlan(std::string_view text) {
+  const std::size_t colon = text.find(':');
+  const std::string_view name = text.substr(0, colon);
+  FaultPlan plan;
+  for (const Fault& fault : kFaults) {
+    if (fault.name == name) plan.fault = &fault;
+  }
+  if (plan.fault == nullptr) {
+    return Usage("--fault", fmt::format("'{}' is no fault", name),
+                 fmt::format("give one of {}", KnownNames()));
+  }
+  if (colon == std::string_view::npos) return plan;
+
+  const std::string_view every = text.substr(colon + 1);
+  const char* end = every.data() + every.size();
+  const auto [stop, code] = std::from_chars(every.data(), end, plan.every);
+  if (code != std::errc() || stop != end || plan.every < 1) {
+    return Usage("--fault", fmt::format("'{}' does not say how often", every),
+                 fmt::format("give {}:EVERY with a whole number from 1", name));
+  }
+  return plan;
+}
+
+std::string Damaged(std::string answer, Damage damage, std::int64_t number) {
+  switch (damage) {
+    case Damage::kNone:
+      break;
+    case Damage::kMissing:
+      answer.clear();
+      break;
+    case Damage::kTruncated:
+      answer.resize(BodySize(answer) / 2);
+      break;
+    case Damage::kGarbled: {
+      // bytes with the top bit set appear in no answer and end no line
+      auto state = static_cast<std::uint32_t>(number);
+      for (std::size_t i = 0; i < BodySize(answer); ++i) {
+        state = state * 1664525U + 1013904223U;
+        answer[i] = static_cast<char>(0x80U | (state >> 24U));
+      }
+      break;
+    }
+  }
+  return answer;
+}
+
+}  // namespace haptometer::acquire::emulator

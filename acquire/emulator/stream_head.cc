@@ -1,0 +1,107 @@
+#include "acquire/emulator/stream_head.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "acquire/protocol/wire.h"
+#include "base/check.h"
+
+namespace haptometer::acquire::emulator {
+namespace {
+
+constexpr MonotonicNs kBatchNs = 1'000'000;
+// what serial ports offer, for the advice only
+constexpr std::array kCommonBauds = {9600, 19200, 38400, 57600, 115200, 230400, 460800, 921600};
+
+bool Fits(std::size_t bytes, int baud, double sampling_s) {
+  return static_cast<double>(bytes) * kBitsPerCharacter <= sampling_s * baud * (1 + 1e-12);
+}
+
+// "use --baud 921600 or --sampling 782us": the slowest common rate and the shortest period that fit
+std::string Advice(const StreamSetup& setup) {
+  const std::size_t bytes = LineBytes(setup.format);
+  const auto period_us = static_cast<std::int64_t>(
+      std::ceil(1e6 / MostLinesPerSecond(setup.format, setup.baud) - 1e-6));
+  std::string advice = fmt::format("--sampling {}us", period_us);
+  for (const int baud : kCommonBauds) {
+    if (Fits(bytes, baud, setup.head.head.sampling_s)) {
+      return fmt::format("use --baud {} or {}", baud, advice);
+    }
+  }
+  return "use " + advice;
+}
+
+}  // namespace
+
+Result<void> Validate(const StreamSetup& setup) {
+  const Fault* fault = setup.faults.fault;
+  if (fault != nullptr && (fault->refuses || fault->delay_ns > 0)) {
+    return Usage("--fault",
+                 fmt::format("'{}' is a fault of answers, and nobody asks a stream", fault->name),
+                 "choose another, or --protocol dl-rs1a");
+  }
+  if (setup.baud < 1 || !Fits(LineBytes(setup.format), setup.baud, setup.head.head.sampling_s)) {
+    return Usage("--baud",
+                 fmt::format("{} characters at {} baud allow {:.0f} lines/s, the head gives {:g}",
+                             LineBytes(setup.format), setup.baud,
+                             std::floor(MostLinesPerSecond(setup.format, setup.baud)),
+                             1 / setup.head.head.sampling_s),
+                 Advice(setup));
+  }
+  return {};
+}
+
+StreamHead::StreamHead(StreamSetup setup) : setup_(std::move(setup)), wire_(setup_.baud) {
+  HAPTOMETER_CHECK(Validate(setup_).has_value(), "{}", Validate(setup_).error().Text());
+}
+
+void StreamHead::Receive(std::string_view /*bytes*/, MonotonicNs /*now*/) {}
+
+void StreamHead::Advance(MonotonicNs now, std::string& out) {
+  advanced_to_ = now;
+  while (true) {
+    if (sent_ == line_.size()) {
+      if (setup_.head.SampleTime(next_) > now) return;
+      PrepareLine();
+    } else {
+      if (departure_ > now) return;
+      out += line_[sent_++];
+      if (sent_ < line_.size()) departure_ = wire_.Send(setup_.head.SampleTime(next_ - 1));
+    }
+  }
+}
+
+void StreamHead::PrepareLine() {
+  const std::int64_t number = next_++;
+  const trial::HeadReading reading = setup_.head.Reading(number);
+  const Fault* fault = setup_.faults.At(number + 1);
+
+  Value value{.counts = static_cast<std::int32_t>(
+                  std::lround(reading.value_m / MetresPerCount(setup_.format))),
+              .decimals = setup_.format.decimals,
+              .status = reading.status};
+  if (fault != nullptr && fault->status != trial::SampleStatus::kOk) value.status = fault->status;
+  line_ = FormatStreamLine(setup_.format, value);
+  if (fault != nullptr) line_ = Damaged(std::move(line_), fault->damage, number + 1);
+  if (fault != nullptr && fault->hangs_up) {
+    hang_up_ = true;
+    line_.clear();
+  }
+  sent_ = 0;
+  if (!line_.empty()) departure_ = wire_.Send(setup_.head.SampleTime(number));
+}
+
+std::optional<MonotonicNs> StreamHead::NextDue() const {
+  const MonotonicNs due = sent_ < line_.size() ? departure_ : setup_.head.SampleTime(next_);
+  return std::max(due, advanced_to_ + kBatchNs);
+}
+
+bool StreamHead::TakeHangUp() { return std::exchange(hang_up_, false); }
+
+char StreamHead::line_end() const { return Bytes(setup_.format.delimiter).back(); }
+
+}  // namespace haptometer::acquire::emulator

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "acquire/protocol/value.h"
+#include "base/clock.h"
+
+/// The Keyence DL-RS1A (RS-232C unit of the IL series): ASCII lines, one command at a time. Pure
+/// functions between lines and meanings, both directions; no time, no port.
+///
+/// Source: Keyence, DL-RS1A User's Manual, IL Edition (96081E), p. 13-14 for values and data
+/// numbers; GT-70A Edition, p. 15, for the error numbers, which the editions share.
+namespace haptometer::acquire::dl_rs1a {
+
+/// The only rates of the unit; the first is the factory setting.
+inline constexpr std::array<int, 5> kBauds = {9600, 2400, 4800, 19200, 38400};
+/// Identification numbers run from 00 (main amplifier) to 14.
+inline constexpr std::size_t kMostUnits = 15;
+/// Characters of the longest legal line: MS with two-digit outputs of 15 amplifiers.
+inline constexpr std::size_t kLongestLine = 2 + kMostUnits * 11;
+/// The unit ends its lines with CR LF; it accepts CR or CR LF.
+inline constexpr std::string_view kLineEnd = "\r\n";
+/// Processing of M0 and MS between the request's last and the reply's first character, at most.
+inline constexpr MonotonicNs kProcessingNs = 4'000'000;
+/// How often the unit refreshes the values that M0 reads, with one amplifier: 7 ms (IB and GT-70A
+/// Editions; the IL Edition gives no figure).
+inline constexpr MonotonicNs kRefreshNs = 7'000'000;
+
+/// Data numbers of SR used here (IL Edition, p. 13).
+inline constexpr int kErrorFlags = 33;
+inline constexpr int kBank = 98;
+inline constexpr int kSamplingCycle = 132;
+inline constexpr int kAveraging = 133;
+inline constexpr int kHold = 136;
+inline constexpr int kZeroShiftMemory = 152;
+inline constexpr int kHighPassCutoff = 159;
+inline constexpr int kConnectedHead = 195;
+inline constexpr int kProductName = 200;
+
+/// Error numbers of `ER`.
+inline constexpr int kInvalidCommand = 0;
+inline constexpr int kDataLength = 20;
+inline constexpr int kParameterCount = 21;
+inline constexpr int kParameter = 22;
+inline constexpr int kCommunication = 29;
+inline constexpr int kUnitNumber = 65;
+inline constexpr int kExpansionLine = 66;
+inline constexpr int kWriteControl = 67;
+
+/// What an error number means, in words a user can act on; "unknown error" for others.
+[[nodiscard]] std::string_view ErrorText(int number);
+
+// --- values ----------------------------------------------------------------------------------
+
+/// Reads the 7 characters of a value: `-00.007`, `+018.25`, `+0123.4`.
+///
+/// Strings that are no measurement get a status: any E -> kDeviceError; +99999 digits -> kOver;
+/// -99999 -> kUnder; -99998 -> kInvalid. Nothing is returned when the characters are not sign,
+/// digits and one point in 7 characters.
+[[nodiscard]] std::optional<Value> ParseValue(std::string_view text);
+
+/// The inverse of ParseValue: the status decides first, then counts and decimals (1 to 3).
+/// Counts beyond 5 digits are a programmer's error.
+[[nodiscard]] std::string FormatValue(const Value& value);
+
+// --- requests --------------------------------------------------------------------------------
+
+enum class Command : std::uint8_t { kM0, kMs, kSr, kSw, kAw };
+
+/// A request as the unit sees it.
+struct Request {
+  Command command = Command::kM0;
+  int unit = 0;           ///< SR, SW: identification number
+  int number = 0;         ///< SR, SW, AW: data number
+  std::string_view data;  ///< SW, AW: what to write; points into the parsed line
+
+  friend bool operator==(const Request&, const Request&) = default;
+};
+
+/// Why the unit refuses a line: answered as `ER,COMMAND,NUMBER`.
+struct Refusal {
+  std::string_view command;  ///< as sent, the part before the first comma
+  int number = 0;
+};
+
+/// Either a request or the refusal it deserves.
+struct ParsedRequest {
+  std::optional<Request> request;
+  Refusal refusal;  ///< meaningful only without a request
+};
+
+/// The unit's side: reads a line (without its end).
+[[nodiscard]] ParsedRequest ParseRequest(std::string_view line);
+
+/// `M0\r\n`, `MS\r\n`, `SR,00,195\r\n`: a request with its end.
+[[nodiscard]] std::string FormatRequest(const Request& request);
+
+// --- replies ---------------------------------------------------------------------------------
+
+enum class ReplyKind : std::uint8_t { kM0, kMs, kDr, kSr, kError };
+
+/// A reply; views point into the parsed line.
+struct Reply {
+  ReplyKind kind = ReplyKind::kM0;
+  std::size_t units = 0;                   ///< M0, MS, DR: how many values
+  std::array<Value, kMostUnits> values{};  ///< M0, MS, DR: by identification number
+  std::array<int, kMostUnits> outputs{};   ///< MS, DR: bit 0 HIGH, 1 LOW, 2 GO, 3 alarm
+  int unit = 0;                            ///< SR
+  int number = 0;                          ///< SR: data number; ER: error number
+  std::string_view data;                   ///< SR: the data; ER: the refused command
+};
+
+/// Reads one line (without its end); nothing when it is not a reply of this unit. `DR` is MS sent
+/// at a hardware trigger. MS outputs may have one digit or two (editions of the manual differ).
+[[nodiscard]] std::optional<Reply> ParseReply(std::string_view line);
+
+/// `M0,-00.007,+00.018\r\n`.
+[[nodiscard]] std::string FormatM0Reply(std::span<const Value> values);
+/// `MS,04,-00.007,...\r\n`; outputs[i] belongs to values[i].
+[[nodiscard]] std::string FormatMsReply(std::span<const int> outputs,
+                                        std::span<const Value> values);
+/// `SR,00,195,1\r\n` with the data as given (at most 10 characters).
+[[nodiscard]] std::string FormatSrReply(int unit, int number, std::string_view data);
+/// `ER,SR,22\r\n`.
+[[nodiscard]] std::string FormatErrorReply(const Refusal& refusal);
+
+// --- what the numbers of SR mean ----------------------------------------------------------------
+
+/// A sensor head of the IL series.
+struct Head {
+  int code = 0;             ///< data 195
+  std::string_view name;    ///< "IL-030"
+  int decimals = 0;         ///< of a value in mm
+  double reference_mm = 0;  ///< distance at value 0
+  double nearest_mm = 0;    ///< measuring range as distances; 0 where the data sheet is not at hand
+  double farthest_mm = 0;
+};
+
+/// The head with code `code` of data 195, or nullptr.
+[[nodiscard]] const Head* FindHead(int code);
+
+/// Sampling period in s of data 132 (1..4); nothing for 0, "default", and for other codes.
+[[nodiscard]] std::optional<double> SamplingSeconds(int code);
+/// Averages of data 133 (0..12 -> 1..4096); nothing for the filters 13 and 14 and for other codes.
+[[nodiscard]] std::optional<int> Averages(int code);
+/// Name of data 136: "sample", "peak", "bottom", "peak-to-peak", "auto peak", "auto bottom"; "" for
+/// other codes.
+[[nodiscard]] std::string_view HoldName(int code);
+/// High-pass corner in Hz of data 159 (0..9).
+[[nodiscard]] std::optional<double> HighPassHz(int code);
+
+// --- what the wire allows
+// -------------------------------------------------------------------------
+
+/// Time of one M0 exchange in ns: request, processing, reply, at 10 bits a character.
+///
+/// 4 characters out, 4 ms, 4 + 8 n characters back: 8.17 ms at 38400 baud with one amplifier.
+[[nodiscard]] MonotonicNs PollPeriodNs(int baud, std::size_t units);
+
+}  // namespace haptometer::acquire::dl_rs1a

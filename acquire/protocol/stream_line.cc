@@ -1,0 +1,159 @@
+#include "acquire/protocol/stream_line.h"
+
+#include <fmt/core.h>
+
+#include <cstdlib>
+
+#include "acquire/protocol/digits.h"
+#include "acquire/protocol/wire.h"
+#include "base/check.h"
+#include "base/quantity.h"
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr int kMostDigits = 9;  // 999 999 999 still fits in 32 bits
+constexpr std::string_view kFormatRemedy =
+    "write PICTURE,UNIT,DELIMITER such as +00.0000,mm,CR or 000000,0.1um,CRLF";
+
+std::size_t NumberWidth(const StreamFormat& format) {
+  return static_cast<std::size_t>(format.whole_digits + format.decimals + (format.decimals > 0));
+}
+
+// "+00.0000": sign, whole digits, point, decimals
+Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
+  const bool is_signed = picture.starts_with('+');
+  const std::string_view number = picture.substr(is_signed ? 1 : 0);
+  const std::size_t point = number.find('.');
+  const std::string_view whole = number.substr(0, point);
+  const std::string_view decimals =
+      point == std::string_view::npos ? std::string_view{} : number.substr(point + 1);
+  const bool has_zeros =
+      ConsistsOf(whole, '0') && (point == std::string_view::npos || ConsistsOf(decimals, '0'));
+  if (!has_zeros || whole.size() + decimals.size() > kMostDigits) {
+    return Usage("--format",
+                 fmt::format("\"{}\" is not a picture of a number of 1 to 9 digits", picture),
+                 std::string(kFormatRemedy));
+  }
+  format.sign = is_signed ? SignRule::kAlways : SignRule::kNever;
+  format.whole_digits = static_cast<int>(whole.size());
+  format.decimals = static_cast<int>(decimals.size());
+  return {};
+}
+
+// "mm" is one millimetre, "0.1um" a tenth of a micrometre
+Result<double> ReadUnit(std::string_view unit) {
+  const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
+  const std::string text = (has_number ? "" : "1") + std::string(unit);
+  const Result<Quantity> quantity = ParseQuantity(text, Dimension::kLength, "--format");
+  if (!quantity) return std::unexpected(quantity.error());
+  if (!(quantity->value > 0)) return Usage("--format", "the unit must be a length above 0");
+  return quantity->value;
+}
+
+Result<Delimiter> ReadDelimiter(std::string_view word) {
+  if (word == "CR") return Delimiter::kCr;
+  if (word == "LF") return Delimiter::kLf;
+  if (word == "CRLF") return Delimiter::kCrLf;
+  return Usage("--format", fmt::format("\"{}\" is not a delimiter", word), "use CR, LF or CRLF");
+}
+
+}  // namespace
+
+Result<StreamFormat> ParseStreamFormat(std::string_view text) {
+  const std::size_t first = text.find(',');
+  const std::size_t second = first == std::string_view::npos ? first : text.find(',', first + 1);
+  if (second == std::string_view::npos) {
+    return Usage("--format", fmt::format("\"{}\" has not three parts", text),
+                 std::string(kFormatRemedy));
+  }
+  StreamFormat format;
+  if (auto read = ReadPicture(text.substr(0, first), format); !read) {
+    return std::unexpected(read.error());
+  }
+  const Result<double> unit_m = ReadUnit(text.substr(first + 1, second - first - 1));
+  if (!unit_m) return std::unexpected(unit_m.error());
+  const Result<Delimiter> delimiter = ReadDelimiter(text.substr(second + 1));
+  if (!delimiter) return std::unexpected(delimiter.error());
+  format.unit_m = *unit_m;
+  format.delimiter = *delimiter;
+  return format;
+}
+
+std::size_t LineWidth(const StreamFormat& format) {
+  return NumberWidth(format) + (format.sign == SignRule::kAlways ? 1 : 0);
+}
+
+std::size_t LineBytes(const StreamFormat& format) {
+  return LineWidth(format) + Bytes(format.delimiter).size();
+}
+
+double MetresPerCount(const StreamFormat& format) {
+  return format.unit_m / PowerOfTen(format.decimals);
+}
+
+std::int32_t MostCounts(const StreamFormat& format) {
+  return PowerOfTen(format.whole_digits + format.decimals) - 1;
+}
+
+double MostLinesPerSecond(const StreamFormat& format, int baud) {
+  HAPTOMETER_CHECK(baud > 0, "baud = {}", baud);
+  return static_cast<double>(baud) /
+         (static_cast<double>(LineBytes(format)) * static_cast<double>(kBitsPerCharacter));
+}
+
+std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_view line) {
+  if (line.size() != LineWidth(format)) return std::nullopt;
+  if (ConsistsOf(line, 'X') || ConsistsOf(line, '-')) {
+    return Value{kNoCounts, format.decimals, trial::SampleStatus::kInvalid};
+  }
+  // the sign
+  char sign = 0;
+  if (format.sign == SignRule::kAlways) {
+    sign = line[0];
+    if (sign != '+' && sign != '-') return std::nullopt;
+    line.remove_prefix(1);
+  }
+  if (ConsistsOf(line, 'F')) {
+    return Value{kNoCounts, format.decimals,
+                 sign == '-' ? trial::SampleStatus::kUnder : trial::SampleStatus::kOver};
+  }
+  // the digits on both sides of the point
+  std::string digits(line.substr(0, static_cast<std::size_t>(format.whole_digits)));
+  if (format.decimals > 0) {
+    if (line[digits.size()] != '.') return std::nullopt;
+    digits.append(line.substr(digits.size() + 1));
+  }
+  const std::optional<std::int32_t> size = ParseDigits(digits);
+  if (!size) return std::nullopt;
+  return Value{sign == '-' ? -*size : *size, format.decimals, trial::SampleStatus::kOk};
+}
+
+std::string FormatStreamLine(const StreamFormat& format, const Value& value) {
+  const std::string_view end = Bytes(format.delimiter);
+  const bool is_signed = format.sign == SignRule::kAlways;
+  const bool is_number = trial::IsMeasurement(value.status);
+  const std::int32_t most = MostCounts(format);
+  const std::int32_t least = is_signed ? -most : 0;
+  // letters where there is no number to send, or none that fits
+  const bool over =
+      value.status == trial::SampleStatus::kOver || (is_number && value.counts > most);
+  const bool under =
+      value.status == trial::SampleStatus::kUnder || (is_number && value.counts < least);
+  if (over || under) {
+    const std::string sign = is_signed ? (over ? "+" : "-") : "";
+    return sign + std::string(NumberWidth(format), 'F').append(end);
+  }
+  if (!is_number) return std::string(LineWidth(format), 'X').append(end);
+  // sign, digits, point
+  const std::string digits =
+      fmt::format("{:0{}}", std::abs(value.counts), format.whole_digits + format.decimals);
+  std::string line = is_signed ? (value.counts < 0 ? "-" : "+") : "";
+  line.append(digits, 0, static_cast<std::size_t>(format.whole_digits));
+  if (format.decimals > 0) {
+    line.append(".").append(digits, static_cast<std::size_t>(format.whole_digits));
+  }
+  return line.append(end);
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,14 @@
+#include "acquire/protocol/wire.h"
+
+#include "base/check.h"
+
+namespace haptometer::acquire {
+
+MonotonicNs WireTimeNs(std::size_t bytes, int baud) {
+  HAPTOMETER_CHECK(baud > 0, "baud = {}", baud);
+  return static_cast<MonotonicNs>(bytes) * kBitsPerCharacter * kNsPerS / baud;
+}
+
+double HighestObservableHz(double rate_hz) { return rate_hz / kReadingsPerPeriod; }
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,108 @@
+#include "acquire/transport/descriptor.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+
+#include "acquire/transport/port_holder.h"
+#include "base/check.h"
+
+namespace haptometer::acquire {
+namespace {
+
+std::string Reason(int error_number) { return std::generic_category().message(error_number); }
+
+// poll until the deadline; 0 after the deadline or a signal, else the events that came
+int WaitFor(int descriptor, int events, MonotonicNs deadline) {
+  SystemClock clock;
+  const MonotonicNs wait_ns = std::max<MonotonicNs>(deadline - clock.Now(), 0);
+  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
+  pollfd watched{.fd = descriptor, .events = static_cast<short>(events), .revents = 0};
+  return ppoll(&watched, 1, &timeout, nullptr) > 0 ? watched.revents : 0;
+}
+
+}  // namespace
+
+OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  return *this;
+}
+
+OwnedDescriptor::~OwnedDescriptor() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+ReadOutcome ReadDescriptor(int descriptor, std::span<char> buffer, MonotonicNs deadline) {
+  HAPTOMETER_CHECK(!buffer.empty(), "buffer of {} bytes", buffer.size());
+  const int events = WaitFor(descriptor, POLLIN, deadline);
+  if (events == 0) return {.state = ReadState::kTimeout, .bytes = 0};
+  // a hang-up is believed only after what came before it has been read
+  const ssize_t taken = read(descriptor, buffer.data(), buffer.size());
+  if (taken > 0) return {.state = ReadState::kBytes, .bytes = static_cast<std::size_t>(taken)};
+  const bool nothing_yet = taken < 0 && (errno == EAGAIN || errno == EINTR);
+  const bool hung_up = (events & (POLLHUP | POLLERR | POLLNVAL)) != 0;
+  return {.state = nothing_yet && !hung_up ? ReadState::kTimeout : ReadState::kGone, .bytes = 0};
+}
+
+Result<void> WriteDescriptor(int descriptor, std::string_view bytes, MonotonicNs deadline,
+                             const std::string& name) {
+  SystemClock clock;
+  while (!bytes.empty()) {
+    const ssize_t taken = write(descriptor, bytes.data(), bytes.size());
+    if (taken > 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(taken));
+      continue;
+    }
+    if (taken < 0 && errno != EAGAIN && errno != EINTR) {
+      return Failed(name, fmt::format("the connection was lost ({})", Reason(errno)),
+                    "check cable and power");
+    }
+    if (clock.Now() >= deadline) {
+      return Failed(name, "the port does not take bytes", "check cable and flow control");
+    }
+    (void)WaitFor(descriptor, POLLOUT, deadline);
+  }
+  return {};
+}
+
+Result<void> LockPort(int descriptor, const std::string& name) {
+  if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return {};
+  if (errno == EWOULDBLOCK) return std::unexpected(BusyPort(name));
+  return Failed(name, fmt::format("cannot be locked: {}", Reason(errno)));
+}
+
+Error BusyPort(const std::string& name) {
+  const std::string holder = PortHolder(name);
+  return {Cause::kCannotAnswer, name,
+          holder.empty() ? "is busy: another program holds it"
+                         : fmt::format("is busy: {} holds it", holder),
+          "end that program, or give another --port"};
+}
+
+Error PortDoesNotOpen(const std::string& name, int error_number) {
+  switch (error_number) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+      return {Cause::kCannotAnswer, name, "is not there",
+              "plug the sensor in and look for its port with: ls /dev/serial/by-id/"};
+    case EACCES:
+    case EPERM:
+      return {Cause::kCannotAnswer, name, "may not be opened by this user",
+              "join its group with: sudo usermod -aG dialout $USER, then log in again"};
+    case EBUSY:
+      return BusyPort(name);
+    default:
+      return {Cause::kCannotAnswer, name, fmt::format("does not open: {}", Reason(error_number)),
+              "give a serial port, a virtual terminal or HOST:PORT"};
+  }
+}
+
+}  // namespace haptometer::acquire

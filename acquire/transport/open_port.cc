@@ -1,0 +1,55 @@
+#include "acquire/transport/open_port.h"
+
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+
+#include "acquire/transport/descriptor.h"
+#include "acquire/transport/serial_port.h"
+#include "acquire/transport/tcp_stream.h"
+#include "acquire/transport/virtual_terminal.h"
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
+
+// "host:64000" and "[::1]:64000", but no path
+bool IsNetworkName(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  if (colon == std::string::npos || colon == 0 || name.find('/') != std::string::npos) return false;
+  const std::string port = name.substr(colon + 1);
+  return !port.empty() && std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
+}
+
+Result<std::unique_ptr<Transport>> ConnectTo(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  std::string host = name.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return TcpStream::Connect(host, name.substr(colon + 1), kConnectTimeoutNs);
+}
+
+// the slaves of pseudo-terminals have the device numbers 136 to 143 (Linux,
+// admin-guide/devices.txt)
+bool IsPseudoTerminal(dev_t device) { return major(device) >= 136 && major(device) <= 143; }
+
+}  // namespace
+
+Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
+  if (IsNetworkName(name)) return ConnectTo(name);
+  struct stat status{};
+  if (stat(name.c_str(), &status) != 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (!S_ISCHR(status.st_mode)) {
+    return CannotAnswer(name, "is not a port", "give a serial port such as /dev/ttyUSB0");
+  }
+  if (IsPseudoTerminal(status.st_rdev)) return VirtualTerminal::Open(name);
+  // libserialport knows ports by the kernel's names only, so links are followed first
+  const std::unique_ptr<char, decltype(&std::free)> path(realpath(name.c_str(), nullptr),
+                                                         &std::free);
+  return SerialPort::Open(path ? path.get() : name, name, baud);
+}
+
+}  // namespace haptometer::acquire

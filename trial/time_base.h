@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "trial/record.h"
+
+namespace haptometer::trial {
+
+/// The straight lines behind the arrival times of a free-running source.
+///
+/// Model: row i of a stretch left the source at start_s + i / rate_hz and arrived d_i >= 0 later.
+/// USB and operating system delay lines in bursts, never advance them, so a mean or a least-squares
+/// line is biased; the lower envelope is not. Each stretch gets the line below all its arrival
+/// times with the least sum of delays, which is the edge of the lower convex hull over the mean row
+/// (Moon, Skelly, Towsley: "Estimation and removal of clock skew from network delay measurements",
+/// INFOCOM 1999, sect. 3).
+///
+/// A new stretch begins where lines were lost: there the envelope rises and stays up. It is looked
+/// for in the minima over windows of 0.1 s (at least 16 rows), once the slope is taken off; a rise
+/// counts if it stays for five windows (or to the end) and exceeds half a period and six times the
+/// scatter of the minima. A stall of the host, after which all that waited arrives, is no gap.
+/// Where within a burst the lines are missing cannot be seen; the largest interval near the rise is
+/// taken.
+///
+/// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
+/// promises; used for stretches too short to tell their own rate (fewer than three rows, or arrived
+/// at one moment). `first_row` is added to the stretches' row numbers.
+/// time_uncertainty_s is the scatter of the window minima about the line (one standard deviation);
+/// the least delay itself cannot be seen. Returns no stretch for no row. Cost: O(rows) per level of
+/// splitting.
+[[nodiscard]] std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
+                                                   std::optional<double> nominal_rate_hz,
+                                                   std::span<const std::size_t> breaks = {});
+
+/// The straight lines behind a polled sensor's times: midpoint of request and reply against row, by
+/// least squares; a new stretch begins at `breaks` and after an interval longer than eight times
+/// the median one. Stretches of fewer than three rows take their rate as above.
+///
+/// time_uncertainty_s = sqrt(s^2 + mean((reply - request)^2) / 12): scatter about the line, and the
+/// reading being taken anywhere between request and reply (uniform distribution).
+[[nodiscard]] std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
+                                                  std::span<const std::int64_t> reply_ns,
+                                                  std::optional<double> nominal_rate_hz,
+                                                  std::span<const std::size_t> breaks = {});
+
+}  // namespace haptometer::trial

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "trial/byte_source.h"
+#include "trial/record.h"
+#include "trial/trial_format.h"
+
+namespace haptometer::trial {
+
+struct RowLayout;
+
+/// A part of a file that could not be read.
+struct Loss {
+  std::uint64_t offset = 0;           ///< first byte of the part
+  std::uint64_t bytes = 0;            ///< its length
+  std::string what;                   ///< "block 7 is damaged", "the file ends inside block 7"
+  std::uint64_t first_row = 0;        ///< rows recorded before the part
+  std::optional<std::uint64_t> rows;  ///< rows lost with it; empty where it cannot be known
+};
+
+/// One sentence: "block 7 is damaged (bytes 4096 to 8191): rows 512 to 1023 are lost".
+[[nodiscard]] std::string Describe(const Loss& loss);
+
+/// How well a file could be read; complete when the last chunk has been handed out.
+struct ReadReport {
+  bool closed = false;     ///< it was finished by its writer; false: cut short or being written
+  std::uint64_t rows = 0;  ///< read
+  std::uint64_t file_bytes = 0;
+  std::vector<Loss> losses;   ///< in the order of the file; empty: every byte accounted for
+  std::vector<Event> events;  ///< in the order of the file
+
+  std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
+  std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells
+
+  /// Rows known to be lost; empty where a loss does not say how many.
+  [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
+};
+
+/// A rectangle of rows that follow each other without a loss. Views into the reader's one buffer:
+/// valid until the next call of TrialReader::Next.
+class Chunk {
+ public:
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  /// Number of its first row, counted over all rows that were ever written.
+  [[nodiscard]] std::uint64_t first_row() const { return first_row_; }
+  /// kUniform: place of its first row on the grid; otherwise equal to first_row().
+  [[nodiscard]] std::int64_t first_index() const { return first_index_; }
+  /// kArrival: arrival; kPolled: request. Nanoseconds since the trial's start; 0 for kUniform.
+  [[nodiscard]] std::int64_t TimeNs(std::size_t row) const;
+  /// kPolled: reply; 0 otherwise.
+  [[nodiscard]] std::int64_t ReplyNs(std::size_t row) const;
+  [[nodiscard]] Sample At(std::size_t row, std::size_t channel) const;
+  /// raw * scale + offset in the channel's unit; NaN where the status is not a measurement.
+  [[nodiscard]] double ValueAt(std::size_t row, std::size_t channel) const;
+
+ private:
+  friend class TrialReader;
+  [[nodiscard]] const std::byte* RowAt(std::size_t row) const;
+
+  std::vector<std::byte> payload_;
+  const TrialHeader* header_ = nullptr;
+  const RowLayout* layout_ = nullptr;
+  std::size_t rows_ = 0;
+  std::uint64_t first_row_ = 0;
+  std::int64_t first_index_ = 0;
+};
+
+/// Reads a trial.bin from front to back in the memory of one chunk, whatever its length.
+class TrialReader {
+ public:
+  /// Errors (Cause::kCannotAnswer): missing, a directory, empty, not a trial, mangled by a
+  /// text-mode transfer, a version newer than this program, both copies of the header damaged.
+  [[nodiscard]] static Result<TrialReader> Open(const std::string& path);
+  /// The same from any bytes; `name` stands for the path in messages.
+  [[nodiscard]] static Result<TrialReader> OpenFrom(std::unique_ptr<ByteSource> source,
+                                                    std::string name);
+
+  TrialReader(TrialReader&&) noexcept;
+  TrialReader& operator=(TrialReader&&) noexcept;
+  ~TrialReader();
+
+  [[nodiscard]] const TrialHeader& header() const;
+
+  /// The next chunk of rows, or nullptr after the last. Events on the way go to report(); damaged
+  /// blocks are skipped and go to report().losses.
+  /// Errors (Cause::kCannotAnswer): the disk cannot be read.
+  [[nodiscard]] Result<const Chunk*> Next();
+
+  /// Complete once Next() has returned nullptr.
+  [[nodiscard]] const ReadReport& report() const;
+
+ private:
+  struct State;
+  explicit TrialReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+/// A measurement in memory and how well it could be read.
+struct Recording {
+  Record record;
+  ReadReport report;
+  Timing timing = Timing::kUniform;  ///< how the source's times came
+};
+
+/// A whole trial.bin in memory, in SI units, with its clean time base (trial/time_base.h) and the
+/// labels as last given. A stored time base is used when no row is lost; otherwise it is computed.
+/// Errors: as TrialReader::Open.
+[[nodiscard]] Result<Recording> ReadRecord(const std::string& path);
+/// The same from any bytes; `name` stands for the path in messages.
+[[nodiscard]] Result<Recording> ReadRecordFrom(std::unique_ptr<ByteSource> source,
+                                               std::string name);
+
+}  // namespace haptometer::trial
