@@ -21,7 +21,7 @@ struct FittedValue {
 
 /// What one given input does to the results.
 struct InputInfluence {
-  std::string input;         ///< "moving mass", "load 33 ohm", ...
+  std::string input;         ///< "moving mass", "load", "drop height", ...
   double value = 0;          ///< in SI units
   double standard_uncertainty = 0;  ///< in SI units; 0: stated as exact
   std::string unit;          ///< SI unit

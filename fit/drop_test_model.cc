@@ -37,14 +37,10 @@ void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestMod
   if (!record.load_ohm) {
     model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
   }
-  const std::string load_name =
-      std::isinf(load.value) ? "open circuit" : fmt::format("load {:g} ohm", load.value);
-  AddInput(model.inputs, Kind::kLoad, load_name, "ohm", load, index);
+  AddInput(model.inputs, Kind::kLoad, "load", "ohm", load, index);
   if (!record.drop_height_m) return;
   model.knows_heights = true;
-  AddInput(model.inputs, Kind::kHeight,
-           fmt::format("drop height {:g} mm", record.drop_height_m->value * 1e3), "m",
-           *record.drop_height_m, index);
+  AddInput(model.inputs, Kind::kHeight, "drop height", "m", *record.drop_height_m, index);
   const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
   AddInput(model.inputs, Kind::kRebound, record.rebound ? "rebound" : "rebound (not stated)", "",
            rebound, index);

@@ -210,11 +210,12 @@ Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       times_ms.push_back((record.start_s + static_cast<double>(n) * record.step_s) * 1e3);
     }
-    const std::vector<double> fitted_ms(
-        times_ms.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample), times_ms.end());
-    std::vector<double> residual_mv(fitted_ms.size());
+    std::vector<double> model_v(times_ms.size(), std::nan(""));
+    std::ranges::copy(fitted.model_v,
+                      model_v.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample));
+    std::vector<double> residual_mv(times_ms.size());
     for (std::size_t n = 0; n < residual_mv.size(); ++n) {
-      residual_mv[n] = (record.voltage_v[fitted.first_sample + n] - fitted.model_v[n]) * 1e3;
+      residual_mv[n] = (record.voltage_v[n] - model_v[n]) * 1e3;
     }
     const std::string title = fmt::format("{} ({})", record.name, LoadText(fitted.load_ohm));
     panels.push_back({.title = title,
@@ -226,14 +227,14 @@ Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
                                   .y = record.voltage_v},
                                  {.title = "fit",
                                   .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
-                                  .x = fitted_ms,
-                                  .y = fitted.model_v}}});
+                                  .x = times_ms,
+                                  .y = model_v}}});
     panels.push_back({.title = "",
                       .x_label = "time / ms",
                       .y_label = "residual / mV",
                       .series = {{.title = "",
                                   .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kOrange),
-                                  .x = fitted_ms,
+                                  .x = times_ms,
                                   .y = residual_mv}}});
   }
   return plot::DrawPanels(path, panels);
