@@ -17,8 +17,8 @@ namespace {
 
 using Kind = DropTestInput::Kind;
 
-// a combination that moves by less than this while an unseen one passes through a factor e counts as
-// determined; the motion is added to its uncertainty
+// a combination that moves by less than this while an unseen one passes through a factor e counts
+// as determined; the motion is added to its uncertainty
 constexpr double kMostBlur = 1e-3;
 // beyond this relative standard uncertainty a logarithm's interval says nothing
 constexpr double kMostRelativeUncertainty = 0.25;
@@ -98,7 +98,8 @@ void Reweight(RingDownProblem& problem, const RingDownPoint& point) {
     for (std::size_t n = 0; n < record.times_s.size(); ++n, ++row) {
       square += residuals[row] * residuals[row];
     }
-    const double rms = record.noise_v * std::sqrt(square / static_cast<double>(record.times_s.size()));
+    const double rms =
+        record.noise_v * std::sqrt(square / static_cast<double>(record.times_s.size()));
     double peak = 0;
     for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
     record.noise_v = std::max(rms, 1e-14 * peak);
@@ -116,8 +117,8 @@ bool Counts(const DropTestInput& input, bool uses_heights) {
   return std::isfinite(input.quantity.value) && input.quantity.value > 0;
 }
 
-// the solution's derivative by one input per share of its Base: central difference of the residuals,
-// with a step small enough for fifty cycles' phase to stay linear
+// the solution's derivative by one input per share of its Base: central difference of the
+// residuals, with a step small enough for fifty cycles' phase to stay linear
 std::vector<double> ChangeByInput(const Road& road, const DropTestModel& model, std::size_t which) {
   constexpr double kShare = 1e-6;
   std::vector<std::vector<double>> residuals;
@@ -178,8 +179,8 @@ FittedValue Evaluate(const Road& road, const DropTestModel& model,
   value.unit = std::move(unit);
   const double blur = Blur(road.seen, weights);
   const double statistical = std::sqrt(road.variance * Variance(road.seen, weights));
-  value.determined = road.solver.converged && blur < kMostBlur &&
-                     statistical < kMostRelativeUncertainty;
+  value.determined =
+      road.solver.converged && blur < kMostBlur && statistical < kMostRelativeUncertainty;
   if (!value.determined) return value;
 
   double square = statistical * statistical + blur * blur;
@@ -207,9 +208,8 @@ Road Choose(std::optional<Road> by_heights, Road by_loads, const DropTestModel& 
   const auto heights = ForceConstant(*by_heights, model);
   const auto loads = ForceConstant(by_loads, model);
   const bool prefer_loads =
-      loads.determined &&
-      (!heights.determined ||
-       loads.combined_standard_uncertainty < heights.combined_standard_uncertainty);
+      loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
+                                                      heights.combined_standard_uncertainty);
   if (prefer_loads) {
     assumptions.push_back(fmt::format(
         "Km rests on the loads' damping; with the drop height it would be {:.4g} +- {:.2g} N/A",
@@ -242,31 +242,34 @@ void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assum
 // what is not determined, what is instead, and what would help
 void DescribeUndetermined(const Road& road, const DropTestModel& model, DropTestFit& fit) {
   if (!fit.stiffness.determined && fit.stiffness_over_mass.determined && !model.knows_mass) {
-    fit.undetermined.push_back(fmt::format(
-        "Kv and Bv are determined per kilogram only: state the {}",
-        model.all_free ? "moving mass and the case mass" : "moving mass"));
+    fit.undetermined.push_back(
+        fmt::format("Kv and Bv are determined per kilogram only: state the {}",
+                    model.all_free ? "moving mass and the case mass" : "moving mass"));
   }
   const bool some_loaded = std::any_of(fit.records.begin(), fit.records.end(),
                                        [](const auto& r) { return std::isfinite(r.load_ohm); });
   if (some_loaded && !fit.damping_over_mass.determined) {
     std::string missing = model.knows_resistance ? "" : " or state the coil's resistance";
     if (!model.knows_heights) missing = " or state the drop height and the coil's resistance";
-    fit.undetermined.push_back(fmt::format(
-        "Bv and Km: only (Bv + Km^2/(R+RL))/M = {:.6g} 1/s is determined ({}); record an open circuit"
-        " too{}",
-        2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
+    fit.undetermined.push_back(
+        fmt::format("Bv and Km: only (Bv + Km^2/(R+RL))/M = {:.6g} 1/s is determined ({}); record "
+                    "an open circuit"
+                    " too{}",
+                    2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
   }
   if (fit.force_constant.determined) return;
   auto product = Weights(road, {{Shared::kForceConstant, 1}});
   product[Column(0, Own::kSpeed)] = 1;
   if (!some_loaded && Blur(road.seen, product) < kMostBlur) {
-    fit.undetermined.push_back(fmt::format(
-        "Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the drop height, or"
-        " record again with 27 to 50 ohm across the terminals",
-        std::exp(Dot(product, Flat(road.point))), fit.records[0].name));
+    fit.undetermined.push_back(
+        fmt::format("Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the "
+                    "drop height, or"
+                    " record again with 27 to 50 ohm across the terminals",
+                    std::exp(Dot(product, Flat(road.point))), fit.records[0].name));
   } else if (fit.damping_over_mass.determined) {
     fit.undetermined.emplace_back(
-        "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass or"
+        "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass "
+        "or"
         " the coil's resistance; state those, or record with 27 to 50 ohm across the terminals");
   }
 }
@@ -372,8 +375,9 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
       Evaluate(road, *model, {{Shared::kDamping, 1}, {Shared::kMass, -1}}, 1, "1/s");
   fit.natural_frequency = Evaluate(road, *model, {{Shared::kStiffness, 0.5}, {Shared::kMass, -0.5}},
                                    0.5 / std::numbers::pi, "Hz");
-  fit.quality_factor = Evaluate(
-      road, *model, {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
+  fit.quality_factor =
+      Evaluate(road, *model,
+               {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
   for (std::size_t r = 0; r < records.size(); ++r) {
     fit.records.push_back(DescribeRecord(records[r], model->starts[r], road, r));
   }
@@ -382,7 +386,8 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   if (fit.force_constant.determined &&
       fit.force_constant.standard_uncertainty > kLopsidedUncertainty * fit.force_constant.value) {
     fit.assumptions.emplace_back(
-        "Km is uncertain by more than 5 %: its interval is lopsided, because the data speak of Km^2");
+        "Km is uncertain by more than 5 %: its interval is lopsided, because the data speak of "
+        "Km^2");
   }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;

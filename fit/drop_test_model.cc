@@ -51,8 +51,8 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
                             const std::optional<Quantity>& quantity) {
     if (quantity) model.inputs.push_back({kind, name, unit, *quantity, {}});
   };
-  const bool all_held = std::count(model.conditions.begin(), model.conditions.end(),
-                                   CaseCondition::kFree) == 0;
+  const bool all_held =
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree) == 0;
   if (model.knows_mass) {
     add(Kind::kMovingMass, "moving mass", "kg", knowns.moving_mass_kg);
     if (!all_held) add(Kind::kCaseMass, "case mass", "kg", knowns.case_mass_kg);
@@ -61,7 +61,8 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
     add(Kind::kResistance, "coil resistance", "ohm", knowns.resistance_ohm);
     add(Kind::kInductance, "coil inductance", "H", knowns.inductance_h);
     if (!knowns.inductance_h) {
-      model.assumptions.emplace_back("coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
+      model.assumptions.emplace_back(
+          "coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
     }
   }
 }
@@ -82,10 +83,11 @@ void AddConditions(const std::vector<ImpulseRecord>& records, const ActuatorKnow
   if (!assumed) return;
   std::string other = "Kv and Bv would be smaller by the factor Mc/(Mv+Mc)";
   if (both) {
-    const double ratio = knowns.case_mass_kg->value /
-                         (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
-    other = fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
-                        ratio, std::sqrt(ratio));
+    const double ratio =
+        knowns.case_mass_kg->value / (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
+    other =
+        fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
+                    ratio, std::sqrt(ratio));
   }
   model.assumptions.push_back(
       "case held (not stated, and no record of one phase can tell); had it been free, " + other);
@@ -161,8 +163,8 @@ Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& record
     some_loaded = some_loaded || (records[r].load_ohm && std::isfinite(records[r].load_ohm->value));
   }
   AddConditions(records, knowns, model);
-  const bool some_held = std::count(model.conditions.begin(), model.conditions.end(),
-                                    CaseCondition::kHeld) > 0;
+  const bool some_held =
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kHeld) > 0;
   if (some_held && model.conditions.size() > 1 && !model.all_free && !model.knows_mass &&
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree) > 0) {
     return CannotAnswer("", "held and free cases together need both masses",
@@ -229,8 +231,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
   }
 }
 
-RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
-                         RingDownProblem* problem) {
+RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
   const std::size_t count = model.starts.size();
   RingDownPoint point;
   point.own.assign(count, {std::numeric_limits<double>::quiet_NaN(), 0, 0});

@@ -39,7 +39,8 @@ RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logar
   }
   if (directions.rows() == 0) return directions;
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
-  const Position rank = (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
+  const Position rank =
+      (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
   return svd.matrixV().leftCols(rank).transpose();
 }
 

@@ -84,11 +84,12 @@ LinearFit FitLinear(const std::vector<double>& values, double step_s, const Pole
   const Eigen::Map<const Eigen::VectorXd> samples(values.data(), count);
   const Eigen::Vector3d fitted = basis.householderQr().solve(samples);
   const Eigen::VectorXd ringing = basis.leftCols(2) * fitted.head(2);
-  return {.even_v = fitted[0],
-          .odd_v_per_s = fitted[1],
-          .offset_v = fitted[2],
-          .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
-          .energy_v2 = ringing.squaredNorm()};
+  return {
+      .even_v = fitted[0],
+      .odd_v_per_s = fitted[1],
+      .offset_v = fitted[2],
+      .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
+      .energy_v2 = ringing.squaredNorm()};
 }
 
 // the instant nearest to `near_s` at which the displacement behind that voltage is zero
@@ -154,10 +155,11 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   const LinearFit fit = FitLinear(ringing, record.step_s, *poles);
   const double energy = fit.energy_v2 / (fit.residual_rms_v * fit.residual_rms_v);
   if (energy < kLeastEnergy) {
-    return Unfit(record,
-                 fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
-                             *frequency_hz, energy),
-                 "record a stronger blow or a smaller voltage range (50 times is the least)");
+    return Unfit(
+        record,
+        fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
+                    *frequency_hz, energy),
+        "record a stronger blow or a smaller voltage range (50 times is the least)");
   }
   if (period_samples < kLeastSamplesPerPeriod) {
     return Unfit(record, fmt::format("has only {:.1f} samples a period", period_samples),

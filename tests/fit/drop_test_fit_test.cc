@@ -48,7 +48,8 @@ void ExpectTruth(const DropTestFit& fit, const SyntheticDrop& drop) {
 TEST(DropTestFit, RecoversANoiseFreePairWithoutAHeight) {
   const auto fit = Fit({MakeRecord({}), MakeRecord(Loaded(33))});
   ExpectTruth(fit, {});
-  EXPECT_REL(fit.natural_frequency.value, std::sqrt(2e6) / (2 * std::numbers::pi), 1e-13, "noise-free");
+  EXPECT_REL(fit.natural_frequency.value, std::sqrt(2e6) / (2 * std::numbers::pi), 1e-13,
+             "noise-free");
   EXPECT_REL(fit.quality_factor.value, std::sqrt(2800 * 1.4e-3) / 0.0322, 1e-13, "noise-free");
   EXPECT_REL(fit.stiffness_over_mass.value, 2e6, 1e-13, "noise-free");
   EXPECT_REL(fit.damping_over_mass.value, 23.0, 1e-13, "noise-free");
@@ -111,8 +112,8 @@ TEST(DropTestFit, AgreesWithTheTwoLoadFormula) {
   const auto poles_open = EstimatePoles(MakeRecord(open).voltage_v, open.step_s);
   const auto poles_loaded = EstimatePoles(MakeRecord(loaded).voltage_v, loaded.step_s);
   ASSERT_TRUE(poles_open && poles_loaded);
-  const double km = std::sqrt(2 * 1.4e-3 * (poles_loaded->decay_per_s - poles_open->decay_per_s) *
-                              (27 + 33));
+  const double km =
+      std::sqrt(2 * 1.4e-3 * (poles_loaded->decay_per_s - poles_open->decay_per_s) * (27 + 33));
   const auto fit = Fit({MakeRecord({}), MakeRecord(Loaded(33))});
   EXPECT_REL(fit.force_constant.value, km, 1e-4, "inductance, 38 ppm at 27 ohm");
 }
@@ -238,12 +239,15 @@ TEST(DropTestFit, SensitivitiesAreThoseOfSolvingAgain) {
   auto knowns = ThesisKnowns();
   knowns.resistance_ohm->value *= 1 + 1e-4;
   const auto moved = Fit(records, knowns);
-  const auto influence = std::ranges::find(fit.influences, "coil resistance", &InputInfluence::input);
+  const auto influence =
+      std::ranges::find(fit.influences, "coil resistance", &InputInfluence::input);
   ASSERT_NE(influence, fit.influences.end());
   EXPECT_ABS(1e4 * std::log(moved.damping.value / fit.damping.value),
-             influence->percent_per_percent[1], 5e-4, "second order of a step of 1e-4, reweighting");
+             influence->percent_per_percent[1], 5e-4,
+             "second order of a step of 1e-4, reweighting");
   EXPECT_ABS(1e4 * std::log(moved.force_constant.value / fit.force_constant.value),
-             influence->percent_per_percent[2], 5e-4, "second order of a step of 1e-4, reweighting");
+             influence->percent_per_percent[2], 5e-4,
+             "second order of a step of 1e-4, reweighting");
 }
 
 TEST(DropTestFit, StatisticalUncertaintyIsTheCramerRaoBound) {
@@ -256,8 +260,8 @@ TEST(DropTestFit, StatisticalUncertaintyIsTheCramerRaoBound) {
   const double rho = amplitude * amplitude / (4 * 11.5 * drop.step_s * 9e-6);
   EXPECT_REL(fit.damping.standard_uncertainty / fit.damping.value, 2 / std::sqrt(rho), 0.05,
              "noise estimated from 3000 samples, 2 sigma 2.6 %");
-  EXPECT_REL(fit.stiffness.standard_uncertainty / fit.stiffness.value,
-             4 * 0.00813 / std::sqrt(rho), 0.05, "noise estimated from 3000 samples");
+  EXPECT_REL(fit.stiffness.standard_uncertainty / fit.stiffness.value, 4 * 0.00813 / std::sqrt(rho),
+             0.05, "noise estimated from 3000 samples");
 }
 
 TEST(DropTestFit, IntervalsCoverTheTruth) {

@@ -55,7 +55,8 @@ TEST(EstimatePoles, KeepsADoublePole) {
     const auto poles = EstimatePoles(Decay({zeta * w, w * w}, 5e-5, 400), 5e-5);
     ASSERT_TRUE(poles);
     EXPECT_REL(poles->decay_per_s, zeta * w, 1e-10, "trace and determinant stay well conditioned");
-    EXPECT_REL(poles->stiffness_per_s2, w * w, 1e-10, "trace and determinant stay well conditioned");
+    EXPECT_REL(poles->stiffness_per_s2, w * w, 1e-10,
+               "trace and determinant stay well conditioned");
   }
 }
 

@@ -76,9 +76,8 @@ TEST(RingDownProblem, HeldParametersStay) {
   const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 1)}, 0);
   auto point = Point();
   const auto before = point;
-  const auto report = problem.Minimise({.shared = {true, true, false, false, false},
-                                        .speed = {false, true}},
-                                       &point);
+  const auto report = problem.Minimise(
+      {.shared = {true, true, false, false, false}, .speed = {false, true}}, &point);
   EXPECT_GT(report.iterations, 1);
   EXPECT_EQ(point.shared[Index(Shared::kForceConstant)],
             before.shared[Index(Shared::kForceConstant)]);
@@ -93,7 +92,8 @@ TEST(RingDownProblem, VoltagesBeginWithThePolarity) {
   const auto point = Point();
   EXPECT_REL(problem.Voltages(point, 0, {2e-5})[0], 0.01 + 0.44 * 1.1, 1e-12, "Km v0 + offset");
   // the loaded coil's current needs 2 us; a divider of 33/60 and -1 after that
-  EXPECT_REL(problem.Voltages(point, 1, {1e-5})[0], -0.02 - 0.4 * 1.1 * 33 / 60, 3e-3, "cosine of 40 us");
+  EXPECT_REL(problem.Voltages(point, 1, {1e-5})[0], -0.02 - 0.4 * 1.1 * 33 / 60, 3e-3,
+             "cosine of 40 us");
 }
 
 TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
@@ -109,8 +109,8 @@ TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
     auto point = truth;
     point.shared[Index(Shared::kStiffness)] += std::log(away);
     point.shared[Index(Shared::kDamping)] += std::log(10.0);
-    const auto report = problem.Minimise(
-        {.shared = {true, true, false, false, false}, .speed = {true}}, &point);
+    const auto report =
+        problem.Minimise({.shared = {true, true, false, false, false}, .speed = {true}}, &point);
     EXPECT_TRUE(report.converged) << report.termination;
     EXPECT_REL(std::exp(point.shared[0]), 2800.0, 1e-12, "noise-free");
     EXPECT_REL(std::exp(point.shared[1]), 0.0322, 1e-11, "noise-free");

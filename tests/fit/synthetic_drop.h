@@ -28,13 +28,13 @@ struct SyntheticDrop {
   double height_m = 0.01;
   double rebound = 0;
   double step_s = 2e-4;
-  double quiet_s = 0.01;    ///< before the impact; negative: the record begins behind it
-  double length_s = 0.25;   ///< from the impact on
+  double quiet_s = 0.01;   ///< before the impact; negative: the record begins behind it
+  double length_s = 0.25;  ///< from the impact on
   double impact_s = 0.37e-4;
   double offset_v = 0.01;
   double polarity = 1;
   double noise_v = 0;
-  double step_v = 0;        ///< of the converter; 0: not quantised
+  double step_v = 0;  ///< of the converter; 0: not quantised
   unsigned seed = 1;
 };
 

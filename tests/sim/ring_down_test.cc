@@ -40,11 +40,12 @@ TEST(RingDown, PolesAreThoseOfTheClosedFormsWithoutInductance) {
     double mass_kg, load_ohm, decay_per_s, damped_hz;
   };
   // sigma = (Bv + Km^2/(R+RL))/(2M), to the digits printed
-  const std::array rows{Row{kMover, kOpen, 11.5000, 225.0716},   Row{kMover, 1e7, 11.50004, 225.0716},
-                        Row{kMover, 1e6, 11.5004, 225.0716},     Row{kMover, 1e3, 11.8478, 225.0712},
-                        Row{kMover, 100, 14.3121, 225.0676},     Row{kMover, 50, 16.1382, 225.0644},
-                        Row{kMover, 27, 18.1138, 225.0606},      Row{kMover, 0, 24.7275, 225.0447},
-                        Row{kReduced, kOpen, 38.3333, 410.8910}, Row{kReduced, 0, 82.4250, 410.7269}};
+  const std::array rows{
+      Row{kMover, kOpen, 11.5000, 225.0716},   Row{kMover, 1e7, 11.50004, 225.0716},
+      Row{kMover, 1e6, 11.5004, 225.0716},     Row{kMover, 1e3, 11.8478, 225.0712},
+      Row{kMover, 100, 14.3121, 225.0676},     Row{kMover, 50, 16.1382, 225.0644},
+      Row{kMover, 27, 18.1138, 225.0606},      Row{kMover, 0, 24.7275, 225.0447},
+      Row{kReduced, kOpen, 38.3333, 410.8910}, Row{kReduced, 0, 82.4250, 410.7269}};
   for (const Row& row : rows) {
     SCOPED_TRACE(row.load_ohm);
     const RingDown<double> circuit(Thesis(row.mass_kg, row.load_ohm, 0));
@@ -66,7 +67,8 @@ TEST(RingDown, InductanceShiftsTheTwoLoadFormula) {
   }
 }
 
-// u(t) by the five-state exponential: the coil closed over R + RL, the case of any mass free in the air
+// u(t) by the five-state exponential: the coil closed over R + RL, the case of any mass free in the
+// air
 void ExpectExponential(double case_mass_kg, double load_ohm, double tolerance) {
   const double reduced_kg = kMover * case_mass_kg / (kMover + case_mass_kg);
   const Actuator actuator{.moving_mass_kg = kMover,
@@ -163,7 +165,8 @@ TEST(RingDown, OpenCircuitIsTheVelocityTimesTheForceConstant) {
   const double w = std::sqrt(2e6 - d * d);
   for (const double t : {0.0, 1e-4, 1e-3, 0.0123, 0.2}) {
     const double velocity = std::exp(-d * t) * (std::cos(w * t) - d / w * std::sin(w * t));
-    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 2e-15, "argument rounding at the decayed amplitude");
+    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 2e-15,
+               "argument rounding at the decayed amplitude");
   }
 }
 
@@ -212,7 +215,8 @@ TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
       }
       const double scale = std::exp(-zeta * w * t);
       EXPECT_ABS(pair.even / scale, static_cast<double>(even) / scale, 1e-14, "rounding of w t");
-      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 1e-14, "rounding of w t");
+      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 1e-14,
+                 "rounding of w t");
     }
   }
 }
