@@ -148,6 +148,35 @@ DampingLine FitDampingLine(const std::vector<double>& conductances,
   return line;
 }
 
+// what the records' poles and amplitudes say before any fit, referred to the problem's M
+struct PoleSummary {
+  double stiffness_over_mass = 0;  // mean of the records
+  std::vector<double> conductances;
+  std::vector<double> dampings;          // (Bv + Km^2/(R+RL))/M of each record
+  std::optional<double> force_constant;  // mean over the records with a known impact speed
+};
+
+PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem,
+                      const RingDownPoint& point) {
+  PoleSummary summary;
+  double sum = 0;
+  int heights = 0;
+  for (std::size_t r = 0; r < model.starts.size(); ++r) {
+    const RingStart& start = model.starts[r];
+    const RingDownSamples& record = problem.records()[r];
+    summary.conductances.push_back(Conductance(record, point));
+    summary.dampings.push_back(2 * start.poles.decay_per_s * record.mass_ratio);
+    summary.stiffness_over_mass +=
+        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(model.starts.size());
+    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
+    if (std::isnan(speed)) continue;
+    sum += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
+    ++heights;
+  }
+  if (heights > 0) summary.force_constant = sum / heights;
+  return summary;
+}
+
 }  // namespace
 
 Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
@@ -232,9 +261,8 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
 }
 
 RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
-  const std::size_t count = model.starts.size();
   RingDownPoint point;
-  point.own.assign(count, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  point.own.assign(model.starts.size(), {std::numeric_limits<double>::quiet_NaN(), 0, 0});
   // an unknown coil resistance starts as large as a load
   for (const auto& input : model.inputs) {
     if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
@@ -244,42 +272,24 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
   ApplyInputs(model.inputs, model, use_heights, problem, &point);
   const double mass = std::exp(point.shared[Index(Shared::kMass)]);
 
-  // poles of each record, referred to M
-  double stiffness_over_mass = 0;
-  double height_km = 0;
-  int heights = 0;
-  std::vector<double> conductances(count);
-  std::vector<double> dampings(count);
-  for (std::size_t r = 0; r < count; ++r) {
-    const RingStart& start = model.starts[r];
-    const RingDownSamples& record = problem->records()[r];
-    conductances[r] = Conductance(record, point);
-    dampings[r] = 2 * start.poles.decay_per_s * record.mass_ratio;
-    stiffness_over_mass +=
-        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(count);
-    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
-    if (std::isnan(speed)) continue;
-    height_km += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
-    ++heights;
-  }
-
-  DampingLine line = FitDampingLine(conductances, dampings);
+  const PoleSummary poles = Summarise(model, *problem, point);
+  DampingLine line = FitDampingLine(poles.conductances, poles.dampings);
   double km = line.slope > 0 ? std::sqrt(line.slope * mass) : 1.0;
   double start_mass = mass;  // 1 kg where nothing tells
-  if (heights > 0) {
-    km = height_km / heights;
+  if (poles.force_constant) {
+    km = *poles.force_constant;
     if (!model.knows_mass && line.has_slope) start_mass = km * km / line.slope;
   }
   point.shared[Index(Shared::kMass)] = std::log(start_mass);
-  point.shared[Index(Shared::kStiffness)] = std::log(stiffness_over_mass * start_mass);
+  point.shared[Index(Shared::kStiffness)] = std::log(poles.stiffness_over_mass * start_mass);
   // with Km from a height, the load's share of a single damping follows
-  if (!line.has_slope && heights > 0) {
-    const double electric = km * km / start_mass * conductances[0];
-    line.foot = std::max(dampings[0] - electric, 0.05 * dampings[0]);
+  if (!line.has_slope && poles.force_constant) {
+    const double electric = km * km / start_mass * poles.conductances[0];
+    line.foot = std::max(poles.dampings[0] - electric, 0.05 * poles.dampings[0]);
   }
   point.shared[Index(Shared::kDamping)] = std::log(line.foot * start_mass);
   point.shared[Index(Shared::kForceConstant)] = std::log(km);
-  for (std::size_t r = 0; r < count; ++r) {
+  for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
     own[Index(Own::kImpact)] = model.starts[r].impact_s;
     own[Index(Own::kOffset)] = model.starts[r].offset_v;

@@ -64,7 +64,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
   const Eigen::MatrixXd triangle =
       qr.matrixQR().topRows(free_count).template triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
-  const Eigen::VectorXd values = svd.singularValues();
+  const Eigen::VectorXd& values = svd.singularValues();
   const Position rank = (values.array() > kZeroShare * values[0]).count();
 
   // (J'J)^+ = D^-1 V S^-2 V' D^-1 on the visible directions

@@ -23,6 +23,7 @@ struct Source {
 
 Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
   std::vector<Source> sources;
+  sources.reserve(options.files.size());
   for (const auto& path : options.files) sources.push_back({path, {}});
   const Quantity open{std::numeric_limits<double>::infinity(), 0};
   for (const auto& group : options.open) {

@@ -207,6 +207,7 @@ Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
     const auto& fitted = fit.records[r];
     // all samples; the model and the residual from the fit's first sample on
     std::vector<double> times_ms;
+    times_ms.reserve(record.voltage_v.size());
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       times_ms.push_back((record.start_s + static_cast<double>(n) * record.step_s) * 1e3);
     }

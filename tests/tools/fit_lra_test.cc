@@ -32,6 +32,7 @@ struct Outcome {
 Outcome FitLra(std::vector<std::string> words) {
   words.insert(words.begin(), "fit-lra");
   std::vector<const char*> argv;
+  argv.reserve(words.size());
   for (const auto& word : words) argv.push_back(word.c_str());
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();
