@@ -25,6 +25,7 @@ struct Verb {
 constexpr std::array<Verb, 2> kVerbs{{
     {"acquire", "A sensor's readings become a trial", RunAcquire},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"simulate", "A scene's exact motion, current and power", RunSimulate},
 }};
 
 const Verb* Find(std::string_view name) {
