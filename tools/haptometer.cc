@@ -22,7 +22,9 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 0> kVerbs{};
+constexpr std::array<Verb, 1> kVerbs{{
+    {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+}};
 
 const Verb* Find(std::string_view name) {
   const auto found = std::ranges::find(kVerbs, name, &Verb::name);

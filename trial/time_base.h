@@ -33,16 +33,17 @@ namespace haptometer::trial {
 /// splitting.
 [[nodiscard]] std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                                                    std::optional<double> nominal_rate_hz,
-                                                   std::size_t first_row = 0);
+                                                   std::span<const std::size_t> breaks = {});
 
 /// The straight lines behind a polled sensor's times: midpoint of request and reply against row, by
-/// least squares; a new stretch begins after an interval longer than eight times the median one.
+/// least squares; a new stretch begins at `breaks` and after an interval longer than eight times
+/// the median one. Stretches of fewer than three rows take their rate as above.
 ///
 /// time_uncertainty_s = sqrt(s^2 + mean((reply - request)^2) / 12): scatter about the line, and the
 /// reading being taken anywhere between request and reply (uniform distribution).
 [[nodiscard]] std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
                                                   std::span<const std::int64_t> reply_ns,
                                                   std::optional<double> nominal_rate_hz,
-                                                  std::size_t first_row = 0);
+                                                  std::span<const std::size_t> breaks = {});
 
 }  // namespace haptometer::trial

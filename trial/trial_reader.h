@@ -14,6 +14,8 @@
 
 namespace haptometer::trial {
 
+struct RowLayout;
+
 /// A part of a file that could not be read.
 struct Loss {
   std::uint64_t offset = 0;           ///< first byte of the part
@@ -33,6 +35,9 @@ struct ReadReport {
   std::uint64_t file_bytes = 0;
   std::vector<Loss> losses;   ///< in the order of the file; empty: every byte accounted for
   std::vector<Event> events;  ///< in the order of the file
+
+  std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
+  std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells
 
   /// Rows known to be lost; empty where a loss does not say how many.
   [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
@@ -57,11 +62,11 @@ class Chunk {
 
  private:
   friend class TrialReader;
+  [[nodiscard]] const std::byte* RowAt(std::size_t row) const;
+
   std::vector<std::byte> payload_;
   const TrialHeader* header_ = nullptr;
-  std::vector<std::size_t> value_offsets_;  // per channel, within a row
-  std::size_t status_offset_ = 0;
-  std::size_t row_bytes_ = 0;
+  const RowLayout* layout_ = nullptr;
   std::size_t rows_ = 0;
   std::uint64_t first_row_ = 0;
   std::int64_t first_index_ = 0;

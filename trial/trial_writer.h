@@ -68,7 +68,8 @@ class TrialWriter {
   /// Errors: Cause::kFailed, naming how many rows are safe.
   [[nodiscard]] Result<void> Append(const Row& row);
 
-  /// Adds an event after the rows so far (event.row is filled in) and flushes both.
+  /// Adds an event after the rows so far (event.row is filled in) and hands both to the system; the
+  /// next flush syncs them.
   [[nodiscard]] Result<void> AddEvent(Event event);
 
   /// Flushes when the flush interval has passed since the last flush; call it while no rows come.
@@ -88,11 +89,5 @@ class TrialWriter {
   explicit TrialWriter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
-
-/// Appends `event` to a trial that exists, finished or not: labels given later, a remark.
-///
-/// Nothing in the file is changed. Errors: as TrialReader::Open; Cause::kFailed when the trial is
-/// still being recorded or the disk is full. Cost: reads the file once.
-[[nodiscard]] Result<void> AppendEvent(const std::string& path, const Event& event);
 
 }  // namespace haptometer::trial

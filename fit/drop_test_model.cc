@@ -1,0 +1,310 @@
+#include "fit/drop_test_model.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace haptometer::fit {
+namespace {
+
+using Kind = DropTestInput::Kind;
+
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+// uniform ignorance of the rebound between 0 and 0.3, as root mean square about 0
+const double kUnknownReboundUncertainty = 0.3 / std::sqrt(3.0);
+
+bool Same(const Quantity& a, const Quantity& b) {
+  return a.value == b.value && a.standard_uncertainty == b.standard_uncertainty;
+}
+
+// adds an input, or the record to an equal one: the same resistor, the same ruler
+void AddInput(std::vector<DropTestInput>& inputs, Kind kind, std::string name, std::string unit,
+              const Quantity& quantity, std::size_t record) {
+  for (DropTestInput& input : inputs) {
+    if (input.kind == kind && Same(input.quantity, quantity)) {
+      input.records.push_back(record);
+      return;
+    }
+  }
+  inputs.push_back({kind, std::move(name), std::move(unit), quantity, {record}});
+}
+
+void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestModel& model) {
+  const Quantity load = record.load_ohm.value_or(Quantity{kOpen, 0});
+  if (!record.load_ohm) {
+    model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
+  }
+  const std::string load_name =
+      std::isinf(load.value) ? "open circuit" : fmt::format("load {:g} ohm", load.value);
+  AddInput(model.inputs, Kind::kLoad, load_name, "ohm", load, index);
+  if (!record.drop_height_m) return;
+  model.knows_heights = true;
+  AddInput(model.inputs, Kind::kHeight,
+           fmt::format("drop height {:g} mm", record.drop_height_m->value * 1e3), "m",
+           *record.drop_height_m, index);
+  const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
+  AddInput(model.inputs, Kind::kRebound, record.rebound ? "rebound" : "rebound (not stated)", "",
+           rebound, index);
+}
+
+void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& model) {
+  const auto add = [&model](Kind kind, const char* name, const char* unit,
+                            const std::optional<Quantity>& quantity) {
+    if (quantity) model.inputs.push_back({kind, name, unit, *quantity, {}});
+  };
+  const bool all_held = std::count(model.conditions.begin(), model.conditions.end(),
+                                   CaseCondition::kFree) == 0;
+  if (model.knows_mass) {
+    add(Kind::kMovingMass, "moving mass", "kg", knowns.moving_mass_kg);
+    if (!all_held) add(Kind::kCaseMass, "case mass", "kg", knowns.case_mass_kg);
+  }
+  if (some_loaded) {
+    add(Kind::kResistance, "coil resistance", "ohm", knowns.resistance_ohm);
+    add(Kind::kInductance, "coil inductance", "H", knowns.inductance_h);
+    if (!knowns.inductance_h) {
+      model.assumptions.emplace_back("coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
+    }
+  }
+}
+
+// what the case did, record by record; an unstated case is taken as held
+void AddConditions(const std::vector<ImpulseRecord>& records, const ActuatorKnowns& knowns,
+                   DropTestModel& model) {
+  bool assumed = false;
+  for (const auto& record : records) {
+    assumed = assumed || !record.condition;
+    model.conditions.push_back(record.condition.value_or(CaseCondition::kHeld));
+  }
+  const auto free_count =
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree);
+  model.all_free = free_count == std::ssize(records);
+  const bool both = knowns.moving_mass_kg && knowns.case_mass_kg;
+  model.knows_mass = knowns.moving_mass_kg && (free_count == 0 || both);
+  if (!assumed) return;
+  std::string other = "Kv and Bv would be smaller by the factor Mc/(Mv+Mc)";
+  if (both) {
+    const double ratio = knowns.case_mass_kg->value /
+                         (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
+    other = fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
+                        ratio, std::sqrt(ratio));
+  }
+  model.assumptions.push_back(
+      "case held (not stated, and no record of one phase can tell); had it been free, " + other);
+}
+
+double ValueOf(const std::vector<DropTestInput>& inputs, Kind kind, double otherwise) {
+  for (const auto& input : inputs) {
+    if (input.kind == kind) return input.quantity.value;
+  }
+  return otherwise;
+}
+
+// 1/(R+RL) of a record at a point
+double Conductance(const RingDownSamples& record, const RingDownPoint& point) {
+  if (std::isinf(record.load_ohm)) return 0;
+  return 1 / (std::exp(point.shared[Index(Shared::kResistance)]) + record.load_ohm);
+}
+
+double Divider(const RingDownSamples& record, const RingDownPoint& point) {
+  return std::isinf(record.load_ohm) ? 1.0 : record.load_ohm * Conductance(record, point);
+}
+
+// damping over mass against 1/(R+RL): a line whose slope is Km^2/M and whose foot is Bv/M
+struct DampingLine {
+  double slope = 0;
+  double foot = 0;
+  bool has_slope = false;
+};
+
+DampingLine FitDampingLine(const std::vector<double>& conductances,
+                           const std::vector<double>& dampings) {
+  const auto count = static_cast<double>(dampings.size());
+  double mean_g = 0;
+  double mean_d = 0;
+  for (std::size_t r = 0; r < dampings.size(); ++r) {
+    mean_g += conductances[r] / count;
+    mean_d += dampings[r] / count;
+  }
+  double gg = 0;
+  double gd = 0;
+  for (std::size_t r = 0; r < dampings.size(); ++r) {
+    gg += (conductances[r] - mean_g) * (conductances[r] - mean_g);
+    gd += (conductances[r] - mean_g) * (dampings[r] - mean_d);
+  }
+  DampingLine line;
+  line.has_slope = gg > 1e-12 * mean_g * mean_g;
+  if (!line.has_slope) {
+    // one load only: share the damping between the two causes
+    line.slope = mean_g > 0 ? 0.3 * mean_d / mean_g : 0;
+    line.foot = mean_d - line.slope * mean_g;
+    return line;
+  }
+  // noise may turn the line over; a start stays on the possible side
+  const double least_d = *std::min_element(dampings.begin(), dampings.end());
+  const double most_g = *std::max_element(conductances.begin(), conductances.end());
+  line.slope = std::max(gd / gg, 0.01 * least_d / most_g);
+  line.foot = std::max(mean_d - line.slope * mean_g, 0.02 * least_d);
+  return line;
+}
+
+}  // namespace
+
+Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
+                                        const ActuatorKnowns& knowns) {
+  if (records.empty()) return CannotAnswer("", "no ring-down is given", "give an impulse.csv");
+  DropTestModel model;
+  bool some_loaded = false;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    auto start = FindRingStart(records[r]);
+    if (!start) return std::unexpected(start.error());
+    model.starts.push_back(*start);
+    AddRecordInputs(records[r], r, model);
+    some_loaded = some_loaded || (records[r].load_ohm && std::isfinite(records[r].load_ohm->value));
+  }
+  AddConditions(records, knowns, model);
+  const bool some_held = std::count(model.conditions.begin(), model.conditions.end(),
+                                    CaseCondition::kHeld) > 0;
+  if (some_held && model.conditions.size() > 1 && !model.all_free && !model.knows_mass &&
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree) > 0) {
+    return CannotAnswer("", "held and free cases together need both masses",
+                        "give the moving mass and the case mass");
+  }
+  model.knows_resistance = !some_loaded || knowns.resistance_ohm.has_value();
+  AddKnowns(knowns, some_loaded, model);
+  return model;
+}
+
+RingDownProblem MakeProblem(const std::vector<ImpulseRecord>& records, const DropTestModel& model) {
+  std::vector<RingDownSamples> samples(records.size());
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const auto& record = records[r];
+    for (std::size_t n = model.starts[r].first_sample; n < record.voltage_v.size(); ++n) {
+      if (!std::isfinite(record.voltage_v[n])) continue;
+      samples[r].times_s.push_back(record.start_s + static_cast<double>(n) * record.step_s);
+      samples[r].voltages_v.push_back(record.voltage_v[n]);
+    }
+    samples[r].polarity = model.starts[r].impact_voltage_v < 0 ? -1 : 1;
+    samples[r].noise_v = std::max(model.starts[r].residual_rms_v,
+                                  1e-12 * std::abs(model.starts[r].impact_voltage_v));
+  }
+  return {std::move(samples), 0};
+}
+
+void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
+                 bool use_heights, RingDownProblem* problem, RingDownPoint* point) {
+  const double moving = ValueOf(inputs, Kind::kMovingMass, 1);
+  const double housing = ValueOf(inputs, Kind::kCaseMass, kOpen);
+  const double reduction = std::isinf(housing) ? 1.0 : housing / (moving + housing);
+  if (model.knows_mass) {
+    point->shared[Index(Shared::kMass)] = std::log(model.all_free ? moving * reduction : moving);
+  }
+  problem->set_inductance_h(ValueOf(inputs, Kind::kInductance, 0));
+  for (const auto& input : inputs) {
+    if (input.kind == Kind::kResistance) {
+      point->shared[Index(Shared::kResistance)] = std::log(input.quantity.value);
+    }
+    for (const std::size_t r : input.records) {
+      if (input.kind == Kind::kLoad) problem->records()[r].load_ohm = input.quantity.value;
+    }
+  }
+  for (std::size_t r = 0; r < model.conditions.size(); ++r) {
+    const bool reduced = !model.all_free && model.conditions[r] == CaseCondition::kFree;
+    problem->records()[r].mass_ratio = reduced ? reduction : 1.0;
+  }
+  if (!use_heights) return;
+  // v0 = (1 + e) sqrt(2 g h)
+  for (const auto& input : inputs) {
+    for (const std::size_t r : input.records) {
+      double& speed = point->own[r][Index(Own::kSpeed)];
+      if (input.kind == Kind::kHeight) {
+        speed = 0.5 * std::log(2 * kGravityMPerS2 * input.quantity.value);
+      }
+    }
+  }
+  for (const auto& input : inputs) {
+    for (const std::size_t r : input.records) {
+      if (input.kind == Kind::kRebound) {
+        point->own[r][Index(Own::kSpeed)] += std::log1p(input.quantity.value);
+      }
+    }
+  }
+}
+
+RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
+                         RingDownProblem* problem) {
+  const std::size_t count = model.starts.size();
+  RingDownPoint point;
+  point.own.assign(count, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  // an unknown coil resistance starts as large as a load
+  for (const auto& input : model.inputs) {
+    if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
+      point.shared[Index(Shared::kResistance)] = std::log(input.quantity.value);
+    }
+  }
+  ApplyInputs(model.inputs, model, use_heights, problem, &point);
+  const double mass = std::exp(point.shared[Index(Shared::kMass)]);
+
+  // poles of each record, referred to M
+  double stiffness_over_mass = 0;
+  double height_km = 0;
+  int heights = 0;
+  std::vector<double> conductances(count);
+  std::vector<double> dampings(count);
+  for (std::size_t r = 0; r < count; ++r) {
+    const RingStart& start = model.starts[r];
+    const RingDownSamples& record = problem->records()[r];
+    conductances[r] = Conductance(record, point);
+    dampings[r] = 2 * start.poles.decay_per_s * record.mass_ratio;
+    stiffness_over_mass +=
+        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(count);
+    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
+    if (std::isnan(speed)) continue;
+    height_km += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
+    ++heights;
+  }
+
+  DampingLine line = FitDampingLine(conductances, dampings);
+  double km = line.slope > 0 ? std::sqrt(line.slope * mass) : 1.0;
+  double start_mass = mass;  // 1 kg where nothing tells
+  if (heights > 0) {
+    km = height_km / heights;
+    if (!model.knows_mass && line.has_slope) start_mass = km * km / line.slope;
+  }
+  point.shared[Index(Shared::kMass)] = std::log(start_mass);
+  point.shared[Index(Shared::kStiffness)] = std::log(stiffness_over_mass * start_mass);
+  // with Km from a height, the load's share of a single damping follows
+  if (!line.has_slope && heights > 0) {
+    const double electric = km * km / start_mass * conductances[0];
+    line.foot = std::max(dampings[0] - electric, 0.05 * dampings[0]);
+  }
+  point.shared[Index(Shared::kDamping)] = std::log(line.foot * start_mass);
+  point.shared[Index(Shared::kForceConstant)] = std::log(km);
+  for (std::size_t r = 0; r < count; ++r) {
+    auto& own = point.own[r];
+    own[Index(Own::kImpact)] = model.starts[r].impact_s;
+    own[Index(Own::kOffset)] = model.starts[r].offset_v;
+    if (std::isnan(own[Index(Own::kSpeed)])) {
+      own[Index(Own::kSpeed)] = std::log(std::abs(model.starts[r].impact_voltage_v) /
+                                         (km * Divider(problem->records()[r], point)));
+    }
+  }
+  return point;
+}
+
+std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
+                                 const RingDownProblem& problem) {
+  std::vector<bool> unknown(kSharedCount + kOwnCount * problem.records().size(), true);
+  unknown[Index(Shared::kMass)] = !model.knows_mass;
+  unknown[Index(Shared::kResistance)] = !model.knows_resistance;
+  if (!use_heights) return unknown;
+  for (const auto& input : model.inputs) {
+    if (input.kind != Kind::kHeight) continue;
+    for (const std::size_t r : input.records) unknown[Column(r, Own::kSpeed)] = false;
+  }
+  return unknown;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "fit/drop_test_fit.h"
+#include "fit/impulse_record.h"
+#include "fit/rank.h"
+#include "fit/ring_down_problem.h"
+#include "fit/ring_start.h"
+
+namespace haptometer::fit {
+
+/// Standard gravity in m/s^2 (exact by convention, 3rd CGPM 1901).
+inline constexpr double kGravityMPerS2 = 9.80665;
+
+/// One number that the fit takes from outside, and the records that it concerns.
+struct DropTestInput {
+  enum class Kind : std::uint8_t {
+    kMovingMass,
+    kCaseMass,
+    kResistance,
+    kInductance,
+    kLoad,
+    kHeight,
+    kRebound,
+  };
+  Kind kind = Kind::kMovingMass;
+  std::string name;
+  std::string unit;
+  Quantity quantity;
+  std::vector<std::size_t> records;  ///< for loads, heights and rebounds
+};
+
+/// The records of a drop test with their start values and everything that is given, as a
+/// least-squares problem whose given numbers can be changed one at a time.
+struct DropTestModel {
+  std::vector<RingStart> starts;       ///< one a record
+  std::vector<CaseCondition> conditions;
+  std::vector<DropTestInput> inputs;
+  bool knows_mass = false;             ///< M of the problem is given
+  bool knows_resistance = false;       ///< R is given, or no record has a finite load
+  bool knows_heights = false;          ///< some record has a drop height
+  bool all_free = false;               ///< M is the reduced mass
+  std::vector<std::string> assumptions;
+};
+
+/// Collects starts and inputs.
+///
+/// Errors (Cause::kCannotAnswer): see FitDropTest.
+[[nodiscard]] Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
+                                                      const ActuatorKnowns& knowns);
+
+/// The problem with the samples from each record's start on; the noise is that of the start's fit.
+[[nodiscard]] RingDownProblem MakeProblem(const std::vector<ImpulseRecord>& records,
+                                          const DropTestModel& model);
+
+/// Writes the inputs into the problem and into the point's given components: loads, mass ratios,
+/// inductance, mass, resistance, and the impact speeds where `use_heights`.
+void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
+                 bool use_heights, RingDownProblem* problem, RingDownPoint* point);
+
+/// Applies the inputs to the problem and gives start values: Kv and the total damping from the poles, Km from the heights or from the line of
+/// damping over 1/(R + RL): Km^2 = M d(2 decay)/d(1/(R+RL)), 1 N/A where neither speaks.
+[[nodiscard]] RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
+                                       RingDownProblem* problem);
+
+/// Which parameters are unknown in principle, over the Jacobian's columns.
+[[nodiscard]] std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
+                                               const RingDownProblem& problem);
+
+}  // namespace haptometer::fit

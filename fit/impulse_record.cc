@@ -1,0 +1,123 @@
+#include "fit/impulse_record.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <string_view>
+
+namespace haptometer::fit {
+namespace {
+
+// `key` of the header: an SI number, or a text with its unit
+Result<std::optional<Quantity>> Field(const trial::Record& record, const std::string& name,
+                                      const std::string& key, Dimension dimension) {
+  const auto found = record.metadata.fields.find(key);
+  if (found == record.metadata.fields.end()) return std::optional<Quantity>{};
+  const std::string where = name + ": " + key;
+  // a number alone is SI, because the key carries its unit
+  std::string text = found->second;
+  const bool is_bare = !text.empty() && std::string_view("0123456789.)").contains(text.back());
+  if (is_bare) text += SiUnit(dimension);
+  const auto quantity = ParseQuantity(text, dimension, where);
+  if (quantity) return *quantity;
+  return CannotAnswer(where, quantity.error().what, quantity.error().remedy);
+}
+
+Result<std::optional<CaseCondition>> Condition(const trial::Record& record,
+                                               const std::string& name) {
+  const auto found = record.metadata.fields.find("case");
+  if (found == record.metadata.fields.end()) return std::optional<CaseCondition>{};
+  if (found->second == "held") return CaseCondition::kHeld;
+  if (found->second == "free") return CaseCondition::kFree;
+  return CannotAnswer(name + ": case", fmt::format("'{}' is not known", found->second),
+                      "write held or free");
+}
+
+// reads one key after another and keeps the first error
+class HeaderReader {
+ public:
+  HeaderReader(const trial::Record& record, const std::string& name)
+      : record_(record), name_(name) {}
+
+  std::optional<Quantity> Read(const std::string& key, Dimension dimension, double least,
+                               double most) {
+    auto field = Field(record_, name_, key, dimension);
+    if (!field) {
+      Keep(field.error());
+      return {};
+    }
+    if (*field && !((*field)->value >= least && (*field)->value <= most)) {
+      Keep(CannotAnswer(name_ + ": " + key, fmt::format("{} is out of range", (*field)->value),
+                        least > 0 ? "it must be positive" : fmt::format("it lies from {} to {}",
+                                                                        least, most))
+               .error());
+      return {};
+    }
+    return *field;
+  }
+
+  void Keep(const Error& error) {
+    if (!error_) error_ = error;
+  }
+  [[nodiscard]] const std::optional<Error>& error() const { return error_; }
+
+ private:
+  const trial::Record& record_;
+  const std::string& name_;
+  std::optional<Error> error_;
+};
+
+// the voltage channel: by role, or the only one there is
+const trial::Channel* FindVoltage(const trial::Record& record) {
+  if (const auto* voltage = record.Find(trial::ChannelRole::kVoltage)) return voltage;
+  return record.channels.size() == 1 ? record.channels.data() : nullptr;
+}
+
+}  // namespace
+
+std::string_view Name(CaseCondition condition) {
+  return condition == CaseCondition::kHeld ? "held" : "free";
+}
+
+Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::string& name) {
+  const trial::Channel* voltage = FindVoltage(record);
+  if (voltage == nullptr) {
+    return CannotAnswer(name, "has no voltage", "give a CSV with the columns time_s,voltage_v");
+  }
+  if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
+    return CannotAnswer(name, "has gaps or an uneven time base",
+                        "export the whole oscilloscope record at its own sample interval");
+  }
+  ImpulseFile file;
+  file.record.name = name;
+  file.record.start_s = record.stretches[0].start_s;
+  file.record.step_s = 1 / record.stretches[0].rate_hz;
+  file.record.voltage_v = voltage->values;
+  for (std::size_t n = 0; n < voltage->statuses.size(); ++n) {
+    if (!trial::IsMeasurement(voltage->statuses[n])) file.record.voltage_v[n] = std::nan("");
+  }
+
+  constexpr double kLargest = 1e300;
+  constexpr double kSmallest = 1e-300;
+  HeaderReader header(record, name);
+  const double open = std::numeric_limits<double>::infinity();
+  file.record.load_ohm = header.Read("load_ohm", Dimension::kResistance, kSmallest, open);
+  file.record.drop_height_m = header.Read("drop_height_m", Dimension::kLength, kSmallest, kLargest);
+  file.record.rebound = header.Read("rebound", Dimension::kNone, 0, 1);
+  file.knowns.moving_mass_kg =
+      header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);
+  file.knowns.case_mass_kg = header.Read("case_mass_kg", Dimension::kMass, kSmallest, kLargest);
+  file.knowns.resistance_ohm =
+      header.Read("resistance_ohm", Dimension::kResistance, kSmallest, kLargest);
+  file.knowns.inductance_h = header.Read("inductance_h", Dimension::kInductance, 0, kLargest);
+  auto condition = Condition(record, name);
+  if (condition) {
+    file.record.condition = *condition;
+  } else {
+    header.Keep(condition.error());
+  }
+  if (header.error()) return std::unexpected(*header.error());
+  return file;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/quantity.h"
+#include "base/result.h"
+#include "trial/record.h"
+
+namespace haptometer::fit {
+
+/// What the motor's case does while the mover rings.
+enum class CaseCondition : std::uint8_t {
+  kHeld,  ///< fixed to something heavy: the mover's own mass rings
+  kFree,  ///< in the air: the reduced mass Mv Mc/(Mv+Mc) rings
+};
+
+/// "held", "free".
+[[nodiscard]] std::string_view Name(CaseCondition condition);
+
+/// One drop: the terminal voltage of an actuator over time, and what is known of that drop.
+struct ImpulseRecord {
+  std::string name;     ///< the file, for messages
+  double start_s = 0;   ///< time of the first sample
+  double step_s = 0;    ///< between samples, > 0
+  std::vector<double> voltage_v;          ///< NaN where there is no measurement
+  std::optional<Quantity> load_ohm;       ///< across the terminals; infinite: open; absent: not stated
+  std::optional<CaseCondition> condition;  ///< absent: not stated
+  std::optional<Quantity> drop_height_m;  ///< of the free fall before the impact
+  std::optional<Quantity> rebound;        ///< e: the case leaves the stop with e times its speed; 0-1
+};
+
+/// What is known of the actuator apart from its ring-downs. Absent: unknown.
+struct ActuatorKnowns {
+  std::optional<Quantity> moving_mass_kg;  ///< Mv
+  std::optional<Quantity> case_mass_kg;    ///< Mc
+  std::optional<Quantity> resistance_ohm;  ///< R
+  std::optional<Quantity> inductance_h;    ///< L
+};
+
+/// A drop as its file tells it: the voltage channel, and the header's statements.
+struct ImpulseFile {
+  ImpulseRecord record;
+  ActuatorKnowns knowns;
+};
+
+/// Takes a drop out of a recording (trial/import/csv.h reads `impulse.csv`).
+///
+/// The voltage is the channel with the voltage role, else the only channel. Header keys, each an SI
+/// number or a text with unit and uncertainty ("1.40(3)g"): case (held | free), load_ohm (inf:
+/// open), drop_height_m, rebound, moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h.
+/// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel, gaps or an uneven time base,
+/// a key's value that does not parse or that is out of its range.
+[[nodiscard]] Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record,
+                                                    const std::string& name);
+
+}  // namespace haptometer::fit

@@ -1,0 +1,120 @@
+#include "fit/poles.h"
+
+#include <fftw3.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <memory>
+#include <numbers>
+
+namespace haptometer::fit {
+namespace {
+
+constexpr std::size_t kLeastSamples = 16;
+constexpr std::size_t kMostPencilSamples = 400;
+constexpr double kSamplesPerPeriod = 8;
+constexpr double kFallbackQuality = 30;
+
+struct FftwFree {
+  void operator()(void* memory) const { fftw_free(memory); }
+};
+
+// |spectrum|^2 of the record, zero-padded to at least twice its length
+std::vector<double> PowerSpectrum(const std::vector<double>& values, std::size_t* length) {
+  *length = std::bit_ceil(2 * values.size());
+  const std::size_t bins = *length / 2 + 1;
+  const std::unique_ptr<double, FftwFree> in(fftw_alloc_real(*length));
+  const std::unique_ptr<fftw_complex, FftwFree> out(fftw_alloc_complex(bins));
+  fftw_plan plan =
+      fftw_plan_dft_r2c_1d(static_cast<int>(*length), in.get(), out.get(), FFTW_ESTIMATE);
+  std::fill(std::copy(values.begin(), values.end(), in.get()), in.get() + *length, 0.0);
+  fftw_execute(plan);
+  fftw_destroy_plan(plan);
+  std::vector<double> power(bins);
+  for (std::size_t k = 0; k < bins; ++k) {
+    const auto* bin = out.get() + k;
+    power[k] = (*bin)[0] * (*bin)[0] + (*bin)[1] * (*bin)[1];
+  }
+  return power;
+}
+
+// means of consecutive blocks, the first kMostPencilSamples of them
+Eigen::VectorXd BlockMeans(const std::vector<double>& values, std::size_t block) {
+  const std::size_t count = std::min(values.size() / block, kMostPencilSamples);
+  Eigen::VectorXd means(static_cast<Eigen::Index>(count));
+  for (std::size_t n = 0; n < count; ++n) {
+    double sum = 0;
+    for (std::size_t k = 0; k < block; ++k) sum += values[n * block + k];
+    means[static_cast<Eigen::Index>(n)] = sum / static_cast<double>(block);
+  }
+  return means;
+}
+
+// the 2 x 2 matrix whose eigenvalues advance the two poles by one sample
+Eigen::Matrix2d Advance(const Eigen::VectorXd& samples) {
+  const Eigen::Index pencil = samples.size() / 3;
+  Eigen::MatrixXd hankel(samples.size() - pencil, pencil + 1);
+  for (Eigen::Index column = 0; column <= pencil; ++column) {
+    hankel.col(column) = samples.segment(column, hankel.rows());
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(hankel, Eigen::ComputeThinV);
+  const Eigen::MatrixXd signal = svd.matrixV().leftCols(2);
+  return signal.topRows(pencil).colPivHouseholderQr().solve(signal.bottomRows(pencil));
+}
+
+// from the powers' polynomial z^2 - trace z + determinant to that of the poles
+std::optional<PolePair> PolesOf(double trace, double determinant, double step_s) {
+  if (!(determinant > 0 && determinant < 1)) return std::nullopt;
+  const double decay = -0.5 * std::log(determinant) / step_s;
+  const double cosine = 0.5 * trace / std::sqrt(determinant);
+  if (cosine <= -1) return std::nullopt;
+  if (cosine <= 1) {
+    const double angular = std::acos(cosine) / step_s;
+    return PolePair{decay, decay * decay + angular * angular};
+  }
+  // two real poles: decay -+ rate, both falling
+  const double rate = std::acosh(cosine) / step_s;
+  if (rate >= decay) return std::nullopt;
+  return PolePair{decay, (decay - rate) * (decay + rate)};
+}
+
+// whether the pencil followed something else than the strongest line
+bool Strayed(const PolePair& poles, double frequency_hz) {
+  const double natural_hz = std::sqrt(poles.stiffness_per_s2) / (2 * std::numbers::pi);
+  const double quality = std::sqrt(poles.stiffness_per_s2) / (2 * poles.decay_per_s);
+  return quality > 2 && std::abs(natural_hz - frequency_hz) > 0.3 * frequency_hz;
+}
+
+}  // namespace
+
+std::optional<double> StrongestFrequency(const std::vector<double>& values, double step_s) {
+  if (values.size() < kLeastSamples) return std::nullopt;
+  std::size_t length = 0;
+  const auto power = PowerSpectrum(values, &length);
+  // two periods a record are two record lengths' worth of padded lines
+  const std::size_t lowest = 2 * length / values.size();
+  const auto peak = std::max_element(power.begin() + static_cast<std::ptrdiff_t>(lowest),
+                                     power.end());
+  if (!(*peak > 0)) return std::nullopt;
+  return static_cast<double>(peak - power.begin()) / (static_cast<double>(length) * step_s);
+}
+
+std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double step_s) {
+  const auto frequency_hz = StrongestFrequency(values, step_s);
+  if (!frequency_hz) return std::nullopt;
+  const double period_samples = 1 / (*frequency_hz * step_s);
+  const auto wanted = static_cast<std::size_t>(period_samples / kSamplesPerPeriod);
+  const std::size_t block = std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(
+                                                                   values.size() / 100, 1));
+  const Eigen::Matrix2d advance = Advance(BlockMeans(values, block));
+  const auto poles =
+      PolesOf(advance.trace(), advance.determinant(), static_cast<double>(block) * step_s);
+  if (poles && !Strayed(*poles, *frequency_hz)) return poles;
+  const double angular = 2 * std::numbers::pi * *frequency_hz;
+  return PolePair{angular / (2 * kFallbackQuality), angular * angular};
+}
+
+}  // namespace haptometer::fit

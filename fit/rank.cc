@@ -1,0 +1,116 @@
+#include "fit/rank.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+
+namespace haptometer::fit {
+namespace {
+
+using Position = Eigen::Index;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// below this share of the largest singular value a direction is invisible
+constexpr double kZeroShare = 1e-9;
+
+Eigen::Map<const RowMajor> View(const Jacobian& jacobian) {
+  return {jacobian.values.data(), static_cast<Position>(jacobian.rows),
+          static_cast<Position>(jacobian.columns)};
+}
+
+std::vector<Position> FreeColumns(const std::vector<bool>& is_free) {
+  std::vector<Position> columns;
+  for (std::size_t k = 0; k < is_free.size(); ++k) {
+    if (is_free[k]) columns.push_back(static_cast<Position>(k));
+  }
+  return columns;
+}
+
+std::vector<double> ToRowMajor(const RowMajor& matrix) {
+  return {matrix.data(), matrix.data() + matrix.size()};
+}
+
+// an orthonormal basis of the null directions' logarithmic parts
+RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logarithm) {
+  for (Position k = 0; k < directions.cols(); ++k) {
+    if (!is_logarithm[static_cast<std::size_t>(k)]) directions.col(k).setZero();
+  }
+  if (directions.rows() == 0) return directions;
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
+  const Position rank = (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
+  return svd.matrixV().leftCols(rank).transpose();
+}
+
+}  // namespace
+
+Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<bool>& is_free,
+                                    const std::vector<bool>& is_logarithm) {
+  HAPTOMETER_CHECK(is_free.size() == jacobian.columns && is_logarithm.size() == jacobian.columns,
+                   "{} columns, {} and {} flags", jacobian.columns, is_free.size(),
+                   is_logarithm.size());
+  const auto columns = FreeColumns(is_free);
+  Eigen::MatrixXd scaled = View(jacobian)(Eigen::all, columns);
+  // unit columns; an empty one stays empty
+  Eigen::VectorXd lengths = scaled.colwise().norm();
+  for (Position k = 0; k < lengths.size(); ++k) {
+    if (lengths[k] == 0) lengths[k] = 1;
+    scaled.col(k) /= lengths[k];
+  }
+  const Position free_count = scaled.cols();
+  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(scaled);
+  const Eigen::MatrixXd triangle =
+      qr.matrixQR().topRows(free_count).template triangularView<Eigen::Upper>();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
+  const Eigen::VectorXd values = svd.singularValues();
+  const Position rank = (values.array() > kZeroShare * values[0]).count();
+
+  // (J'J)^+ = D^-1 V S^-2 V' D^-1 on the visible directions
+  const Eigen::MatrixXd directions = lengths.cwiseInverse().asDiagonal() * svd.matrixV();
+  const Eigen::MatrixXd seen =
+      directions.leftCols(rank) * values.head(rank).cwiseInverse().asDiagonal();
+  const auto all = static_cast<Position>(jacobian.columns);
+  RowMajor covariance = RowMajor::Zero(all, all);
+  covariance(columns, columns) = seen * seen.transpose();
+  RowMajor unseen = RowMajor::Zero(free_count - rank, all);
+  unseen(Eigen::all, columns) = directions.rightCols(free_count - rank).transpose();
+
+  return {.columns = jacobian.columns,
+          .singular_values = {values.data(), values.data() + values.size()},
+          .nullity = static_cast<std::size_t>(free_count - rank),
+          .covariance = ToRowMajor(covariance),
+          .null_directions = ToRowMajor(LogarithmicBasis(unseen, is_logarithm))};
+}
+
+double Blur(const Identifiability& identifiability, const std::vector<double>& weights) {
+  double square = 0;
+  const std::size_t columns = identifiability.columns;
+  for (std::size_t d = 0; d * columns < identifiability.null_directions.size(); ++d) {
+    double along = 0;
+    for (std::size_t k = 0; k < columns; ++k) {
+      along += weights[k] * identifiability.null_directions[d * columns + k];
+    }
+    square += along * along;
+  }
+  return std::sqrt(square);
+}
+
+double Variance(const Identifiability& identifiability, const std::vector<double>& weights) {
+  const auto columns = static_cast<Position>(identifiability.columns);
+  const Eigen::Map<const RowMajor> covariance(identifiability.covariance.data(), columns, columns);
+  const Eigen::Map<const Eigen::VectorXd> vector(weights.data(), columns);
+  return vector.dot(covariance * vector);
+}
+
+std::vector<double> Response(const Identifiability& identifiability, const Jacobian& jacobian,
+                             const std::vector<double>& residual_change) {
+  const auto columns = static_cast<Position>(identifiability.columns);
+  const Eigen::Map<const RowMajor> covariance(identifiability.covariance.data(), columns, columns);
+  const Eigen::Map<const Eigen::VectorXd> change(residual_change.data(),
+                                                 static_cast<Position>(residual_change.size()));
+  const Eigen::VectorXd response = -(covariance * (View(jacobian).transpose() * change));
+  return {response.data(), response.data() + response.size()};
+}
+
+}  // namespace haptometer::fit

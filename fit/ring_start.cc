@@ -1,0 +1,190 @@
+#include "fit/ring_start.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "sim/ring_down.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr std::size_t kLeastSamples = 32;
+constexpr double kLeastPeriods = 2;
+constexpr double kLeastSamplesPerPeriod = 5;
+constexpr std::size_t kLeastQuietSamples = 16;
+// below this energy over noise density the decay rate is uncertain to 2/sqrt(50) = 28 %
+constexpr double kLeastEnergy = 50;
+
+// the values with holes bridged by straight lines: for start values only
+std::vector<double> Filled(const std::vector<double>& values) {
+  std::vector<double> filled = values;
+  std::size_t last = values.size();
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    if (!std::isfinite(values[n])) continue;
+    const double from = last == values.size() ? values[n] : values[last];
+    const std::size_t first = last == values.size() ? 0 : last + 1;
+    for (std::size_t k = first; k < n; ++k) {
+      filled[k] = from + (values[n] - from) * static_cast<double>(k + 1 - first) /
+                             static_cast<double>(n + 1 - first);
+    }
+    last = n;
+  }
+  for (std::size_t k = last + 1; k < values.size(); ++k) filled[k] = values[last];
+  return filled;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> From(const std::vector<double>& values, std::size_t first, double offset) {
+  std::vector<double> rest(values.begin() + static_cast<std::ptrdiff_t>(first), values.end());
+  for (double& value : rest) value -= offset;
+  return rest;
+}
+
+// the first sample beyond half of the largest distance from `middle`
+std::size_t FindBlow(const std::vector<double>& values, double middle) {
+  double peak = 0;
+  for (const double value : values) peak = std::max(peak, std::abs(value - middle));
+  std::size_t n = 0;
+  while (n + 1 < values.size() && std::abs(values[n] - middle) <= peak / 2) ++n;
+  return n;
+}
+
+double RmsAboutMean(const std::vector<double>& values, std::size_t count) {
+  const Eigen::Map<const Eigen::ArrayXd> quiet(values.data(), static_cast<Eigen::Index>(count));
+  return std::sqrt((quiet - quiet.mean()).square().sum() / static_cast<double>(count - 1));
+}
+
+// voltage = even * E(t) + odd * O(t) + offset, t from the first sample
+struct LinearFit {
+  double even_v = 0;
+  double odd_v_per_s = 0;
+  double offset_v = 0;
+  double residual_rms_v = 0;
+  double energy_v2 = 0;  // sum of squares of the oscillation
+};
+
+LinearFit FitLinear(const std::vector<double>& values, double step_s, const PolePair& poles) {
+  const auto count = static_cast<Eigen::Index>(values.size());
+  Eigen::MatrixX3d basis(count, 3);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2,
+                                              static_cast<double>(n) * step_s);
+    basis.row(n) << pair.even, pair.odd, 1.0;
+  }
+  const Eigen::Map<const Eigen::VectorXd> samples(values.data(), count);
+  const Eigen::Vector3d fitted = basis.householderQr().solve(samples);
+  const Eigen::VectorXd ringing = basis.leftCols(2) * fitted.head(2);
+  return {.even_v = fitted[0],
+          .odd_v_per_s = fitted[1],
+          .offset_v = fitted[2],
+          .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
+          .energy_v2 = ringing.squaredNorm()};
+}
+
+// the instant nearest to `near_s` at which the displacement behind that voltage is zero
+double ZeroOfMotion(const LinearFit& fit, const PolePair& poles, double near_s) {
+  // v = E v0 - O (d v0 + q x0) and x = E x0 + O (v0 + d x0)
+  const double d = poles.decay_per_s;
+  const double x0 = -(fit.odd_v_per_s + d * fit.even_v) / poles.stiffness_per_s2;
+  const double slope = fit.even_v + d * x0;
+  const double square = poles.stiffness_per_s2 - d * d;
+  if (square > 0) {
+    const double angular = std::sqrt(square);
+    const double zero = std::atan2(-angular * x0, slope) / angular;
+    const double half_period = std::numbers::pi / angular;
+    return zero + half_period * std::round((near_s - zero) / half_period);
+  }
+  // overdamped: one crossing at most
+  const double rate = std::sqrt(-square);
+  const double ratio = -rate * x0 / slope;
+  return rate > 0 && std::abs(ratio) < 1 ? std::atanh(ratio) / rate : near_s;
+}
+
+std::unexpected<Error> Unfit(const ImpulseRecord& record, std::string what, std::string remedy) {
+  return CannotAnswer(record.name, std::move(what), std::move(remedy));
+}
+
+// whether what follows the blow is long and dense enough
+Result<void> CheckSampling(const ImpulseRecord& record, std::size_t samples, double frequency_hz) {
+  const double periods = static_cast<double>(samples) * record.step_s * frequency_hz;
+  const double per_period = 1 / (frequency_hz * record.step_s);
+  if (periods < kLeastPeriods) {
+    return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),
+                 "record at least three decay times");
+  }
+  if (per_period < kLeastSamplesPerPeriod) {
+    return Unfit(record, fmt::format("has only {:.1f} samples a period", per_period),
+                 "sample faster, at least 10 times the resonance");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<RingStart> FindRingStart(const ImpulseRecord& record) {
+  const auto measured = static_cast<std::size_t>(std::count_if(
+      record.voltage_v.begin(), record.voltage_v.end(), [](double v) { return std::isfinite(v); }));
+  if (measured < kLeastSamples) {
+    return Unfit(record, fmt::format("holds only {} voltages", measured),
+                 "a ring-down needs at least 32 samples");
+  }
+  const auto values = Filled(record.voltage_v);
+  const double middle = Median(values);
+  const std::size_t blow = FindBlow(values, middle);
+  const auto frequency_hz = StrongestFrequency(From(values, blow, middle), record.step_s);
+  if (!frequency_hz) {
+    return Unfit(record, "shows no ring-down",
+                 "the voltage must jump and then decay for at least 32 samples");
+  }
+  if (auto dense = CheckSampling(record, values.size() - blow, *frequency_hz); !dense) {
+    return std::unexpected(dense.error());
+  }
+
+  RingStart start;
+  const double period_samples = 1 / (*frequency_hz * record.step_s);
+  const auto eighth = static_cast<std::size_t>(std::ceil(period_samples / 8));
+  start.first_sample = blow + eighth;
+  start.quiet_samples = blow > 2 * eighth ? blow - 2 * eighth : 0;
+  if (start.quiet_samples < kLeastQuietSamples) start.quiet_samples = 0;
+  if (start.quiet_samples > 0) start.quiet_noise_v = RmsAboutMean(values, start.quiet_samples);
+
+  const auto ringing = From(values, start.first_sample, middle);
+  const auto poles = EstimatePoles(ringing, record.step_s);
+  if (!poles) {
+    return Unfit(record, "shows no ring-down", "record at least three decay times behind the blow");
+  }
+  start.poles = *poles;
+  const LinearFit fit = FitLinear(ringing, record.step_s, *poles);
+  const double energy = fit.energy_v2 / (fit.residual_rms_v * fit.residual_rms_v);
+  if (energy < kLeastEnergy) {
+    return Unfit(record,
+                 fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
+                             *frequency_hz, energy),
+                 "record a stronger blow or a smaller voltage range (50 times is the least)");
+  }
+
+  // backwards to the blow, which lies before its first sample
+  const double blow_s = static_cast<double>(blow) - (blow > 0 ? 0.5 : 0.0);
+  const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
+  const double zero_s = ZeroOfMotion(fit, *poles, near_s);
+  const auto at_impact =
+      sim::DampedFundamentals(poles->decay_per_s, poles->stiffness_per_s2, zero_s);
+  start.impact_s =
+      record.start_s + static_cast<double>(start.first_sample) * record.step_s + zero_s;
+  start.impact_voltage_v = fit.even_v * at_impact.even + fit.odd_v_per_s * at_impact.odd;
+  start.offset_v = middle + fit.offset_v;
+  start.residual_rms_v = fit.residual_rms_v;
+  return start;
+}
+
+}  // namespace haptometer::fit

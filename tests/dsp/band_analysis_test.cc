@@ -1,0 +1,292 @@
+#include "dsp/band_analysis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "dsp/rms.h"
+#include "dsp/zero_phase.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+#include "trial/sensor_head.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kRateHz = 10e3;
+constexpr double kRootTwo = std::numbers::sqrt2;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+BandAnalysis Answer(const trial::Record& record, const BandQuestion& question = {}) {
+  auto analysis = AnalyzeBand(record, question);
+  EXPECT_TRUE(analysis) << (analysis ? "" : analysis.error().Text());
+  return analysis ? *analysis : BandAnalysis{};
+}
+
+// 3 s of a 10 kHz head with 0.5 um of noise and 0.1 um steps
+trial::Record Streamed(const trial::Displacement& displacement, std::uint64_t seed) {
+  const trial::SensorHead head = trial::Stream10kHz();
+  std::vector<double> values;
+  for (std::int64_t k = 0; k < 30'000; ++k) {
+    values.push_back(ReadingAt(head, displacement, k, seed).value_m);
+  }
+  return RecordOf(std::move(values), kRateHz);
+}
+
+TEST(BandAnalysis, AStreamedRecordIsWithinOnePercentAndATwentiethOfAHertz) {
+  const auto tone = [](double t_s) {
+    return 0.2e-3 * kRootTwo * std::sin(2 * std::numbers::pi * 225 * t_s);
+  };
+  const auto tremor = [](double t_s) {
+    return 0.5e-3 * std::sin(2 * std::numbers::pi * 8.3 * t_s + 1);
+  };
+  const auto settling = [&](double t_s) { return tone(t_s) + tremor(t_s) * std::exp(-t_s / 0.1); };
+  const auto held = [&](double t_s) { return tone(t_s) + tremor(t_s); };
+  for (const trial::Displacement& displacement : {trial::Displacement(settling), {held}}) {
+    const BandAnalysis analysis = Answer(Streamed(displacement, 4));
+    ASSERT_TRUE(analysis.answered);
+    EXPECT_REL(*analysis.band_rms_m, 0.2e-3, 1e-4, "|H|^2 at 225 Hz and 0.16 um of noise");
+    EXPECT_ABS(analysis.tone->frequency_hz, 225, 1e-4, "noise, 4 uncertainties");
+    EXPECT_REL(analysis.tone->amplitude, 0.2e-3 * kRootTwo, 1e-4, "noise, 4 uncertainties");
+    EXPECT_LT(std::abs(analysis.tone->frequency_hz - 225),
+              4 * analysis.tone->frequency_uncertainty_hz);
+    EXPECT_LT(std::abs(analysis.tone->amplitude - 0.2e-3 * kRootTwo),
+              4 * analysis.tone->amplitude_uncertainty);
+    EXPECT_GT(analysis.window->end_s - analysis.window->begin_s, 1.8);
+    EXPECT_EQ(analysis.band.order, 6);
+  }
+}
+
+TEST(BandAnalysis, AToneAloneIsExact) {
+  const trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100, 1}}), kRateHz);
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 1e-7, "whole periods; settled to 2.5e-5");
+  EXPECT_REL(analysis.tone->amplitude, 1e-6, 1e-6, "settled to 2.5e-5 at the ends");
+  EXPECT_REL(analysis.tone->frequency_hz, 100, 1e-8, "settled to 2.5e-5 at the ends");
+  EXPECT_REL(*analysis.band_peak_to_peak_m, 2e-6, 1e-4, "100 samples a period");
+  EXPECT_ABS(analysis.offset_m, 0.03, 1e-9, "300 whole periods");
+  EXPECT_REL(analysis.peak_to_peak_m, 2e-6, 5e-4, "100 samples a period");
+  EXPECT_EQ(analysis.rate_hz, kRateHz);
+  // the window: settled, whole periods, and where the filtered rows say
+  EXPECT_EQ(analysis.window_rows % 100, 0U);
+  EXPECT_EQ(analysis.window->begin_s, static_cast<double>(analysis.window_first_row) / kRateHz);
+  const auto window = std::span(analysis.filtered_m)
+                          .subspan(analysis.window_first_row, analysis.window_rows);
+  EXPECT_EQ(Rms(window), *analysis.band_rms_m);
+}
+
+TEST(BandAnalysis, AToneAtACornerHasItsAmplitudeRestored) {
+  const BandAnalysis analysis =
+      Answer(RecordOf(Samples(kRateHz, 40'000, 0.03, {{1e-6, 20, 1}}), kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / 2, 1e-4, "1/sqrt(2) of the RMS");
+  EXPECT_REL(analysis.tone->amplitude, 1e-6, 1e-4, "divided by |H|^2");
+}
+
+TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
+  // 200 records of a tone in noise, and of noise alone
+  for (const double amplitude_m : {2e-6, 0.0}) {
+    std::vector<double> rms_m;
+    double stated_m = 0;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+      Noise noise(seed);
+      std::vector<double> values = Samples(2e3, 3000, 0.03, {{amplitude_m, 150, 0.4}});
+      for (double& value : values) value += 1e-6 * noise();
+      const BandAnalysis analysis = Answer(RecordOf(values, 2e3));
+      ASSERT_TRUE(analysis.answered);
+      rms_m.push_back(*analysis.band_rms_m);
+      stated_m += *analysis.band_rms_uncertainty_m / 200;
+    }
+    EXPECT_REL(stated_m, StandardDeviation(rms_m), 0.2,
+               "200 values know it to 5 %, four of these");
+  }
+}
+
+TEST(BandAnalysis, TooSlowARecordIsNotAnswered) {
+  trial::Record record = RecordOf(Samples(48, 144, 0.03, {{44e-6, 175}, {5e-4, 8.3}}), 48);
+  record.stretches[0].time_uncertainty_s = 8e-3;
+  const BandAnalysis analysis = Answer(record);
+  EXPECT_FALSE(analysis.answered);
+  ASSERT_EQ(analysis.reasons.size(), 2U);
+  EXPECT_EQ(analysis.reasons[0],
+            "48 new readings/s show vibration up to 18.75 Hz; 20-500 Hz needs 1280/s: use a "
+            "free-running output, or the analog output and a DAQ");
+  EXPECT_EQ(analysis.reasons[1],
+            "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use "
+            "a sensor that samples on a clock of its own");
+  EXPECT_FALSE(analysis.band_rms_m || analysis.band_rms_whole_m || analysis.tone ||
+               analysis.residual_rms_m || analysis.window);
+  EXPECT_ABS(analysis.offset_m, 0.03, 1e-4, "tremor's part period");
+  EXPECT_GT(analysis.peak_to_peak_m, 0.9e-3);
+  EXPECT_ABS(analysis.observable_upper_hz, 18.75, 0, "48/2.56");
+}
+
+TEST(BandAnalysis, ReadingsHandedOutTwiceDoNotCountAsRate) {
+  trial::Record record = RecordOf(Samples(2e3, 6000, 0.03, {{1e-6, 100}}), 2e3);
+  for (std::size_t k = 1; k < record.rows; k += 2) {
+    record.channels[0].statuses[k] = SampleStatus::kRepeated;
+  }
+  const BandAnalysis analysis = Answer(record);
+  EXPECT_FALSE(analysis.answered);
+  EXPECT_EQ(analysis.rate_hz, 2e3);
+  EXPECT_EQ(analysis.fresh_rate_hz, 1e3);
+  EXPECT_EQ(analysis.remarks[0], "3000 of 6000 readings were handed out a second time");
+}
+
+TEST(BandAnalysis, TimesOfUnknownAgeGiveNoBandEither) {
+  // a polled sensor at 122/s, asked for a band that its rate would allow
+  trial::Record record = RecordOf(Samples(122, 1220, 0.03, {{1e-6, 30}}), 122);
+  const BandQuestion question{{6, 5, 45, Corners::kWhole}, true};
+  EXPECT_TRUE(Answer(record, question).answered);
+  record.stretches[0].time_uncertainty_s = 2.3e-3;
+  EXPECT_FALSE(Answer(record, question).answered);
+  // arrivals that scatter by more than a period belong to a source with a clock of its own
+  trial::Record stream = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100}}), kRateHz);
+  stream.stretches[0].time_uncertainty_s = 2e-3;
+  EXPECT_TRUE(Answer(stream).answered);
+}
+
+TEST(BandAnalysis, StrongTremorOnOneSecondIsNotAnswered) {
+  const std::vector<double> in = Samples(kRateHz, 10'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
+  EXPECT_FALSE(analysis.answered);
+  ASSERT_EQ(analysis.reasons.size(), 1U);
+  EXPECT_NE(analysis.reasons[0].find("a lower order lets too much of the motion below 20 Hz"),
+            std::string::npos)
+      << analysis.reasons[0];
+  EXPECT_NE(analysis.reasons[0].find("record at least 1.9 s without a gap"), std::string::npos)
+      << analysis.reasons[0];
+  EXPECT_FALSE(analysis.band_rms_m);
+  EXPECT_EQ(analysis.band.order, 6);
+}
+
+TEST(BandAnalysis, TheRemedyOfTooShortARecordHelps) {
+  const std::vector<double> in = Samples(kRateHz, 19'500, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_REL(*analysis.band_rms_m, 1.0002e-6 / kRootTwo, 2e-4, "settled window, leaked tremor");
+}
+
+TEST(BandAnalysis, AWeakTremorLowersTheOrderAndSaysSo) {
+  const std::vector<double> in = Samples(kRateHz, 7'500, 0.03, {{1e-5, 100}, {2e-5, 6, 0.7}});
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
+  ASSERT_TRUE(analysis.answered) << analysis.reasons[0];
+  EXPECT_LT(analysis.band.order, 6);
+  EXPECT_EQ(analysis.remarks[0].rfind("filter order lowered from 6 to ", 0), 0U);
+  ASSERT_TRUE(analysis.below_band);
+  EXPECT_REL(analysis.below_band->amplitude_m, 2e-5, 0.02, "4.5 periods beside a tone");
+  EXPECT_ABS(analysis.below_band->frequency_hz, 6, 0.1, "4.5 periods beside a tone");
+  EXPECT_REL(*analysis.band_rms_m, 1e-5 / kRootTwo, 0.01, "leaks are below 1 % of the RMS");
+  // one that was asked for is kept
+  BandQuestion fixed;
+  fixed.may_lower_order = false;
+  EXPECT_FALSE(Answer(RecordOf(in, kRateHz), fixed).answered);
+}
+
+TEST(BandAnalysis, TremorThatLeaksIsStated) {
+  const std::vector<double> in = Samples(kRateHz, 50'000, 0.03, {{1e-6, 100}, {5e-4, 8.3}});
+  BandQuestion question;
+  question.band.order = 4;
+  question.may_lower_order = false;
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
+  ASSERT_TRUE(analysis.answered);
+  const FilterDesign design = Designed(question.band, kRateHz);
+  EXPECT_REL(analysis.below_band->leaked_rms_m,
+             5e-4 / kRootTwo * std::norm(Response(design, 8.3)), 1e-3, "the tremor's fit");
+  EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 5e-3, "part of a tremor period");
+}
+
+TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
+  const std::vector<double> truth = Samples(kRateHz, 40'000, 0.03, {{1e-6, 100}, {1e-4, 8.3}});
+  trial::Record record = RecordOf(truth, kRateHz);
+  trial::Channel& channel = record.channels[0];
+  for (std::size_t row = 5000; row < 35'000; row += 1000) {
+    channel.values[row] = 99.999e-3;  // what the sensor hands out beyond its range
+    channel.statuses[row] = SampleStatus::kOver;
+  }
+  for (std::size_t row = 30'500; row < 30'600; ++row) {
+    channel.values[row] = kNaN;
+    channel.statuses[row] = SampleStatus::kLate;
+  }
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_EQ(analysis.segments, 2U);
+  EXPECT_EQ(analysis.bridged, 30U);
+  EXPECT_EQ(analysis.remarks[0], "left out: 130 of 40000 readings (over 30, late 100)");
+  EXPECT_LT(analysis.window->end_s, 3.05);
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 1e-4, "settled window, bridged samples");
+  EXPECT_GT(*analysis.bridged_rms_m, 0);
+  EXPECT_LT(*analysis.bridged_rms_m, 1e-9);
+  EXPECT_TRUE(std::isnan(analysis.filtered_m[30'550]));
+  EXPECT_LT(analysis.peak_to_peak_m, 2.1e-4) << "no status other than ok enters";
+}
+
+TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
+  // 16 averages at 0.33 ms: 0.15 at 225 Hz, 0.08 at 175 Hz; single readings 1
+  EXPECT_ABS(AveragingGain(225, 0.33e-3, 16), 0.15, 5e-3, "the figure's digits");
+  EXPECT_ABS(AveragingGain(175, 0.33e-3, 16), 0.08, 5e-3, "the figure's digits");
+  EXPECT_EQ(AveragingGain(225, 0.33e-3, 1), 1);
+  EXPECT_EQ(AveragingGain(1000, 1e-3, 16), 1) << "an alias of 0 Hz";
+  EXPECT_ABS(AveragingGain(1000.0 / 16, 1e-3, 16), 0, 1e-15, "one whole period is averaged");
+  // the mean of the samples of a phasor, summed
+  double re = 0;
+  double im = 0;
+  for (int k = 0; k < 7; ++k) {
+    re += std::cos(2 * std::numbers::pi * 90 * 1e-3 * k) / 7;
+    im += std::sin(2 * std::numbers::pi * 90 * 1e-3 * k) / 7;
+  }
+  EXPECT_REL(AveragingGain(90, 1e-3, 7), std::hypot(re, im), 1e-14, "rounding");
+
+  trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 90}}), kRateHz);
+  EXPECT_FALSE(Answer(record).sensor_gain_at_tone);
+  record.metadata.sampling_s = 1e-3;
+  record.metadata.averages = 7;
+  EXPECT_REL(*Answer(record).sensor_gain_at_tone, std::hypot(re, im), 1e-6, "tone's fit");
+}
+
+TEST(BandAnalysis, NoiseHasNoTone) {
+  Noise noise(11);
+  std::vector<double> values(30'000, 0.03);
+  for (double& value : values) value += 1e-6 * noise();
+  const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_FALSE(analysis.tone);
+  EXPECT_FALSE(analysis.sensor_gain_at_tone);
+  EXPECT_EQ(*analysis.residual_rms_m, *analysis.band_rms_m);
+  // white noise of 1 um over 5 kHz: the band's share is the integral of |H|^4
+  const FilterDesign design = Designed({}, kRateHz);
+  double share = 0;
+  for (int k = 0; k < 5000; ++k) share += std::pow(Magnitude(design, k + 0.5), 4) / 5000;
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 * std::sqrt(share), 0.05, "2 B T = 2000 free samples");
+}
+
+TEST(BandAnalysis, RecordsThatCannotBeReadAreErrors) {
+  const auto error = [](const trial::Record& record, const BandQuestion& question = {}) {
+    const auto analysis = AnalyzeBand(record, question);
+    EXPECT_FALSE(analysis);
+    return analysis.error();
+  };
+  trial::Record record = RecordOf(Samples(kRateHz, 100, 0.03, {}), kRateHz);
+  EXPECT_EQ(error(record, {{6, 500, 20, Corners::kWhole}, true}).cause, Cause::kUsage);
+  record.channels[0].unit = "V";
+  EXPECT_EQ(error(record).Text(), "its displacement has the unit 'V'; convert it to metres");
+  EXPECT_EQ(error(record).cause, Cause::kCannotAnswer);
+  record.channels[0].unit = "m";
+  record.channels[0].statuses.assign(100, SampleStatus::kOver);
+  EXPECT_EQ(error(record).Text(),
+            "none of its 100 readings is a measurement (over 100); check the target and the sensor's "
+            "range");
+  record.channels.clear();
+  EXPECT_EQ(error(record).Text(), "holds no displacement channel; name one displacement_m");
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

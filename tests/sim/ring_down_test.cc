@@ -1,0 +1,239 @@
+#include "sim/ring_down.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "sim/linear_model.h"
+#include "sim/time_response.h"
+#include "tests/residual.h"
+
+namespace haptometer::sim {
+namespace {
+
+constexpr double kOpen = std::numeric_limits<double>::infinity();
+constexpr double kMover = 1.4e-3;
+constexpr double kReduced = 1.4e-3 * 0.6e-3 / 2.0e-3;
+
+// Lindsay 2013, Table 2.1
+RingDownParameters<double> Thesis(double mass_kg, double load_ohm, double inductance_h = 130e-6) {
+  return {.stiffness_n_per_m = 2800,
+          .damping_n_s_per_m = 0.0322,
+          .force_constant_n_per_a = 1.0,
+          .mass_kg = mass_kg,
+          .coil_resistance_ohm = 27,
+          .inductance_h = inductance_h,
+          .load_ohm = load_ohm};
+}
+
+double DampedFrequency(const RingDown<double>& circuit) {
+  return std::sqrt(circuit.stiffness_per_s2() - circuit.decay_per_s() * circuit.decay_per_s()) /
+         (2 * std::numbers::pi);
+}
+
+TEST(RingDown, PolesAreThoseOfTheClosedFormsWithoutInductance) {
+  struct Row {
+    double mass_kg, load_ohm, decay_per_s, damped_hz;
+  };
+  // sigma = (Bv + Km^2/(R+RL))/(2M), to the digits printed
+  const std::array rows{Row{kMover, kOpen, 11.5000, 225.0716},   Row{kMover, 1e7, 11.50004, 225.0716},
+                        Row{kMover, 1e6, 11.5004, 225.0716},     Row{kMover, 1e3, 11.8478, 225.0712},
+                        Row{kMover, 100, 14.3121, 225.0676},     Row{kMover, 50, 16.1382, 225.0644},
+                        Row{kMover, 27, 18.1138, 225.0606},      Row{kMover, 0, 24.7275, 225.0447},
+                        Row{kReduced, kOpen, 38.3333, 410.8910}, Row{kReduced, 0, 82.4250, 410.7269}};
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.load_ohm);
+    const RingDown<double> circuit(Thesis(row.mass_kg, row.load_ohm, 0));
+    EXPECT_ABS(circuit.decay_per_s(), row.decay_per_s, 6e-5, "printed digits");
+    EXPECT_ABS(DampedFrequency(circuit), row.damped_hz, 6e-5, "printed digits");
+  }
+}
+
+TEST(RingDown, InductanceShiftsTheTwoLoadFormula) {
+  // Km^2 = 2 M (d1 - d0)(R + RL) holds for L = 0; the coil's 130 uH moves it by these parts
+  for (const auto& [mass_kg, shift] : {std::pair{kMover, 38e-6}, std::pair{kReduced, 126e-6}}) {
+    const RingDown<double> open(Thesis(mass_kg, kOpen));
+    const RingDown<double> loaded(Thesis(mass_kg, 27));
+    const double square = 2 * mass_kg * (loaded.decay_per_s() - open.decay_per_s()) * 54;
+    EXPECT_ABS(std::sqrt(square) - 1, shift / 2, 1e-6, "to the millionth");
+    const RingDown<double> ideal(Thesis(mass_kg, 27, 0));
+    EXPECT_REL(2 * mass_kg * (ideal.decay_per_s() - open.decay_per_s()) * 54, 1.0, 1e-14,
+               "exact without inductance");
+  }
+}
+
+// u(t) by the five-state exponential: the coil closed over R + RL, the case free or immovable
+void ExpectExponential(double case_mass_kg, double mass_kg, double load_ohm, double tolerance) {
+  const RingDownParameters<double> parameters = Thesis(mass_kg, load_ohm);
+  const Actuator actuator{.moving_mass_kg = kMover,
+                          .case_mass_kg = case_mass_kg,
+                          .stiffness_n_per_m = 2800,
+                          .damping_n_s_per_m = 0.0322,
+                          .force_constant_n_per_a = 1.0,
+                          .resistance_ohm = 27 + load_ohm,
+                          .inductance_h = 130e-6};
+  const LinearModel model = AssembleModel(actuator, std::nullopt, Skin{});
+  Eigen::VectorXd blow = Eigen::VectorXd::Zero(model.states());
+  // zero momentum, unit relative velocity
+  blow[LinearModel::kMoverVelocity] = case_mass_kg / (kMover + case_mass_kg);
+  blow[LinearModel::kCaseVelocity] = -kMover / (kMover + case_mass_kg);
+  const TimeResponse exact(model, {.amplitude_v = 0, .frequency_hz = 1}, blow);
+  const RingDown<double> circuit(parameters);
+  const double peak = load_ohm / (27 + load_ohm);
+  double worst = 0;
+  for (const double t : {0.0, 1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
+    const double expected = -load_ohm * exact.StateAt(t)[LinearModel::kCurrent];
+    worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected) / peak);
+  }
+  EXPECT_ABS(worst, 0.0, tolerance, "rounding of the exponential's squarings");
+}
+
+TEST(RingDown, EqualsTheMatrixExponentialOfTheWholeCircuit) {
+  for (const double load_ohm : {5.0, 27.0, 33.0, 1000.0}) {
+    SCOPED_TRACE(load_ohm);
+    ExpectExponential(0.6e-3, kReduced, load_ohm, 1e-12);
+    ExpectExponential(1e9, kMover, load_ohm, 1e-12);
+  }
+}
+
+// exp(A t) by Taylor series and squaring in extended precision: an oracle of its own
+std::array<long double, 3> Extended(const RingDownParameters<double>& p, double t) {
+  using Matrix = std::array<std::array<long double, 3>, 3>;
+  const auto times = [](const Matrix& a, const Matrix& b) {
+    Matrix c{};
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        for (std::size_t k = 0; k < 3; ++k) c[i][j] += a[i][k] * b[k][j];
+      }
+    }
+    return c;
+  };
+  const long double step = std::ldexp(static_cast<long double>(t), -24);
+  const long double m = p.mass_kg;
+  const long double l = p.inductance_h;
+  const Matrix a{{{-(static_cast<long double>(p.coil_resistance_ohm) + p.load_ohm) / l * step, 0,
+                   p.force_constant_n_per_a / l * step},
+                  {0, 0, step},
+                  {-p.force_constant_n_per_a / m * step, -p.stiffness_n_per_m / m * step,
+                   -p.damping_n_s_per_m / m * step}}};
+  // exp - 1 is squared as (1 + E)^2 - 1 = 2 E + E^2, which keeps the small digits
+  Matrix excess{};
+  Matrix term{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (int k = 1; k <= 12; ++k) {
+    term = times(term, a);
+    for (auto& row : term) {
+      for (auto& entry : row) entry /= k;
+    }
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) excess[i][j] += term[i][j];
+    }
+  }
+  for (int k = 0; k < 24; ++k) {
+    const Matrix square = times(excess, excess);
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) excess[i][j] = 2 * excess[i][j] + square[i][j];
+    }
+  }
+  return {excess[0][2], excess[1][2], 1 + excess[2][2]};
+}
+
+TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
+  for (const double load_ohm : {5.0, 33.0, 1000.0}) {
+    for (const double inductance_h : {1e-6, 130e-6, 2e-3}) {
+      const auto parameters = Thesis(kMover, load_ohm, inductance_h);
+      const RingDown<double> circuit(parameters);
+      double worst = 0;
+      for (const double t : {1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
+        const auto expected = static_cast<double>(-load_ohm * Extended(parameters, t)[0]);
+        worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected));
+      }
+      EXPECT_ABS(worst, 0.0, 2e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");
+    }
+  }
+}
+
+TEST(RingDown, OpenCircuitIsTheVelocityTimesTheForceConstant) {
+  const RingDown<double> circuit(Thesis(kMover, kOpen));
+  const double d = 11.5;
+  const double w = std::sqrt(2e6 - d * d);
+  for (const double t : {0.0, 1e-4, 1e-3, 0.0123, 0.2}) {
+    const double velocity = std::exp(-d * t) * (std::cos(w * t) - d / w * std::sin(w * t));
+    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 3e-14, "argument rounding, 45 cycles");
+  }
+}
+
+TEST(RingDown, LimitsAreContinuous) {
+  // a load of 1e15 ohm is an open circuit, and 1e-18 H is no inductance
+  const RingDown<double> open(Thesis(kMover, kOpen));
+  const RingDown<double> nearly_open(Thesis(kMover, 1e15));
+  const RingDown<double> without(Thesis(kMover, 33, 0));
+  const RingDown<double> nearly_without(Thesis(kMover, 33, 1e-18));
+  for (const double t : {1e-4, 1.7e-3, 0.09}) {
+    EXPECT_ABS(nearly_open.VoltagePerSpeed(t), open.VoltagePerSpeed(t), 1e-13, "27e-15 of divider");
+    EXPECT_ABS(nearly_without.VoltagePerSpeed(t), without.VoltagePerSpeed(t), 1e-13, "tau 2e-20 s");
+  }
+  // with inductance the current and so the loaded voltage begin at zero
+  EXPECT_EQ(RingDown<double>(Thesis(kMover, 33)).VoltagePerSpeed(0.0), 0.0);
+}
+
+TEST(RingDown, TheForceConstantsSignTurnsTheVoltageAlone) {
+  auto parameters = Thesis(kMover, 33);
+  const RingDown<double> plus(parameters);
+  parameters.force_constant_n_per_a = -1.0;
+  const RingDown<double> minus(parameters);
+  EXPECT_EQ(plus.VoltagePerSpeed(1e-3), -minus.VoltagePerSpeed(1e-3));
+  EXPECT_EQ(plus.decay_per_s(), minus.decay_per_s());
+}
+
+TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
+  const double w = 1414.0;
+  for (const double zeta : {0.9, 0.999999, 1 - 1e-12, 1.0, 1 + 1e-12, 1.000001, 1.1}) {
+    for (const double t : {0.0, 1e-5, 3.5e-4, 1e-3, 5e-3}) {
+      SCOPED_TRACE(testing::Message() << zeta << " at " << t);
+      const auto pair = DampedFundamentals(zeta * w, w * w, t);
+      // in extended precision, by exponentials away from and by their limit at the double pole
+      const long double s = static_cast<long double>(zeta * w);
+      const long double square = s * s - static_cast<long double>(w * w);
+      const long double z = square * t * t;
+      const long double r = std::sqrt(std::abs(square));
+      long double even = std::exp(-s * t);
+      long double odd = even * t;
+      if (std::abs(z) < 1e-5L) {
+        even *= 1 + z / 2 + z * z / 24;
+        odd *= 1 + z / 6 + z * z / 120;
+      } else {
+        even *= square < 0 ? std::cos(r * t) : std::cosh(r * t);
+        odd = std::exp(-s * t) * (square < 0 ? std::sin(r * t) : std::sinh(r * t)) / r;
+      }
+      const double scale = std::exp(-zeta * w * t);
+      EXPECT_ABS(pair.even / scale, static_cast<double>(even) / scale, 2e-14, "rounding of w t");
+      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 2e-14, "rounding of w t");
+    }
+  }
+}
+
+TEST(DampedFundamentals, TheThreeFormsMeet) {
+  // r t = 1/2 is where series and elementary functions meet, on both sides
+  const double t = 1.0;
+  for (const double sign : {-1.0, 1.0}) {
+    const double q = 1.0 - sign * 0.25;
+    const auto below = DampedFundamentals(1.0, q + sign * 1e-15, t);
+    const auto above = DampedFundamentals(1.0, q - sign * 1e-15, t);
+    EXPECT_REL(below.even, above.even, 2e-15, "a step of 2e-15 in q");
+    EXPECT_REL(below.odd, above.odd, 2e-15, "a step of 2e-15 in q");
+  }
+}
+
+TEST(DampedFundamentals, HeavyDampingNeitherOverflowsNorLosesTheSlowRoot) {
+  // roots 1e8 and 2e-2 per second
+  const auto pair = DampedFundamentals(0.5e8, 2e6, 10.0);
+  EXPECT_REL(pair.odd, std::exp(-0.2) / 1e8, 1e-9, "2e-2 * (1 + 2e-10) for the slow root");
+  EXPECT_REL(pair.even, 0.5 * std::exp(-0.2), 1e-9, "2e-2 * (1 + 2e-10) for the slow root");
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,83 @@
+#include <fmt/core.h>
+
+#include <string>
+
+#include "fit/drop_test_fit.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/fit_lra_input.h"
+#include "tools/fit_lra_output.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::string_view kVerb = "fit-lra";
+constexpr int kCannotAnswer = 3;
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Fit an actuator's constants Kv, Bv, Km to the voltage it gives after a drop.",
+    .examples = {"fit-lra impulse.csv",
+                 "fit-lra --open o*.csv --load 33ohm l*.csv --held --moving-mass '1.40(3)g'"
+                 " --resistance 27ohm",
+                 "fit-lra drop.csv --actuator thesis-c10-100 --drop-height 10mm+-0.5mm"
+                 " --plot fit.svg"}};
+
+void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
+  options.Positionals("files", &wanted.files,
+                      "time_s,voltage_v with '# key = value' lines (docs/formats.md)", 0);
+  options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
+  options.Groups("--load", &wanted.loads, "OHM FILE...",
+                 "Records with a resistor across the terminals; may be repeated");
+  options.Flag("--held", &wanted.held, "The case was fixed to something heavy");
+  options.Flag("--free", &wanted.is_free, "The case was free in the air");
+  options.Number("--moving-mass", &wanted.moving_mass_kg, Dimension::kMass, "Mv");
+  options.Number("--case-mass", &wanted.case_mass_kg, Dimension::kMass, "Mc");
+  options.Number("--resistance", &wanted.resistance_ohm, Dimension::kResistance, "R of the coil");
+  options.Number("--inductance", &wanted.inductance_h, Dimension::kInductance, "L of the coil");
+  options.Number("--drop-height", &wanted.drop_height_m, Dimension::kLength,
+                 "Height of the free fall; gives Km from one open record");
+  options.Number("--rebound", &wanted.rebound, Dimension::kNone,
+                 "Speed of the case after the impact over that before it (0 to 1)");
+  options.Text("--actuator", &wanted.actuator, "NAME|FILE",
+               "Takes masses, R and L from an actuator file or thesis-c10-100");
+  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
+}
+
+}  // namespace
+
+int RunFitLra(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  FitLraOptions wanted;
+  std::string plot;
+  Declare(options, wanted, plot);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (!plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
+      return cli::ReportError(kVerb, drawable.error());
+    }
+  }
+
+  // what cannot be used is reported, the rest is answered
+  const auto input = GatherFitLraInput(wanted);
+  if (!input) return cli::ReportError(kVerb, input.error());
+  int status = 0;
+  for (const Error& error : input->left_out) status = cli::ReportError(kVerb, error);
+  if (input->records.empty()) return status;
+  for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
+
+  const auto fit = fit::FitDropTest(input->records, input->knowns);
+  if (!fit) return cli::ReportError(kVerb, fit.error());
+  fmt::print("{}", options.json() ? FitLraJson(*fit, input->remarks, input->left_out)
+                                  : FitLraText(*fit));
+  if (!fit->converged || !fit->natural_frequency.determined) status = kCannotAnswer;
+  if (plot.empty()) return status;
+  if (auto drawn = PlotFitLra(plot, *fit, input->records); !drawn) {
+    return cli::ReportError(kVerb, drawn.error());
+  }
+  return status;
+}
+
+}  // namespace haptometer::tools

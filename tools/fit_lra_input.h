@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/quantity.h"
+#include "base/result.h"
+#include "fit/impulse_record.h"
+
+namespace haptometer::tools {
+
+/// What the command line of fit-lra says; every statement here beats the files' headers.
+struct FitLraOptions {
+  std::vector<std::string> files;               ///< with the load of their header
+  std::vector<std::vector<std::string>> open;   ///< groups of files, open circuit
+  std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
+  bool held = false;
+  bool is_free = false;
+  std::optional<Quantity> drop_height_m;
+  std::optional<Quantity> rebound;
+  std::optional<Quantity> moving_mass_kg;
+  std::optional<Quantity> case_mass_kg;
+  std::optional<Quantity> resistance_ohm;
+  std::optional<Quantity> inductance_h;
+  std::string actuator;  ///< built-in or file; beats headers, is beaten by the options above
+};
+
+/// The drops that can be fitted, what is known of the actuator, and what was left out.
+struct FitLraInput {
+  std::vector<fit::ImpulseRecord> records;
+  fit::ActuatorKnowns knowns;
+  std::vector<std::string> remarks;  ///< statements that replaced others, one sentence each
+  std::vector<Error> left_out;       ///< files that cannot be fitted; the others still are
+};
+
+/// Reads the files and lays options over headers.
+///
+/// Errors: Cause::kUsage for impossible options (no file, held and free, a value out of range, a
+/// group without files); Cause::kCannotAnswer for an actuator that cannot be read and for files whose
+/// headers contradict each other. Files that cannot be used are in `left_out`.
+[[nodiscard]] Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,242 @@
+#include "tools/fit_lra_output.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "tools/plot/gnuplot.h"
+
+namespace haptometer::tools {
+namespace {
+
+using fit::DropTestFit;
+using fit::FittedValue;
+using nlohmann::ordered_json;
+
+// of a normal distribution: the records hold thousands of samples
+constexpr double kCoverage95 = 1.96;
+
+// decimals such that the uncertainty shows two digits
+int Decimals(double uncertainty) {
+  if (!(uncertainty > 0)) return 6;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 12);
+}
+
+std::string Line(std::string_view name, const FittedValue& value) {
+  if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
+  const double expanded = kCoverage95 * value.combined_standard_uncertainty;
+  const int decimals = Decimals(expanded);
+  return fmt::format("  {:<6} {:>14.{}f} +- {:.{}f} {}{}(standard uncertainty {:.2g}, of which"
+                     " statistical {:.2g})\n",
+                     name, value.value, decimals, expanded, decimals, value.unit,
+                     value.unit.empty() ? "" : "  ", value.combined_standard_uncertainty,
+                     value.standard_uncertainty);
+}
+
+std::string LoadText(double load_ohm) {
+  return std::isinf(load_ohm) ? "open" : fmt::format("{:g} ohm", load_ohm);
+}
+
+std::string RecordLine(const fit::FittedRecord& record) {
+  std::string text = fmt::format("  {}: {}, {:.3f} Hz, decay {:.4f} 1/s, impact at {:.3f} ms",
+                                 record.name, LoadText(record.load_ohm),
+                                 record.damped_frequency_hz, record.decay_per_s,
+                                 record.impact_s * 1e3);
+  if (record.speed_determined) {
+    text += fmt::format(" with {:.4f} m/s", record.impact_speed_m_per_s);
+  }
+  text += fmt::format("\n    residual {:.3g} mV RMS over {} samples ({:.2g} % of the peak)",
+                      record.residual_rms_v * 1e3, record.samples,
+                      100 * record.residual_rms_v / record.peak_v);
+  if (record.quiet_noise_v > 0) {
+    text += fmt::format(", noise before the impact {:.3g} mV", record.quiet_noise_v * 1e3);
+  }
+  return text + '\n';
+}
+
+// in the unit that people say
+std::string InSpokenUnit(double value, const std::string& unit) {
+  if (unit == "kg") return fmt::format("{:g} g", value * 1e3);
+  if (unit == "m") return fmt::format("{:g} mm", value * 1e3);
+  if (unit == "H") return fmt::format("{:g} uH", value * 1e6);
+  return fmt::format("{:g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string InfluenceLine(const fit::InputInfluence& influence, const DropTestFit& fit) {
+  std::string effects;
+  const std::pair<const char*, const FittedValue*> kValues[]{
+      {"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double percent = influence.percent_per_percent[k];
+    if (!kValues[k].second->determined || std::abs(percent) < 5e-4) continue;
+    effects += fmt::format("{}{} {:+.3f} %", effects.empty() ? "" : ", ", kValues[k].first, percent);
+  }
+  if (effects.empty()) return {};
+  const std::string exactness =
+      influence.standard_uncertainty > 0
+          ? "standard uncertainty " + InSpokenUnit(influence.standard_uncertainty, influence.unit)
+          : "taken as exact";
+  const std::string of = influence.input.starts_with("rebound") ? "1 + e" : "it";
+  return fmt::format("  {} {}, {}; +1 % of {}: {}\n", influence.input,
+                     InSpokenUnit(influence.value, influence.unit), exactness, of, effects);
+}
+
+std::string Section(std::string_view title, const std::string& lines) {
+  return lines.empty() ? std::string() : fmt::format("{}\n{}", title, lines);
+}
+
+std::string Sentences(const std::vector<std::string>& sentences) {
+  std::string lines;
+  for (const auto& sentence : sentences) lines += fmt::format("  {}\n", sentence);
+  return lines;
+}
+
+ordered_json NumberOrNull(double value) {
+  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
+}
+
+ordered_json ValueJson(const FittedValue& value) {
+  const auto field = [&value](double number) {
+    return value.determined ? NumberOrNull(number) : ordered_json(nullptr);
+  };
+  return {{"value", field(value.value)},
+          {"standard_uncertainty", field(value.standard_uncertainty)},
+          {"combined_standard_uncertainty", field(value.combined_standard_uncertainty)},
+          {"unit", value.unit},
+          {"determined", value.determined}};
+}
+
+// a plain number and its uncertainty beside it
+void AddPlain(ordered_json& document, const std::string& key, const FittedValue& value) {
+  document[key] = value.determined ? NumberOrNull(value.value) : ordered_json(nullptr);
+  document[key + "_standard_uncertainty"] =
+      value.determined ? NumberOrNull(value.combined_standard_uncertainty) : ordered_json(nullptr);
+}
+
+ordered_json RecordJson(const fit::FittedRecord& record) {
+  const bool open = std::isinf(record.load_ohm);
+  return {{"file", record.name},
+          {"open_circuit", open},
+          {"load_ohm", NumberOrNull(record.load_ohm)},
+          {"impact_s", record.impact_s},
+          {"impact_speed_m_per_s", record.speed_determined
+                                       ? NumberOrNull(record.impact_speed_m_per_s)
+                                       : ordered_json(nullptr)},
+          {"offset_v", record.offset_v},
+          {"decay_per_s", record.decay_per_s},
+          {"damped_frequency_hz", record.damped_frequency_hz > 0
+                                      ? NumberOrNull(record.damped_frequency_hz)
+                                      : ordered_json(nullptr)},
+          {"residual_rms_v", record.residual_rms_v},
+          {"quiet_noise_rms_v", record.quiet_noise_v > 0 ? NumberOrNull(record.quiet_noise_v)
+                                                         : ordered_json(nullptr)},
+          {"samples", record.samples}};
+}
+
+ordered_json InfluenceJson(const fit::InputInfluence& influence) {
+  return {{"input", influence.input},
+          {"value", NumberOrNull(influence.value)},
+          {"standard_uncertainty", influence.standard_uncertainty},
+          {"unit", influence.unit},
+          {"kv_percent_per_percent", influence.percent_per_percent[0]},
+          {"bv_percent_per_percent", influence.percent_per_percent[1]},
+          {"km_percent_per_percent", influence.percent_per_percent[2]}};
+}
+
+}  // namespace
+
+std::string FitLraText(const DropTestFit& fit) {
+  const bool reduced = fit.mass_symbol != "Mv";
+  std::string text = "Result (value +- 95 % interval)\n";
+  text += Line("Kv", fit.stiffness) + Line("Bv", fit.damping) + Line("Km", fit.force_constant);
+  text += Line("f0", fit.natural_frequency) + Line("Q", fit.quality_factor);
+  text += Line(reduced ? "Kv/M" : "Kv/Mv", fit.stiffness_over_mass);
+  text += Line(reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass);
+  if (reduced) text += fmt::format("  M is the reduced mass {}\n", fit.mass_symbol);
+  text += Section("Not determined", Sentences(fit.undetermined));
+
+  std::string records;
+  for (const auto& record : fit.records) records += RecordLine(record);
+  text += Section("Records", records);
+  std::string influences;
+  for (const auto& influence : fit.influences) influences += InfluenceLine(influence, fit);
+  text += Section("Given", influences);
+  text += Section("Assumed", Sentences(fit.assumptions));
+  text += fmt::format("{} after {} iterations\n", fit.converged ? "Converged" : "Not converged",
+                      fit.iterations);
+  return text;
+}
+
+std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& remarks,
+                       const std::vector<Error>& left_out) {
+  ordered_json document;
+  document["parameters"] = {{"Kv", ValueJson(fit.stiffness)},
+                            {"Bv", ValueJson(fit.damping)},
+                            {"Km", ValueJson(fit.force_constant)}};
+  AddPlain(document, "kv_over_mass", fit.stiffness_over_mass);
+  AddPlain(document, "bv_over_mass", fit.damping_over_mass);
+  document["mass"] = fit.mass_symbol;
+  AddPlain(document, "natural_frequency_hz", fit.natural_frequency);
+  AddPlain(document, "quality_factor", fit.quality_factor);
+  document["converged"] = fit.converged;
+  document["termination"] = fit.termination;
+  document["iterations"] = fit.iterations;
+  document["chi_square_per_degree"] = fit.chi_square_per_degree > 0
+                                          ? NumberOrNull(fit.chi_square_per_degree)
+                                          : ordered_json(nullptr);
+  document["records"] = ordered_json::array();
+  for (const auto& record : fit.records) document["records"].push_back(RecordJson(record));
+  document["inputs"] = ordered_json::array();
+  for (const auto& input : fit.influences) document["inputs"].push_back(InfluenceJson(input));
+  document["assumptions"] = fit.assumptions;
+  document["not_determined"] = fit.undetermined;
+  document["remarks"] = remarks;
+  document["left_out"] = ordered_json::array();
+  for (const auto& error : left_out) document["left_out"].push_back(error.Text());
+  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+}
+
+Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
+                        const std::vector<fit::ImpulseRecord>& records) {
+  std::vector<plot::Panel> panels;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const auto& record = records[r];
+    const auto& fitted = fit.records[r];
+    // all samples; the model and the residual from the fit's first sample on
+    std::vector<double> times_ms;
+    for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+      times_ms.push_back((record.start_s + static_cast<double>(n) * record.step_s) * 1e3);
+    }
+    const std::vector<double> fitted_ms(
+        times_ms.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample), times_ms.end());
+    std::vector<double> residual_mv(fitted_ms.size());
+    for (std::size_t n = 0; n < residual_mv.size(); ++n) {
+      residual_mv[n] = (record.voltage_v[fitted.first_sample + n] - fitted.model_v[n]) * 1e3;
+    }
+    const std::string title = fmt::format("{} ({})", record.name, LoadText(fitted.load_ohm));
+    panels.push_back({.title = title,
+                      .x_label = "time / ms",
+                      .y_label = "voltage / V",
+                      .series = {{.title = "record",
+                                  .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kGrey),
+                                  .x = times_ms,
+                                  .y = record.voltage_v},
+                                 {.title = "fit",
+                                  .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
+                                  .x = fitted_ms,
+                                  .y = fitted.model_v}}});
+    panels.push_back({.title = "",
+                      .x_label = "time / ms",
+                      .y_label = "residual / mV",
+                      .series = {{.title = "",
+                                  .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kOrange),
+                                  .x = fitted_ms,
+                                  .y = residual_mv}}});
+  }
+  return plot::DrawPanels(path, panels);
+}
+
+}  // namespace haptometer::tools

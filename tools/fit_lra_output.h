@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "fit/drop_test_fit.h"
+#include "fit/impulse_record.h"
+
+namespace haptometer::tools {
+
+/// The answer of fit-lra for people: constants with 95 % intervals, records, inputs, assumptions.
+[[nodiscard]] std::string FitLraText(const fit::DropTestFit& fit);
+
+/// The same as one JSON document (docs/formats.md); what is not determined is null.
+[[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
+                                     const std::vector<std::string>& remarks,
+                                     const std::vector<Error>& left_out);
+
+/// Two panels a record: samples with the fit, and the residual. Errors: see plot::DrawPanels.
+[[nodiscard]] Result<void> PlotFitLra(const std::string& path, const fit::DropTestFit& fit,
+                                      const std::vector<fit::ImpulseRecord>& records);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "trial/byte_sink.h"
+#include "trial/trial_format.h"
+
+/// The bytes of a trial.bin as docs/formats.md gives them: signature, block heads, rows.
+namespace haptometer::trial {
+
+static_assert(std::endian::native == std::endian::little,
+              "trial files are little-endian and are copied as they lie in memory");
+
+inline constexpr std::uint8_t kFormatVersion = 1;
+
+/// 16 bytes at the start. A byte above 127, CR LF and LF show a transfer that changed text; the
+/// version stands beside its complement, so that one flipped bit is no newer version.
+inline constexpr std::array<std::uint8_t, 16> kSignature{0x93,
+                                                         'h',
+                                                         'a',
+                                                         'p',
+                                                         't',
+                                                         'r',
+                                                         'i',
+                                                         'a',
+                                                         'l',
+                                                         '\r',
+                                                         '\n',
+                                                         0x1a,
+                                                         '\n',
+                                                         kFormatVersion,
+                                                         0xff - kFormatVersion,
+                                                         0};
+
+/// 8 bytes at the start of every block; a reader that lost its way looks for them.
+inline constexpr std::array<std::uint8_t, 8> kBlockMagic{0x93, 'b', 'l', 'o', 'c', 'k', '\r', '\n'};
+
+inline constexpr std::size_t kBlockHeadBytes = 48;
+
+/// No block carries more, so a reader's memory is bounded whatever a file claims.
+inline constexpr std::uint32_t kMaxPayloadBytes = 1U << 24;
+
+/// What a block's payload is.
+enum class BlockKind : std::uint32_t {
+  kHeader = 1,  ///< JSON; written twice, so that one damaged block does not cost the trial
+  kRows = 2,    ///< a rectangle of rows of one size
+  kEvent = 3,   ///< JSON
+  kClose = 4,   ///< JSON with the totals
+  kLaterEvent =
+      5,  ///< JSON, appended by another than the recorder: its first_row counts for nothing
+};
+
+/// The 48 bytes before a payload, except the magic and the head's own CRC-32.
+struct BlockHead {
+  BlockKind kind = BlockKind::kRows;
+  std::uint32_t sequence = 0;  ///< 0, 1, 2, ... in the order of writing
+  std::uint32_t rows = 0;      ///< in this block
+  std::uint32_t payload_bytes = 0;
+  std::uint64_t first_row = 0;   ///< rows written before this block
+  std::int64_t first_index = 0;  ///< kUniform: place of the first row on the grid; else first_row
+  std::uint32_t payload_crc = 0;
+};
+
+/// CRC-32 as in zlib, PNG and Ethernet (polynomial 0xEDB88320, start and final xor 0xFFFFFFFF).
+[[nodiscard]] std::uint32_t Crc32(std::span<const std::byte> bytes);
+
+/// The 48 bytes of `head`, with magic and CRC.
+[[nodiscard]] std::array<std::byte, kBlockHeadBytes> EncodeBlockHead(const BlockHead& head);
+
+/// What `bytes` hold, or nothing when they are no sound block head (too few, wrong magic or CRC, a
+/// payload beyond kMaxPayloadBytes).
+[[nodiscard]] std::optional<BlockHead> DecodeBlockHead(std::span<const std::byte> bytes);
+
+/// Writes all of `bytes`, however few the sink takes at a time.
+[[nodiscard]] Result<void> WriteAll(ByteSink* sink, std::span<const std::byte> bytes);
+
+/// Writes `head`, with length and CRC of `payload` filled in, and `payload`.
+[[nodiscard]] Result<void> WriteBlock(ByteSink* sink, BlockHead head,
+                                      std::span<const std::byte> payload);
+
+/// Where the parts of a row lie. A row is packed: times, raw values, one status byte a value.
+struct RowLayout {
+  std::size_t time_bytes = 0;              ///< 0 (kUniform), 8 (kArrival), 16 (kPolled)
+  std::vector<std::size_t> value_offsets;  ///< per channel
+  std::vector<std::size_t> value_bytes;    ///< per channel: 4 or 8
+  std::size_t status_offset = 0;           ///< of channel 0's status
+  std::size_t row_bytes = 0;
+};
+
+[[nodiscard]] RowLayout LayoutOf(const TrialHeader& header);
+
+/// Copies a number to or from bytes; the caller keeps `bytes` long enough.
+template <typename T>
+void StoreLittleEndian(T value, std::byte* bytes) {
+  std::memcpy(bytes, &value, sizeof value);
+}
+template <typename T>
+[[nodiscard]] T LoadLittleEndian(const std::byte* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+/// The bytes of `text`.
+[[nodiscard]] inline std::span<const std::byte> BytesOfText(std::string_view text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,164 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/clock.h"
+#include "trial/time_base.h"
+#include "trial/trial_reader.h"
+
+namespace haptometer::trial {
+namespace {
+
+// what the chunks add up to, beside the channels' values
+struct Gathered {
+  std::vector<std::int64_t> time_ns;
+  std::vector<std::int64_t> reply_ns;
+  std::vector<Stretch> grid;        // kUniform
+  std::vector<std::size_t> breaks;  // rows before which rows are missing
+  std::uint64_t next_row = 0;       // as counted by the writer
+};
+
+Channel ChannelOf(const ChannelFormat& format) {
+  return {.name = format.name,
+          .role = format.role,
+          .unit = format.unit,
+          .values = {},
+          .statuses = {},
+          .range_min = format.range_min,
+          .range_max = format.range_max,
+          .resolution = format.resolution};
+}
+
+void AppendValues(const Chunk& chunk, Record* record) {
+  for (std::size_t c = 0; c < record->channels.size(); ++c) {
+    Channel& channel = record->channels[c];
+    for (std::size_t row = 0; row < chunk.rows(); ++row) {
+      channel.values.push_back(chunk.ValueAt(row, c));
+      channel.statuses.push_back(chunk.At(row, c).status);
+    }
+  }
+}
+
+// rows on the grid continue the last stretch or begin one
+void AppendToGrid(const Chunk& chunk, double rate_hz, std::size_t first_row,
+                  std::int64_t* next_index, std::vector<Stretch>* grid) {
+  if (grid->empty() || chunk.first_index() != *next_index) {
+    grid->push_back({.first_row = first_row,
+                     .rows = 0,
+                     .start_s = static_cast<double>(chunk.first_index()) / rate_hz,
+                     .rate_hz = rate_hz,
+                     .time_uncertainty_s = 0});
+  }
+  grid->back().rows += chunk.rows();
+  *next_index = chunk.first_index() + static_cast<std::int64_t>(chunk.rows());
+}
+
+void AppendTimes(const Chunk& chunk, Timing timing, Gathered* gathered) {
+  if (chunk.first_row() != gathered->next_row) gathered->breaks.push_back(gathered->time_ns.size());
+  gathered->next_row = chunk.first_row() + chunk.rows();
+  for (std::size_t row = 0; row < chunk.rows(); ++row) {
+    gathered->time_ns.push_back(chunk.TimeNs(row));
+    if (timing == Timing::kPolled) gathered->reply_ns.push_back(chunk.ReplyNs(row));
+  }
+}
+
+// the recorder's own fit, where it covers exactly the rows that were read
+std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
+  std::vector<Stretch> stretches;
+  std::size_t next_row = 0;
+  for (const Event& event : report.events) {
+    if (event.kind != EventKind::kTimeBase || !event.stretch) continue;
+    const Stretch& stretch = *event.stretch;
+    const bool is_usable = stretch.first_row == next_row && stretch.rows > 0 &&
+                           stretch.rows <= report.rows - next_row &&
+                           std::isfinite(stretch.start_s) && stretch.rate_hz > 0;
+    if (!is_usable) return std::nullopt;
+    stretches.push_back(stretch);
+    next_row += stretch.rows;
+  }
+  if (!report.losses.empty() || stretches.empty() || next_row != report.rows) return std::nullopt;
+  return stretches;
+}
+
+// rows before which the recorder knew of a loss
+std::vector<std::size_t> Breaks(const Gathered& gathered, const ReadReport& report) {
+  std::vector<std::size_t> breaks = gathered.breaks;
+  if (report.losses.empty()) {
+    for (const Event& event : report.events) {
+      const bool is_break = event.kind == EventKind::kReconnect || event.kind == EventKind::kGap;
+      if (is_break && event.row < report.rows) breaks.push_back(event.row);
+    }
+  }
+  std::ranges::sort(breaks);
+  return breaks;
+}
+
+void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& report,
+              Record* record) {
+  if (header.timing == Timing::kUniform) {
+    record->stretches = std::move(gathered.grid);
+    return;
+  }
+  record->raw_times_s.reserve(record->rows);
+  for (std::size_t row = 0; row < record->rows; ++row) {
+    const double time_s = SecondsFromNs(gathered.time_ns[row]);
+    const bool is_polled = header.timing == Timing::kPolled;
+    const double reply_s = is_polled ? SecondsFromNs(gathered.reply_ns[row]) : time_s;
+    record->raw_times_s.push_back(0.5 * (time_s + reply_s));
+  }
+  if (auto stored = StoredTimeBase(report)) {
+    record->stretches = std::move(*stored);
+    return;
+  }
+  const std::vector<std::size_t> breaks = Breaks(gathered, report);
+  const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
+  record->stretches =
+      header.timing == Timing::kPolled
+          ? FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks)
+          : FitArrivalTimes(gathered.time_ns, nominal_rate_hz, breaks);
+}
+
+Result<Recording> Gather(TrialReader* reader) {
+  const TrialHeader& header = reader->header();
+  Recording recording{.record = {}, .report = {}, .timing = header.timing};
+  Record& record = recording.record;
+  for (const ChannelFormat& format : header.channels) record.channels.push_back(ChannelOf(format));
+  Gathered gathered;
+  std::int64_t next_index = 0;
+  for (;;) {
+    const auto chunk = reader->Next();
+    if (!chunk) return std::unexpected(chunk.error());
+    if (*chunk == nullptr) break;
+    AppendValues(**chunk, &record);
+    if (header.timing == Timing::kUniform) {
+      AppendToGrid(**chunk, header.rate_hz, record.rows, &next_index, &gathered.grid);
+    } else {
+      AppendTimes(**chunk, header.timing, &gathered);
+    }
+    record.rows += (*chunk)->rows();
+  }
+  recording.report = reader->report();
+  SetTimes(header, std::move(gathered), recording.report, &record);
+  record.metadata = header.metadata;
+  // labels given later: the last word counts
+  for (const Event& event : recording.report.events) {
+    for (const auto& [key, value] : event.labels) record.metadata.labels[key] = value;
+  }
+  return recording;
+}
+
+}  // namespace
+
+Result<Recording> ReadRecord(const std::string& path) {
+  auto reader = TrialReader::Open(path);
+  if (!reader) return std::unexpected(reader.error());
+  return Gather(&*reader);
+}
+
+Result<Recording> ReadRecordFrom(std::unique_ptr<ByteSource> source, std::string name) {
+  auto reader = TrialReader::OpenFrom(std::move(source), std::move(name));
+  if (!reader) return std::unexpected(reader.error());
+  return Gather(&*reader);
+}
+
+}  // namespace haptometer::trial

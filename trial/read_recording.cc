@@ -1,0 +1,1 @@
+#include "trial/read_recording.h"

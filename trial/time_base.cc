@@ -1,0 +1,382 @@
+#include "trial/time_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/check.h"
+
+namespace haptometer::trial {
+namespace {
+
+// All times here are nanoseconds since the first row, as doubles: exact below 2^53 ns = 104 days.
+constexpr double kNsPerSecond = 1e9;
+constexpr double kWindowNs = 0.1 * kNsPerSecond;
+constexpr std::size_t kLeastWindowRows = 16;
+constexpr std::size_t kWindowsAWait = 5;  // a rise must outlast this many windows
+constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
+constexpr double kScatters = 6;
+constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
+
+using Times = std::span<const double>;
+
+// rows [first, end) of a recording; `is_sure`: something other than the times says that it begins
+// here
+struct Piece {
+  std::size_t first = 0;
+  std::size_t end = 0;
+  bool is_sure = false;
+  [[nodiscard]] std::size_t rows() const { return end - first; }
+};
+
+// time of row j of a piece: start_ns + j * period_ns
+struct Line {
+  double start_ns = 0;
+  double period_ns = 0;
+};
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+double AsDouble(std::size_t n) { return static_cast<double>(n); }
+
+// durations of the whole windows of `rows` rows
+std::vector<double> WindowDurations(Times times, std::size_t rows) {
+  std::vector<double> durations;
+  for (std::size_t end = rows; end < times.size(); end += rows) {
+    durations.push_back(times[end] - times[end - rows]);
+  }
+  return durations;
+}
+
+// rows in a window: enough to last 0.1 s, in most windows, so that each sees several bursts
+std::size_t WindowRows(Times times) {
+  std::size_t rows = kLeastWindowRows;
+  while (times.size() / rows >= 8 && Median(WindowDurations(times, rows)) < kWindowNs) rows *= 2;
+  return rows;
+}
+
+// least of t_j - j * period in each window; the last one takes the remaining rows
+std::vector<double> Levels(Times times, double period_ns, std::size_t window_rows) {
+  std::vector<double> levels(std::max<std::size_t>(1, times.size() / window_rows),
+                             std::numeric_limits<double>::infinity());
+  for (std::size_t j = 0; j < times.size(); ++j) {
+    double& level = levels[std::min(j / window_rows, levels.size() - 1)];
+    level = std::min(level, times[j] - AsDouble(j) * period_ns);
+  }
+  return levels;
+}
+
+std::vector<double> Differences(const std::vector<double>& values) {
+  std::vector<double> differences;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    differences.push_back(values[k] - values[k - 1]);
+  }
+  return differences;
+}
+
+// a period that neither bursts nor a few gaps disturb: medians over windows
+double RobustPeriod(Times times, std::size_t window_rows) {
+  const auto durations = WindowDurations(times, window_rows);
+  if (durations.empty()) {
+    std::vector<double> intervals;
+    for (std::size_t j = 1; j < times.size(); ++j) intervals.push_back(times[j] - times[j - 1]);
+    return Median(std::move(intervals));
+  }
+  const double period_ns = Median(durations) / AsDouble(window_rows);
+  const auto rises = Differences(Levels(times, period_ns, window_rows));
+  return period_ns + Median(rises) / AsDouble(window_rows);
+}
+
+// the line below all points with the least sum of distances: the edge of the lower convex hull over
+// the mean row. Computed on t_j - j * period, whose small numbers keep the digits.
+Line LowerLine(Times times, double period_ns) {
+  std::vector<std::pair<double, double>> hull;
+  for (std::size_t j = 0; j < times.size(); ++j) {
+    const double x = AsDouble(j);
+    const double y = times[j] - x * period_ns;
+    while (hull.size() >= 2) {
+      const auto [x1, y1] = hull[hull.size() - 2];
+      const auto [x2, y2] = hull.back();
+      if ((y2 - y1) * (x - x1) < (y - y1) * (x2 - x1)) break;
+      hull.pop_back();
+    }
+    hull.emplace_back(x, y);
+  }
+  const double mean_x = 0.5 * AsDouble(times.size() - 1);
+  const auto right = std::ranges::find_if(hull, [&](const auto& p) { return p.first >= mean_x; });
+  if (right == hull.begin()) return {right->second, period_ns};
+  const auto [x1, y1] = *std::prev(right);
+  const auto [x2, y2] = *right;
+  const double slope = (y2 - y1) / (x2 - x1);
+  return {y1 - slope * x1, period_ns + slope};
+}
+
+// the row at which a rise between windows k - 1 and k begins
+std::size_t PlaceOfRise(Times times, double period_ns, std::size_t window_rows, std::size_t k,
+                        double before_ns, double after_ns) {
+  const double middle_ns = 0.5 * (before_ns + after_ns);
+  const std::size_t from = (k - 1) * window_rows;
+  const std::size_t to = std::min(times.size(), (k + 1) * window_rows);
+  auto level = [&](std::size_t j) { return times[j] - AsDouble(j) * period_ns; };
+  // the last row that still lies on the old line, then the first that lies on the new one
+  std::size_t last_old = from;
+  for (std::size_t j = from; j < to; ++j) {
+    if (level(j) < middle_ns) last_old = j;
+  }
+  const double near_new_ns = after_ns + (after_ns - middle_ns);
+  std::size_t best = last_old + 1;
+  for (std::size_t j = last_old + 1; j < to; ++j) {
+    if (times[j] - times[j - 1] > times[best] - times[best - 1]) best = j;
+    if (level(j) < near_new_ns) break;
+  }
+  return best;
+}
+
+// rows at which the lower envelope rises and stays up: lines were lost before them
+std::vector<std::size_t> Rises(Times times, double period_ns, std::size_t window_rows) {
+  const std::vector<double> levels = Levels(times, period_ns, window_rows);
+  std::vector<double> sizes = Differences(levels);
+  for (double& size : sizes) size = std::abs(size);
+  const double scatter_ns = kSigmaPerMad * Median(std::move(sizes));
+  const double least_rise_ns = std::max(0.5 * period_ns, kScatters * scatter_ns);
+  std::vector<std::size_t> rises;
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k + 1 < levels.size(); ++k) {
+    const std::size_t back = std::min(kWindowsAWait, k - begin);
+    const std::size_t ahead = std::min(kWindowsAWait, levels.size() - k);
+    const double before_ns = *std::min_element(&levels[k - back], &levels[k]);
+    const double after_ns = *std::min_element(&levels[k], &levels[k] + ahead);
+    if (after_ns - before_ns <= least_rise_ns) continue;
+    const std::size_t row = PlaceOfRise(times, period_ns, window_rows, k, before_ns, after_ns);
+    if (rises.empty() || row > rises.back()) rises.push_back(row);
+    begin = k++;
+  }
+  return rises;
+}
+
+// rows after a pause that is too long for a stall and is not made up for
+std::vector<std::size_t> Pauses(Times times, double period_ns) {
+  std::vector<std::size_t> pauses;
+  const double least_ns = std::max(kSurelyAPauseNs, 8 * period_ns);
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double pause_ns = times[i] - times[i - 1];
+    if (pause_ns <= least_ns) continue;
+    double after_ns = pause_ns;
+    for (std::size_t j = i; j < times.size() && AsDouble(j - i) * period_ns < 2 * pause_ns; ++j) {
+      after_ns = std::min(after_ns, times[j] - times[i - 1] - AsDouble(j - i + 1) * period_ns);
+    }
+    if (after_ns > 0.5 * pause_ns) pauses.push_back(i);
+  }
+  return pauses;
+}
+
+// where a piece must be cut, as row numbers within it
+std::vector<std::size_t> Cuts(Times times, std::size_t window_rows) {
+  const double period_ns = RobustPeriod(times, window_rows);
+  auto cuts = Pauses(times, period_ns);
+  if (cuts.empty()) cuts = Rises(times, period_ns, window_rows);
+  if (!cuts.empty() || times.size() < 3 * window_rows) return cuts;
+  // once more with the better slope of the piece's own line
+  return Rises(times, LowerLine(times, period_ns).period_ns, window_rows);
+}
+
+// pieces between breaks that others know of
+std::vector<Piece> SurePieces(std::size_t rows, std::span<const std::size_t> breaks) {
+  std::vector<Piece> pieces{{0, rows, true}};
+  for (const std::size_t row : breaks) {
+    if (row <= pieces.back().first || row >= rows) continue;
+    pieces.back().end = row;
+    pieces.push_back({row, rows, true});
+  }
+  return pieces;
+}
+
+// cuts each piece until no part of it shows a loss
+std::vector<Piece> Cut(Times times, std::vector<Piece> waiting, std::size_t window_rows) {
+  std::vector<Piece> pieces;
+  std::ranges::reverse(waiting);
+  while (!waiting.empty()) {
+    const Piece piece = waiting.back();
+    waiting.pop_back();
+    const auto cuts = Cuts(times.subspan(piece.first, piece.rows()), window_rows);
+    if (cuts.empty()) {
+      pieces.push_back(piece);
+      continue;
+    }
+    std::size_t end = piece.end;
+    for (std::size_t c = cuts.size(); c-- > 0;) {
+      waiting.push_back({piece.first + cuts[c], end, false});
+      end = piece.first + cuts[c];
+    }
+    waiting.push_back({piece.first, end, piece.is_sure});
+  }
+  return pieces;
+}
+
+// one period for pieces too short to tell their own: the longest piece's, else the nominal one
+std::optional<double> CommonPeriod(Times times, const std::vector<Piece>& pieces,
+                                   std::size_t window_rows, std::optional<double> nominal_rate_hz) {
+  const Piece& longest = *std::ranges::max_element(pieces, {}, &Piece::rows);
+  if (longest.rows() >= 2 * window_rows) {
+    const Times part = times.subspan(longest.first, longest.rows());
+    return LowerLine(part, RobustPeriod(part, window_rows)).period_ns;
+  }
+  if (nominal_rate_hz && *nominal_rate_hz > 0) return kNsPerSecond / *nominal_rate_hz;
+  return std::nullopt;
+}
+
+Line FitPiece(Times part, std::size_t window_rows, std::optional<double> common_period_ns) {
+  if (part.size() < 2 * window_rows && common_period_ns) {
+    // the period is given, so only the least delay is looked for
+    return {Levels(part, *common_period_ns, part.size()).front(), *common_period_ns};
+  }
+  return LowerLine(part, RobustPeriod(part, window_rows));
+}
+
+double Scatter(Times part, const Line& line, std::size_t window_rows) {
+  const std::size_t rows = part.size() < 2 * window_rows ? 1 : window_rows;
+  const auto levels = Levels(part, line.period_ns, rows);
+  double sum = 0;
+  for (const double level : levels) sum += level;
+  const double mean = sum / AsDouble(levels.size());
+  double squares = 0;
+  for (const double level : levels) squares += (level - mean) * (level - mean);
+  return std::sqrt(squares / AsDouble(levels.size()));
+}
+
+// a cut that the two lines do not confirm (less than half a period missing) was a stall
+std::vector<Piece> Confirmed(Times times, const std::vector<Piece>& pieces, std::size_t window_rows,
+                             std::optional<double> common_period_ns) {
+  auto fit = [&](const Piece& piece) {
+    return FitPiece(times.subspan(piece.first, piece.rows()), window_rows, common_period_ns);
+  };
+  std::vector<Piece> confirmed;
+  for (const Piece& piece : pieces) {
+    if (confirmed.empty() || piece.is_sure) {
+      confirmed.push_back(piece);
+      continue;
+    }
+    const Line before = fit(confirmed.back());
+    const double expected_ns =
+        before.start_ns + AsDouble(confirmed.back().rows()) * before.period_ns;
+    if (fit(piece).start_ns - expected_ns < 0.5 * before.period_ns) {
+      confirmed.back().end = piece.end;
+    } else {
+      confirmed.push_back(piece);
+    }
+  }
+  return confirmed;
+}
+
+double RateOf(double period_ns) {
+  return period_ns > 0 ? kNsPerSecond / period_ns : std::numeric_limits<double>::infinity();
+}
+
+std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
+  std::vector<double> times;
+  times.reserve(time_ns.size());
+  for (const std::int64_t t : time_ns) {
+    times.push_back(static_cast<double>(t) - static_cast<double>(time_ns.front()));
+  }
+  return times;
+}
+
+// the least-squares line of a piece; its own slope where it has rows enough
+Line MeanLine(Times part, std::optional<double> common_period_ns) {
+  const double mean_x = 0.5 * AsDouble(part.size() - 1);
+  double mean_t = 0;
+  for (const double t : part) mean_t += t / AsDouble(part.size());
+  double xt = 0;
+  double xx = 0;
+  for (std::size_t j = 0; j < part.size(); ++j) {
+    const double x = AsDouble(j) - mean_x;
+    xt += x * (part[j] - mean_t);
+    xx += x * x;
+  }
+  const bool is_short = part.size() < 3;
+  const double own_ns = xx > 0 ? xt / xx : 0;
+  const double period_ns = is_short ? common_period_ns.value_or(own_ns) : own_ns;
+  return {mean_t - mean_x * period_ns, period_ns};
+}
+
+// scatter of polled times about `line`, and of the reading within request and reply
+double PolledUncertaintyNs(Times part, Times waits, const Line& line) {
+  double squares = 0;
+  for (std::size_t j = 0; j < part.size(); ++j) {
+    const double residual = part[j] - line.start_ns - AsDouble(j) * line.period_ns;
+    squares += residual * residual + waits[j] * waits[j] / 12;
+  }
+  return std::sqrt(squares / AsDouble(part.size()));
+}
+
+}  // namespace
+
+std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
+                                     std::optional<double> nominal_rate_hz,
+                                     std::span<const std::size_t> breaks) {
+  if (time_ns.empty()) return {};
+  const std::vector<double> times = SinceFirst(time_ns);
+  const std::size_t window_rows = WindowRows(times);
+  const auto cut = Cut(times, SurePieces(times.size(), breaks), window_rows);
+  const auto common_period_ns = CommonPeriod(times, cut, window_rows, nominal_rate_hz);
+  std::vector<Stretch> stretches;
+  for (const Piece& piece : Confirmed(times, cut, window_rows, common_period_ns)) {
+    const Times part = Times(times).subspan(piece.first, piece.rows());
+    const Line line = FitPiece(part, window_rows, common_period_ns);
+    const double start_ns = static_cast<double>(time_ns.front()) + line.start_ns;
+    stretches.push_back({.first_row = piece.first,
+                         .rows = piece.rows(),
+                         .start_s = start_ns / kNsPerSecond,
+                         .rate_hz = RateOf(line.period_ns),
+                         .time_uncertainty_s = Scatter(part, line, window_rows) / kNsPerSecond});
+  }
+  return stretches;
+}
+
+std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
+                                    std::span<const std::int64_t> reply_ns,
+                                    std::optional<double> nominal_rate_hz,
+                                    std::span<const std::size_t> breaks) {
+  HAPTOMETER_CHECK(request_ns.size() == reply_ns.size(), "{} requests, {} replies",
+                   request_ns.size(), reply_ns.size());
+  if (request_ns.empty()) return {};
+  std::vector<double> middles = SinceFirst(request_ns);
+  std::vector<double> waits;
+  for (std::size_t j = 0; j < middles.size(); ++j) {
+    waits.push_back(static_cast<double>(reply_ns[j]) - static_cast<double>(request_ns[j]));
+    middles[j] += 0.5 * waits[j];
+  }
+  // a pause between two polls begins a stretch, as a break does
+  const std::vector<double> intervals = Differences(middles);
+  const double median_ns = Median(intervals);
+  std::vector<std::size_t> starts(breaks.begin(), breaks.end());
+  for (std::size_t j = 0; j < intervals.size(); ++j) {
+    if (intervals[j] > 8 * median_ns) starts.push_back(j + 1);
+  }
+  std::ranges::sort(starts);
+  std::optional<double> common_period_ns;
+  if (nominal_rate_hz && *nominal_rate_hz > 0) common_period_ns = kNsPerSecond / *nominal_rate_hz;
+  if (median_ns > 0) common_period_ns = median_ns;
+  std::vector<Stretch> stretches;
+  for (const Piece& piece : SurePieces(middles.size(), starts)) {
+    const Times part = Times(middles).subspan(piece.first, piece.rows());
+    const Line line = MeanLine(part, common_period_ns);
+    const double start_ns = static_cast<double>(request_ns.front()) + line.start_ns;
+    const Times part_waits = Times(waits).subspan(piece.first, piece.rows());
+    stretches.push_back(
+        {.first_row = piece.first,
+         .rows = piece.rows(),
+         .start_s = start_ns / kNsPerSecond,
+         .rate_hz = RateOf(line.period_ns),
+         .time_uncertainty_s = PolledUncertaintyNs(part, part_waits, line) / kNsPerSecond});
+  }
+  return stretches;
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "trial/trial_format.h"
+#include "trial/trial_writer.h"
+
+/// The JSON payloads of a trial.bin; keys in docs/formats.md. Keys that this version does not know
+/// are passed over. Bytes that are no UTF-8 (a file name on a command line) become U+FFFD.
+namespace haptometer::trial {
+
+[[nodiscard]] std::string HeaderToJson(const TrialHeader& header);
+
+/// Nothing when `json` is no header: not JSON, an unknown timing, role or encoding, no channel, a
+/// scale that is not a number, a uniform timing without a rate.
+[[nodiscard]] std::optional<TrialHeader> HeaderFromJson(std::string_view json);
+
+[[nodiscard]] std::string EventToJson(const Event& event);
+
+/// Nothing when `json` is no event. An event of a kind that this version does not know becomes a
+/// remark that names the kind.
+[[nodiscard]] std::optional<Event> EventFromJson(std::string_view json);
+
+[[nodiscard]] std::string TotalsToJson(const TrialTotals& totals);
+
+}  // namespace haptometer::trial

@@ -1,0 +1,257 @@
+#include "trial/trial_reader.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "base/check.h"
+#include "trial/block.h"
+#include "trial/block_scanner.h"
+#include "trial/trial_json.h"
+
+namespace haptometer::trial {
+namespace {
+
+constexpr const char* kWhatIsRead =
+    "give a trial.bin recorded by acquire or simulate, or a CSV whose header line begins with "
+    "time_s";
+
+// a place on the grid beyond this has no exact time
+constexpr std::int64_t kMaxIndex = 1LL << 53;
+
+// bytes that were meant to be our signature: the letters are there, whatever happened around them
+bool IsNearSignature(std::span<const std::byte> start) {
+  constexpr std::string_view kLetters = "haptrial";
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  return text.size() > kLetters.size() && text.substr(1, kLetters.size()) == kLetters;
+}
+
+// whether the bytes are a sound signature of whatever version
+bool IsSignature(std::span<const std::byte> start) {
+  constexpr std::size_t kVersionAt = 13;
+  if (start.size() < kSignature.size()) return false;
+  const auto version = std::to_integer<unsigned>(start[kVersionAt]);
+  const auto complement = std::to_integer<unsigned>(start[kVersionAt + 1]);
+  return std::memcmp(start.data(), kSignature.data(), kVersionAt) == 0 &&
+         start.back() == std::byte{0} && version + complement == 0xff;
+}
+
+Result<void> CheckSignature(const ByteSource& source, const std::string& name,
+                            std::vector<Loss>* losses) {
+  std::array<std::byte, kSignature.size() + kBlockHeadBytes> bytes{};
+  const auto got = source.ReadAt(0, bytes);
+  if (!got) return std::unexpected(got.error());
+  const std::span start = std::span(bytes).first(std::min(*got, kSignature.size()));
+  if (IsSignature(start)) {
+    if (std::memcmp(start.data(), kSignature.data(), kSignature.size()) == 0) return {};
+    return CannotAnswer(name,
+                        fmt::format("is a trial of format version {}, this program reads {}",
+                                    std::to_integer<int>(start[13]), kFormatVersion),
+                        "update haptometer");
+  }
+  // a damaged signature costs nothing if the first block behind it is sound
+  const std::span rest = std::span(bytes).first(*got).subspan(start.size());
+  if (DecodeBlockHead(rest)) {
+    losses->push_back({.offset = 0,
+                       .bytes = kSignature.size(),
+                       .what = "the file's signature is damaged",
+                       .first_row = 0,
+                       .rows = 0});
+    return {};
+  }
+  if (*got < kSignature.size() && std::memcmp(start.data(), kSignature.data(), *got) == 0) {
+    return CannotAnswer(name, "is cut short within its first bytes", "record it again");
+  }
+  if (IsNearSignature(start)) {
+    return CannotAnswer(name, "was changed on its way here, as a text-mode transfer does",
+                        "copy it again in binary mode");
+  }
+  return CannotAnswer(name, "is no trial", kWhatIsRead);
+}
+
+}  // namespace
+
+std::string Describe(const Loss& loss) {
+  std::string text = loss.what;
+  if (loss.bytes > 0) {
+    text += fmt::format(" (bytes {} to {})", loss.offset, loss.offset + loss.bytes - 1);
+  }
+  if (!loss.rows) return text + fmt::format(": what followed row {} is lost", loss.first_row);
+  if (*loss.rows == 0) return text + ": no row is lost";
+  if (*loss.rows == 1) return text + fmt::format(": row {} is lost", loss.first_row);
+  return text +
+         fmt::format(": rows {} to {} are lost", loss.first_row, loss.first_row + *loss.rows - 1);
+}
+
+std::optional<std::uint64_t> ReadReport::RowsLost() const {
+  std::uint64_t sum = 0;
+  for (const Loss& loss : losses) {
+    if (!loss.rows) return std::nullopt;
+    sum += *loss.rows;
+  }
+  return sum;
+}
+
+const std::byte* Chunk::RowAt(std::size_t row) const {
+  HAPTOMETER_CHECK(row < rows_, "row {} of {}", row, rows_);
+  return payload_.data() + row * layout_->row_bytes;
+}
+
+std::int64_t Chunk::TimeNs(std::size_t row) const {
+  return layout_->time_bytes == 0 ? 0 : LoadLittleEndian<std::int64_t>(RowAt(row));
+}
+
+std::int64_t Chunk::ReplyNs(std::size_t row) const {
+  return layout_->time_bytes < 16 ? 0 : LoadLittleEndian<std::int64_t>(RowAt(row) + 8);
+}
+
+Sample Chunk::At(std::size_t row, std::size_t channel) const {
+  const std::byte* bytes = RowAt(row);
+  const std::byte* value = bytes + layout_->value_offsets[channel];
+  const std::uint64_t bits = layout_->value_bytes[channel] == 8
+                                 ? LoadLittleEndian<std::uint64_t>(value)
+                                 : LoadLittleEndian<std::uint32_t>(value);
+  const auto status = std::to_integer<std::uint8_t>(bytes[layout_->status_offset + channel]);
+  // a status of a later version is no measurement that this one can vouch for
+  if (status >= kSampleStatusCount) return {RawValue::Bits(bits), SampleStatus::kInvalid};
+  return {RawValue::Bits(bits), static_cast<SampleStatus>(status)};
+}
+
+double Chunk::ValueAt(std::size_t row, std::size_t channel) const {
+  const Sample sample = At(row, channel);
+  if (!IsMeasurement(sample.status)) return std::numeric_limits<double>::quiet_NaN();
+  const ChannelFormat& format = header_->channels[channel];
+  return sample.raw.Number(format.encoding) * format.scale + format.offset;
+}
+
+struct TrialReader::State {
+  std::unique_ptr<ByteSource> source;
+  std::string name;
+  TrialHeader header;
+  RowLayout layout;
+  std::optional<BlockScanner> scanner;
+  std::vector<Loss> first_losses;  // before the scanner began
+  std::int64_t next_index = 0;
+  Chunk chunk;
+  ReadReport report;
+
+  // the header is the first sound block; there are two copies
+  Result<void> FindHeader() {
+    const auto block = scanner->Next(&chunk.payload_);
+    if (!block) return std::unexpected(block.error());
+    if (*block && (*block)->head.kind == BlockKind::kHeader) {
+      if (auto found = HeaderFromJson(PayloadText())) {
+        header = std::move(*found);
+        layout = LayoutOf(header);
+        chunk.header_ = &header;
+        chunk.layout_ = &layout;
+        return {};
+      }
+    }
+    return CannotAnswer(name,
+                        "both copies of its header are damaged or cut off, so its rows cannot "
+                        "be read",
+                        "take another copy of the file, or record it again");
+  }
+
+  [[nodiscard]] std::string_view PayloadText() const {
+    return {reinterpret_cast<const char*>(chunk.payload_.data()), chunk.payload_.size()};
+  }
+
+  // takes over a block of rows; false where it does not fit the header
+  bool TakeRows(const FoundBlock& block) {
+    const BlockHead& head = block.head;
+    const bool is_uniform = header.timing == Timing::kUniform;
+    const bool index_fits =
+        !is_uniform || (head.first_index >= next_index && head.first_index <= kMaxIndex);
+    const std::uint64_t bytes = std::uint64_t{head.rows} * layout.row_bytes;
+    if (head.rows == 0 || bytes != head.payload_bytes || !index_fits) return false;
+    chunk.rows_ = head.rows;
+    chunk.first_row_ = head.first_row;
+    chunk.first_index_ = is_uniform ? head.first_index : static_cast<std::int64_t>(head.first_row);
+    if (is_uniform) next_index = head.first_index + head.rows;
+    report.rows += head.rows;
+    return true;
+  }
+
+  // takes over anything else
+  void Take(const FoundBlock& block) {
+    switch (block.head.kind) {
+      case BlockKind::kEvent:
+      case BlockKind::kLaterEvent: {
+        auto event = EventFromJson(PayloadText());
+        if (event) {
+          report.events.push_back(std::move(*event));
+        } else {
+          scanner->Reject(block, "holds no event");
+        }
+        return;
+      }
+      case BlockKind::kClose:
+        report.closed = true;
+        return;
+      case BlockKind::kHeader:
+      case BlockKind::kRows:
+        return;
+    }
+  }
+
+  void CompleteReport() {
+    report.losses = first_losses;
+    const std::vector<Loss>& found = scanner->losses();
+    report.losses.insert(report.losses.end(), found.begin(), found.end());
+    report.next_sequence = scanner->next_sequence();
+    report.next_row = scanner->next_row();
+  }
+};
+
+TrialReader::TrialReader(std::unique_ptr<State> state) : state_(std::move(state)) {}
+TrialReader::TrialReader(TrialReader&&) noexcept = default;
+TrialReader& TrialReader::operator=(TrialReader&&) noexcept = default;
+TrialReader::~TrialReader() = default;
+
+Result<TrialReader> TrialReader::Open(const std::string& path) {
+  auto source = OpenFileSource(path);
+  if (!source) return std::unexpected(source.error());
+  return OpenFrom(std::move(*source), path);
+}
+
+Result<TrialReader> TrialReader::OpenFrom(std::unique_ptr<ByteSource> source, std::string name) {
+  auto state = std::make_unique<State>();
+  if (auto sound = CheckSignature(*source, name, &state->first_losses); !sound) {
+    return std::unexpected(sound.error());
+  }
+  state->source = std::move(source);
+  state->name = std::move(name);
+  state->scanner.emplace(state->source.get(), kSignature.size());
+  state->report.file_bytes = state->source->size();
+  if (auto found = state->FindHeader(); !found) return std::unexpected(found.error());
+  return TrialReader(std::move(state));
+}
+
+const TrialHeader& TrialReader::header() const { return state_->header; }
+
+Result<const Chunk*> TrialReader::Next() {
+  State& state = *state_;
+  for (;;) {
+    const auto block = state.scanner->Next(&state.chunk.payload_);
+    if (!block) return std::unexpected(block.error());
+    if (!*block) {
+      state.CompleteReport();
+      return nullptr;
+    }
+    if ((*block)->head.kind != BlockKind::kRows) {
+      state.Take(**block);
+      continue;
+    }
+    if (state.TakeRows(**block)) return &state.chunk;
+    state.scanner->Reject(**block, "does not fit the header");
+  }
+}
+
+const ReadReport& TrialReader::report() const { return state_->report; }
+
+}  // namespace haptometer::trial
