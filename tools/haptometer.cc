@@ -22,9 +22,10 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 1> kVerbs{{
+constexpr auto kVerbs = std::to_array<Verb>({
+    {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
-}};
+});
 
 const Verb* Find(std::string_view name) {
   const auto found = std::ranges::find(kVerbs, name, &Verb::name);
