@@ -22,7 +22,8 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 1> kVerbs{{
+constexpr std::array<Verb, 2> kVerbs{{
+    {"analyze", "How much a trial vibrates within a band, and over which part of it", RunAnalyze},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
 }};
 
