@@ -22,9 +22,10 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
-constexpr std::array<Verb, 2> kVerbs{{
+constexpr std::array<Verb, 3> kVerbs{{
     {"analyze", "How much a trial vibrates within a band, and over which part of it", RunAnalyze},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"simulate", "A scene's exact motion, current and power", RunSimulate},
 }};
 
 const Verb* Find(std::string_view name) {

@@ -6,5 +6,6 @@ namespace haptometer::tools {
 /// the program's exit status (docs/commands.md).
 int RunAnalyze(int argc, const char* const* argv);
 int RunFitLra(int argc, const char* const* argv);
+int RunSimulate(int argc, const char* const* argv);
 
 }  // namespace haptometer::tools

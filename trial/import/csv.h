@@ -10,18 +10,21 @@ namespace haptometer::trial {
 
 /// A measurement from a CSV file: `# key = value` lines, a header line, rows.
 ///
-/// Header line: `time_s` first or anywhere, then columns whose names carry role and unit:
-/// displacement_m, voltage_v, current_a, trigger, each optionally in m/u/n units (displacement_mm,
-/// voltage_mv, time_ms), converted to SI; other names become ChannelRole::kOther. `status` applies
-/// to all columns, `NAME_status` to one. Separator comma, semicolon (then a decimal comma is
-/// understood) or tab; a byte-order mark and CRLF are tolerated.
+/// Header line: `time_s`, and columns whose names carry role and unit: displacement_m, voltage_v,
+/// current_a, trigger, each also in prefixed units (displacement_mm, voltage_mv, time_ms),
+/// converted to SI; other names become ChannelRole::kOther. `status` applies to all channels,
+/// `status_2` to the second. Separator comma, semicolon or tab (with the latter two a decimal comma
+/// is understood); a byte-order mark and CRLF are tolerated. trial/import/csv_column.h has the
+/// rules.
 ///
-/// Every `# key = value` lands in metadata.fields as text; the keys of docs/formats.md (source,
-/// sensor, head, sampling_s, ..., label.NAME) also in their place. An empty cell or `nan` is
-/// kInvalid.
+/// `# key = value`: keys with a place in Metadata go there (`label.NAME` to the labels), all others
+/// to metadata.fields as text, as do those of impulse.csv. An empty cell, `nan` or `inf` is
+/// kInvalid; a number beside a status that is no measurement is dropped.
 ///
-/// Times that differ from a grid by no more than their printed digits explain become one clocked
-/// stretch a gap-free run; other times are kept in raw_times_s beside the mean line.
+/// Times that differ from a grid by no more than their printed digits explain become clocked
+/// stretches (trial/import/printed_grid.h); other times are kept in raw_times_s beside their mean
+/// line. The
+/// `# stretch` lines of an export count where they still describe the rows.
 ///
 /// Errors (Cause::kCannotAnswer): missing, empty, text instead of numbers, no time column, times
 /// that do not grow or are not finite, a row with too many or too few cells (the line is named),

@@ -1,0 +1,110 @@
+#include "trial/export/csv.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include "trial/import/csv_column.h"
+#include "trial/import/csv_comment.h"
+
+namespace haptometer::trial {
+namespace {
+
+constexpr std::size_t kPieceBytes = 1U << 16;
+
+// which status columns are needed
+enum class StatusColumns : std::uint8_t { kNone, kOne, kOneAChannel };
+
+StatusColumns StatusColumnsOf(const Record& record) {
+  const std::vector<SampleStatus>& first = record.channels.front().statuses;
+  const bool are_alike = std::ranges::all_of(
+      record.channels, [&](const Channel& channel) { return channel.statuses == first; });
+  if (!are_alike) return StatusColumns::kOneAChannel;
+  const bool are_ok =
+      std::ranges::all_of(first, [](SampleStatus status) { return status == SampleStatus::kOk; });
+  return are_ok ? StatusColumns::kNone : StatusColumns::kOne;
+}
+
+// what the column names do not say of a channel
+std::string ChannelLines(const Channel& channel, std::size_t number, bool has_own_unit) {
+  auto line = [&](const char* key, std::string_view value) {
+    return CsvCommentLine(fmt::format("channel.{}.{}", number, key), value);
+  };
+  std::string lines = line("name", channel.name);
+  if (has_own_unit) lines += line("unit", channel.unit);
+  if (std::isfinite(channel.range_min)) {
+    lines += line("range_min", fmt::format("{}", channel.range_min));
+  }
+  if (std::isfinite(channel.range_max)) {
+    lines += line("range_max", fmt::format("{}", channel.range_max));
+  }
+  if (channel.resolution != 0) lines += line("resolution", fmt::format("{}", channel.resolution));
+  return lines;
+}
+
+std::string Head(const Record& record, StatusColumns status_columns) {
+  std::string head = CsvMetadataLines(record.metadata);
+  head += CsvCommentLine("times", record.raw_times_s.empty() ? "grid" : "arrived");
+  for (const Stretch& stretch : record.stretches) {
+    head += CsvCommentLine(
+        "stretch", fmt::format("{} {} {} {} {}", stretch.first_row, stretch.rows, stretch.start_s,
+                               stretch.rate_hz, stretch.time_uncertainty_s));
+  }
+  std::string columns = "time_s";
+  std::map<ChannelRole, std::size_t> ordinals;
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const Channel& channel = record.channels[c];
+    const std::string name = CsvColumnName(channel, c + 1, ++ordinals[channel.role]);
+    head += ChannelLines(channel, c + 1, name.starts_with("channel_") || name.starts_with("trig"));
+    columns += "," + name;
+  }
+  if (status_columns == StatusColumns::kOne) columns += ",status";
+  if (status_columns == StatusColumns::kOneAChannel) {
+    for (std::size_t c = 0; c < record.channels.size(); ++c) {
+      columns += fmt::format(",status_{}", c + 1);
+    }
+  }
+  return head + columns + "\n";
+}
+
+void AppendRow(const Record& record, std::size_t row, StatusColumns status_columns,
+               std::string* text) {
+  const double time_s = record.raw_times_s.empty() ? TimeOf(record, row) : record.raw_times_s[row];
+  auto out = std::back_inserter(*text);
+  fmt::format_to(out, "{}", time_s);
+  for (const Channel& channel : record.channels) {
+    if (IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row])) {
+      fmt::format_to(out, ",{}", channel.values[row]);
+    } else {
+      *text += ',';
+    }
+  }
+  for (const Channel& channel : record.channels) {
+    if (status_columns == StatusColumns::kNone) break;
+    *text += ',';
+    *text += Name(channel.statuses[row]);
+    if (status_columns == StatusColumns::kOne) break;
+  }
+  *text += '\n';
+}
+
+}  // namespace
+
+Result<void> WriteCsv(const Record& record, const TextSink& sink) {
+  if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
+  const StatusColumns status_columns = StatusColumnsOf(record);
+  std::string text = Head(record, status_columns);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    AppendRow(record, row, status_columns, &text);
+    if (text.size() < kPieceBytes) continue;
+    if (auto done = sink(text); !done) return done;
+    text.clear();
+  }
+  return sink(text);
+}
+
+}  // namespace haptometer::trial

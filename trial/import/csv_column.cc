@@ -1,0 +1,142 @@
+#include "trial/import/csv_column.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <optional>
+
+namespace haptometer::trial {
+namespace {
+
+struct UnitName {
+  std::string_view suffix;
+  std::string_view si_unit;
+  double factor;
+};
+
+constexpr std::array<UnitName, 13> kUnits{{{"s", "s", 1},
+                                           {"ms", "s", 1e-3},
+                                           {"us", "s", 1e-6},
+                                           {"ns", "s", 1e-9},
+                                           {"m", "m", 1},
+                                           {"mm", "m", 1e-3},
+                                           {"um", "m", 1e-6},
+                                           {"nm", "m", 1e-9},
+                                           {"v", "V", 1},
+                                           {"mv", "V", 1e-3},
+                                           {"uv", "V", 1e-6},
+                                           {"a", "A", 1},
+                                           {"ma", "A", 1e-3}}};
+
+// the quantities whose names need a unit
+struct Quantity {
+  std::string_view name;
+  ChannelRole role;
+  std::string_view si_unit;
+  std::string_view examples;
+};
+
+constexpr std::array<Quantity, 4> kQuantities{
+    {{"time", ChannelRole::kOther, "s", "time_s, time_ms or time_us"},
+     {"displacement", ChannelRole::kDisplacement, "m",
+      "displacement_m, displacement_mm or displacement_um"},
+     {"voltage", ChannelRole::kVoltage, "V", "voltage_v or voltage_mv"},
+     {"current", ChannelRole::kCurrent, "A", "current_a or current_ma"}}};
+
+constexpr const char* kHeaderRemedy =
+    "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil)";
+
+std::string Lower(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return lower;
+}
+
+// whether `name` is `word` or begins with `word` and an underscore
+bool BeginsWithWord(std::string_view name, std::string_view word) {
+  return name.starts_with(word) && (name.size() == word.size() || name[word.size()] == '_');
+}
+
+// the channel number behind "status_"
+std::optional<std::size_t> NumberAfter(std::string_view name, std::string_view prefix) {
+  if (!name.starts_with(prefix)) return std::nullopt;
+  std::size_t number = 0;
+  const char* end = name.data() + name.size();
+  const auto parsed = std::from_chars(name.data() + prefix.size(), end, number);
+  if (parsed.ec != std::errc() || parsed.ptr != end || number == 0) return std::nullopt;
+  return number;
+}
+
+Result<CsvColumn> ColumnOf(std::string_view cell, const std::string& where) {
+  const std::string name = Lower(cell);
+  if (name == "status") return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = ""};
+  if (const auto channel = NumberAfter(name, "status_")) {
+    return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = "", .channel = *channel};
+  }
+  if (BeginsWithWord(name, "trigger")) {
+    return CsvColumn{.role = ChannelRole::kTrigger, .name = name, .unit = ""};
+  }
+  const auto quantity = std::ranges::find_if(
+      kQuantities, [&](const Quantity& q) { return BeginsWithWord(name, q.name); });
+  if (quantity == kQuantities.end()) return CsvColumn{.name = std::string(cell), .unit = ""};
+  // the unit stands behind the last underscore
+  const std::size_t bar = name.rfind('_');
+  const std::string_view suffix =
+      bar == std::string::npos ? "" : std::string_view(name).substr(bar + 1);
+  const auto unit = std::ranges::find(kUnits, suffix, &UnitName::suffix);
+  if (unit == kUnits.end() || unit->si_unit != quantity->si_unit) {
+    return CannotAnswer(where, fmt::format("column '{}' does not say its unit", cell),
+                        fmt::format("name it {}", quantity->examples));
+  }
+  return CsvColumn{.kind = quantity->name == "time" ? CsvColumnKind::kTime : CsvColumnKind::kValue,
+                   .role = quantity->role,
+                   .name = name.substr(0, bar),
+                   .unit = std::string(unit->si_unit),
+                   .factor = unit->factor};
+}
+
+}  // namespace
+
+Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view>& cells,
+                                              const std::string& where) {
+  std::vector<CsvColumn> columns;
+  for (const std::string_view cell : cells) {
+    auto column = ColumnOf(cell, where);
+    if (!column) return std::unexpected(column.error());
+    columns.push_back(std::move(*column));
+  }
+  const auto times = std::ranges::count(columns, CsvColumnKind::kTime, &CsvColumn::kind);
+  const auto values = std::ranges::count(columns, CsvColumnKind::kValue, &CsvColumn::kind);
+  if (times == 0) {
+    return CannotAnswer(where, "no time column is named in its first line", kHeaderRemedy);
+  }
+  if (times > 1) return CannotAnswer(where, "two columns are named time", "keep one of them");
+  if (values == 0) {
+    return CannotAnswer(where, "no column beside the time holds values", kHeaderRemedy);
+  }
+  for (const CsvColumn& column : columns) {
+    if (column.channel > static_cast<std::size_t>(values)) {
+      return CannotAnswer(
+          where, fmt::format("column '{}' is about a channel that is not there", column.name),
+          fmt::format("there are {} channels, counted from 1", values));
+    }
+  }
+  return columns;
+}
+
+std::string CsvColumnName(const Channel& channel, std::size_t number, std::size_t ordinal) {
+  const std::string count = ordinal > 1 ? fmt::format("_{}", ordinal) : "";
+  if (channel.role == ChannelRole::kTrigger) return "trigger" + count;
+  const auto quantity = std::ranges::find_if(kQuantities, [&](const Quantity& q) {
+    return channel.role != ChannelRole::kOther && q.role == channel.role &&
+           q.si_unit == channel.unit;
+  });
+  if (quantity == kQuantities.end()) return fmt::format("channel_{}", number);
+  return fmt::format("{}{}_{}", quantity->name, count, Lower(quantity->si_unit));
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,75 @@
+#include "trial/import/printed_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptometer::trial {
+namespace {
+
+struct Run {
+  std::size_t first = 0;
+  std::size_t rows = 0;
+};
+
+double AsDouble(std::size_t n) { return static_cast<double>(n); }
+
+// runs of rows without an interval that is half a period too long
+std::vector<Run> Runs(std::span<const double> times_s, std::span<const double> half_digits_s) {
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < times_s.size(); ++i) {
+    intervals.push_back(times_s[i] - times_s[i - 1]);
+  }
+  std::vector<double> sorted = intervals;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::ranges::nth_element(sorted, middle);
+  const double median_s = *middle;
+  std::vector<Run> runs{{0, 1}};
+  for (std::size_t i = 1; i < times_s.size(); ++i) {
+    const double rounding_s = half_digits_s[i] + half_digits_s[i - 1];
+    if (intervals[i - 1] > 1.5 * median_s + rounding_s) runs.push_back({i, 0});
+    ++runs.back().rows;
+  }
+  return runs;
+}
+
+// whether first + j * period gives every time of `run` back within its digits
+bool Fits(const Run& run, double period_s, std::span<const double> times_s,
+          std::span<const double> half_digits_s) {
+  const std::size_t last = run.first + run.rows - 1;
+  const double ends_s = std::max(half_digits_s[run.first], half_digits_s[last]);
+  for (std::size_t j = 0; j < run.rows; ++j) {
+    const double grid_s = times_s[run.first] + AsDouble(j) * period_s;
+    const double bound_s = ends_s + half_digits_s[run.first + j] + 1e-6 * period_s;
+    if (std::abs(times_s[run.first + j] - grid_s) > bound_s) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<std::vector<Stretch>> PrintedGrid(std::span<const double> times_s,
+                                                std::span<const double> half_digits_s) {
+  const std::vector<Run> runs = Runs(times_s, half_digits_s);
+  auto own_period_s = [&](const Run& run) {
+    return (times_s[run.first + run.rows - 1] - times_s[run.first]) / AsDouble(run.rows - 1);
+  };
+  const Run& longest = *std::ranges::max_element(runs, {}, &Run::rows);
+  if (longest.rows < 2) return std::nullopt;
+  const double common_period_s = own_period_s(longest);
+  std::vector<Stretch> stretches;
+  for (const Run& run : runs) {
+    double period_s = common_period_s;
+    if (!Fits(run, period_s, times_s, half_digits_s)) {
+      period_s = own_period_s(run);
+      if (!Fits(run, period_s, times_s, half_digits_s)) return std::nullopt;
+    }
+    stretches.push_back({.first_row = run.first,
+                         .rows = run.rows,
+                         .start_s = times_s[run.first],
+                         .rate_hz = 1 / period_s,
+                         .time_uncertainty_s = 0});
+  }
+  return stretches;
+}
+
+}  // namespace haptometer::trial

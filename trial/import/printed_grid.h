@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "trial/record.h"
+
+namespace haptometer::trial {
+
+/// The clocked stretches behind printed times, or nothing where the printed digits do not explain
+/// how the times differ from grids.
+///
+/// A new stretch begins where an interval is more than half a period longer than the median one.
+/// Within a stretch of n rows the period is (last - first) / (n - 1); short stretches take the
+/// longest one's period where it fits them. A time may differ from its grid by the rounding of its
+/// own digits
+/// (`half_digits_s`, half a unit of the last printed place) and of the end points', plus a
+/// millionth of a period for clocks that were summed up.
+///
+/// `times_s`: at least two, growing; `half_digits_s`: one a time. Cost: O(rows).
+[[nodiscard]] std::optional<std::vector<Stretch>> PrintedGrid(
+    std::span<const double> times_s, std::span<const double> half_digits_s);
+
+}  // namespace haptometer::trial
