@@ -23,6 +23,7 @@ struct Verb {
 };
 
 constexpr auto kVerbs = std::to_array<Verb>({
+    {"acquire", "A sensor's readings become a trial", RunAcquire},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
 });
