@@ -72,6 +72,11 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   }
   const bool some_loaded = std::any_of(fit.records.begin(), fit.records.end(),
                                        [](const auto& r) { return std::isfinite(r.load_ohm); });
+  if (!some_loaded && !fit.damping_over_mass.determined) {
+    fit.undetermined.emplace_back(
+        "Bv and Q: the record shows no decay beyond its uncertainty; record at least three decay"
+        " times of one free ring-down");
+  }
   if (some_loaded && !fit.damping_over_mass.determined) {
     std::string missing = model.knows_resistance ? "" : " or state the coil's resistance";
     if (!model.knows_heights) missing = " or state the drop height and the coil's resistance";

@@ -131,10 +131,10 @@ DropTestRoad Travel(const std::vector<ImpulseRecord>& records, const DropTestMod
   // what can be told from where we stand; then solve, weigh by the residuals, solve again
   const auto unknown = UnknownColumns(model, uses_heights, road.problem);
   road.jacobian = road.problem.Linearise(road.point);
-  const auto freedom = FindFreedom(road, unknown);
-  const SolverReport first = road.problem.Minimise(freedom, &road.point);
+  const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   Reweight(road.problem, road.point);
-  road.solver = road.problem.Minimise(freedom, &road.point);
+  road.jacobian = road.problem.Linearise(road.point);
+  road.solver = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   road.solver.iterations += first.iterations;
 
   road.jacobian = road.problem.Linearise(road.point);

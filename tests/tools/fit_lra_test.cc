@@ -1,8 +1,10 @@
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -126,6 +128,29 @@ TEST_F(FitLraFiles, WithoutAHeightKmIsNullAndTheMessageHelps) {
   EXPECT_EQ(text.status, 0);
   EXPECT_THAT(text.out, HasSubstr("Km     not determined"));
   EXPECT_THAT(text.out, HasSubstr("state the drop height"));
+}
+
+TEST_F(FitLraFiles, WhatHasNoAnswerGivesStatus3AndSaysWhatWould) {
+  // one load alone tells the frequency and the sum of two dampings
+  const auto loaded = FitLra({Fixture(kLoadedFile, "loaded.csv", {"drop_height_m", "rebound"})});
+  EXPECT_EQ(loaded.status, 3);
+  EXPECT_THAT(loaded.out, HasSubstr("record an open circuit too"));
+  EXPECT_THAT(loaded.out, HasSubstr("f0           225.07"));
+  // an oscillation that grows has no damping
+  std::ofstream growing(directory_ / "growing.csv");
+  growing << "time_s,voltage_v\n";
+  for (int n = 0; n < 2000; ++n) {
+    const double t = 1e-4 * n;
+    growing << fmt::format("{:.4f},{:.5f}\n", t, 0.01 * std::exp(20 * t) * std::cos(1257 * t));
+  }
+  growing.close();
+  const auto outcome = FitLra({directory_ / "growing.csv", "--moving-mass", "1.4g"});
+  EXPECT_EQ(outcome.status, 3);
+  for (const char* line :
+       {"Bv     not determined", "Q      not determined", "Km     not determined"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(line));
+  }
+  EXPECT_THAT(outcome.out, HasSubstr("no decay"));
 }
 
 TEST_F(FitLraFiles, WithoutMassesOnlyRatiosAreGiven) {
