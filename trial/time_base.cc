@@ -16,7 +16,7 @@ constexpr double kWindowNs = 0.1 * kNsPerSecond;
 constexpr std::size_t kLeastWindowRows = 16;
 constexpr std::size_t kWindowsAWait = 5;  // a rise must outlast this many windows
 constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
-constexpr double kScatters = 6;
+constexpr double kScatters = 3;
 constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
 
 using Times = std::span<const double>;
@@ -239,15 +239,12 @@ Line FitPiece(Times part, std::size_t window_rows, std::optional<double> common_
   return LowerLine(part, RobustPeriod(part, window_rows));
 }
 
+// scatter of the window minima about the line; by the median, so that a stall does not count
 double Scatter(Times part, const Line& line, std::size_t window_rows) {
-  const std::size_t rows = part.size() < 2 * window_rows ? 1 : window_rows;
-  const auto levels = Levels(part, line.period_ns, rows);
-  double sum = 0;
-  for (const double level : levels) sum += level;
-  const double mean = sum / AsDouble(levels.size());
-  double squares = 0;
-  for (const double level : levels) squares += (level - mean) * (level - mean);
-  return std::sqrt(squares / AsDouble(levels.size()));
+  auto levels = Levels(part, line.period_ns, part.size() < 2 * window_rows ? 1 : window_rows);
+  const double middle = Median(levels);
+  for (double& level : levels) level = std::abs(level - middle);
+  return kSigmaPerMad * Median(std::move(levels));
 }
 
 // a cut that the two lines do not confirm (less than half a period missing) was a stall
