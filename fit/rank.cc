@@ -39,7 +39,8 @@ RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logar
   }
   if (directions.rows() == 0) return directions;
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
-  const Position rank = (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
+  const Position rank =
+      (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
   return svd.matrixV().leftCols(rank).transpose();
 }
 
@@ -63,7 +64,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
   const Eigen::MatrixXd triangle =
       qr.matrixQR().topRows(free_count).template triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
-  const Eigen::VectorXd values = svd.singularValues();
+  const Eigen::VectorXd& values = svd.singularValues();
   const Position rank = (values.array() > kZeroShare * values[0]).count();
 
   // (J'J)^+ = D^-1 V S^-2 V' D^-1 on the visible directions
