@@ -121,6 +121,7 @@ void DlRs1aUnit::Receive(std::string_view bytes, MonotonicNs now) {
   for (const char byte : bytes) {
     if (incoming_.size() < kReceiveBuffer) incoming_.push_back({byte, now});
   }
+  RunTo(now);  // the first byte enters the wire, so that NextDue() knows its arrival
 }
 
 void DlRs1aUnit::Advance(MonotonicNs now, std::string& out) {
@@ -134,7 +135,7 @@ std::optional<MonotonicNs> DlRs1aUnit::NextDue() const {
     case Phase::kListening:
       return next_arrival_;
     case Phase::kProcessing:
-      return next_arrival_ ? std::min(*next_arrival_, processed_at_) : processed_at_;
+      return next_arrival_.value_or(processed_at_);
     case Phase::kAnswering:
       return next_departure_;
   }
@@ -201,17 +202,17 @@ void DlRs1aUnit::BeginProcessing(MonotonicNs arrival) {
 }
 
 bool DlRs1aUnit::Process(MonotonicNs now) {
-  // the LF of a CR+LF still belongs to the request: processing counts from its arrival
-  if (line_feed_may_follow_ && !incoming_.empty() && incoming_.front().byte == '\n') {
+  // the LF of a CR+LF belongs to the request if it is on its way before processing ends, and then
+  // processing counts from its arrival (at 2400 baud it takes longer than processing does)
+  if (line_feed_may_follow_ && !incoming_.empty() && incoming_.front().byte == '\n' &&
+      incoming_.front().written <= processed_at_) {
     const MonotonicNs arrival = NextArrival();
-    if (arrival <= processed_at_) {
-      if (arrival > now) return false;
-      incoming_.pop_front();
-      next_arrival_.reset();
-      line_feed_may_follow_ = false;
-      BeginProcessing(arrival);
-      return true;
-    }
+    if (arrival > now) return false;
+    incoming_.pop_front();
+    next_arrival_.reset();
+    line_feed_may_follow_ = false;
+    BeginProcessing(arrival);
+    return true;
   }
   if (processed_at_ > now) return false;
   PrepareAnswer();

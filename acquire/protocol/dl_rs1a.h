@@ -28,8 +28,7 @@ inline constexpr std::size_t kLongestLine = 2 + kMostUnits * 11;
 inline constexpr std::string_view kLineEnd = "\r\n";
 /// Processing of M0 and MS between the request's last and the reply's first character, at most.
 inline constexpr MonotonicNs kProcessingNs = 4'000'000;
-/// How often the unit refreshes the values that M0 reads, with one amplifier: 7 ms (IB and GT-70A
-/// Editions; the IL Edition gives no figure).
+/// How often the unit refreshes the values that M0 reads, with one amplifier.
 inline constexpr MonotonicNs kRefreshNs = 7'000'000;
 
 /// Data numbers of SR used here (IL Edition, p. 13).
@@ -162,5 +161,10 @@ struct Head {
 ///
 /// 4 characters out, 4 ms, 4 + 8 n characters back: 8.17 ms at 38400 baud with one amplifier.
 [[nodiscard]] MonotonicNs PollPeriodNs(int baud, std::size_t units);
+
+/// How often the unit refreshes the values that M0 reads, in ns: 7, 9, 13, 15, 19, 21, 25, 27 ms
+/// with 1 to 8 amplifiers (IB and GT-70A Editions, as the longest time; the figure for IL was not
+/// at hand), 27 ms beyond.
+[[nodiscard]] MonotonicNs RefreshNs(std::size_t units);
 
 }  // namespace haptometer::acquire::dl_rs1a

@@ -24,6 +24,8 @@ constexpr std::array<std::string_view, 6> kHolds = {"sample",       "peak",     
                                                     "peak-to-peak", "auto peak", "auto bottom"};
 constexpr std::array<double, 4> kSamplings_s = {0.33e-3, 1e-3, 2e-3, 5e-3};
 constexpr std::array<double, 10> kHighPasses_hz = {0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100};
+constexpr std::array<MonotonicNs, 8> kRefreshes_ns = {
+    kRefreshNs, 9'000'000, 13'000'000, 15'000'000, 19'000'000, 21'000'000, 25'000'000, 27'000'000};
 constexpr int kMostAveragingCode = 12;
 
 }  // namespace
@@ -79,6 +81,11 @@ std::optional<double> HighPassHz(int code) {
 MonotonicNs PollPeriodNs(int baud, std::size_t units) {
   constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4 and 8 for each value
   return WireTimeNs(kRequestBytes + 4 + 8 * units, baud) + kProcessingNs;
+}
+
+MonotonicNs RefreshNs(std::size_t units) {
+  const std::size_t amplifiers = std::clamp<std::size_t>(units, 1, kRefreshes_ns.size());
+  return kRefreshes_ns[amplifiers - 1];
 }
 
 }  // namespace haptometer::acquire::dl_rs1a

@@ -50,6 +50,8 @@ class LineFramer {
   /// Forgets everything fed so far, as after a flush of the port; returns how many bytes that were.
   std::size_t Reset();
 
+  /// Bytes of an unfinished line that wait for its end; 0 inside an overlong line.
+  [[nodiscard]] std::size_t waiting_bytes() const { return buffer_.size() - line_begin_; }
   /// Bytes thrown away in overlong lines so far.
   [[nodiscard]] std::uint64_t discarded_bytes() const { return discarded_bytes_; }
 

@@ -92,8 +92,8 @@ Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
   return WriteDescriptor(descriptor_, bytes, deadline, name_);
 }
 
-std::string SerialPort::Describe() const {
-  return fmt::format("serial port {}, {} baud 8N1{}", name_, baud_,
+std::string SerialPort::Source() const {
+  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
                      low_latency_ ? ", low latency" : "");
 }
 

@@ -79,8 +79,8 @@ Result<void> TcpStream::Write(std::string_view bytes, MonotonicNs deadline) {
   return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
 }
 
-std::string TcpStream::Describe() const {
-  return fmt::format("TCP connection {} (not a hardware port)", name_);
+std::string TcpStream::Source() const {
+  return fmt::format("TCP connection {} (what is behind it is not known)", name_);
 }
 
 }  // namespace haptometer::acquire

@@ -37,9 +37,9 @@ class Transport {
   /// time.
   [[nodiscard]] virtual Result<void> Write(std::string_view bytes, MonotonicNs deadline) = 0;
 
-  /// What this is, for metadata and messages: "serial port /dev/ttyUSB0, 9600 baud 8N1" or
-  /// "virtual terminal /tmp/lra (not a hardware port)".
-  [[nodiscard]] virtual std::string Describe() const = 0;
+  /// Where the bytes come from, for a trial's metadata: "device: serial port /dev/ttyUSB0, 9600
+  /// baud 8N1", or "virtual terminal /tmp/lra (not a hardware port)".
+  [[nodiscard]] virtual std::string Source() const = 0;
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
 };

@@ -40,7 +40,7 @@ Result<void> VirtualTerminal::Write(std::string_view bytes, MonotonicNs deadline
   return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
 }
 
-std::string VirtualTerminal::Describe() const {
+std::string VirtualTerminal::Source() const {
   return fmt::format("virtual terminal {} (not a hardware port)", name_);
 }
 

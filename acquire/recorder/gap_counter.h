@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+
+#include "acquire/sensor/sensor.h"
+
+namespace haptometer::acquire {
+
+/// Counts the places where readings are missing, while they come. O(1) a row.
+///
+/// - A uniform grid: the index jumps.
+/// - A polled sensor: an interval longer than eight usual ones.
+/// - A free-running sensor: silence longer than eight usual intervals and 50 ms, which nothing
+/// makes
+///   up for: after a stall of the host all that waited arrives at once, and is no gap. It is one
+///   when half a second later at least half of what the silence should have brought is still
+///   missing. Silences within that half second count as one.
+/// The usual interval is the mean so far without the gaps.
+class GapCounter {
+ public:
+  explicit GapCounter(trial::Timing timing) : timing_(timing) {}
+
+  void Add(const Reading& reading);
+
+  /// Gaps up to the last reading, which decides what is still open.
+  [[nodiscard]] std::uint64_t gaps() const;
+
+ private:
+  void AddInterval(MonotonicNs time_ns);
+  void WatchSilence(MonotonicNs time_ns, bool is_long);
+  [[nodiscard]] bool SilenceWasGap(MonotonicNs now_ns) const;
+  [[nodiscard]] double UsualIntervalNs() const;
+
+  trial::Timing timing_;
+  std::uint64_t rows_ = 0;
+  std::uint64_t gaps_ = 0;
+  std::int64_t last_index_ = 0;
+  MonotonicNs last_ns_ = 0;
+  MonotonicNs usual_sum_ns_ = 0;  ///< over usual_count_ intervals
+  std::uint64_t usual_count_ = 0;
+
+  bool silence_open_ = false;  ///< kArrival: a silence waits for its verdict
+  MonotonicNs silence_begin_ns_ = 0;
+  MonotonicNs silence_ns_ = 0;
+  double usual_before_ns_ = 0;    ///< the usual interval when it began
+  std::uint64_t rows_since_ = 0;  ///< since it began
+};
+
+}  // namespace haptometer::acquire

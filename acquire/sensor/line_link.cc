@@ -1,0 +1,41 @@
+#include "acquire/sensor/line_link.h"
+
+#include <utility>
+
+namespace haptometer::acquire {
+
+LineLink::LineLink(std::unique_ptr<Transport> transport, Clock& clock, Delimiter delimiter,
+                   std::size_t longest_line)
+    : transport_(std::move(transport)), clock_(clock), framer_(delimiter, longest_line) {}
+
+LinkLine LineLink::Read(MonotonicNs deadline) {
+  while (true) {
+    // lines that arrived with the last chunk come first
+    const Frame frame = framer_.Next();
+    if (frame.framing != Framing::kNeedMore) {
+      const bool valid = frame.framing == Framing::kValid;
+      return {.state = valid ? LinkState::kLine : LinkState::kOverlong,
+              .text = frame.text,
+              .chunk_ns = chunk_ns_,
+              .bytes_behind = frame.bytes_behind};
+    }
+    const ReadOutcome outcome = transport_->Read(chunk_, deadline);
+    if (outcome.state == ReadState::kGone) return {.state = LinkState::kGone, .text = {}};
+    if (outcome.state == ReadState::kTimeout) return {.state = LinkState::kNothing, .text = {}};
+    chunk_ns_ = clock_.Now();
+    framer_.Feed(std::string_view(chunk_.data(), outcome.bytes));
+  }
+}
+
+void LineLink::Flush() {
+  discarded_bytes_ += framer_.Reset();
+  // a device that never stops sending must not keep us here: its buffers hold less than this
+  constexpr int kMostChunks = 64;
+  for (int i = 0; i < kMostChunks; ++i) {
+    const ReadOutcome outcome = transport_->Read(chunk_, clock_.Now());
+    if (outcome.state != ReadState::kBytes) return;
+    discarded_bytes_ += outcome.bytes;
+  }
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,66 @@
+#include "acquire/sensor/replay.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+namespace haptometer::acquire {
+namespace {
+
+// everything the file says beside its rows
+Result<trial::ReadReport> ReadToTheEnd(const std::string& path) {
+  auto reader = trial::TrialReader::Open(path);
+  if (!reader) return std::unexpected(reader.error());
+  while (true) {
+    const auto chunk = reader->Next();
+    if (!chunk) return std::unexpected(chunk.error());
+    if (*chunk == nullptr) return reader->report();
+  }
+}
+
+}  // namespace
+
+Replay::Replay(trial::TrialReader reader) : reader_(std::move(reader)), header_(reader_.header()) {}
+
+Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
+  const auto report = ReadToTheEnd(path);
+  if (!report) return std::unexpected(report.error());
+  auto reader = trial::TrialReader::Open(path);
+  if (!reader) return std::unexpected(reader.error());
+  std::unique_ptr<Replay> replay(new Replay(std::move(*reader)));
+  // the header of the new trial: the old one, with the labels as last given
+  trial::Metadata& metadata = replay->header_.metadata;
+  for (const trial::Event& event : report->events) {
+    for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
+  }
+  metadata.source = fmt::format("replay of {} ({})", path, metadata.source);
+  // what the recording itself cannot give
+  if (!report->closed) replay->remarks_.push_back(path + " was cut short");
+  for (const trial::Loss& loss : report->losses) {
+    replay->remarks_.push_back(fmt::format("{}: {}", path, Describe(loss)));
+  }
+  return replay;
+}
+
+Result<void> Replay::Start(const std::atomic<bool>& /*stop*/) { return {}; }
+
+Outcome Replay::Next(Reading& reading) {
+  while (chunk_ == nullptr || row_ == chunk_->rows()) {
+    const auto next = reader_.Next();
+    if (!next) return Outcome::kGone;
+    if (*next == nullptr) return Outcome::kEnd;
+    chunk_ = *next;
+    row_ = 0;
+  }
+  reading.index = chunk_->first_index() + static_cast<std::int64_t>(row_);
+  reading.time_ns = chunk_->TimeNs(row_);
+  reading.reply_ns = chunk_->ReplyNs(row_);
+  reading.samples.clear();
+  for (std::size_t channel = 0; channel < header_.channels.size(); ++channel) {
+    reading.samples.push_back(chunk_->At(row_, channel));
+  }
+  ++row_;
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/result.h"
+#include "trial/trial_format.h"
+
+namespace haptometer::acquire {
+
+/// One row as a sensor hands it out; times on the sensor's clock (see Sensor::Begin).
+struct Reading {
+  std::int64_t index = 0;              ///< trial::Timing::kUniform: place on the grid
+  MonotonicNs time_ns = 0;             ///< kArrival: arrival; kPolled: request
+  MonotonicNs reply_ns = 0;            ///< kPolled: reply, or when waiting for it was given up
+  std::vector<trial::Sample> samples;  ///< one a channel, in the header's order
+};
+
+/// The status of a whole row: that of its first value that is no measurement, else of its first.
+[[nodiscard]] trial::SampleStatus RowStatus(const Reading& reading);
+
+/// How Sensor::Next ended.
+enum class Outcome : std::uint8_t {
+  kReading,  ///< `reading` holds the next row
+  kNothing,  ///< nothing yet; look at the stop flag and call again
+  kEnd,      ///< a replay is over
+  kGone,     ///< the connection was lost; nothing will come again
+};
+
+/// A transport and a protocol joined: says what it is, then hands out readings. One thread only.
+class Sensor {
+ public:
+  virtual ~Sensor() = default;
+
+  /// Talks to the device until it is known that it answers and what it is. Returns early with an
+  /// error when `stop` is set. Errors (Cause::kCannotAnswer): it does not answer, or not readably;
+  /// the message says what to try.
+  [[nodiscard]] virtual Result<void> Start(const std::atomic<bool>& stop) = 0;
+
+  /// What a recording of this sensor begins with; complete after Start().
+  [[nodiscard]] virtual const trial::TrialHeader& header() const = 0;
+
+  /// What this wire can and cannot observe, and what its settings do, in sentences for the user,
+  /// to be shown before the recording. Complete after Start().
+  [[nodiscard]] virtual std::vector<std::string> Remarks() const = 0;
+
+  /// Begins the readings and returns the instant from which their times count.
+  [[nodiscard]] virtual MonotonicNs Begin() = 0;
+
+  /// The next reading; waits at most a tenth of a second for it.
+  [[nodiscard]] virtual Outcome Next(Reading& reading) = 0;
+
+  /// Bytes that formed no reading so far: partial lines, late replies, garbage.
+  [[nodiscard]] virtual std::uint64_t discarded_bytes() const = 0;
+};
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,129 @@
+#include "acquire/sensor/stream_sensor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "acquire/protocol/wire.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr MonotonicNs kSliceNs = 100'000'000;
+constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
+
+// what came, fit for one line of a message
+std::string Printable(std::string_view line) {
+  constexpr std::size_t kMost = 24;
+  std::string shown(line.substr(0, kMost));
+  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return shown;
+}
+
+// longest line that is kept whole: a few lines run together are still shown and counted as one
+std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(format); }
+
+}  // namespace
+
+StreamSensor::StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock)
+    : setup_(setup),
+      clock_(clock),
+      link_(std::move(transport), clock, setup.format.delimiter, LongestLine(setup.format)) {}
+
+Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
+  link_.Flush();
+  bool is_first = true;  // the first line may be cut
+  std::string example;
+  const MonotonicNs deadline = clock_.Now() + kPatienceNs;
+  while (clock_.Now() < deadline) {
+    if (stop.load()) {
+      return Failed(link_.transport().name(),
+                    "was not recorded: interrupted before the first reading");
+    }
+    const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
+    if (line.state == LinkState::kGone) {
+      return Failed(link_.transport().name(), "the connection was lost", "check cable and power");
+    }
+    if (line.state != LinkState::kLine) continue;
+    if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
+      MakeHeader();
+      return {};
+    }
+    example = Printable(line.text);
+    link_.CountDiscarded(line.text.size());
+  }
+  return std::unexpected(NoLines(example));
+}
+
+Error StreamSensor::NoLines(const std::string& example) const {
+  const std::string& name = link_.transport().name();
+  if (!example.empty()) {
+    return {Cause::kCannotAnswer, name,
+            fmt::format("sends lines of another form at {} baud: \"{}\"", setup_.baud, example),
+            "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
+  }
+  if (discarded_bytes() > 0 || link_.has_partial_line()) {
+    return {Cause::kCannotAnswer, name,
+            fmt::format("bytes come at {} baud, but no line", setup_.baud),
+            "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
+  }
+  return {Cause::kCannotAnswer, name, fmt::format("nothing comes at {} baud", setup_.baud),
+          "check that the sensor is on and sends by itself; a DL-RS1A is asked with --sensor "
+          "keyence-il"};
+}
+
+void StreamSensor::MakeHeader() {
+  const StreamFormat& format = setup_.format;
+  trial::ChannelFormat channel;
+  channel.name = "displacement";
+  channel.role = trial::ChannelRole::kDisplacement;
+  channel.unit = "m";
+  channel.encoding = trial::Encoding::kI32;
+  channel.scale = channel.resolution = MetresPerCount(format);
+  channel.range_max = MostCounts(format) * channel.scale;
+  channel.range_min = format.sign == SignRule::kAlways ? -channel.range_max : 0.0;
+  header_.timing = trial::Timing::kArrival;
+  header_.channels = {channel};
+  header_.metadata.sensor = "stream";
+  header_.metadata.source = link_.transport().Source();
+}
+
+std::vector<std::string> StreamSensor::Remarks() const {
+  const double most_hz = MostLinesPerSecond(setup_.format, setup_.baud);
+  const double band_hz = HighestObservableHz(most_hz);
+  std::string remark = fmt::format(
+      "{} baud carry at most {:.0f} lines/s of {} characters: motion up to {:.0f} Hz can be "
+      "observed "
+      "if the sensor sends that fast (rate / 2.56)",
+      setup_.baud, most_hz, LineBytes(setup_.format), band_hz);
+  if (band_hz < 500) {
+    remark += "; the 20-500 Hz band needs 1280 lines/s: set the sensor to a higher baud rate";
+  }
+  return {remark};
+}
+
+MonotonicNs StreamSensor::Begin() {
+  last_ns_ = clock_.Now();
+  return last_ns_;
+}
+
+Outcome StreamSensor::Next(Reading& reading) {
+  const LinkLine line = link_.Read(clock_.Now() + kSliceNs);
+  if (line.state == LinkState::kGone) return Outcome::kGone;
+  if (line.state == LinkState::kNothing) return Outcome::kNothing;
+  const std::optional<Value> value =
+      line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
+  if (!value) link_.CountDiscarded(line.text.size());
+  // the bytes behind this line kept the wire busy after it had arrived
+  last_ns_ = std::max(last_ns_, line.chunk_ns - WireTimeNs(line.bytes_behind, setup_.baud));
+  reading.time_ns = last_ns_;
+  reading.samples.assign(1, {trial::RawValue::Counts(value ? value->counts : kNoCounts),
+                             value ? value->status : SampleStatus::kBadFrame});
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire

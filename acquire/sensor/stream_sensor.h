@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+
+#include "acquire/protocol/stream_line.h"
+#include "acquire/sensor/line_link.h"
+#include "acquire/sensor/sensor.h"
+
+namespace haptometer::acquire {
+
+/// How a free-running sensor sends.
+struct StreamSetup {
+  int baud = 921600;
+  StreamFormat format;
+};
+
+/// A sensor that sends one line per reading without being asked.
+///
+/// The first line after the start may be cut and is dropped. A line of another form is a row with
+/// the status kBadFrame, and the next delimiter is where it goes on. A line's time is the arrival
+/// of the bytes it came with, less the time that those behind it needed on the wire; times never go
+/// back (a line behind a full buffer gets the time of the line before).
+class StreamSensor final : public Sensor {
+ public:
+  /// `clock` must outlive the sensor.
+  StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock);
+
+  /// Waits for one line of the right form, 3 s at most.
+  [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
+  [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
+  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  [[nodiscard]] MonotonicNs Begin() override;
+  [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
+
+ private:
+  Error NoLines(const std::string& example) const;
+  void MakeHeader();
+
+  StreamSetup setup_;
+  Clock& clock_;
+  LineLink link_;
+  trial::TrialHeader header_;
+  MonotonicNs last_ns_ = 0;
+};
+
+}  // namespace haptometer::acquire

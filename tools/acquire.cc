@@ -1,0 +1,255 @@
+// acquire: a sensor's readings become a trial.
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/stream_line.h"
+#include "acquire/recorder/recorder.h"
+#include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/replay.h"
+#include "acquire/sensor/stream_sensor.h"
+#include "acquire/transport/open_port.h"
+#include "base/clock.h"
+#include "tools/acquire_output.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/verbs.h"
+#include "trial/trial_writer.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using acquire::Sensor;
+
+constexpr std::string_view kVerb = "acquire";
+constexpr int kDefaultKeyenceBaud = 9600;
+constexpr int kDefaultStreamBaud = 921600;
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Record a distance sensor's readings into a trial.",
+    .examples = {"acquire --port /dev/ttyUSB0 -o trial.bin",
+                 "acquire --port /dev/ttyUSB0 --baud 38400 --duration 10s --label subject=3 "
+                 "--label condition=adapter -o trial.bin",
+                 "acquire --port /dev/ttyUSB1 --sensor stream --baud 921600 "
+                 "--format +00.0000,mm,CR --samples 30000 -o trial.bin"}};
+
+struct AcquireOptions {
+  std::string port;
+  std::string output;
+  std::string sensor = "keyence-il";
+  std::string format;
+  std::vector<std::string> labels;
+  std::optional<std::int64_t> baud;
+  std::optional<std::int64_t> samples;
+  std::optional<Quantity> duration_s;
+  std::optional<Quantity> refresh_s;
+  bool overwrite = false;
+};
+
+void Declare(cli::Options& options, AcquireOptions& wanted) {
+  options.Text("--port", &wanted.port, "PORT",
+               "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
+  options.Text("-o,--output", &wanted.output, "FILE", "The trial to write");
+  options.Choice("--sensor", &wanted.sensor, {"keyence-il", "stream", "replay"},
+                 "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked");
+  options.Count("--baud", &wanted.baud, 50, 4'000'000,
+                "Bits per second (keyence-il: 9600; stream: 921600)");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime, "Stop after this time");
+  options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
+                "Stop after this many readings");
+  options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR); END is CR, LF or CRLF");
+  options.Flag("--overwrite", &wanted.overwrite, "Replace an existing trial");
+  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+                 "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
+                 cli::Shown::kHelpAll);
+}
+
+// what is wrong with the command line, before anything is touched
+Result<void> Check(const AcquireOptions& wanted) {
+  if (wanted.port.empty()) {
+    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
+  }
+  if (wanted.output.empty()) {
+    return Usage("-o", "is missing", "name the trial to write, e.g. -o trial.bin");
+  }
+  if (wanted.duration_s && !(wanted.duration_s->value > 0)) {
+    return Usage("--duration", "must be above 0", "write e.g. 10s");
+  }
+  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
+    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
+  }
+  if (!wanted.format.empty() && wanted.sensor != "stream") {
+    return Usage("--format", "is for lines that come unasked", "add --sensor stream");
+  }
+  std::error_code error;
+  if (wanted.sensor == "replay" && fs::equivalent(wanted.port, wanted.output, error)) {
+    return Usage(wanted.output, "is the trial that is played", "give another file to -o");
+  }
+  if (!wanted.overwrite && fs::exists(fs::symlink_status(wanted.output, error))) {
+    return Usage(wanted.output, "exists already", "give another file, or --overwrite to lose it");
+  }
+  return {};
+}
+
+Result<std::map<std::string, std::string>> ReadLabels(const std::vector<std::string>& words) {
+  std::map<std::string, std::string> labels;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return Usage("--label", fmt::format("'{}' is not KEY=VALUE", word), "write e.g. subject=3");
+    }
+    labels[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return labels;
+}
+
+Result<std::unique_ptr<Sensor>> OpenKeyence(const AcquireOptions& wanted, Clock& clock) {
+  const int baud = static_cast<int>(wanted.baud.value_or(kDefaultKeyenceBaud));
+  if (std::ranges::find(acquire::dl_rs1a::kBauds, baud) == acquire::dl_rs1a::kBauds.end()) {
+    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", baud),
+                 "use 2400, 4800, 9600, 19200 or 38400");
+  }
+  auto port = acquire::OpenPort(wanted.port, baud);
+  if (!port) return std::unexpected(port.error());
+  acquire::KeyenceIlSetup setup{.baud = baud, .refresh_ns = std::nullopt};
+  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
+  return std::make_unique<acquire::KeyenceIl>(std::move(*port), setup, clock);
+}
+
+Result<std::unique_ptr<Sensor>> OpenStream(const AcquireOptions& wanted, Clock& clock) {
+  acquire::StreamSetup setup;
+  setup.baud = static_cast<int>(wanted.baud.value_or(kDefaultStreamBaud));
+  if (!wanted.format.empty()) {
+    const auto format = acquire::ParseStreamFormat(wanted.format);
+    if (!format) return std::unexpected(format.error());
+    setup.format = *format;
+  }
+  auto port = acquire::OpenPort(wanted.port, setup.baud);
+  if (!port) return std::unexpected(port.error());
+  return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
+}
+
+Result<std::unique_ptr<Sensor>> OpenSensor(const AcquireOptions& wanted, Clock& clock) {
+  if (wanted.sensor == "replay") return acquire::Replay::Open(wanted.port);
+  return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
+}
+
+// what the sensor says, and who recorded it when
+trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted,
+                              const std::map<std::string, std::string>& labels,
+                              std::string command_line) {
+  trial::TrialHeader header = sensor.header();
+  trial::Metadata& metadata = header.metadata;
+  if (wanted.sensor != "replay") {
+    std::array<char, 256> host{};
+    gethostname(host.data(), host.size() - 1);
+    metadata.host = host.data();
+    metadata.utc_start = UtcNow();
+  }
+  metadata.command_line = std::move(command_line);
+  for (const auto& [key, value] : labels) metadata.labels[key] = value;
+  return header;
+}
+
+// one line that is written over and over, for people only
+std::function<void(const acquire::RecordingSummary&)> Progress() {
+  if (isatty(STDERR_FILENO) == 0) return {};
+  return [](const acquire::RecordingSummary& summary) {
+    fmt::print(stderr, "\r{}\x1b[K", ProgressLine(summary));
+  };
+}
+
+int Report(const cli::Options& options, const std::string& file, const trial::Metadata& metadata,
+           const acquire::RecordingSummary& summary, const std::string& port) {
+  if (options.json()) {
+    fmt::print("{}", SummaryJson(file, metadata, summary));
+  } else {
+    fmt::print("{}\n", SummaryLine(file, summary));
+  }
+  if (summary.connection_lost) {
+    return cli::ReportError(kVerb, {Cause::kFailed, port, "the connection was lost",
+                                    fmt::format("{} holds everything up to then; check cable and "
+                                                "power, and record again",
+                                                file)});
+  }
+  const int status = cli::InterruptedStatus(0);
+  if (status == 0 && summary.bad() == summary.readings) {
+    return cli::ReportError(
+        kVerb, {Cause::kCannotAnswer, port,
+                summary.readings == 0 ? "no reading came" : "no reading was a measurement",
+                "check that the laser is on and meets its target within the range"});
+  }
+  return status;
+}
+
+Result<acquire::RecordingLimits> Limits(const AcquireOptions& wanted) {
+  constexpr double kLongest_s = 1e9;  // 30 years still fit in nanoseconds
+  acquire::RecordingLimits limits;
+  if (wanted.duration_s) {
+    if (wanted.duration_s->value > kLongest_s) {
+      return Usage("--duration", "is beyond 30 years", "leave it out to record until Ctrl-C");
+    }
+    limits.duration_ns = NsFromSeconds(wanted.duration_s->value);
+  }
+  if (wanted.samples) limits.readings = static_cast<std::uint64_t>(*wanted.samples);
+  return limits;
+}
+
+// everything between the command line and the report
+int Run(const cli::Options& options, const AcquireOptions& wanted, std::string command_line) {
+  const auto labels = ReadLabels(wanted.labels);
+  if (!labels) return cli::ReportError(kVerb, labels.error());
+  const auto limits = Limits(wanted);
+  if (!limits) return cli::ReportError(kVerb, limits.error());
+  cli::CatchInterrupts();
+
+  // the sensor answers, and what it can observe is said before anything is recorded
+  SystemClock clock;
+  const auto sensor = OpenSensor(wanted, clock);
+  if (!sensor) return cli::ReportError(kVerb, sensor.error());
+  if (auto started = (*sensor)->Start(cli::Interrupted()); !started) {
+    return cli::InterruptedStatus(cli::ReportError(kVerb, started.error()));
+  }
+  const trial::TrialHeader header = MakeHeader(**sensor, wanted, *labels, std::move(command_line));
+  cli::Remark(kVerb, "source: " + header.metadata.source);
+  for (const std::string& remark : (*sensor)->Remarks()) cli::Remark(kVerb, remark);
+
+  // the recording
+  auto writer = trial::TrialWriter::Create(
+      wanted.output, header, {.flush_interval_s = 1, .overwrite = wanted.overwrite}, clock);
+  if (!writer) return cli::ReportError(kVerb, writer.error());
+  const auto progress = Progress();
+  const auto summary =
+      acquire::Record(**sensor, *writer, clock, cli::Interrupted(), *limits, progress);
+  if (progress) fmt::print(stderr, "\r\x1b[K");
+  if (!summary) return cli::ReportError(kVerb, summary.error());
+  return Report(options, wanted.output, header.metadata, *summary, wanted.port);
+}
+
+}  // namespace
+
+int RunAcquire(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  AcquireOptions wanted;
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (auto checked = Check(wanted); !checked) return cli::ReportError(kVerb, checked.error());
+  const std::vector<std::string> words(argv, argv + argc);
+  return Run(options, wanted, fmt::format("{}", fmt::join(words, " ")));
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,85 @@
+#include "tools/acquire_output.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "acquire/protocol/wire.h"
+
+namespace haptometer::tools {
+namespace {
+
+using acquire::RecordingSummary;
+using nlohmann::ordered_json;
+using trial::SampleStatus;
+
+bool IsBad(std::size_t status) { return !IsMeasurement(static_cast<SampleStatus>(status)); }
+
+ordered_json NumberOrNull(const std::optional<double>& number) {
+  return number ? ordered_json(*number) : ordered_json(nullptr);
+}
+
+// " (1 late, 2 bad_frame)", or nothing where nothing is bad
+std::string BadByKind(const RecordingSummary& summary) {
+  std::string kinds;
+  for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
+    if (!IsBad(status) || summary.statuses[status] == 0) continue;
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", summary.statuses[status],
+                         Name(static_cast<SampleStatus>(status)));
+  }
+  return kinds.empty() ? kinds : " (" + kinds + ")";
+}
+
+std::string Rate(const RecordingSummary& summary) {
+  return summary.rate_hz ? fmt::format("{:.1f}/s", *summary.rate_hz) : "rate unknown";
+}
+
+}  // namespace
+
+std::string SummaryLine(const std::string& file, const RecordingSummary& summary) {
+  std::string line = fmt::format("{}: {} readings in {:.3f} s ({}", file, summary.readings,
+                                 summary.elapsed_s, Rate(summary));
+  if (summary.interval_sd_s)
+    line += fmt::format(", jitter {:.3f} ms", *summary.interval_sd_s * 1e3);
+  line += fmt::format("), {} bad{}, {} repeated, {} gaps", summary.bad(), BadByKind(summary),
+                      summary.repeated(), summary.gaps);
+  if (summary.discarded_bytes > 0) {
+    line += fmt::format(", {} bytes formed no reading", summary.discarded_bytes);
+  }
+  return line;
+}
+
+std::string ProgressLine(const RecordingSummary& summary) {
+  return fmt::format("{:.1f} s  {} readings  {}  {} bad", summary.elapsed_s, summary.readings,
+                     Rate(summary), summary.bad());
+}
+
+std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
+                        const RecordingSummary& summary) {
+  ordered_json kinds = ordered_json::object();
+  for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
+    if (IsBad(status)) kinds[Name(static_cast<SampleStatus>(status))] = summary.statuses[status];
+  }
+  std::optional<double> observable_hz;
+  if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
+  const ordered_json document{{"file", file},
+                              {"sensor", metadata.sensor},
+                              {"source", metadata.source},
+                              {"readings", summary.readings},
+                              {"bad", summary.bad()},
+                              {"bad_by_kind", kinds},
+                              {"repeated", summary.repeated()},
+                              {"distinct", summary.distinct()},
+                              {"gaps", summary.gaps},
+                              {"discarded_bytes", summary.discarded_bytes},
+                              {"elapsed_s", summary.elapsed_s},
+                              {"rate_hz", NumberOrNull(summary.rate_hz)},
+                              {"jitter_s", NumberOrNull(summary.interval_sd_s)},
+                              {"highest_observable_hz", NumberOrNull(observable_hz)},
+                              {"connection_lost", summary.connection_lost}};
+  // names and paths may hold bytes that are no UTF-8
+  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace haptometer::tools

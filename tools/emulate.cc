@@ -1,0 +1,258 @@
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "acquire/emulator/dl_rs1a_unit.h"
+#include "acquire/emulator/server.h"
+#include "acquire/emulator/stream_head.h"
+#include "acquire/protocol/stream_line.h"
+#include "sim/scene_file.h"
+#include "sim/sensor_model.h"
+#include "sim/steady_state.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/recorded_motion.h"
+#include "tools/verbs.h"
+#include "trial/read_recording.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace emulator = acquire::emulator;
+
+constexpr std::string_view kVerb = "emulate";
+constexpr std::string_view kUnit = "dl-rs1a";
+constexpr std::string_view kStream = "stream";
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Play a scene or a trial as a real sensor would, over a terminal or TCP.",
+    .examples = {"haptometer emulate --scene fixtures/lra_adapter.toml --link /tmp/sensor",
+                 "haptometer emulate --scene fixtures/lra_adapter.toml --protocol stream"
+                 " --baud 921600",
+                 "haptometer emulate --trial trial.bin --baud 38400 --tcp 127.0.0.1:0"
+                 " --fault silent:50"}};
+
+// The command line.
+struct Wanted {
+  std::string scene;
+  std::string trial;
+  std::string protocol{kUnit};
+  std::optional<std::int64_t> baud;
+  std::string link;
+  std::string tcp;
+  std::string fault;
+  std::optional<std::int64_t> seed;
+  std::optional<Quantity> duration_s;
+  std::optional<Quantity> sampling_s;
+  std::optional<std::int64_t> averages;
+  std::optional<Quantity> refresh_s;
+
+  [[nodiscard]] bool stream() const { return protocol == kStream; }
+};
+
+void Declare(cli::Options& options, Wanted& wanted) {
+  options.Text("--scene", &wanted.scene, "FILE",
+               "The scene to play: steady, unless it starts at rest");
+  options.Text("--trial", &wanted.trial, "FILE",
+               "The trial to play: straight lines between its rows, then its last value for ever");
+  options.Choice("--protocol", &wanted.protocol, {std::string(kUnit), std::string(kStream)},
+                 "Keyence DL-RS1A, asked for each reading, or lines that come unasked");
+  options.Count("--baud", &wanted.baud, 300, 20'000'000, "The wire's (9600; stream: 921600)");
+  options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
+  options.Text("--tcp", &wanted.tcp, "HOST:PORT",
+               "TCP instead of a terminal; port 0: any free one");
+  std::string faults = "One answer in EVERY (1) fails:";
+  for (const emulator::Fault& fault : emulator::Faults()) {
+    faults +=
+        fmt::format("{} {} ({})", faults.ends_with(':') ? "" : ",", fault.name, fault.summary);
+  }
+  options.Text("--fault", &wanted.fault, "NAME[:EVERY]", faults);
+  options.Count("--seed", &wanted.seed, 0, INT64_MAX, "Of the noise (1)");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime, "End after this time");
+  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime,
+                 "The head's sampling period (1ms; stream: 100us)", cli::Shown::kHelpAll);
+  options.Count("--averages", &wanted.averages, 1, 4096, "Raw samples in a reading (16; stream: 1)",
+                cli::Shown::kHelpAll);
+  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+                 "How often a DL-RS1A refills its buffer (7ms)", cli::Shown::kHelpAll);
+}
+
+// What cannot be asked for together.
+Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
+  if (options.json()) {
+    return Usage("--json", "emulate has no document to print", "read its line 'ready PATH'");
+  }
+  if (wanted.scene.empty() == wanted.trial.empty()) {
+    return Usage("", "what to play is not clear", "give one of --scene FILE and --trial FILE");
+  }
+  if (!wanted.link.empty() && !wanted.tcp.empty()) {
+    return Usage("--link", "is for a terminal, and --tcp makes none", "leave one of them out");
+  }
+  if (wanted.stream() && wanted.refresh_s) {
+    return Usage("--refresh", "is the buffer of a DL-RS1A", "leave it out with --protocol stream");
+  }
+  const std::pair<const char*, const std::optional<Quantity>*> times[] = {
+      {"--duration", &wanted.duration_s},
+      {"--sampling", &wanted.sampling_s},
+      {"--refresh", &wanted.refresh_s}};
+  for (const auto& [name, time] : times) {
+    // below a nanosecond and above a year nothing can be scheduled
+    if (*time && !((*time)->value >= 1e-9 && (*time)->value <= 3.2e7)) {
+      return Usage(name, fmt::format("{:g} s is no time to wait", (*time)->value),
+                   "give 1ns to 1 year");
+    }
+  }
+  return {};
+}
+
+// The head before a scene that plays: its motion and, where the scene's sensor is of this
+// protocol's kind, its settings. Another kind of sensor only says where the spot lies.
+Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
+  const auto scene = sim::ReadSceneFile(path);
+  if (!scene) return std::unexpected(scene.error());
+  if (scene->start == sim::Start::kSteady && !(sim::SolveSteadyState(*scene).error_estimate < 1)) {
+    return CannotAnswer(path, "has no steady state: the drive excites an undamped resonance",
+                        "add damping, or start = \"rest\" to [run]");
+  }
+  if (scene->sensor && scene->sensor->head.name == head.head.name) {
+    head = {.head = scene->sensor->head,
+            .displacement = sim::SensedMotion(*scene),
+            .seed = scene->sensor->seed};
+    return {};
+  }
+  const auto target = scene->sensor ? scene->sensor->target : sim::SensorTarget::kSkin;
+  head.displacement = sim::MotionOf(*scene, target);
+  return {};
+}
+
+// The remark tells how long it plays.
+Result<std::string> PlayTrial(const std::string& path, emulator::MovingHead& head) {
+  const auto recording = trial::ReadRecording(path);
+  if (!recording) return std::unexpected(recording.error());
+  auto motion = MotionOf(recording->record, path);
+  if (!motion) return std::unexpected(motion.error());
+  head.displacement = std::move(motion->displacement);
+  std::string remark =
+      fmt::format("plays {:.6g} s of {}, then holds its last value", motion->duration_s, path);
+  if (motion->left_out > 0) {
+    remark += fmt::format("; {} rows without a measurement are bridged", motion->left_out);
+  }
+  return remark;
+}
+
+// A device, and what to say of it once it is ready.
+struct Played {
+  std::unique_ptr<emulator::Device> device;
+  std::string remark;
+};
+
+std::string Describe(const trial::SensorHead& head) {
+  return fmt::format("{}, sampled every {:g} ms, {} averages", head.name, 1e3 * head.sampling_s,
+                     head.averages);
+}
+
+Result<Played> MakeUnit(const Wanted& wanted, emulator::MovingHead head,
+                        const emulator::FaultPlan& faults) {
+  emulator::DlRs1aSetup setup;
+  setup.head = std::move(head);
+  setup.faults = faults;
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, 1));
+  std::string remark = fmt::format(
+      "{}; at {} baud at most {:.1f} readings/s, new ones every {:g} ms", Describe(setup.head.head),
+      setup.baud, 1 / period_s, 1e3 * SecondsFromNs(setup.refresh_ns));
+  return Played{std::make_unique<emulator::DlRs1aUnit>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
+                          const emulator::FaultPlan& faults) {
+  emulator::StreamSetup setup;
+  setup.head = std::move(head);
+  setup.faults = faults;
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark =
+      fmt::format("{}; {:g} lines/s of {} characters at {} baud", Describe(setup.head.head),
+                  1 / setup.head.head.sampling_s, LineBytes(setup.format), setup.baud);
+  return Played{std::make_unique<emulator::StreamHead>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeDevice(const Wanted& wanted) {
+  emulator::FaultPlan faults;
+  if (!wanted.fault.empty()) {
+    const auto plan = emulator::ParseFaultPlan(wanted.fault);
+    if (!plan) return std::unexpected(plan.error());
+    faults = *plan;
+  }
+  emulator::MovingHead head;
+  head.head = wanted.stream() ? trial::Stream10kHz() : trial::Il030();
+  std::string source_remark;
+  if (wanted.trial.empty()) {
+    if (auto played = PlayScene(wanted.scene, head); !played)
+      return std::unexpected(played.error());
+  } else {
+    auto played = PlayTrial(wanted.trial, head);
+    if (!played) return std::unexpected(played.error());
+    source_remark = *played + "; ";
+  }
+
+  // options beat the scene
+  if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
+  if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
+  if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
+  auto made = wanted.stream() ? MakeStream(wanted, std::move(head), faults)
+                              : MakeUnit(wanted, std::move(head), faults);
+  if (made) made->remark = source_remark + made->remark;
+  return made;
+}
+
+Result<void> Emulate(const Wanted& wanted) {
+  const auto played = MakeDevice(wanted);
+  if (!played) return std::unexpected(played.error());
+  const auto endpoint =
+      wanted.tcp.empty() ? emulator::OpenPty(wanted.link) : emulator::ListenTcp(wanted.tcp);
+  if (!endpoint) return std::unexpected(endpoint.error());
+
+  std::optional<MonotonicNs> duration_ns;
+  if (wanted.duration_s) duration_ns = NsFromSeconds(wanted.duration_s->value);
+  bool remarked = false;
+  const auto report = emulator::Serve(*played->device, **endpoint, cli::Interrupted(), duration_ns,
+                                      [&](const std::string& name) {
+                                        fmt::print("ready {}\n", name);
+                                        std::fflush(stdout);
+                                        if (!std::exchange(remarked, true))
+                                          cli::Remark(kVerb, played->remark);
+                                      });
+  if (!report) return std::unexpected(report.error());
+  if (report->dropped_lines > 0) {
+    cli::Remark(kVerb,
+                fmt::format("{} lines were lost because the reader did not read them in time",
+                            report->dropped_lines));
+  }
+  return {};
+}
+
+}  // namespace
+
+int RunEmulate(int argc, const char* const* argv) {
+  Wanted wanted;
+  cli::Options options(kText);
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (auto together = CheckTogether(options, wanted); !together) {
+    return cli::ReportError(kVerb, together.error());
+  }
+  cli::CatchInterrupts();
+  if (auto done = Emulate(wanted); !done) return cli::ReportError(kVerb, done.error());
+  return cli::InterruptedStatus(0);
+}
+
+}  // namespace haptometer::tools
