@@ -129,7 +129,6 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
   }
   trial::Record record = sim::SimulateRecord(scene, duration_s);
   record.metadata.fields["scene"] = wanted.scene_path;
-  record.metadata.utc_start = UtcNow();
   return WriteTrial(wanted, record);
 }
 
