@@ -131,10 +131,11 @@ void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysi
     if (segment.time_uncertainty_s < limit_s || segment.time_uncertainty_s * segment.rate_hz >= 1) {
       continue;
     }
-    analysis.reasons.push_back(fmt::format(
-        "each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less than {:.3g} ms: "
-        "use a sensor that samples on a clock of its own",
-        segment.time_uncertainty_s * 1e3, band.upper_hz, limit_s * 1e3));
+    analysis.reasons.push_back(
+        fmt::format("each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less "
+                    "than {:.3g} ms: "
+                    "use a sensor that samples on a clock of its own",
+                    segment.time_uncertainty_s * 1e3, band.upper_hz, limit_s * 1e3));
     break;
   }
 }
@@ -212,9 +213,10 @@ std::vector<Filtered> FilterSettledEnough(const Segments& segments, const BandQu
     if (order == asked) return all;
     leaks = !LeaksLittle(longest, question.band.lower_hz);
     if (leaks) continue;
-    analysis.remarks.push_back(fmt::format("filter order lowered from {} to {}: of order {} only "
-                                           "{:.3f} s had settled",
-                                           asked, order, asked, asked_settled_s));
+    analysis.remarks.push_back(
+        fmt::format("filter order lowered from {} to {}: of order {} only "
+                    "{:.3f} s had settled",
+                    asked, order, asked, asked_settled_s));
     return all;
   }
   analysis.band = question.band;

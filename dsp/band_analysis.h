@@ -92,8 +92,9 @@ struct BandAnalysis {
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; times uncertain by
 /// 0.1/upper corner or more, but less than a period (a polled sensor, whose readings are of unknown
-/// age; of a free-running one only the arrival scatters that much); too little settled. Errors: a wrong band (Cause::kUsage), no displacement
-/// channel in metres, no measurement in it (Cause::kCannotAnswer).
+/// age; of a free-running one only the arrival scatters that much); too little settled. Errors: a
+/// wrong band (Cause::kUsage), no displacement channel in metres, no measurement in it
+/// (Cause::kCannotAnswer).
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
 

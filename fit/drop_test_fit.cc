@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "fit/drop_test_model.h"
+#include "fit/drop_test_road.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -17,199 +18,22 @@ namespace {
 
 using Kind = DropTestInput::Kind;
 
-// a combination that moves by less than this while an unseen one passes through a factor e counts as
-// determined; the motion is added to its uncertainty
-constexpr double kMostBlur = 1e-3;
-// beyond this relative standard uncertainty a logarithm's interval says nothing
-constexpr double kMostRelativeUncertainty = 0.25;
 // from here on the interval of Km is noticeably lopsided: the data speak of its square
 constexpr double kLopsidedUncertainty = 0.05;
 
-// one road through the data: with or without the drop heights
-struct Road {
-  Road(RingDownProblem of, bool heights) : uses_heights(heights), problem(std::move(of)) {}
-
-  bool uses_heights;
-  RingDownProblem problem;
-  RingDownPoint point;
-  SolverReport solver;
-  Jacobian jacobian;
-  Identifiability seen;
-  double variance = 1;  // of the weighted residuals
-  // derivatives of every parameter by each input, relative to the input's Base
-  std::vector<std::vector<double>> input_changes;
-};
-
-// weights of a logarithmic combination over the Jacobian's columns
-std::vector<double> Weights(const Road& road, std::initializer_list<std::pair<Shared, double>> of) {
-  std::vector<double> weights(road.jacobian.columns, 0.0);
-  for (const auto& [parameter, weight] : of) weights[Index(parameter)] = weight;
-  return weights;
-}
-
-double Dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
-  return sum;
-}
-
-std::vector<double> Flat(const RingDownPoint& point) {
-  std::vector<double> flat(point.shared.begin(), point.shared.end());
-  for (const auto& own : point.own) flat.insert(flat.end(), own.begin(), own.end());
-  return flat;
-}
-
-std::vector<bool> LogarithmColumns(std::size_t records) {
-  std::vector<bool> logarithm(kSharedCount + kOwnCount * records, false);
-  std::fill_n(logarithm.begin(), kSharedCount, true);
-  for (std::size_t r = 0; r < records; ++r) logarithm[Column(r, Own::kSpeed)] = true;
-  return logarithm;
-}
-
-// holds as many of the unknowns as the records cannot tell apart: mass, resistance, Km
-RingDownFreedom FindFreedom(const Road& road, std::vector<bool> is_free) {
-  const std::size_t records = road.problem.records().size();
-  const auto logarithm = LogarithmColumns(records);
-  std::size_t nullity = FindIdentifiability(road.jacobian, is_free, logarithm).nullity;
-  for (const Shared parameter : {Shared::kMass, Shared::kResistance, Shared::kForceConstant}) {
-    if (nullity == 0 || !is_free[Index(parameter)]) continue;
-    auto fewer = is_free;
-    fewer[Index(parameter)] = false;
-    const std::size_t left = FindIdentifiability(road.jacobian, fewer, logarithm).nullity;
-    if (left >= nullity) continue;
-    is_free = fewer;
-    nullity = left;
-  }
-  RingDownFreedom freedom;
-  std::copy_n(is_free.begin(), kSharedCount, freedom.shared.begin());
-  for (std::size_t r = 0; r < records; ++r) {
-    freedom.speed.push_back(is_free[Column(r, Own::kSpeed)]);
-  }
-  return freedom;
-}
-
-// each record's noise becomes the root mean square of its residuals
-void Reweight(RingDownProblem& problem, const RingDownPoint& point) {
-  const auto residuals = problem.Residuals(point);
-  std::size_t row = 0;
-  for (std::size_t r = 0; r < problem.records().size(); ++r) {
-    auto& record = problem.records()[r];
-    double square = 0;
-    for (std::size_t n = 0; n < record.times_s.size(); ++n, ++row) {
-      square += residuals[row] * residuals[row];
-    }
-    const double rms = record.noise_v * std::sqrt(square / static_cast<double>(record.times_s.size()));
-    double peak = 0;
-    for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
-    record.noise_v = std::max(rms, 1e-14 * peak);
-  }
-}
-
-// what an input is counted in: its value, 1 + e for a rebound
-double Base(const DropTestInput& input) {
-  return input.kind == Kind::kRebound ? 1 + input.quantity.value : input.quantity.value;
-}
-
-// whether the road depends on the input
-bool Counts(const DropTestInput& input, bool uses_heights) {
-  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound) return uses_heights;
-  return std::isfinite(input.quantity.value) && input.quantity.value > 0;
-}
-
-// the solution's derivative by one input per share of its Base: central difference of the residuals,
-// with a step small enough for fifty cycles' phase to stay linear
-std::vector<double> ChangeByInput(const Road& road, const DropTestModel& model, std::size_t which) {
-  constexpr double kShare = 1e-6;
-  std::vector<std::vector<double>> residuals;
-  std::vector<std::vector<double>> points;
-  for (const double share : {kShare, -kShare}) {
-    auto inputs = model.inputs;
-    inputs[which].quantity.value += share * Base(inputs[which]);
-    RingDownProblem problem = road.problem;
-    RingDownPoint point = road.point;
-    ApplyInputs(inputs, model, road.uses_heights, &problem, &point);
-    residuals.push_back(problem.Residuals(point));
-    points.push_back(Flat(point));
-  }
-  for (std::size_t n = 0; n < residuals[0].size(); ++n) {
-    residuals[0][n] = (residuals[0][n] - residuals[1][n]) / (2 * kShare);
-  }
-  // given parameters move by themselves, the others follow
-  auto change = Response(road.seen, road.jacobian, residuals[0]);
-  for (std::size_t k = 0; k < change.size(); ++k) {
-    change[k] += (points[0][k] - points[1][k]) / (2 * kShare);
-  }
-  return change;
-}
-
-Road Travel(const std::vector<ImpulseRecord>& records, const DropTestModel& model,
-            bool uses_heights) {
-  Road road(MakeProblem(records, model), uses_heights);
-  road.point = StartPoint(model, uses_heights, &road.problem);
-
-  // what can be told from where we stand; then solve, weigh by the residuals, solve again
-  const auto unknown = UnknownColumns(model, uses_heights, road.problem);
-  road.jacobian = road.problem.Linearise(road.point);
-  const auto freedom = FindFreedom(road, unknown);
-  const SolverReport first = road.problem.Minimise(freedom, &road.point);
-  Reweight(road.problem, road.point);
-  road.solver = road.problem.Minimise(freedom, &road.point);
-  road.solver.iterations += first.iterations;
-
-  road.jacobian = road.problem.Linearise(road.point);
-  road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(records.size()));
-  const auto unknowns = static_cast<double>(std::count(unknown.begin(), unknown.end(), true));
-  const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
-  road.variance = Dot(road.jacobian.residuals, road.jacobian.residuals) / std::max(degrees, 1.0);
-  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
-    const bool counts = Counts(model.inputs[k], uses_heights);
-    road.input_changes.push_back(counts ? ChangeByInput(road, model, k)
-                                        : std::vector<double>(road.jacobian.columns, 0.0));
-  }
-  return road;
-}
-
-// a product of powers of the shared parameters with its uncertainties
-FittedValue Evaluate(const Road& road, const DropTestModel& model,
-                     std::initializer_list<std::pair<Shared, double>> of, double factor,
-                     std::string unit) {
-  const auto weights = Weights(road, of);
-  FittedValue value;
-  value.unit = std::move(unit);
-  const double blur = Blur(road.seen, weights);
-  const double statistical = std::sqrt(road.variance * Variance(road.seen, weights));
-  value.determined = road.solver.converged && blur < kMostBlur &&
-                     statistical < kMostRelativeUncertainty;
-  if (!value.determined) return value;
-
-  double square = statistical * statistical + blur * blur;
-  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
-    const auto& input = model.inputs[k];
-    if (!Counts(input, road.uses_heights)) continue;
-    const double change =
-        Dot(weights, road.input_changes[k]) * input.quantity.standard_uncertainty / Base(input);
-    square += change * change;
-  }
-  value.value = factor * std::exp(Dot(weights, Flat(road.point)));
-  value.standard_uncertainty = value.value * statistical;
-  value.combined_standard_uncertainty = value.value * std::sqrt(square);
-  return value;
-}
-
-FittedValue ForceConstant(const Road& road, const DropTestModel& model) {
+FittedValue ForceConstant(const DropTestRoad& road, const DropTestModel& model) {
   return Evaluate(road, model, {{Shared::kForceConstant, 1}}, 1, "N/A");
 }
 
 // the better of the two roads to Km
-Road Choose(std::optional<Road> by_heights, Road by_loads, const DropTestModel& model,
-            std::vector<std::string>& assumptions) {
+DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_loads,
+                    const DropTestModel& model, std::vector<std::string>& assumptions) {
   if (!by_heights) return by_loads;
   const auto heights = ForceConstant(*by_heights, model);
   const auto loads = ForceConstant(by_loads, model);
   const bool prefer_loads =
-      loads.determined &&
-      (!heights.determined ||
-       loads.combined_standard_uncertainty < heights.combined_standard_uncertainty);
+      loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
+                                                      heights.combined_standard_uncertainty);
   if (prefer_loads) {
     assumptions.push_back(fmt::format(
         "Km rests on the loads' damping; with the drop height it would be {:.4g} +- {:.2g} N/A",
@@ -240,39 +64,47 @@ void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assum
 }
 
 // what is not determined, what is instead, and what would help
-void DescribeUndetermined(const Road& road, const DropTestModel& model, DropTestFit& fit) {
+void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
   if (!fit.stiffness.determined && fit.stiffness_over_mass.determined && !model.knows_mass) {
-    fit.undetermined.push_back(fmt::format(
-        "Kv and Bv are determined per kilogram only: state the {}",
-        model.all_free ? "moving mass and the case mass" : "moving mass"));
+    fit.undetermined.push_back(
+        fmt::format("Kv and Bv are determined per kilogram only: state the {}",
+                    model.all_free ? "moving mass and the case mass" : "moving mass"));
   }
   const bool some_loaded = std::any_of(fit.records.begin(), fit.records.end(),
                                        [](const auto& r) { return std::isfinite(r.load_ohm); });
+  if (!some_loaded && !fit.damping_over_mass.determined) {
+    fit.undetermined.emplace_back(
+        "Bv and Q: the record shows no decay beyond its uncertainty; record at least three decay"
+        " times of one free ring-down");
+  }
   if (some_loaded && !fit.damping_over_mass.determined) {
     std::string missing = model.knows_resistance ? "" : " or state the coil's resistance";
     if (!model.knows_heights) missing = " or state the drop height and the coil's resistance";
-    fit.undetermined.push_back(fmt::format(
-        "Bv and Km: only (Bv + Km^2/(R+RL))/M = {:.6g} 1/s is determined ({}); record an open circuit"
-        " too{}",
-        2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
+    fit.undetermined.push_back(
+        fmt::format("Bv and Km: only (Bv + Km^2/(R+RL))/M = {:.6g} 1/s is determined ({}); record "
+                    "an open circuit"
+                    " too{}",
+                    2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
   }
   if (fit.force_constant.determined) return;
   auto product = Weights(road, {{Shared::kForceConstant, 1}});
   product[Column(0, Own::kSpeed)] = 1;
-  if (!some_loaded && Blur(road.seen, product) < kMostBlur) {
-    fit.undetermined.push_back(fmt::format(
-        "Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the drop height, or"
-        " record again with 27 to 50 ohm across the terminals",
-        std::exp(Dot(product, Flat(road.point))), fit.records[0].name));
+  if (!some_loaded && IsSeen(road, product)) {
+    fit.undetermined.push_back(
+        fmt::format("Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the "
+                    "drop height, or"
+                    " record again with 27 to 50 ohm across the terminals",
+                    std::exp(LogarithmAt(road, product)), fit.records[0].name));
   } else if (fit.damping_over_mass.determined) {
     fit.undetermined.emplace_back(
-        "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass or"
+        "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass "
+        "or"
         " the coil's resistance; state those, or record with 27 to 50 ohm across the terminals");
   }
 }
 
-FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start, const Road& road,
-                            std::size_t r) {
+FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
+                            const DropTestRoad& road, std::size_t r) {
   const auto& samples = road.problem.records()[r];
   const auto& own = road.point.own[r];
   const auto& shared = road.point.shared;
@@ -299,7 +131,7 @@ FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
 
   std::vector<double> speed(road.jacobian.columns, 0.0);
   speed[Column(r, Own::kSpeed)] = 1;
-  fitted.speed_determined = Blur(road.seen, speed) < kMostBlur;
+  fitted.speed_determined = IsSeen(road, speed);
   fitted.impact_speed_m_per_s = std::exp(own[Index(Own::kSpeed)]);
 
   // the model at every sample, measured or not; the residual at the measured ones
@@ -319,11 +151,11 @@ FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
   return fitted;
 }
 
-void DescribeInfluences(const Road& road, const DropTestModel& model, DropTestFit& fit) {
+void DescribeInfluences(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
   constexpr std::array kOf{Shared::kStiffness, Shared::kDamping, Shared::kForceConstant};
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const auto& input = model.inputs[k];
-    if (!Counts(input, road.uses_heights)) continue;
+    if (!DependsOn(road, input)) continue;
     InputInfluence influence{.input = input.name,
                              .value = input.quantity.value,
                              .standard_uncertainty = input.quantity.standard_uncertainty,
@@ -356,9 +188,9 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   if (!model) return std::unexpected(model.error());
   DropTestFit fit;
   fit.assumptions = model->assumptions;
-  std::optional<Road> by_heights;
+  std::optional<DropTestRoad> by_heights;
   if (model->knows_heights) by_heights = Travel(records, *model, true);
-  const Road road =
+  const DropTestRoad road =
       Choose(std::move(by_heights), Travel(records, *model, false), *model, fit.assumptions);
   if (road.uses_heights) DescribeHeights(*model, fit.assumptions);
 
@@ -372,8 +204,9 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
       Evaluate(road, *model, {{Shared::kDamping, 1}, {Shared::kMass, -1}}, 1, "1/s");
   fit.natural_frequency = Evaluate(road, *model, {{Shared::kStiffness, 0.5}, {Shared::kMass, -0.5}},
                                    0.5 / std::numbers::pi, "Hz");
-  fit.quality_factor = Evaluate(
-      road, *model, {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
+  fit.quality_factor =
+      Evaluate(road, *model,
+               {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
   for (std::size_t r = 0; r < records.size(); ++r) {
     fit.records.push_back(DescribeRecord(records[r], model->starts[r], road, r));
   }
@@ -382,7 +215,8 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   if (fit.force_constant.determined &&
       fit.force_constant.standard_uncertainty > kLopsidedUncertainty * fit.force_constant.value) {
     fit.assumptions.emplace_back(
-        "Km is uncertain by more than 5 %: its interval is lopsided, because the data speak of Km^2");
+        "Km is uncertain by more than 5 %: its interval is lopsided, because the data speak of "
+        "Km^2");
   }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;

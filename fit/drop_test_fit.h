@@ -13,18 +13,19 @@ namespace haptometer::fit {
 /// A constant from the fit. Nothing but `unit` means anything where `determined` is false.
 struct FittedValue {
   double value = 0;
-  double standard_uncertainty = 0;           ///< statistical: from the records' noise alone (type A)
-  double combined_standard_uncertainty = 0;  ///< with masses, ohms, height and rebound (type A and B)
+  double standard_uncertainty = 0;  ///< statistical: from the records' noise alone (type A)
+  double combined_standard_uncertainty =
+      0;  ///< with masses, ohms, height and rebound (type A and B)
   std::string unit;
   bool determined = false;
 };
 
 /// What one given input does to the results.
 struct InputInfluence {
-  std::string input;         ///< "moving mass", "load 33 ohm", ...
-  double value = 0;          ///< in SI units
+  std::string input;                ///< "moving mass", "load", "drop height", ...
+  double value = 0;                 ///< in SI units
   double standard_uncertainty = 0;  ///< in SI units; 0: stated as exact
-  std::string unit;          ///< SI unit
+  std::string unit;                 ///< SI unit
   /// Percent by which Kv, Bv and Km change when the input grows by 1 percent (of 1 + e for the
   /// rebound e).
   std::array<double, 3> percent_per_percent{};
@@ -33,37 +34,38 @@ struct InputInfluence {
 /// How one record was read and met.
 struct FittedRecord {
   std::string name;
-  double load_ohm = 0;             ///< infinite: open
-  double impact_s = 0;             ///< on the record's own time axis
+  double load_ohm = 0;              ///< infinite: open
+  double impact_s = 0;              ///< on the record's own time axis
   double impact_speed_m_per_s = 0;  ///< of mover against case, its magnitude; see below
-  bool speed_determined = false;   ///< whether the impact speed is known or measured
+  bool speed_determined = false;    ///< whether the impact speed is known or measured
   double offset_v = 0;
   double decay_per_s = 0;          ///< of this record, with its load
   double damped_frequency_hz = 0;  ///< 0 where it does not oscillate
   double residual_rms_v = 0;       ///< over the fitted samples
-  double quiet_noise_v = 0;        ///< RMS of the noise before the impact; 0 where nothing precedes it
-  double peak_v = 0;               ///< largest distance from the offset in the fitted stretch
-  std::size_t first_sample = 0;    ///< the fitted samples: first_sample to the record's end
-  std::size_t samples = 0;         ///< fitted, measurements only
-  std::vector<double> model_v;     ///< for every sample from first_sample on, offset included
+  double quiet_noise_v = 0;  ///< RMS of the noise before the impact; 0 where nothing precedes it
+  double peak_v = 0;         ///< largest distance from the offset in the fitted stretch
+  std::size_t first_sample = 0;  ///< the fitted samples: first_sample to the record's end
+  std::size_t samples = 0;       ///< fitted, measurements only
+  std::vector<double> model_v;   ///< for every sample from first_sample on, offset included
 };
 
 /// What a set of drops says about an actuator.
 struct DropTestFit {
-  FittedValue stiffness;        ///< Kv, N/m
-  FittedValue damping;          ///< Bv, N s/m: mechanical, without the load's share
-  FittedValue force_constant;   ///< |Km|, N/A
+  FittedValue stiffness;            ///< Kv, N/m
+  FittedValue damping;              ///< Bv, N s/m: mechanical, without the load's share
+  FittedValue force_constant;       ///< |Km|, N/A
   FittedValue stiffness_over_mass;  ///< Kv/M, 1/s^2
   FittedValue damping_over_mass;    ///< Bv/M, 1/s
   FittedValue natural_frequency;    ///< sqrt(Kv/M)/2pi, Hz
   FittedValue quality_factor;       ///< sqrt(Kv M)/Bv with an open circuit
-  std::string mass_symbol;      ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
+  std::string mass_symbol;          ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
   std::vector<InputInfluence> influences;
-  std::vector<std::string> assumptions;   ///< sentences
-  std::vector<std::string> undetermined;  ///< sentences: what is not determined, what is, what would help
+  std::vector<std::string> assumptions;  ///< sentences
+  std::vector<std::string>
+      undetermined;  ///< sentences: what is not determined, what is, what would help
   bool converged = false;
-  std::string termination;      ///< the solver's reason to stop
+  std::string termination;  ///< the solver's reason to stop
   int iterations = 0;
   double chi_square_per_degree = 0;  ///< against the noise before the impact; 0 where none was seen
 };
@@ -71,8 +73,8 @@ struct DropTestFit {
 /// Fits the drop-test model (sim/ring_down.h) to all records together.
 ///
 /// Kv, Bv, Km (and the mass and the coil's resistance where these are not given) are shared; each
-/// record has its own impact speed, impact time and offset. A stated drop height h fixes the speed at
-/// (1 + e) sqrt(2 g h), g = 9.80665 m/s^2; a rebound e that is not stated is taken as 0 with the
+/// record has its own impact speed, impact time and offset. A stated drop height h fixes the speed
+/// at (1 + e) sqrt(2 g h), g = 9.80665 m/s^2; a rebound e that is not stated is taken as 0 with the
 /// standard uncertainty 0.3/sqrt(3) of a uniform ignorance between 0 and 0.3. Where Km follows from
 /// both the heights and the loads, the road with the smaller combined uncertainty is taken.
 ///
@@ -83,9 +85,9 @@ struct DropTestFit {
 /// standard uncertainties through the same Jacobian; the two add as squares (JCGM 100:2008, 5.1.2).
 ///
 /// Errors (Cause::kCannotAnswer): no records; no ring-down found in one (nothing above the noise,
-/// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and free
-/// cases together without both masses. One sample costs about 1 us an iteration; memory 130 bytes a
-/// sample and record.
+/// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and
+/// free cases together without both masses. One sample costs about 1 us an iteration; memory 130
+/// bytes a sample and record.
 [[nodiscard]] Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
                                               const ActuatorKnowns& knowns);
 

@@ -37,14 +37,10 @@ void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestMod
   if (!record.load_ohm) {
     model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
   }
-  const std::string load_name =
-      std::isinf(load.value) ? "open circuit" : fmt::format("load {:g} ohm", load.value);
-  AddInput(model.inputs, Kind::kLoad, load_name, "ohm", load, index);
+  AddInput(model.inputs, Kind::kLoad, "load", "ohm", load, index);
   if (!record.drop_height_m) return;
   model.knows_heights = true;
-  AddInput(model.inputs, Kind::kHeight,
-           fmt::format("drop height {:g} mm", record.drop_height_m->value * 1e3), "m",
-           *record.drop_height_m, index);
+  AddInput(model.inputs, Kind::kHeight, "drop height", "m", *record.drop_height_m, index);
   const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
   AddInput(model.inputs, Kind::kRebound, record.rebound ? "rebound" : "rebound (not stated)", "",
            rebound, index);
@@ -55,8 +51,8 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
                             const std::optional<Quantity>& quantity) {
     if (quantity) model.inputs.push_back({kind, name, unit, *quantity, {}});
   };
-  const bool all_held = std::count(model.conditions.begin(), model.conditions.end(),
-                                   CaseCondition::kFree) == 0;
+  const bool all_held =
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree) == 0;
   if (model.knows_mass) {
     add(Kind::kMovingMass, "moving mass", "kg", knowns.moving_mass_kg);
     if (!all_held) add(Kind::kCaseMass, "case mass", "kg", knowns.case_mass_kg);
@@ -65,7 +61,8 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
     add(Kind::kResistance, "coil resistance", "ohm", knowns.resistance_ohm);
     add(Kind::kInductance, "coil inductance", "H", knowns.inductance_h);
     if (!knowns.inductance_h) {
-      model.assumptions.emplace_back("coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
+      model.assumptions.emplace_back(
+          "coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
     }
   }
 }
@@ -86,10 +83,11 @@ void AddConditions(const std::vector<ImpulseRecord>& records, const ActuatorKnow
   if (!assumed) return;
   std::string other = "Kv and Bv would be smaller by the factor Mc/(Mv+Mc)";
   if (both) {
-    const double ratio = knowns.case_mass_kg->value /
-                         (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
-    other = fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
-                        ratio, std::sqrt(ratio));
+    const double ratio =
+        knowns.case_mass_kg->value / (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
+    other =
+        fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
+                    ratio, std::sqrt(ratio));
   }
   model.assumptions.push_back(
       "case held (not stated, and no record of one phase can tell); had it been free, " + other);
@@ -150,6 +148,35 @@ DampingLine FitDampingLine(const std::vector<double>& conductances,
   return line;
 }
 
+// what the records' poles and amplitudes say before any fit, referred to the problem's M
+struct PoleSummary {
+  double stiffness_over_mass = 0;  // mean of the records
+  std::vector<double> conductances;
+  std::vector<double> dampings;          // (Bv + Km^2/(R+RL))/M of each record
+  std::optional<double> force_constant;  // mean over the records with a known impact speed
+};
+
+PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem,
+                      const RingDownPoint& point) {
+  PoleSummary summary;
+  double sum = 0;
+  int heights = 0;
+  for (std::size_t r = 0; r < model.starts.size(); ++r) {
+    const RingStart& start = model.starts[r];
+    const RingDownSamples& record = problem.records()[r];
+    summary.conductances.push_back(Conductance(record, point));
+    summary.dampings.push_back(2 * start.poles.decay_per_s * record.mass_ratio);
+    summary.stiffness_over_mass +=
+        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(model.starts.size());
+    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
+    if (std::isnan(speed)) continue;
+    sum += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
+    ++heights;
+  }
+  if (heights > 0) summary.force_constant = sum / heights;
+  return summary;
+}
+
 }  // namespace
 
 Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
@@ -165,8 +192,8 @@ Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& record
     some_loaded = some_loaded || (records[r].load_ohm && std::isfinite(records[r].load_ohm->value));
   }
   AddConditions(records, knowns, model);
-  const bool some_held = std::count(model.conditions.begin(), model.conditions.end(),
-                                    CaseCondition::kHeld) > 0;
+  const bool some_held =
+      std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kHeld) > 0;
   if (some_held && model.conditions.size() > 1 && !model.all_free && !model.knows_mass &&
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree) > 0) {
     return CannotAnswer("", "held and free cases together need both masses",
@@ -233,11 +260,9 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
   }
 }
 
-RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
-                         RingDownProblem* problem) {
-  const std::size_t count = model.starts.size();
+RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
   RingDownPoint point;
-  point.own.assign(count, {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  point.own.assign(model.starts.size(), {std::numeric_limits<double>::quiet_NaN(), 0, 0});
   // an unknown coil resistance starts as large as a load
   for (const auto& input : model.inputs) {
     if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
@@ -247,42 +272,24 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
   ApplyInputs(model.inputs, model, use_heights, problem, &point);
   const double mass = std::exp(point.shared[Index(Shared::kMass)]);
 
-  // poles of each record, referred to M
-  double stiffness_over_mass = 0;
-  double height_km = 0;
-  int heights = 0;
-  std::vector<double> conductances(count);
-  std::vector<double> dampings(count);
-  for (std::size_t r = 0; r < count; ++r) {
-    const RingStart& start = model.starts[r];
-    const RingDownSamples& record = problem->records()[r];
-    conductances[r] = Conductance(record, point);
-    dampings[r] = 2 * start.poles.decay_per_s * record.mass_ratio;
-    stiffness_over_mass +=
-        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(count);
-    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
-    if (std::isnan(speed)) continue;
-    height_km += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
-    ++heights;
-  }
-
-  DampingLine line = FitDampingLine(conductances, dampings);
+  const PoleSummary poles = Summarise(model, *problem, point);
+  DampingLine line = FitDampingLine(poles.conductances, poles.dampings);
   double km = line.slope > 0 ? std::sqrt(line.slope * mass) : 1.0;
   double start_mass = mass;  // 1 kg where nothing tells
-  if (heights > 0) {
-    km = height_km / heights;
+  if (poles.force_constant) {
+    km = *poles.force_constant;
     if (!model.knows_mass && line.has_slope) start_mass = km * km / line.slope;
   }
   point.shared[Index(Shared::kMass)] = std::log(start_mass);
-  point.shared[Index(Shared::kStiffness)] = std::log(stiffness_over_mass * start_mass);
+  point.shared[Index(Shared::kStiffness)] = std::log(poles.stiffness_over_mass * start_mass);
   // with Km from a height, the load's share of a single damping follows
-  if (!line.has_slope && heights > 0) {
-    const double electric = km * km / start_mass * conductances[0];
-    line.foot = std::max(dampings[0] - electric, 0.05 * dampings[0]);
+  if (!line.has_slope && poles.force_constant) {
+    const double electric = km * km / start_mass * poles.conductances[0];
+    line.foot = std::max(poles.dampings[0] - electric, 0.05 * poles.dampings[0]);
   }
   point.shared[Index(Shared::kDamping)] = std::log(line.foot * start_mass);
   point.shared[Index(Shared::kForceConstant)] = std::log(km);
-  for (std::size_t r = 0; r < count; ++r) {
+  for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
     own[Index(Own::kImpact)] = model.starts[r].impact_s;
     own[Index(Own::kOffset)] = model.starts[r].offset_v;

@@ -38,13 +38,13 @@ struct DropTestInput {
 /// The records of a drop test with their start values and everything that is given, as a
 /// least-squares problem whose given numbers can be changed one at a time.
 struct DropTestModel {
-  std::vector<RingStart> starts;       ///< one a record
+  std::vector<RingStart> starts;  ///< one a record
   std::vector<CaseCondition> conditions;
   std::vector<DropTestInput> inputs;
-  bool knows_mass = false;             ///< M of the problem is given
-  bool knows_resistance = false;       ///< R is given, or no record has a finite load
-  bool knows_heights = false;          ///< some record has a drop height
-  bool all_free = false;               ///< M is the reduced mass
+  bool knows_mass = false;        ///< M of the problem is given
+  bool knows_resistance = false;  ///< R is given, or no record has a finite load
+  bool knows_heights = false;     ///< some record has a drop height
+  bool all_free = false;          ///< M is the reduced mass
   std::vector<std::string> assumptions;
 };
 
@@ -63,8 +63,9 @@ struct DropTestModel {
 void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
                  bool use_heights, RingDownProblem* problem, RingDownPoint* point);
 
-/// Applies the inputs to the problem and gives start values: Kv and the total damping from the poles, Km from the heights or from the line of
-/// damping over 1/(R + RL): Km^2 = M d(2 decay)/d(1/(R+RL)), 1 N/A where neither speaks.
+/// Applies the inputs to the problem and gives start values: Kv and the total damping from the
+/// poles, Km from the heights or from the line of damping over 1/(R + RL): Km^2 = M d(2
+/// decay)/d(1/(R+RL)), 1 N/A where neither speaks.
 [[nodiscard]] RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
                                        RingDownProblem* problem);
 

@@ -48,8 +48,8 @@ class HeaderReader {
     }
     if (*field && !((*field)->value >= least && (*field)->value <= most)) {
       Keep(CannotAnswer(name_ + ": " + key, fmt::format("{} is out of range", (*field)->value),
-                        least > 0 ? "it must be positive" : fmt::format("it lies from {} to {}",
-                                                                        least, most))
+                        least > 0 ? "it must be positive"
+                                  : fmt::format("it lies from {} to {}", least, most))
                .error());
       return {};
     }
@@ -104,8 +104,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.load_ohm = header.Read("load_ohm", Dimension::kResistance, kSmallest, open);
   file.record.drop_height_m = header.Read("drop_height_m", Dimension::kLength, kSmallest, kLargest);
   file.record.rebound = header.Read("rebound", Dimension::kNone, 0, 1);
-  file.knowns.moving_mass_kg =
-      header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);
+  file.knowns.moving_mass_kg = header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.case_mass_kg = header.Read("case_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.resistance_ohm =
       header.Read("resistance_ohm", Dimension::kResistance, kSmallest, kLargest);

@@ -22,14 +22,14 @@ enum class CaseCondition : std::uint8_t {
 
 /// One drop: the terminal voltage of an actuator over time, and what is known of that drop.
 struct ImpulseRecord {
-  std::string name;     ///< the file, for messages
-  double start_s = 0;   ///< time of the first sample
-  double step_s = 0;    ///< between samples, > 0
-  std::vector<double> voltage_v;          ///< NaN where there is no measurement
-  std::optional<Quantity> load_ohm;       ///< across the terminals; infinite: open; absent: not stated
+  std::string name;                  ///< the file, for messages
+  double start_s = 0;                ///< time of the first sample
+  double step_s = 0;                 ///< between samples, > 0
+  std::vector<double> voltage_v;     ///< NaN where there is no measurement
+  std::optional<Quantity> load_ohm;  ///< across the terminals; infinite: open; absent: not stated
   std::optional<CaseCondition> condition;  ///< absent: not stated
-  std::optional<Quantity> drop_height_m;  ///< of the free fall before the impact
-  std::optional<Quantity> rebound;        ///< e: the case leaves the stop with e times its speed; 0-1
+  std::optional<Quantity> drop_height_m;   ///< of the free fall before the impact
+  std::optional<Quantity> rebound;  ///< e: the case leaves the stop with e times its speed; 0-1
 };
 
 /// What is known of the actuator apart from its ring-downs. Absent: unknown.

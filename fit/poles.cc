@@ -96,8 +96,8 @@ std::optional<double> StrongestFrequency(const std::vector<double>& values, doub
   const auto power = PowerSpectrum(values, &length);
   // two periods a record are two record lengths' worth of padded lines
   const std::size_t lowest = 2 * length / values.size();
-  const auto peak = std::max_element(power.begin() + static_cast<std::ptrdiff_t>(lowest),
-                                     power.end());
+  const auto peak =
+      std::max_element(power.begin() + static_cast<std::ptrdiff_t>(lowest), power.end());
   if (!(*peak > 0)) return std::nullopt;
   return static_cast<double>(peak - power.begin()) / (static_cast<double>(length) * step_s);
 }
@@ -107,8 +107,8 @@ std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double 
   if (!frequency_hz) return std::nullopt;
   const double period_samples = 1 / (*frequency_hz * step_s);
   const auto wanted = static_cast<std::size_t>(period_samples / kSamplesPerPeriod);
-  const std::size_t block = std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(
-                                                                   values.size() / 100, 1));
+  const std::size_t block =
+      std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(values.size() / 100, 1));
   const Eigen::Matrix2d advance = Advance(BlockMeans(values, block));
   const auto poles =
       PolesOf(advance.trace(), advance.determinant(), static_cast<double>(block) * step_s);

@@ -20,8 +20,8 @@ struct PolePair {
 
 /// Start values of one damped oscillation by the matrix pencil.
 ///
-/// The record is averaged in blocks down to about 8 samples a period and at most 400 samples; of its
-/// Hankel matrix (N - L) x (L + 1), L = N/3, the two leading right singular vectors V span the
+/// The record is averaged in blocks down to about 8 samples a period and at most 400 samples; of
+/// its Hankel matrix (N - L) x (L + 1), L = N/3, the two leading right singular vectors V span the
 /// signal, and the poles' powers z are the eigenvalues of V1^+ V2 (V without its last and its first
 /// row); trace and determinant of that 2 x 2 matrix give the polynomial, so a double pole is not
 /// special. Y. Hua, T. K. Sarkar, IEEE Trans. ASSP 38 (1990) 814-824. Efficient to about 1.1 of the

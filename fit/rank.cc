@@ -12,8 +12,10 @@ namespace {
 using Position = Eigen::Index;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// below this share of the largest singular value a direction is invisible
+// below this share of the largest singular value a direction has none
 constexpr double kZeroShare = 1e-9;
+// a direction is unseen when one standard deviation along it is more than a factor e of a parameter
+constexpr double kMostLogarithm = 1.0;
 
 Eigen::Map<const RowMajor> View(const Jacobian& jacobian) {
   return {jacobian.values.data(), static_cast<Position>(jacobian.rows),
@@ -39,7 +41,8 @@ RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logar
   }
   if (directions.rows() == 0) return directions;
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
-  const Position rank = (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
+  const Position rank =
+      (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
   return svd.matrixV().leftCols(rank).transpose();
 }
 
@@ -52,35 +55,51 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
                    is_logarithm.size());
   const auto columns = FreeColumns(is_free);
   Eigen::MatrixXd scaled = View(jacobian)(Eigen::all, columns);
-  // unit columns; an empty one stays empty
+  // unit columns; one that alone is unseen becomes empty, lest its rounding drown the others
   Eigen::VectorXd lengths = scaled.colwise().norm();
   for (Position k = 0; k < lengths.size(); ++k) {
-    if (lengths[k] == 0) lengths[k] = 1;
-    scaled.col(k) /= lengths[k];
+    const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(k)]);
+    const bool empty = lengths[k] == 0 || (is_logarithm[column] && lengths[k] * kMostLogarithm < 1);
+    if (empty) lengths[k] = 1;
+    scaled.col(k) *= empty ? 0 : 1 / lengths[k];
   }
   const Position free_count = scaled.cols();
   const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(scaled);
   const Eigen::MatrixXd triangle =
       qr.matrixQR().topRows(free_count).template triangularView<Eigen::Upper>();
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
-  const Eigen::VectorXd values = svd.singularValues();
-  const Position rank = (values.array() > kZeroShare * values[0]).count();
+  const Eigen::VectorXd& values = svd.singularValues();
 
-  // (J'J)^+ = D^-1 V S^-2 V' D^-1 on the visible directions
+  // a standard deviation along each direction, in the parameters' own units
   const Eigen::MatrixXd directions = lengths.cwiseInverse().asDiagonal() * svd.matrixV();
-  const Eigen::MatrixXd seen =
-      directions.leftCols(rank) * values.head(rank).cwiseInverse().asDiagonal();
+  std::vector<Position> seen;
+  std::vector<Position> unseen;
+  for (Position k = 0; k < free_count; ++k) {
+    double most = 0;
+    for (Position j = 0; j < free_count; ++j) {
+      const auto column = static_cast<std::size_t>(columns[static_cast<std::size_t>(j)]);
+      if (is_logarithm[column]) most = std::max(most, std::abs(directions(j, k)));
+    }
+    const bool is_seen = values[k] > kZeroShare * values[0] && most <= kMostLogarithm * values[k];
+    (is_seen ? seen : unseen).push_back(k);
+  }
+
+  // (J'J)^+ = D^-1 V S^-2 V' D^-1 on the seen directions
+  const Eigen::VectorXd seen_values = values(seen);
+  const Eigen::MatrixXd deviations =
+      directions(Eigen::all, seen) * seen_values.cwiseInverse().asDiagonal();
   const auto all = static_cast<Position>(jacobian.columns);
   RowMajor covariance = RowMajor::Zero(all, all);
-  covariance(columns, columns) = seen * seen.transpose();
-  RowMajor unseen = RowMajor::Zero(free_count - rank, all);
-  unseen(Eigen::all, columns) = directions.rightCols(free_count - rank).transpose();
+  covariance(columns, columns) = deviations * deviations.transpose();
+  RowMajor null_directions = RowMajor::Zero(std::ssize(unseen), all);
+  null_directions(Eigen::all, columns) = directions(Eigen::all, unseen).transpose();
+  for (Position k = 0; k < null_directions.rows(); ++k) null_directions.row(k).normalize();
 
   return {.columns = jacobian.columns,
           .singular_values = {values.data(), values.data() + values.size()},
-          .nullity = static_cast<std::size_t>(free_count - rank),
+          .nullity = unseen.size(),
           .covariance = ToRowMajor(covariance),
-          .null_directions = ToRowMajor(LogarithmicBasis(unseen, is_logarithm))};
+          .null_directions = ToRowMajor(LogarithmicBasis(null_directions, is_logarithm))};
 }
 
 double Blur(const Identifiability& identifiability, const std::vector<double>& weights) {

@@ -12,7 +12,7 @@ namespace haptometer::fit {
 struct Identifiability {
   std::size_t columns = 0;
   std::vector<double> singular_values;  ///< of the column-scaled Jacobian, largest first
-  std::size_t nullity = 0;              ///< free directions that leave every residual unchanged
+  std::size_t nullity = 0;              ///< free directions that the residuals do not see
   /// (columns x columns), row-major: the pseudo-inverse of J'J on the free columns. Times the
   /// residual variance it is the covariance of every determined combination.
   std::vector<double> covariance;
@@ -23,16 +23,19 @@ struct Identifiability {
 
 /// Reads rank, covariance and null space off the singular values of the column-scaled Jacobian.
 ///
-/// Each free column is divided by its length first, so units play no part; a singular value below
-/// 1e-9 of the largest counts as zero (automatic derivatives are good to 1e-13), and so does an empty
-/// column. `is_logarithm` marks the columns whose unit is a relative change.
+/// Each free column is divided by its length first, so units play no part. A direction is unseen
+/// when its singular value is below 1e-9 of the largest (automatic derivatives are good to 1e-13),
+/// or when one standard deviation along it, the residuals being in units of the noise, is more than
+/// a factor e of one of the parameters that `is_logarithm` marks.
+///
 /// Cost: one QR of the Jacobian; memory as much as the Jacobian.
 [[nodiscard]] Identifiability FindIdentifiability(const Jacobian& jacobian,
                                                   const std::vector<bool>& is_free,
                                                   const std::vector<bool>& is_logarithm);
 
 /// How far sum(weights * parameters) moves, at most, along the directions that no record sees, when
-/// these are passed through by a factor e: 0 for a determined combination, up to the weights' length.
+/// these are passed through by a factor e: 0 for a determined combination, up to the weights'
+/// length.
 [[nodiscard]] double Blur(const Identifiability& identifiability,
                           const std::vector<double>& weights);
 
@@ -40,7 +43,8 @@ struct Identifiability {
 [[nodiscard]] double Variance(const Identifiability& identifiability,
                               const std::vector<double>& weights);
 
-/// First-order response of the solution to a change of the residuals: -(J'J)^+ J' change, per column.
+/// First-order response of the solution to a change of the residuals: -(J'J)^+ J' change, per
+/// column.
 [[nodiscard]] std::vector<double> Response(const Identifiability& identifiability,
                                            const Jacobian& jacobian,
                                            const std::vector<double>& residual_change);

@@ -41,13 +41,16 @@ struct Residual {
   const RingDownSamples* record;
   double inductance_h;
 
+  // false, a rejected step, where a trial point is so far away that the voltage overflows
   template <typename T>
   bool operator()(const T* shared, const T* own, T* residuals) const {
+    using std::isfinite;
     const auto circuit = Circuit(*record, inductance_h, shared);
     for (std::size_t n = 0; n < record->times_s.size(); ++n) {
-      residuals[n] = (Voltage(circuit, record->polarity, own, record->times_s[n]) -
-                      record->voltages_v[n]) /
-                     record->noise_v;
+      residuals[n] =
+          (Voltage(circuit, record->polarity, own, record->times_s[n]) - record->voltages_v[n]) /
+          record->noise_v;
+      if (!isfinite(residuals[n])) return false;
     }
     return true;
   }
@@ -162,8 +165,7 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
   const auto circuit = Circuit(records_[record], inductance_h_, point.shared.data());
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] =
-        Voltage(circuit, records_[record].polarity, point.own[record].data(), times_s[n]);
+    voltages[n] = Voltage(circuit, records_[record].polarity, point.own[record].data(), times_s[n]);
   }
   return voltages;
 }

@@ -37,10 +37,10 @@ inline constexpr std::size_t kOwnCount = 3;
 struct RingDownSamples {
   std::vector<double> times_s;
   std::vector<double> voltages_v;
-  double noise_v = 1;      ///< standard deviation; residuals are divided by it
-  double load_ohm = 0;     ///< infinite: open
-  double mass_ratio = 1;   ///< the record's ringing mass is mass_ratio * M
-  double polarity = 1;     ///< +1 or -1: sign of the voltage's first half period
+  double noise_v = 1;     ///< standard deviation; residuals are divided by it
+  double load_ohm = 0;    ///< infinite: open
+  double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M
+  double polarity = 1;    ///< +1 or -1: sign of the voltage's first half period
 };
 
 /// A point in parameter space, or a direction.
@@ -55,8 +55,8 @@ struct RingDownFreedom {
   std::vector<bool> speed;  ///< one a record
 };
 
-/// Derivatives of the weighted residuals, rows x columns, row-major. Columns: the shared parameters,
-/// then three a record (see Column).
+/// Derivatives of the weighted residuals, rows x columns, row-major. Columns: the shared
+/// parameters, then three a record (see Column).
 struct Jacobian {
   std::size_t rows = 0;
   std::size_t columns = 0;
@@ -77,8 +77,8 @@ struct SolverReport {
 };
 
 /// All records of a drop test as one least-squares problem over the circuit model of
-/// sim/ring_down.h:  voltage = offset - polarity v0 u(t - impact) / v0, so that it begins with the sign
-/// of `polarity`.
+/// sim/ring_down.h:  voltage = offset - polarity v0 u(t - impact) / v0, so that it begins with the
+/// sign of `polarity`.
 ///
 /// Derivatives are automatic. The only file of the program that includes Ceres is this one's .cc.
 class RingDownProblem {

@@ -84,11 +84,12 @@ LinearFit FitLinear(const std::vector<double>& values, double step_s, const Pole
   const Eigen::Map<const Eigen::VectorXd> samples(values.data(), count);
   const Eigen::Vector3d fitted = basis.householderQr().solve(samples);
   const Eigen::VectorXd ringing = basis.leftCols(2) * fitted.head(2);
-  return {.even_v = fitted[0],
-          .odd_v_per_s = fitted[1],
-          .offset_v = fitted[2],
-          .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
-          .energy_v2 = ringing.squaredNorm()};
+  return {
+      .even_v = fitted[0],
+      .odd_v_per_s = fitted[1],
+      .offset_v = fitted[2],
+      .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
+      .energy_v2 = ringing.squaredNorm()};
 }
 
 // the instant nearest to `near_s` at which the displacement behind that voltage is zero
@@ -114,16 +115,46 @@ std::unexpected<Error> Unfit(const ImpulseRecord& record, std::string what, std:
   return CannotAnswer(record.name, std::move(what), std::move(remedy));
 }
 
-// whether what follows the blow is long and dense enough
-Result<void> CheckSampling(const ImpulseRecord& record, std::size_t samples, double frequency_hz) {
-  const double periods = static_cast<double>(samples) * record.step_s * frequency_hz;
-  const double per_period = 1 / (frequency_hz * record.step_s);
+// the blow and what precedes it, in samples
+struct Blow {
+  std::size_t sample = 0;  // the first behind it
+  double middle_v = 0;     // median of the record
+  double frequency_hz = 0;
+  double period_samples = 0;
+};
+
+Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& values) {
+  Blow blow;
+  blow.middle_v = Median(values);
+  blow.sample = FindBlow(values, blow.middle_v);
+  const auto frequency_hz =
+      StrongestFrequency(From(values, blow.sample, blow.middle_v), record.step_s);
+  if (!frequency_hz) {
+    return Unfit(record, "shows no ring-down",
+                 "the voltage must jump and then decay for at least 32 samples");
+  }
+  blow.frequency_hz = *frequency_hz;
+  blow.period_samples = 1 / (*frequency_hz * record.step_s);
+  const double periods = static_cast<double>(values.size() - blow.sample) / blow.period_samples;
   if (periods < kLeastPeriods) {
     return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),
                  "record at least three decay times");
   }
-  if (per_period < kLeastSamplesPerPeriod) {
-    return Unfit(record, fmt::format("has only {:.1f} samples a period", per_period),
+  return blow;
+}
+
+// whether the ring-down stands out of the noise and is sampled densely enough
+Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const LinearFit& fit) {
+  const double energy = fit.energy_v2 / (fit.residual_rms_v * fit.residual_rms_v);
+  if (energy < kLeastEnergy) {
+    return Unfit(
+        record,
+        fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
+                    blow.frequency_hz, energy),
+        "record a stronger blow or a smaller voltage range (50 times is the least)");
+  }
+  if (blow.period_samples < kLeastSamplesPerPeriod) {
+    return Unfit(record, fmt::format("has only {:.1f} samples a period", blow.period_samples),
                  "sample faster, at least 10 times the resonance");
   }
   return {};
@@ -139,42 +170,30 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
                  "a ring-down needs at least 32 samples");
   }
   const auto values = Filled(record.voltage_v);
-  const double middle = Median(values);
-  const std::size_t blow = FindBlow(values, middle);
-  const auto frequency_hz = StrongestFrequency(From(values, blow, middle), record.step_s);
-  if (!frequency_hz) {
-    return Unfit(record, "shows no ring-down",
-                 "the voltage must jump and then decay for at least 32 samples");
-  }
-  if (auto dense = CheckSampling(record, values.size() - blow, *frequency_hz); !dense) {
-    return std::unexpected(dense.error());
-  }
+  const auto blow = LocateBlow(record, values);
+  if (!blow) return std::unexpected(blow.error());
 
+  // an eighth of a period behind the blow the fit begins; a quarter before it the quiet ends
   RingStart start;
-  const double period_samples = 1 / (*frequency_hz * record.step_s);
-  const auto eighth = static_cast<std::size_t>(std::ceil(period_samples / 8));
-  start.first_sample = blow + eighth;
-  start.quiet_samples = blow > 2 * eighth ? blow - 2 * eighth : 0;
+  const auto eighth = static_cast<std::size_t>(std::ceil(blow->period_samples / 8));
+  start.first_sample = blow->sample + eighth;
+  start.quiet_samples = blow->sample > 2 * eighth ? blow->sample - 2 * eighth : 0;
   if (start.quiet_samples < kLeastQuietSamples) start.quiet_samples = 0;
   if (start.quiet_samples > 0) start.quiet_noise_v = RmsAboutMean(values, start.quiet_samples);
 
-  const auto ringing = From(values, start.first_sample, middle);
+  const auto ringing = From(values, start.first_sample, blow->middle_v);
   const auto poles = EstimatePoles(ringing, record.step_s);
   if (!poles) {
     return Unfit(record, "shows no ring-down", "record at least three decay times behind the blow");
   }
   start.poles = *poles;
   const LinearFit fit = FitLinear(ringing, record.step_s, *poles);
-  const double energy = fit.energy_v2 / (fit.residual_rms_v * fit.residual_rms_v);
-  if (energy < kLeastEnergy) {
-    return Unfit(record,
-                 fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
-                             *frequency_hz, energy),
-                 "record a stronger blow or a smaller voltage range (50 times is the least)");
-  }
+  if (auto good = CheckQuality(record, *blow, fit); !good) return std::unexpected(good.error());
+  start.offset_v = blow->middle_v + fit.offset_v;
+  start.residual_rms_v = fit.residual_rms_v;
 
   // backwards to the blow, which lies before its first sample
-  const double blow_s = static_cast<double>(blow) - (blow > 0 ? 0.5 : 0.0);
+  const double blow_s = static_cast<double>(blow->sample) - (blow->sample > 0 ? 0.5 : 0.0);
   const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
   const double zero_s = ZeroOfMotion(fit, *poles, near_s);
   const auto at_impact =
@@ -182,8 +201,6 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   start.impact_s =
       record.start_s + static_cast<double>(start.first_sample) * record.step_s + zero_s;
   start.impact_voltage_v = fit.even_v * at_impact.even + fit.odd_v_per_s * at_impact.odd;
-  start.offset_v = middle + fit.offset_v;
-  start.residual_rms_v = fit.residual_rms_v;
   return start;
 }
 

@@ -11,14 +11,14 @@ namespace haptometer::fit {
 
 /// Where a record's ring-down begins and what it looks like: start values for the fit.
 struct RingStart {
-  double quiet_noise_v = 0;      ///< RMS about the mean of what precedes the blow; 0: nothing does
+  double quiet_noise_v = 0;       ///< RMS about the mean of what precedes the blow; 0: nothing does
   std::size_t quiet_samples = 0;  ///< samples certainly before the blow
-  std::size_t first_sample = 0;  ///< the fit begins here, an eighth of a period behind the blow
-  PolePair poles;                ///< with the record's own load
-  double impact_s = 0;           ///< when the motion, continued backwards, starts from rest at x = 0
-  double impact_voltage_v = 0;   ///< the ring-down's voltage at that instant, signed, without offset
+  std::size_t first_sample = 0;   ///< the fit begins here, an eighth of a period behind the blow
+  PolePair poles;                 ///< with the record's own load
+  double impact_s = 0;          ///< when the motion, continued backwards, starts from rest at x = 0
+  double impact_voltage_v = 0;  ///< the ring-down's voltage at that instant, signed, without offset
   double offset_v = 0;
-  double residual_rms_v = 0;     ///< of the fit by this pole pair, from first_sample on
+  double residual_rms_v = 0;  ///< of the fit by this pole pair, from first_sample on
 };
 
 /// Finds the blow in a record and the start values of its ring-down.
@@ -26,13 +26,13 @@ struct RingStart {
 /// The blow is where the voltage first passes half of its largest distance from the median. What
 /// lies well before it is quiet and gives the noise; a record that begins with the blow has none.
 /// From an eighth of a period behind the blow (contact lasts that long, and the coil's current has
-/// settled) the poles are estimated (poles.h) and amplitude, phase and offset follow by linear least
-/// squares. The impact is the zero of the motion nearest to the blow.
+/// settled) the poles are estimated (poles.h) and amplitude, phase and offset follow by linear
+/// least squares. The impact is the zero of the motion nearest to the blow.
 ///
-/// Errors (Cause::kCannotAnswer, named by the record): fewer than 32 samples or 2 periods behind the
-/// blow, fewer than 5 samples a period, a constant record, an oscillation too weak to carry a fit (energy
-/// over noise density rho = A^2/(4 d dt s^2) below 50, where the decay rate alone is uncertain to
-/// 28 %).
+/// Errors (Cause::kCannotAnswer, named by the record): fewer than 32 samples or 2 periods behind
+/// the blow, fewer than 5 samples a period, a constant record, an oscillation too weak to carry a
+/// fit (energy over noise density rho = A^2/(4 d dt s^2) below 50, where the decay rate alone is
+/// uncertain to 28 %).
 [[nodiscard]] Result<RingStart> FindRingStart(const ImpulseRecord& record);
 
 }  // namespace haptometer::fit

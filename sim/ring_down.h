@@ -4,17 +4,17 @@
 
 namespace haptometer::sim {
 
-/// What an actuator's ring-down after a blow depends on; T is double or an automatic-differentiation
-/// number.
+/// What an actuator's ring-down after a blow depends on; T is double or an
+/// automatic-differentiation number.
 template <typename T>
 struct RingDownParameters {
   T stiffness_n_per_m;       ///< Kv > 0
   T damping_n_s_per_m;       ///< Bv >= 0, mechanical alone
   T force_constant_n_per_a;  ///< Km, also V s/m; either sign
-  T mass_kg;                 ///< of the relative motion: Mv (case held) or Mv Mc/(Mv+Mc) (case free)
-  T coil_resistance_ohm;     ///< R; not used with an open circuit
-  double inductance_h = 0;   ///< L >= 0; not used with an open circuit
-  double load_ohm = 0;       ///< across the terminals, 0 (shorted) to infinity (open)
+  T mass_kg;                ///< of the relative motion: Mv (case held) or Mv Mc/(Mv+Mc) (case free)
+  T coil_resistance_ohm;    ///< R; not used with an open circuit
+  double inductance_h = 0;  ///< L >= 0; not used with an open circuit
+  double load_ohm = 0;      ///< across the terminals, 0 (shorted) to infinity (open)
 };
 
 /// The pair e^(-s t) cosh(r t) and e^(-s t) sinh(r t) / r with r^2 = s^2 - q.
@@ -71,7 +71,8 @@ DampedPair<T> DampedFundamentals(const T& decay_per_s, const T& stiffness_per_s2
 ///
 /// The motion x = xv - xa of mover against case and the coil's current follow
 ///
-///     M x'' + Bv x' + Kv x = -Km i,    L i' + (R + RL) i = Km x',    i(0) = 0, x(0) = 0, x'(0) = v0
+///     M x'' + Bv x' + Kv x = -Km i,    L i' + (R + RL) i = Km x',    i(0) = 0, x(0) = 0, x'(0) =
+///     v0
 ///
 /// (J. Lindsay, "A Mechanical Amplifier for Haptic Feedback", University of Washington 2013,
 /// equations 2.1-2.3 with the case held or free and the load RL across the terminals). The
@@ -83,11 +84,12 @@ DampedPair<T> DampedFundamentals(const T& decay_per_s, const T& stiffness_per_s2
 /// found by Newton's iteration from 1, and without cancellation
 ///
 ///     2 d = 2 b + (G Km^2/M) y / (y^2 - 2 b T y + (w T)^2),    q = w^2 / y,
-///     u(t) = -Km v0 RL G (y/n) {e^(-d t) [C + (T q/y - d) S] - e^(-y t/T)},  n = y^2 - 2 d T y + T^2 q.
+///     u(t) = -Km v0 RL G (y/n) {e^(-d t) [C + (T q/y - d) S] - e^(-y t/T)},  n = y^2 - 2 d T y +
+///     T^2 q.
 ///
-/// An open circuit is G = 0 and L = 0 is T = 0: nothing is special there. Holds while the electrical
-/// pole is the fastest one (b T < 1); its digits are lost as eps/n, and n > 0.99 for any actuator
-/// whose L/R is below 1/200 of its decay time.
+/// An open circuit is G = 0 and L = 0 is T = 0: nothing is special there. Holds while the
+/// electrical pole is the fastest one (b T < 1); its digits are lost as eps/n, and n > 0.99 for any
+/// actuator whose L/R is below 1/200 of its decay time.
 template <typename T>
 class RingDown {
  public:
@@ -108,9 +110,9 @@ class RingDown {
  private:
   T decay_per_s_;
   T stiffness_per_s2_;
-  T gain_v_s_per_m_;          // -Km RL G y / n
-  T odd_rate_per_s_;          // T q / y - d
-  T electrical_rate_per_s_;   // y / T; not used where T is 0
+  T gain_v_s_per_m_;         // -Km RL G y / n
+  T odd_rate_per_s_;         // T q / y - d
+  T electrical_rate_per_s_;  // y / T; not used where T is 0
   bool has_electrical_pole_;
 };
 

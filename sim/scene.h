@@ -37,6 +37,9 @@ enum class SensorTarget : std::uint8_t { kSkin, kCase, kMover };
 /// "skin", "case", "mover".
 [[nodiscard]] std::string_view Name(SensorTarget target);
 
+/// The longest run that the time response covers.
+inline constexpr double kLongestRunS = 1e6;
+
 /// A displacement sensor over the scene.
 struct Sensor {
   trial::SensorHead head;

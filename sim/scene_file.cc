@@ -17,14 +17,12 @@ namespace haptometer::sim {
 namespace {
 
 constexpr std::string_view kThisVersion =
-    "is not simulated: this version simulates linear scenes with a sine drive and bilateral "
-    "contact";
+    "this version simulates linear scenes with a sine drive and bilateral contact";
 
 // Values between which every actuator, adapter and skin of this kind lies; beyond them the
 // arithmetic, not the mechanics, would be under test.
 constexpr double kSmallest = 1e-9;
 constexpr double kLargest = 1e9;
-constexpr double kLongestRunS = 1e6;
 constexpr long long kMostAverages = 65536;
 
 void RefuseUnlessReal(TomlTable& table, std::string_view key, double value) {

@@ -26,9 +26,11 @@ trial::Displacement MotionOf(const Scene& scene, SensorTarget target) {
         SolveSteadyState(model, scene.drive, scene.skin).phasors(state);
     return [amplitude_m = std::abs(phasor), phase_rad = std::arg(phasor),
             frequency_hz = scene.drive.frequency_hz](double t_s) {
-      const double cycles = frequency_hz * t_s;
-      return amplitude_m *
-             std::sin(2 * std::numbers::pi * (cycles - std::nearbyint(cycles)) + phase_rad);
+      // whole cycles leave before the sine sees the rest, so that it does not grow coarse with time
+      const long double cycles =
+          static_cast<long double>(frequency_hz) * static_cast<long double>(t_s);
+      const auto part = static_cast<double>(cycles - std::nearbyint(cycles));
+      return amplitude_m * std::sin(2 * std::numbers::pi * part + phase_rad);
     };
   }
   // shared, because a std::function is copied freely

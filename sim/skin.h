@@ -26,8 +26,8 @@ inline constexpr double kSkinAreaMaxM2 = 100e-6;
 ///   K(A) = Kmin + (Kmax - Kmin) (A^(1/3) - Amin^(1/3)) / (Amax^(1/3) - Amin^(1/3)),
 ///
 /// likewise B(A) from 0.75 to 2.38 N s/m, A from 1 to 100 mm2 (Lindsay 2013, section 2.1.1).
-/// Worked: 78.5 mm2 (the bare case) with kText gives 1861 N/m and 2.218 N s/m; 1 mm2 gives 600 N/m
-/// and 0.75 N s/m with either range.
+/// Worked: 78.5 mm2 (the bare case) with kText gives 1861.7 N/m and 2.2189 N s/m; 1 mm2 gives 600
+/// N/m and 0.75 N s/m with either range.
 [[nodiscard]] Skin SkinUnderArea(double contact_area_m2, SkinRange range);
 
 }  // namespace haptometer::sim

@@ -70,9 +70,11 @@ int RunFitLra(int argc, const char* const* argv) {
 
   const auto fit = fit::FitDropTest(input->records, input->knowns);
   if (!fit) return cli::ReportError(kVerb, fit.error());
-  fmt::print("{}", options.json() ? FitLraJson(*fit, input->remarks, input->left_out)
-                                  : FitLraText(*fit));
-  if (!fit->converged || !fit->natural_frequency.determined) status = kCannotAnswer;
+  fmt::print("{}",
+             options.json() ? FitLraJson(*fit, input->remarks, input->left_out) : FitLraText(*fit));
+  if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
+    status = kCannotAnswer;
+  }
   if (plot.empty()) return status;
   if (auto drawn = PlotFitLra(plot, *fit, input->records); !drawn) {
     return cli::ReportError(kVerb, drawn.error());

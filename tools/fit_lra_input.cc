@@ -23,6 +23,7 @@ struct Source {
 
 Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
   std::vector<Source> sources;
+  sources.reserve(options.files.size());
   for (const auto& path : options.files) sources.push_back({path, {}});
   const Quantity open{std::numeric_limits<double>::infinity(), 0};
   for (const auto& group : options.open) {
@@ -32,7 +33,8 @@ Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
     const std::string first = group.empty() ? "" : group.front();
     auto load = ParseQuantity(first, Dimension::kResistance, "--load");
     if (!load) return std::unexpected(load.error());
-    if (!(load->value > 0)) return Usage("--load", "a short circuit shows no voltage", "write 33ohm");
+    if (!(load->value > 0))
+      return Usage("--load", "a short circuit shows no voltage", "write 33ohm");
     if (group.size() < 2) {
       return Usage("--load", fmt::format("no file follows {}", first),
                    "write --load 33ohm loaded.csv");
@@ -119,7 +121,7 @@ Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& o
 class Statement {
  public:
   Statement(std::string_view key, std::string_view option_name,
-            std::optional<Quantity> fit::ActuatorKnowns::*member)
+            std::optional<Quantity> fit::ActuatorKnowns::* member)
       : key_(key), option_name_(option_name), member_(member) {}
 
   [[nodiscard]] Result<void> Settle(const std::optional<Quantity>& option,
@@ -134,11 +136,10 @@ class Statement {
       if (stated) {
         Lay(stated, option ? option_name_ : "--actuator", file.record.name, key_, &header, remarks);
       } else if (header && settled && !Same(*header, *settled)) {
-        return CannotAnswer(
-            file.record.name,
-            fmt::format("{} = {:g} contradicts {:g} of another file", key_, header->value,
-                        settled->value),
-            fmt::format("fit the files apart, or settle it with {}", option_name_));
+        return CannotAnswer(file.record.name,
+                            fmt::format("{} = {:g} contradicts {:g} of another file", key_,
+                                        header->value, settled->value),
+                            fmt::format("fit the files apart, or settle it with {}", option_name_));
       }
       if (header) settled = header;
     }
@@ -149,7 +150,7 @@ class Statement {
  private:
   std::string_view key_;
   std::string_view option_name_;
-  std::optional<Quantity> fit::ActuatorKnowns::*member_;
+  std::optional<Quantity> fit::ActuatorKnowns::* member_;
 };
 
 Result<void> SettleKnowns(const FitLraOptions& options, const std::vector<fit::ImpulseFile>& files,
@@ -166,7 +167,7 @@ Result<void> SettleKnowns(const FitLraOptions& options, const std::vector<fit::I
   struct Row {
     std::string_view key;
     std::string_view option;
-    std::optional<Quantity> ActuatorKnowns::*member;
+    std::optional<Quantity> ActuatorKnowns::* member;
   };
   constexpr Row kRows[]{
       {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},

@@ -37,8 +37,8 @@ struct FitLraInput {
 /// Reads the files and lays options over headers.
 ///
 /// Errors: Cause::kUsage for impossible options (no file, held and free, a value out of range, a
-/// group without files); Cause::kCannotAnswer for an actuator that cannot be read and for files whose
-/// headers contradict each other. Files that cannot be used are in `left_out`.
+/// group without files); Cause::kCannotAnswer for an actuator that cannot be read and for files
+/// whose headers contradict each other. Files that cannot be used are in `left_out`.
 [[nodiscard]] Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options);
 
 }  // namespace haptometer::tools

@@ -29,11 +29,11 @@ std::string Line(std::string_view name, const FittedValue& value) {
   if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
   const double expanded = kCoverage95 * value.combined_standard_uncertainty;
   const int decimals = Decimals(expanded);
-  return fmt::format("  {:<6} {:>14.{}f} +- {:.{}f} {}{}(standard uncertainty {:.2g}, of which"
-                     " statistical {:.2g})\n",
-                     name, value.value, decimals, expanded, decimals, value.unit,
-                     value.unit.empty() ? "" : "  ", value.combined_standard_uncertainty,
-                     value.standard_uncertainty);
+  return fmt::format(
+      "  {:<6} {:>14.{}f} +- {:.{}f} {}{}(standard uncertainty {:.2g}, of which"
+      " statistical {:.2g})\n",
+      name, value.value, decimals, expanded, decimals, value.unit, value.unit.empty() ? "" : "  ",
+      value.combined_standard_uncertainty, value.standard_uncertainty);
 }
 
 std::string LoadText(double load_ohm) {
@@ -42,9 +42,8 @@ std::string LoadText(double load_ohm) {
 
 std::string RecordLine(const fit::FittedRecord& record) {
   std::string text = fmt::format("  {}: {}, {:.3f} Hz, decay {:.4f} 1/s, impact at {:.3f} ms",
-                                 record.name, LoadText(record.load_ohm),
-                                 record.damped_frequency_hz, record.decay_per_s,
-                                 record.impact_s * 1e3);
+                                 record.name, LoadText(record.load_ohm), record.damped_frequency_hz,
+                                 record.decay_per_s, record.impact_s * 1e3);
   if (record.speed_determined) {
     text += fmt::format(" with {:.4f} m/s", record.impact_speed_m_per_s);
   }
@@ -72,7 +71,8 @@ std::string InfluenceLine(const fit::InputInfluence& influence, const DropTestFi
   for (std::size_t k = 0; k < 3; ++k) {
     const double percent = influence.percent_per_percent[k];
     if (!kValues[k].second->determined || std::abs(percent) < 5e-4) continue;
-    effects += fmt::format("{}{} {:+.3f} %", effects.empty() ? "" : ", ", kValues[k].first, percent);
+    effects +=
+        fmt::format("{}{} {:+.3f} %", effects.empty() ? "" : ", ", kValues[k].first, percent);
   }
   if (effects.empty()) return {};
   const std::string exactness =
@@ -118,22 +118,22 @@ void AddPlain(ordered_json& document, const std::string& key, const FittedValue&
 
 ordered_json RecordJson(const fit::FittedRecord& record) {
   const bool open = std::isinf(record.load_ohm);
-  return {{"file", record.name},
-          {"open_circuit", open},
-          {"load_ohm", NumberOrNull(record.load_ohm)},
-          {"impact_s", record.impact_s},
-          {"impact_speed_m_per_s", record.speed_determined
-                                       ? NumberOrNull(record.impact_speed_m_per_s)
-                                       : ordered_json(nullptr)},
-          {"offset_v", record.offset_v},
-          {"decay_per_s", record.decay_per_s},
-          {"damped_frequency_hz", record.damped_frequency_hz > 0
-                                      ? NumberOrNull(record.damped_frequency_hz)
-                                      : ordered_json(nullptr)},
-          {"residual_rms_v", record.residual_rms_v},
-          {"quiet_noise_rms_v", record.quiet_noise_v > 0 ? NumberOrNull(record.quiet_noise_v)
-                                                         : ordered_json(nullptr)},
-          {"samples", record.samples}};
+  return {
+      {"file", record.name},
+      {"open_circuit", open},
+      {"load_ohm", NumberOrNull(record.load_ohm)},
+      {"impact_s", record.impact_s},
+      {"impact_speed_m_per_s",
+       record.speed_determined ? NumberOrNull(record.impact_speed_m_per_s) : ordered_json(nullptr)},
+      {"offset_v", record.offset_v},
+      {"decay_per_s", record.decay_per_s},
+      {"damped_frequency_hz", record.damped_frequency_hz > 0
+                                  ? NumberOrNull(record.damped_frequency_hz)
+                                  : ordered_json(nullptr)},
+      {"residual_rms_v", record.residual_rms_v},
+      {"quiet_noise_rms_v",
+       record.quiet_noise_v > 0 ? NumberOrNull(record.quiet_noise_v) : ordered_json(nullptr)},
+      {"samples", record.samples}};
 }
 
 ordered_json InfluenceJson(const fit::InputInfluence& influence) {
@@ -207,34 +207,38 @@ Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
     const auto& fitted = fit.records[r];
     // all samples; the model and the residual from the fit's first sample on
     std::vector<double> times_ms;
+    times_ms.reserve(record.voltage_v.size());
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       times_ms.push_back((record.start_s + static_cast<double>(n) * record.step_s) * 1e3);
     }
-    const std::vector<double> fitted_ms(
-        times_ms.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample), times_ms.end());
-    std::vector<double> residual_mv(fitted_ms.size());
+    std::vector<double> model_v(times_ms.size(), std::nan(""));
+    std::ranges::copy(fitted.model_v,
+                      model_v.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample));
+    std::vector<double> residual_mv(times_ms.size());
     for (std::size_t n = 0; n < residual_mv.size(); ++n) {
-      residual_mv[n] = (record.voltage_v[fitted.first_sample + n] - fitted.model_v[n]) * 1e3;
+      residual_mv[n] = (record.voltage_v[n] - model_v[n]) * 1e3;
     }
     const std::string title = fmt::format("{} ({})", record.name, LoadText(fitted.load_ohm));
-    panels.push_back({.title = title,
-                      .x_label = "time / ms",
-                      .y_label = "voltage / V",
-                      .series = {{.title = "record",
-                                  .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kGrey),
-                                  .x = times_ms,
-                                  .y = record.voltage_v},
-                                 {.title = "fit",
-                                  .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
-                                  .x = fitted_ms,
-                                  .y = fitted.model_v}}});
-    panels.push_back({.title = "",
-                      .x_label = "time / ms",
-                      .y_label = "residual / mV",
-                      .series = {{.title = "",
-                                  .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kOrange),
-                                  .x = fitted_ms,
-                                  .y = residual_mv}}});
+    panels.push_back(
+        {.title = title,
+         .x_label = "time / ms",
+         .y_label = "voltage / V",
+         .series = {{.title = "record",
+                     .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kGrey),
+                     .x = times_ms,
+                     .y = record.voltage_v},
+                    {.title = "fit",
+                     .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
+                     .x = times_ms,
+                     .y = model_v}}});
+    panels.push_back(
+        {.title = "",
+         .x_label = "time / ms",
+         .y_label = "residual / mV",
+         .series = {{.title = "",
+                     .style = fmt::format("points pt 7 ps 0.2 lc rgb '{}'", plot::kOrange),
+                     .x = times_ms,
+                     .y = residual_mv}}});
   }
   return plot::DrawPanels(path, panels);
 }

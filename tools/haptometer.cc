@@ -22,10 +22,14 @@ struct Verb {
   int (*run)(int argc, const char* const* argv);
 };
 
+// in the order of the work: record, look, answer; then what needs no hardware
 constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "A sensor's readings become a trial", RunAcquire},
-    {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
+    {"trial", "What a recording holds; label it, export it", RunTrial},
+    {"analyze", "A trial's vibration within a band", RunAnalyze},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"simulate", "A scene's exact motion, current and power", RunSimulate},
+    {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });
 
 const Verb* Find(std::string_view name) {

@@ -5,7 +5,10 @@ namespace haptometer::tools {
 /// One function a verb, each in the file of its name. `argv[0]` is the verb; the return value is
 /// the program's exit status (docs/commands.md).
 int RunAcquire(int argc, const char* const* argv);
+int RunAnalyze(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);
 int RunFitLra(int argc, const char* const* argv);
+int RunSimulate(int argc, const char* const* argv);
+int RunTrial(int argc, const char* const* argv);
 
 }  // namespace haptometer::tools

@@ -39,9 +39,9 @@ enum class Timing : std::uint8_t {
 
 /// One channel: what its raw values mean. The calibration is copied in, so a file explains itself.
 struct ChannelFormat {
-  std::string name;  ///< as the source calls it: "displacement", "CH1"
+  std::string name{};  ///< as the source calls it: "displacement", "CH1"
   ChannelRole role = ChannelRole::kOther;
-  std::string unit;  ///< of the value: "m", "V", "A"; "" where unknown
+  std::string unit{};  ///< of the value: "m", "V", "A"; "" where unknown
   Encoding encoding = Encoding::kF64;
   double scale = 1;   ///< value = raw * scale + offset, in `unit`; finite
   double offset = 0;  ///< in `unit`; finite
@@ -56,8 +56,8 @@ struct TrialHeader {
   /// Rows per second of the grid (kUniform: finite, > 0). For the other timings it is not used;
   /// what the source promises stands in metadata.nominal_rate_hz.
   double rate_hz = 0;
-  std::vector<ChannelFormat> channels;  ///< 1 to kMaxChannels
-  Metadata metadata;                    ///< metadata.labels: those known before the recording
+  std::vector<ChannelFormat> channels{};  ///< 1 to kMaxChannels
+  Metadata metadata{};                    ///< metadata.labels: those known before the recording
 };
 
 inline constexpr std::size_t kMaxChannels = 1024;
@@ -106,11 +106,11 @@ enum class EventKind : std::uint8_t {
 /// What happened beside the rows.
 struct Event {
   EventKind kind = EventKind::kRemark;
-  std::uint64_t row = 0;                      ///< rows written before it; the writer fills it in
-  std::optional<std::int64_t> time_ns;        ///< since the trial's start; empty where unknown
-  std::string text;                           ///< in words; may be empty
-  std::map<std::string, std::string> labels;  ///< kLabels
-  std::optional<Stretch> stretch;             ///< kTimeBase
+  std::uint64_t row = 0;                        ///< rows written before it; the writer fills it in
+  std::optional<std::int64_t> time_ns{};        ///< since the trial's start; empty where unknown
+  std::string text{};                           ///< in words; may be empty
+  std::map<std::string, std::string> labels{};  ///< kLabels
+  std::optional<Stretch> stretch{};             ///< kTimeBase
 };
 
 }  // namespace haptometer::trial

@@ -18,11 +18,11 @@ struct RowLayout;
 
 /// A part of a file that could not be read.
 struct Loss {
-  std::uint64_t offset = 0;           ///< first byte of the part
-  std::uint64_t bytes = 0;            ///< its length
-  std::string what;                   ///< "block 7 is damaged", "the file ends inside block 7"
-  std::uint64_t first_row = 0;        ///< rows recorded before the part
-  std::optional<std::uint64_t> rows;  ///< rows lost with it; empty where it cannot be known
+  std::uint64_t offset = 0;             ///< first byte of the part
+  std::uint64_t bytes = 0;              ///< its length
+  std::string what{};                   ///< "block 7 is damaged", "the file ends inside block 7"
+  std::uint64_t first_row = 0;          ///< rows recorded before the part
+  std::optional<std::uint64_t> rows{};  ///< rows lost with it; empty where it cannot be known
 };
 
 /// One sentence: "block 7 is damaged (bytes 4096 to 8191): rows 512 to 1023 are lost".
@@ -33,8 +33,8 @@ struct ReadReport {
   bool closed = false;     ///< it was finished by its writer; false: cut short or being written
   std::uint64_t rows = 0;  ///< read
   std::uint64_t file_bytes = 0;
-  std::vector<Loss> losses;   ///< in the order of the file; empty: every byte accounted for
-  std::vector<Event> events;  ///< in the order of the file
+  std::vector<Loss> losses{};   ///< in the order of the file; empty: every byte accounted for
+  std::vector<Event> events{};  ///< in the order of the file
 
   std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
   std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells
@@ -64,7 +64,7 @@ class Chunk {
   friend class TrialReader;
   [[nodiscard]] const std::byte* RowAt(std::size_t row) const;
 
-  std::vector<std::byte> payload_;
+  std::vector<std::byte> payload_{};
   const TrialHeader* header_ = nullptr;
   const RowLayout* layout_ = nullptr;
   std::size_t rows_ = 0;
@@ -104,8 +104,8 @@ class TrialReader {
 
 /// A measurement in memory and how well it could be read.
 struct Recording {
-  Record record;
-  ReadReport report;
+  Record record{};
+  ReadReport report{};
   Timing timing = Timing::kUniform;  ///< how the source's times came
 };
 

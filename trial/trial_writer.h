@@ -20,7 +20,7 @@ struct Row {
   std::int64_t index = 0;     ///< kUniform: place on the grid, larger than the last row's, >= 0
   std::int64_t time_ns = 0;   ///< kArrival: arrival; kPolled: request. Since the trial's start
   std::int64_t reply_ns = 0;  ///< kPolled: reply (or the deadline that passed)
-  std::span<const Sample> samples;  ///< one a channel, in the header's order
+  std::span<const Sample> samples{};  ///< one a channel, in the header's order
 };
 
 struct WriterOptions {

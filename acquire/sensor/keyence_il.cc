@@ -154,21 +154,20 @@ Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
 
 std::vector<std::string> KeyenceIl::Remarks() const {
   const std::size_t units = header_.channels.size();
-  const double rate_hz = 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(setup_.baud, units));
+  const double poll_hz = 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(setup_.baud, units));
   const double fresh_hz =
       1.0 / SecondsFromNs(setup_.refresh_ns.value_or(dl_rs1a::RefreshNs(units)));
   const double best_hz = 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(38400, 1));
+  const std::string repeats =
+      fresh_hz < poll_hz ? fmt::format(", {:.1f} of them fresh", fresh_hz) : "";
   std::vector<std::string> remarks{
-      fmt::format(
-          "a DL-RS1A at {} baud gives at most {:.1f} readings/s ({:.0f} fresh ones): motion "
-          "up to {:.1f} Hz can be observed (rate / 2.56)",
-          setup_.baud, rate_hz, std::min(rate_hz, fresh_hz),
-          HighestObservableHz(std::min(rate_hz, fresh_hz))),
-      fmt::format(
-          "20-500 Hz vibration cannot be observed through a DL-RS1A at any baud rate "
-          "({:.0f} readings/s at most, 1280 are needed): record the amplifier's analog output "
-          "with a DAQ, or a head that sends lines by itself (--sensor stream)",
-          best_hz)};
+      fmt::format("a DL-RS1A at {} baud gives at most {:.1f} readings/s{}: motion up to {:.1f} Hz can "
+                  "be observed (rate / 2.56)",
+                  setup_.baud, poll_hz, repeats, HighestObservableHz(std::min(poll_hz, fresh_hz))),
+      fmt::format("20-500 Hz vibration cannot be observed through a DL-RS1A at any baud rate "
+                  "({:.0f} readings/s at most, 1280 are needed): record the amplifier's analog output "
+                  "with a DAQ, or a head that sends lines by itself (--sensor stream)",
+                  best_hz)};
   const std::vector<std::string> settings = settings_.Remarks();
   remarks.insert(remarks.end(), settings.begin(), settings.end());
   return remarks;

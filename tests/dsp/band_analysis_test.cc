@@ -52,7 +52,7 @@ TEST(BandAnalysis, AStreamedRecordIsWithinOnePercentAndATwentiethOfAHertz) {
   for (const trial::Displacement& displacement : {trial::Displacement(settling), {held}}) {
     const BandAnalysis analysis = Answer(Streamed(displacement, 4));
     ASSERT_TRUE(analysis.answered);
-    EXPECT_REL(*analysis.band_rms_m, 0.2e-3, 1e-4, "|H|^2 at 225 Hz and 0.16 um of noise");
+    EXPECT_REL(*analysis.band_rms_m, 0.2e-3, 5e-5, "|H|^2 at 225 Hz and 0.16 um of noise");
     EXPECT_ABS(analysis.tone->frequency_hz, 225, 1e-4, "noise, 4 uncertainties");
     EXPECT_REL(analysis.tone->amplitude, 0.2e-3 * kRootTwo, 1e-4, "noise, 4 uncertainties");
     EXPECT_LT(std::abs(analysis.tone->frequency_hz - 225),
@@ -68,9 +68,9 @@ TEST(BandAnalysis, AToneAloneIsExact) {
   const trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100, 1}}), kRateHz);
   const BandAnalysis analysis = Answer(record);
   ASSERT_TRUE(analysis.answered);
-  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 1e-7, "whole periods; settled to 2.5e-5");
-  EXPECT_REL(analysis.tone->amplitude, 1e-6, 1e-6, "settled to 2.5e-5 at the ends");
-  EXPECT_REL(analysis.tone->frequency_hz, 100, 1e-8, "settled to 2.5e-5 at the ends");
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 2e-8, "whole periods; settled to 2.5e-5");
+  EXPECT_REL(analysis.tone->amplitude, 1e-6, 2e-7, "settled to 2.5e-5 at the ends");
+  EXPECT_REL(analysis.tone->frequency_hz, 100, 5e-10, "settled to 2.5e-5 at the ends");
   EXPECT_REL(*analysis.band_peak_to_peak_m, 2e-6, 1e-4, "100 samples a period");
   EXPECT_ABS(analysis.offset_m, 0.03, 1e-9, "300 whole periods");
   EXPECT_REL(analysis.peak_to_peak_m, 2e-6, 5e-4, "100 samples a period");
@@ -78,8 +78,8 @@ TEST(BandAnalysis, AToneAloneIsExact) {
   // the window: settled, whole periods, and where the filtered rows say
   EXPECT_EQ(analysis.window_rows % 100, 0U);
   EXPECT_EQ(analysis.window->begin_s, static_cast<double>(analysis.window_first_row) / kRateHz);
-  const auto window = std::span(analysis.filtered_m)
-                          .subspan(analysis.window_first_row, analysis.window_rows);
+  const auto window =
+      std::span(analysis.filtered_m).subspan(analysis.window_first_row, analysis.window_rows);
   EXPECT_EQ(Rms(window), *analysis.band_rms_m);
 }
 
@@ -87,8 +87,8 @@ TEST(BandAnalysis, AToneAtACornerHasItsAmplitudeRestored) {
   const BandAnalysis analysis =
       Answer(RecordOf(Samples(kRateHz, 40'000, 0.03, {{1e-6, 20, 1}}), kRateHz));
   ASSERT_TRUE(analysis.answered);
-  EXPECT_REL(*analysis.band_rms_m, 1e-6 / 2, 1e-4, "1/sqrt(2) of the RMS");
-  EXPECT_REL(analysis.tone->amplitude, 1e-6, 1e-4, "divided by |H|^2");
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / 2, 3e-6, "1/sqrt(2) of the RMS");
+  EXPECT_REL(analysis.tone->amplitude, 1e-6, 3e-6, "divided by |H|^2");
 }
 
 TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
@@ -105,8 +105,7 @@ TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
       rms_m.push_back(*analysis.band_rms_m);
       stated_m += *analysis.band_rms_uncertainty_m / 200;
     }
-    EXPECT_REL(stated_m, StandardDeviation(rms_m), 0.2,
-               "200 values know it to 5 %, four of these");
+    EXPECT_REL(stated_m, StandardDeviation(rms_m), 0.2, "200 values know it to 5 %, four of these");
   }
 }
 
@@ -119,12 +118,13 @@ TEST(BandAnalysis, TooSlowARecordIsNotAnswered) {
   EXPECT_EQ(analysis.reasons[0],
             "48 new readings/s show vibration up to 18.75 Hz; 20-500 Hz needs 1280/s: use a "
             "free-running output, or the analog output and a DAQ");
-  EXPECT_EQ(analysis.reasons[1],
-            "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use "
-            "a sensor that samples on a clock of its own");
+  EXPECT_EQ(
+      analysis.reasons[1],
+      "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use "
+      "a sensor that samples on a clock of its own");
   EXPECT_FALSE(analysis.band_rms_m || analysis.band_rms_whole_m || analysis.tone ||
                analysis.residual_rms_m || analysis.window);
-  EXPECT_ABS(analysis.offset_m, 0.03, 1e-4, "tremor's part period");
+  EXPECT_ABS(analysis.offset_m, 0.03, 1e-5, "tremor's part period");
   EXPECT_GT(analysis.peak_to_peak_m, 0.9e-3);
   EXPECT_ABS(analysis.observable_upper_hz, 18.75, 0, "48/2.56");
 }
@@ -154,41 +154,51 @@ TEST(BandAnalysis, TimesOfUnknownAgeGiveNoBandEither) {
   EXPECT_TRUE(Answer(stream).answered);
 }
 
-TEST(BandAnalysis, StrongTremorOnOneSecondIsNotAnswered) {
-  const std::vector<double> in = Samples(kRateHz, 10'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
+TEST(BandAnalysis, StrongTremorOnThreeQuartersOfASecondIsNotAnswered) {
+  const std::vector<double> in = Samples(kRateHz, 7'500, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
   EXPECT_FALSE(analysis.answered);
   ASSERT_EQ(analysis.reasons.size(), 1U);
-  EXPECT_NE(analysis.reasons[0].find("a lower order lets too much of the motion below 20 Hz"),
-            std::string::npos)
-      << analysis.reasons[0];
-  EXPECT_NE(analysis.reasons[0].find("record at least 1.9 s without a gap"), std::string::npos)
-      << analysis.reasons[0];
+  EXPECT_EQ(
+      analysis.reasons[0],
+      "only 0.000 s of it have settled in a filter of order 6; 0.1 s are needed, and a lower "
+      "order lets too much of the motion below 20 Hz through: record at least 2.0 s without a "
+      "gap");
   EXPECT_FALSE(analysis.band_rms_m);
   EXPECT_EQ(analysis.band.order, 6);
+}
+
+TEST(BandAnalysis, StrongTremorOnOneSecondLowersTheOrderAndStatesTheLeakage) {
+  const std::vector<double> in = Samples(kRateHz, 10'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_EQ(analysis.band.order, 5);
+  EXPECT_EQ(analysis.remarks[0],
+            "filter order lowered from 6 to 5: of order 6 only 0.043 s had "
+            "settled");
+  EXPECT_EQ(analysis.remarks.back(),
+            "500 um at 8.3 Hz lie below the band; 0.092 um RMS of that leak into it");
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 0.01, "the leakage that is let pass");
+  EXPECT_GT(*analysis.band_rms_whole_m, 4 * *analysis.band_rms_m) << "what the ends do";
 }
 
 TEST(BandAnalysis, TheRemedyOfTooShortARecordHelps) {
   const std::vector<double> in = Samples(kRateHz, 19'500, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
   ASSERT_TRUE(analysis.answered);
-  EXPECT_REL(*analysis.band_rms_m, 1.0002e-6 / kRootTwo, 2e-4, "settled window, leaked tremor");
+  EXPECT_REL(*analysis.band_rms_m, 1.0002e-6 / kRootTwo, 5e-5, "settled window, leaked tremor");
 }
 
-TEST(BandAnalysis, AWeakTremorLowersTheOrderAndSaysSo) {
-  const std::vector<double> in = Samples(kRateHz, 7'500, 0.03, {{1e-5, 100}, {2e-5, 6, 0.7}});
-  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
-  ASSERT_TRUE(analysis.answered) << analysis.reasons[0];
-  EXPECT_LT(analysis.band.order, 6);
-  EXPECT_EQ(analysis.remarks[0].rfind("filter order lowered from 6 to ", 0), 0U);
-  ASSERT_TRUE(analysis.below_band);
-  EXPECT_REL(analysis.below_band->amplitude_m, 2e-5, 0.02, "4.5 periods beside a tone");
-  EXPECT_ABS(analysis.below_band->frequency_hz, 6, 0.1, "4.5 periods beside a tone");
-  EXPECT_REL(*analysis.band_rms_m, 1e-5 / kRootTwo, 0.01, "leaks are below 1 % of the RMS");
-  // one that was asked for is kept
+TEST(BandAnalysis, AnOrderThatWasAskedForIsKept) {
+  const std::vector<double> in = Samples(kRateHz, 7'500, 0.03, {{1e-6, 100}, {5e-5, 8.3, 0.7}});
+  EXPECT_EQ(Answer(RecordOf(in, kRateHz)).band.order, 4);
   BandQuestion fixed;
   fixed.may_lower_order = false;
-  EXPECT_FALSE(Answer(RecordOf(in, kRateHz), fixed).answered);
+  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), fixed);
+  EXPECT_FALSE(analysis.answered);
+  EXPECT_EQ(analysis.reasons[0],
+            "only 0.000 s of it have settled in a filter of order 6; 0.1 s are needed: record at "
+            "least 2.0 s without a gap");
 }
 
 TEST(BandAnalysis, TremorThatLeaksIsStated) {
@@ -199,9 +209,9 @@ TEST(BandAnalysis, TremorThatLeaksIsStated) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
   ASSERT_TRUE(analysis.answered);
   const FilterDesign design = Designed(question.band, kRateHz);
-  EXPECT_REL(analysis.below_band->leaked_rms_m,
-             5e-4 / kRootTwo * std::norm(Response(design, 8.3)), 1e-3, "the tremor's fit");
-  EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 5e-3, "part of a tremor period");
+  EXPECT_REL(analysis.below_band->leaked_rms_m, 5e-4 / kRootTwo * std::norm(Response(design, 8.3)),
+             1e-9, "the tremor's fit");
+  EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 2e-3, "part of a tremor period");
 }
 
 TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
@@ -222,7 +232,7 @@ TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
   EXPECT_EQ(analysis.bridged, 30U);
   EXPECT_EQ(analysis.remarks[0], "left out: 130 of 40000 readings (over 30, late 100)");
   EXPECT_LT(analysis.window->end_s, 3.05);
-  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 1e-4, "settled window, bridged samples");
+  EXPECT_REL(*analysis.band_rms_m, 1e-6 / kRootTwo, 3e-5, "settled window, bridged samples");
   EXPECT_GT(*analysis.bridged_rms_m, 0);
   EXPECT_LT(*analysis.bridged_rms_m, 1e-9);
   EXPECT_TRUE(std::isnan(analysis.filtered_m[30'550]));
@@ -249,7 +259,7 @@ TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
   EXPECT_FALSE(Answer(record).sensor_gain_at_tone);
   record.metadata.sampling_s = 1e-3;
   record.metadata.averages = 7;
-  EXPECT_REL(*Answer(record).sensor_gain_at_tone, std::hypot(re, im), 1e-6, "tone's fit");
+  EXPECT_REL(*Answer(record).sensor_gain_at_tone, std::hypot(re, im), 1e-9, "tone's fit");
 }
 
 TEST(BandAnalysis, NoiseHasNoTone) {
@@ -281,9 +291,10 @@ TEST(BandAnalysis, RecordsThatCannotBeReadAreErrors) {
   EXPECT_EQ(error(record).cause, Cause::kCannotAnswer);
   record.channels[0].unit = "m";
   record.channels[0].statuses.assign(100, SampleStatus::kOver);
-  EXPECT_EQ(error(record).Text(),
-            "none of its 100 readings is a measurement (over 100); check the target and the sensor's "
-            "range");
+  EXPECT_EQ(
+      error(record).Text(),
+      "none of its 100 readings is a measurement (over 100); check the target and the sensor's "
+      "range");
   record.channels.clear();
   EXPECT_EQ(error(record).Text(), "holds no displacement channel; name one displacement_m");
 }

@@ -119,9 +119,10 @@ TEST(Butterworth, ImpossibleBandsAreRefused) {
     EXPECT_EQ(design.error().cause, Cause::kUsage);
     return design.error().Text();
   };
-  EXPECT_EQ(text({6, 20, 500}, 900),
-            "band: its upper corner of 500 Hz is not below half the rate of 900 Hz; lower the corner "
-            "below 450 Hz");
+  EXPECT_EQ(
+      text({6, 20, 500}, 900),
+      "band: its upper corner of 500 Hz is not below half the rate of 900 Hz; lower the corner "
+      "below 450 Hz");
   EXPECT_EQ(text({0, 20, 500}, 1e4), "order: 0 is not possible; choose 1 to 8");
   EXPECT_EQ(text({9, 20, 500}, 1e4), "order: 9 is not possible; choose 1 to 8");
   const std::string no_band =

@@ -95,8 +95,8 @@ TEST(Cascade, LosesNothingAt392kHz) {
   const std::vector<double> in = HandHeld(392e3, 1.2);
   for (const int order : {4, 6}) {
     const FilterDesign design = Designed({order, 20, 500, Corners::kWhole}, 392e3);
-    const double error = RelativeRmsError(Filtered(design, in, in[0]),
-                                          QuadFiltered(design, in, in[0]), 320'000);
+    const double error =
+        RelativeRmsError(Filtered(design, in, in[0]), QuadFiltered(design, in, in[0]), 320'000);
     EXPECT_ABS(error, 0, 1e-13, "double's rounding of the state, against 113 bits");
   }
 }
@@ -144,8 +144,7 @@ TEST(Cascade, AConstantGivesExactlyNothing) {
 TEST(Cascade, AToneComesOutAsTheResponseSays) {
   constexpr double kRateHz = 10e3;
   const FilterDesign design = Designed({5, 20, 500}, kRateHz);
-  const std::vector<double> out =
-      Filtered(design, Samples(kRateHz, 20'000, 0, {{1, 330, 0.4}}), 0);
+  const std::vector<double> out = Filtered(design, Samples(kRateHz, 20'000, 0, {{1, 330, 0.4}}), 0);
   const std::complex<double> response = Response(design, 330);
   double worst = 0;
   for (std::size_t k = 19'900; k < 20'000; ++k) {

@@ -109,9 +109,9 @@ TEST(SineFit, UncertaintiesAreTheClosedFormForWhiteNoise) {
   const SineFit fit = FitSine(signal, {kRateHz, 0}, 300);
   const double s = fit.residual_rms;
   const double duration_s = kCount / kRateHz;
-  EXPECT_REL(fit.amplitude_uncertainty, s * std::sqrt(2.0 / kCount), 2e-3, "N - 4 for N, ends");
+  EXPECT_REL(fit.amplitude_uncertainty, s * std::sqrt(2.0 / kCount), 1e-3, "N - 4 for N");
   EXPECT_REL(2 * kPi * fit.frequency_uncertainty_hz,
-             s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 2e-3, "as above");
+             s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 1e-3, "as above");
 }
 
 TEST(Tone, FindsTheStrongestOfTheBandAndNothingOutside) {

@@ -135,9 +135,9 @@ TEST(Settled, TremorLeaksAsTheClosedFormSays) {
     BandPass band;
     double published;
   };
-  for (const Case& c : {Case{{4, 20, 500, Corners::kEach}, 1.055},
-                        Case{{4, 20, 500, Corners::kWhole}, 1.287},
-                        Case{{6, 20, 500, Corners::kWhole}, 1.0002}}) {
+  for (const Case& c :
+       {Case{{4, 20, 500, Corners::kEach}, 1.055}, Case{{4, 20, 500, Corners::kWhole}, 1.287},
+        Case{{6, 20, 500, Corners::kWhole}, 1.0002}}) {
     const FilterDesign design = Designed(c.band, kRateHz);
     const double tone = std::norm(Response(design, 100));
     const double leaked = 500 * std::norm(Response(design, 8.3));

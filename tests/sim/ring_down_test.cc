@@ -40,11 +40,12 @@ TEST(RingDown, PolesAreThoseOfTheClosedFormsWithoutInductance) {
     double mass_kg, load_ohm, decay_per_s, damped_hz;
   };
   // sigma = (Bv + Km^2/(R+RL))/(2M), to the digits printed
-  const std::array rows{Row{kMover, kOpen, 11.5000, 225.0716},   Row{kMover, 1e7, 11.50004, 225.0716},
-                        Row{kMover, 1e6, 11.5004, 225.0716},     Row{kMover, 1e3, 11.8478, 225.0712},
-                        Row{kMover, 100, 14.3121, 225.0676},     Row{kMover, 50, 16.1382, 225.0644},
-                        Row{kMover, 27, 18.1138, 225.0606},      Row{kMover, 0, 24.7275, 225.0447},
-                        Row{kReduced, kOpen, 38.3333, 410.8910}, Row{kReduced, 0, 82.4250, 410.7269}};
+  const std::array rows{
+      Row{kMover, kOpen, 11.5000, 225.0716},   Row{kMover, 1e7, 11.50004, 225.0716},
+      Row{kMover, 1e6, 11.5004, 225.0716},     Row{kMover, 1e3, 11.8478, 225.0712},
+      Row{kMover, 100, 14.3121, 225.0676},     Row{kMover, 50, 16.1382, 225.0644},
+      Row{kMover, 27, 18.1138, 225.0606},      Row{kMover, 0, 24.7275, 225.0447},
+      Row{kReduced, kOpen, 38.3333, 410.8910}, Row{kReduced, 0, 82.4250, 410.7269}};
   for (const Row& row : rows) {
     SCOPED_TRACE(row.load_ohm);
     const RingDown<double> circuit(Thesis(row.mass_kg, row.load_ohm, 0));
@@ -54,21 +55,22 @@ TEST(RingDown, PolesAreThoseOfTheClosedFormsWithoutInductance) {
 }
 
 TEST(RingDown, InductanceShiftsTheTwoLoadFormula) {
-  // Km^2 = 2 M (d1 - d0)(R + RL) holds for L = 0; the coil's 130 uH moves it by these parts
+  // Km^2 = 2 M (d1 - d0)(R + RL) holds for L = 0; the coil's 130 uH moves Km by these parts
   for (const auto& [mass_kg, shift] : {std::pair{kMover, 38e-6}, std::pair{kReduced, 126e-6}}) {
     const RingDown<double> open(Thesis(mass_kg, kOpen));
     const RingDown<double> loaded(Thesis(mass_kg, 27));
     const double square = 2 * mass_kg * (loaded.decay_per_s() - open.decay_per_s()) * 54;
-    EXPECT_ABS(std::sqrt(square) - 1, shift / 2, 1e-6, "to the millionth");
+    EXPECT_ABS(std::sqrt(square) - 1, shift, 5e-7, "to the millionth");
     const RingDown<double> ideal(Thesis(mass_kg, 27, 0));
     EXPECT_REL(2 * mass_kg * (ideal.decay_per_s() - open.decay_per_s()) * 54, 1.0, 1e-14,
                "exact without inductance");
   }
 }
 
-// u(t) by the five-state exponential: the coil closed over R + RL, the case free or immovable
-void ExpectExponential(double case_mass_kg, double mass_kg, double load_ohm, double tolerance) {
-  const RingDownParameters<double> parameters = Thesis(mass_kg, load_ohm);
+// u(t) by the five-state exponential: the coil closed over R + RL, the case of any mass free in the
+// air
+void ExpectExponential(double case_mass_kg, double load_ohm, double tolerance) {
+  const double reduced_kg = kMover * case_mass_kg / (kMover + case_mass_kg);
   const Actuator actuator{.moving_mass_kg = kMover,
                           .case_mass_kg = case_mass_kg,
                           .stiffness_n_per_m = 2800,
@@ -82,7 +84,7 @@ void ExpectExponential(double case_mass_kg, double mass_kg, double load_ohm, dou
   blow[LinearModel::kMoverVelocity] = case_mass_kg / (kMover + case_mass_kg);
   blow[LinearModel::kCaseVelocity] = -kMover / (kMover + case_mass_kg);
   const TimeResponse exact(model, {.amplitude_v = 0, .frequency_hz = 1}, blow);
-  const RingDown<double> circuit(parameters);
+  const RingDown<double> circuit(Thesis(reduced_kg, load_ohm));
   const double peak = load_ohm / (27 + load_ohm);
   double worst = 0;
   for (const double t : {0.0, 1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
@@ -93,10 +95,11 @@ void ExpectExponential(double case_mass_kg, double mass_kg, double load_ohm, dou
 }
 
 TEST(RingDown, EqualsTheMatrixExponentialOfTheWholeCircuit) {
-  for (const double load_ohm : {5.0, 27.0, 33.0, 1000.0}) {
+  // above 100 ohm the exponential itself loses the twelfth digit: its fast pole is 1e7 1/s
+  for (const double load_ohm : {5.0, 27.0, 33.0, 100.0}) {
     SCOPED_TRACE(load_ohm);
-    ExpectExponential(0.6e-3, kReduced, load_ohm, 1e-12);
-    ExpectExponential(1e9, kMover, load_ohm, 1e-12);
+    ExpectExponential(0.6e-3, load_ohm, 1e-12);
+    ExpectExponential(1.0, load_ohm, 1e-12);  // as good as held: 0.14 percent off
   }
 }
 
@@ -123,7 +126,7 @@ std::array<long double, 3> Extended(const RingDownParameters<double>& p, double 
   // exp - 1 is squared as (1 + E)^2 - 1 = 2 E + E^2, which keeps the small digits
   Matrix excess{};
   Matrix term{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  for (int k = 1; k <= 12; ++k) {
+  for (int k = 1; k <= 22; ++k) {
     term = times(term, a);
     for (auto& row : term) {
       for (auto& entry : row) entry /= k;
@@ -151,7 +154,7 @@ TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
         const auto expected = static_cast<double>(-load_ohm * Extended(parameters, t)[0]);
         worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected));
       }
-      EXPECT_ABS(worst, 0.0, 2e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");
+      EXPECT_ABS(worst, 0.0, 1e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");
     }
   }
 }
@@ -162,7 +165,8 @@ TEST(RingDown, OpenCircuitIsTheVelocityTimesTheForceConstant) {
   const double w = std::sqrt(2e6 - d * d);
   for (const double t : {0.0, 1e-4, 1e-3, 0.0123, 0.2}) {
     const double velocity = std::exp(-d * t) * (std::cos(w * t) - d / w * std::sin(w * t));
-    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 3e-14, "argument rounding, 45 cycles");
+    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 2e-15,
+               "argument rounding at the decayed amplitude");
   }
 }
 
@@ -210,8 +214,9 @@ TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
         odd = std::exp(-s * t) * (square < 0 ? std::sin(r * t) : std::sinh(r * t)) / r;
       }
       const double scale = std::exp(-zeta * w * t);
-      EXPECT_ABS(pair.even / scale, static_cast<double>(even) / scale, 2e-14, "rounding of w t");
-      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 2e-14, "rounding of w t");
+      EXPECT_ABS(pair.even / scale, static_cast<double>(even) / scale, 1e-14, "rounding of w t");
+      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 1e-14,
+                 "rounding of w t");
     }
   }
 }

@@ -17,8 +17,8 @@ enum class CsvColumnKind : std::uint8_t { kTime, kValue, kStatus };
 struct CsvColumn {
   CsvColumnKind kind = CsvColumnKind::kValue;
   ChannelRole role = ChannelRole::kOther;  ///< kValue
-  std::string name;                        ///< without its unit: "displacement", "displacement_2"
-  std::string unit;                        ///< SI, as values are kept: "m", "V", "A", "s" or ""
+  std::string name{};                      ///< without its unit: "displacement", "displacement_2"
+  std::string unit{};                      ///< SI, as values are kept: "m", "V", "A", "s" or ""
   double factor = 1;                       ///< printed value * factor = SI value
   std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
 };

@@ -13,11 +13,11 @@ namespace haptometer::trial {
 
 /// What the `#` lines of a CSV say.
 struct CsvComments {
-  Metadata metadata;
-  std::vector<Stretch> stretches;  ///< `# stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S`
-  bool times_are_raw = false;      ///< `# times = arrived`: the column holds times as they came
+  Metadata metadata{};
+  std::vector<Stretch> stretches{};  ///< `# stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S`
+  bool times_are_raw = false;        ///< `# times = arrived`: the column holds times as they came
   /// `# channel.2.name = CH2`: {"2.name": "CH2"}
-  std::map<std::string, std::string> channel_keys;
+  std::map<std::string, std::string> channel_keys{};
 };
 
 /// Takes one `#` line (without line end): `# key = value`, or a note.

@@ -1,0 +1,179 @@
+#include "fit/drop_test_road.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptometer::fit {
+namespace {
+
+using Kind = DropTestInput::Kind;
+
+constexpr double kMostBlur = 1e-3;
+constexpr double kMostRelativeUncertainty = 0.25;
+
+double Dot(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) sum += a[k] * b[k];
+  return sum;
+}
+
+std::vector<double> Flat(const RingDownPoint& point) {
+  std::vector<double> flat(point.shared.begin(), point.shared.end());
+  for (const auto& own : point.own) flat.insert(flat.end(), own.begin(), own.end());
+  return flat;
+}
+
+std::vector<bool> LogarithmColumns(std::size_t records) {
+  std::vector<bool> logarithm(kSharedCount + kOwnCount * records, false);
+  std::fill_n(logarithm.begin(), kSharedCount, true);
+  for (std::size_t r = 0; r < records; ++r) logarithm[Column(r, Own::kSpeed)] = true;
+  return logarithm;
+}
+
+// holds as many of the unknowns as the records cannot tell apart: mass, resistance, Km
+RingDownFreedom FindFreedom(const DropTestRoad& road, std::vector<bool> is_free) {
+  const std::size_t records = road.problem.records().size();
+  const auto logarithm = LogarithmColumns(records);
+  std::size_t nullity = FindIdentifiability(road.jacobian, is_free, logarithm).nullity;
+  for (const Shared parameter : {Shared::kMass, Shared::kResistance, Shared::kForceConstant}) {
+    if (nullity == 0 || !is_free[Index(parameter)]) continue;
+    auto fewer = is_free;
+    fewer[Index(parameter)] = false;
+    const std::size_t left = FindIdentifiability(road.jacobian, fewer, logarithm).nullity;
+    if (left >= nullity) continue;
+    is_free = fewer;
+    nullity = left;
+  }
+  RingDownFreedom freedom;
+  std::copy_n(is_free.begin(), kSharedCount, freedom.shared.begin());
+  for (std::size_t r = 0; r < records; ++r) {
+    freedom.speed.push_back(is_free[Column(r, Own::kSpeed)]);
+  }
+  return freedom;
+}
+
+// each record's noise becomes the root mean square of its residuals
+void Reweight(RingDownProblem& problem, const RingDownPoint& point) {
+  const auto residuals = problem.Residuals(point);
+  std::size_t row = 0;
+  for (std::size_t r = 0; r < problem.records().size(); ++r) {
+    auto& record = problem.records()[r];
+    double square = 0;
+    for (std::size_t n = 0; n < record.times_s.size(); ++n, ++row) {
+      square += residuals[row] * residuals[row];
+    }
+    const double rms =
+        record.noise_v * std::sqrt(square / static_cast<double>(record.times_s.size()));
+    double peak = 0;
+    for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
+    record.noise_v = std::max(rms, 1e-14 * peak);
+  }
+}
+
+// the solution's derivative by one input per share of its Base: central difference of the
+// residuals, with a step small enough for fifty cycles' phase to stay linear
+std::vector<double> ChangeByInput(const DropTestRoad& road, const DropTestModel& model,
+                                  std::size_t which) {
+  constexpr double kShare = 1e-6;
+  std::vector<std::vector<double>> residuals;
+  std::vector<std::vector<double>> points;
+  for (const double share : {kShare, -kShare}) {
+    auto inputs = model.inputs;
+    inputs[which].quantity.value += share * InputBase(inputs[which]);
+    RingDownProblem problem = road.problem;
+    RingDownPoint point = road.point;
+    ApplyInputs(inputs, model, road.uses_heights, &problem, &point);
+    residuals.push_back(problem.Residuals(point));
+    points.push_back(Flat(point));
+  }
+  for (std::size_t n = 0; n < residuals[0].size(); ++n) {
+    residuals[0][n] = (residuals[0][n] - residuals[1][n]) / (2 * kShare);
+  }
+  // given parameters move by themselves, the others follow
+  auto change = Response(road.seen, road.jacobian, residuals[0]);
+  for (std::size_t k = 0; k < change.size(); ++k) {
+    change[k] += (points[0][k] - points[1][k]) / (2 * kShare);
+  }
+  return change;
+}
+
+}  // namespace
+
+double InputBase(const DropTestInput& input) {
+  return input.kind == Kind::kRebound ? 1 + input.quantity.value : input.quantity.value;
+}
+
+bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
+  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound) return road.uses_heights;
+  return std::isfinite(input.quantity.value) && input.quantity.value > 0;
+}
+
+std::vector<double> Weights(const DropTestRoad& road,
+                            std::initializer_list<std::pair<Shared, double>> powers) {
+  std::vector<double> weights(road.jacobian.columns, 0.0);
+  for (const auto& [parameter, weight] : powers) weights[Index(parameter)] = weight;
+  return weights;
+}
+
+double LogarithmAt(const DropTestRoad& road, const std::vector<double>& weights) {
+  return Dot(weights, Flat(road.point));
+}
+
+bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
+  return Blur(road.seen, weights) < kMostBlur;
+}
+
+DropTestRoad Travel(const std::vector<ImpulseRecord>& records, const DropTestModel& model,
+                    bool uses_heights) {
+  DropTestRoad road(MakeProblem(records, model), uses_heights);
+  road.point = StartPoint(model, uses_heights, &road.problem);
+
+  // what can be told from where we stand; then solve, weigh by the residuals, solve again
+  const auto unknown = UnknownColumns(model, uses_heights, road.problem);
+  road.jacobian = road.problem.Linearise(road.point);
+  const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
+  Reweight(road.problem, road.point);
+  road.jacobian = road.problem.Linearise(road.point);
+  road.solver = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
+  road.solver.iterations += first.iterations;
+
+  road.jacobian = road.problem.Linearise(road.point);
+  road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(records.size()));
+  const auto unknowns = static_cast<double>(std::count(unknown.begin(), unknown.end(), true));
+  const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
+  road.variance = Dot(road.jacobian.residuals, road.jacobian.residuals) / std::max(degrees, 1.0);
+  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
+    const bool counts = DependsOn(road, model.inputs[k]);
+    road.input_changes.push_back(counts ? ChangeByInput(road, model, k)
+                                        : std::vector<double>(road.jacobian.columns, 0.0));
+  }
+  return road;
+}
+
+FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
+                     std::initializer_list<std::pair<Shared, double>> powers, double factor,
+                     std::string unit) {
+  const auto weights = Weights(road, powers);
+  FittedValue value;
+  value.unit = std::move(unit);
+  const double blur = Blur(road.seen, weights);
+  const double statistical = std::sqrt(road.variance * Variance(road.seen, weights));
+  value.determined =
+      road.solver.converged && blur < kMostBlur && statistical < kMostRelativeUncertainty;
+  if (!value.determined) return value;
+
+  double square = statistical * statistical + blur * blur;
+  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
+    const auto& input = model.inputs[k];
+    if (!DependsOn(road, input)) continue;
+    const double change = Dot(weights, road.input_changes[k]) *
+                          input.quantity.standard_uncertainty / InputBase(input);
+    square += change * change;
+  }
+  value.value = factor * std::exp(LogarithmAt(road, weights));
+  value.standard_uncertainty = value.value * statistical;
+  value.combined_standard_uncertainty = value.value * std::sqrt(square);
+  return value;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit/drop_test_fit.h"
+#include "fit/drop_test_model.h"
+#include "fit/rank.h"
+#include "fit/ring_down_problem.h"
+
+namespace haptometer::fit {
+
+/// One way through the data to the constants, with or without the drop heights: the solution, what
+/// it could see there, and how it answers to every given number.
+struct DropTestRoad {
+  DropTestRoad(RingDownProblem of, bool heights) : uses_heights(heights), problem(std::move(of)) {}
+
+  bool uses_heights;
+  RingDownProblem problem;
+  RingDownPoint point;  ///< the solution
+  SolverReport solver;
+  Jacobian jacobian;     ///< at the solution
+  Identifiability seen;  ///< at the solution, all unknowns free
+  double variance = 1;   ///< of the weighted residuals, per degree of freedom
+  /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
+  /// zeros where the road does not depend on it.
+  std::vector<std::vector<double>> input_changes;
+};
+
+/// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
+/// minimises, weighs every record by its residual's RMS, minimises again, linearises.
+[[nodiscard]] DropTestRoad Travel(const std::vector<ImpulseRecord>& records,
+                                  const DropTestModel& model, bool uses_heights);
+
+/// What an input's relative changes refer to: its value; 1 + e for a rebound.
+[[nodiscard]] double InputBase(const DropTestInput& input);
+
+/// Whether the road's result depends on the input.
+[[nodiscard]] bool DependsOn(const DropTestRoad& road, const DropTestInput& input);
+
+/// Weights over the Jacobian's columns of a product of powers of the shared parameters.
+[[nodiscard]] std::vector<double> Weights(const DropTestRoad& road,
+                                          std::initializer_list<std::pair<Shared, double>> powers);
+
+/// The logarithm of that product at the solution.
+[[nodiscard]] double LogarithmAt(const DropTestRoad& road, const std::vector<double>& weights);
+
+/// Whether the records see the product: it moves by less than 1e-3 while an unseen combination
+/// passes through a factor e.
+[[nodiscard]] bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights);
+
+/// `factor` times the product with its uncertainties. Determined: converged, seen, and the
+/// statistical standard uncertainty below 25 %, beyond which a logarithm's interval says nothing.
+/// An unseen combination's last influence (see IsSeen) is added to the combined uncertainty.
+[[nodiscard]] FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
+                                   std::initializer_list<std::pair<Shared, double>> powers,
+                                   double factor, std::string unit);
+
+}  // namespace haptometer::fit

@@ -1,0 +1,28 @@
+// A scene's text: whatever it says, it is answered or refused, and an accepted scene can be solved.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <string_view>
+
+#include "sim/scene_file.h"
+#include "sim/steady_state.h"
+#include "sim/time_response.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace haptometer;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  // files of its own would take the fuzzer out of its process
+  if (text.find("file") != std::string_view::npos) return 0;
+  const auto scene = sim::ReadSceneText(text, "scene.toml");
+  if (!scene) {
+    if (scene.error().Text().empty()) std::abort();
+    return 0;
+  }
+  const sim::SteadyState steady = sim::SolveSteadyState(*scene);
+  if (steady.error_estimate < 1 && !std::isfinite(steady.skin_rms_m)) std::abort();
+  const sim::LinearModel model = sim::AssembleModel(*scene);
+  const sim::TimeResponse response(model, scene->drive, sim::Start::kRest);
+  static_cast<void>(response.StateAt(scene->duration_s.value_or(1e-3)));
+  return 0;
+}

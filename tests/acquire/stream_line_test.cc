@@ -1,0 +1,96 @@
+// Lines that a sensor sends by itself, in any drawn form.
+#include "acquire/protocol/stream_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/residual.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::HasSubstr;
+using trial::SampleStatus;
+
+const StreamFormat kDefault;
+
+StreamFormat Format(std::string_view text) {
+  const auto format = ParseStreamFormat(text);
+  EXPECT_TRUE(format) << text << ": " << format.error().Text();
+  return format.value_or(StreamFormat{});
+}
+
+TEST(StreamLine, TheDefaultIsNineBytesOfTenthsOfMicrometres) {
+  EXPECT_EQ(ParseStreamLine(kDefault, "+01.2345"), (Value{12'345, 4, SampleStatus::kOk}));
+  EXPECT_EQ(ParseStreamLine(kDefault, "-00.0001"), (Value{-1, 4, SampleStatus::kOk}));
+  EXPECT_EQ(FormatStreamLine(kDefault, {12'345, 4, SampleStatus::kOk}), "+01.2345\r");
+  EXPECT_EQ(LineBytes(kDefault), 9U);
+  EXPECT_EQ(MostLinesPerSecond(kDefault, 921600), 10240);
+  EXPECT_REL(MetresPerCount(kDefault), 1e-7, 1e-15, "one division");
+}
+
+TEST(StreamLine, LettersAreStatuses) {
+  EXPECT_EQ(ParseStreamLine(kDefault, "+FFFFFFF"), (Value{kNoCounts, 4, SampleStatus::kOver}));
+  EXPECT_EQ(ParseStreamLine(kDefault, "-FFFFFFF"), (Value{kNoCounts, 4, SampleStatus::kUnder}));
+  EXPECT_EQ(ParseStreamLine(kDefault, "XXXXXXXX"), (Value{kNoCounts, 4, SampleStatus::kInvalid}));
+  EXPECT_EQ(ParseStreamLine(kDefault, "--------"), (Value{kNoCounts, 4, SampleStatus::kInvalid}));
+  for (const SampleStatus status :
+       {SampleStatus::kOver, SampleStatus::kUnder, SampleStatus::kInvalid}) {
+    const std::string line = FormatStreamLine(kDefault, {0, 4, status});
+    EXPECT_EQ(ParseStreamLine(kDefault, std::string_view(line).substr(0, 8))->status, status);
+  }
+  EXPECT_EQ(FormatStreamLine(kDefault, {0, 4, SampleStatus::kDeviceError}), "XXXXXXXX\r");
+}
+
+TEST(StreamLine, WhatDoesNotFitIsOverOrUnderAndNeverClamped) {
+  EXPECT_EQ(FormatStreamLine(kDefault, {999'999, 4, SampleStatus::kOk}), "+99.9999\r");
+  EXPECT_EQ(FormatStreamLine(kDefault, {1'000'000, 4, SampleStatus::kOk}), "+FFFFFFF\r");
+  EXPECT_EQ(FormatStreamLine(kDefault, {-1'000'000, 4, SampleStatus::kOk}), "-FFFFFFF\r");
+  EXPECT_EQ(FormatStreamLine(Format("000,um,LF"), {-1, 0, SampleStatus::kOk}), "FFF\n");
+}
+
+TEST(StreamLine, OnlyTheDrawnFormIsAReading) {
+  for (const std::string_view line :
+       {"", "+01.234", "+01.23456", "01.2345", " 01.2345", "+012.345", "+01,2345", "+01.234 ",
+        "+01.23+01", "1.2345\r+", "+0x.2345", "+FFFFFF0", "XXXXXXX0", "*01.2345"}) {
+    EXPECT_FALSE(ParseStreamLine(kDefault, line)) << line;
+  }
+}
+
+TEST(StreamLine, EveryFormatGivesBackItsNumbers) {
+  for (const std::string_view text : {"+00.0000,mm,CR", "+000000,0.1um,CRLF", "0.00,mm,LF",
+                                      "+0.00000000,m,CR", "0,nm,LF", "+000.000,mm,CRLF"}) {
+    const StreamFormat format = Format(text);
+    const std::int32_t most = MostCounts(format);
+    const std::int32_t least = format.sign == SignRule::kAlways ? -most : 0;
+    for (const std::int32_t counts : {least, least / 7, 0, 1, most / 3, most}) {
+      const std::string line = FormatStreamLine(format, {counts, format.decimals, {}});
+      ASSERT_EQ(line.size(), LineBytes(format));
+      const auto value = ParseStreamLine(format, std::string_view(line).substr(0, LineWidth(format)));
+      ASSERT_TRUE(value) << line;
+      EXPECT_EQ(value->counts, counts) << line;
+    }
+  }
+}
+
+TEST(StreamFormatText, SetsUnitAndDelimiter) {
+  const StreamFormat format = Format("+000000,0.1um,CRLF");
+  EXPECT_EQ(format.decimals, 0);
+  EXPECT_EQ(format.delimiter, Delimiter::kCrLf);
+  EXPECT_REL(MetresPerCount(format), 1e-7, 1e-15, "a decimal read once");
+  EXPECT_EQ(Format("0.00,mm,LF").sign, SignRule::kNever);
+}
+
+TEST(StreamFormatText, RefusesInOneLineWithTheRemedy) {
+  for (const std::string_view text :
+       {"", "+00.0000", "+00.0000,mm", "+01.2345,mm,CR", "+,mm,CR", "+00.,mm,CR", ".00,mm,CR",
+        "+0000000000,mm,CR", "+00.00,V,CR", "+00.00,0mm,CR", "+00.00,mm,cr", "+00.00,mm,CR,LF"}) {
+    const auto format = ParseStreamFormat(text);
+    ASSERT_FALSE(format) << text;
+    EXPECT_EQ(format.error().cause, Cause::kUsage) << text;
+    EXPECT_THAT(format.error().Text(), HasSubstr("--format")) << text;
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

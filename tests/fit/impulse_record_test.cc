@@ -1,0 +1,114 @@
+#include "fit/impulse_record.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using ::testing::HasSubstr;
+
+trial::Record MakeRecording() {
+  trial::Record record;
+  record.rows = 3;
+  record.channels = {{.name = "voltage_v",
+                      .role = trial::ChannelRole::kVoltage,
+                      .unit = "V",
+                      .values = {0.1, 0.2, 0.3},
+                      .statuses = {trial::SampleStatus::kOk, trial::SampleStatus::kClipped,
+                                   trial::SampleStatus::kOk}}};
+  record.stretches = {{.first_row = 0, .rows = 3, .start_s = -0.5, .rate_hz = 1000}};
+  return record;
+}
+
+std::string ErrorOf(const trial::Record& record) {
+  const auto file = ImpulseFromRecord(record, "impulse.csv");
+  EXPECT_FALSE(file);
+  if (file) return {};
+  EXPECT_EQ(file.error().cause, Cause::kCannotAnswer);
+  EXPECT_FALSE(file.error().remedy.empty());
+  return file.error().Text();
+}
+
+TEST(ImpulseRecord, TakesVoltageTimeBaseAndEveryKey) {
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"case", "free"},
+                               {"load_ohm", "33"},
+                               {"drop_height_m", "0.010(1)"},
+                               {"rebound", "0.1"},
+                               {"moving_mass_kg", "1.40(3) g"},
+                               {"case_mass_kg", "6e-4"},
+                               {"resistance_ohm", "27 ohm"},
+                               {"inductance_h", "130uH"},
+                               {"operator", "somebody"}};
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.name, "impulse.csv");
+  EXPECT_EQ(file->record.start_s, -0.5);
+  EXPECT_EQ(file->record.step_s, 1e-3);
+  EXPECT_EQ(file->record.voltage_v[0], 0.1);
+  EXPECT_TRUE(std::isnan(file->record.voltage_v[1]));  // clipped: not a measurement
+  EXPECT_EQ(file->record.condition, CaseCondition::kFree);
+  EXPECT_EQ(file->record.load_ohm->value, 33);
+  EXPECT_EQ(file->record.drop_height_m->value, 0.01);
+  EXPECT_ABS(file->record.drop_height_m->standard_uncertainty, 1e-3, 1e-15, "digits of a bracket");
+  EXPECT_EQ(file->record.rebound->value, 0.1);
+  EXPECT_ABS(file->knowns.moving_mass_kg->value, 1.4e-3, 1e-18, "g to kg");
+  EXPECT_ABS(file->knowns.moving_mass_kg->standard_uncertainty, 3e-5, 1e-18, "g to kg");
+  EXPECT_EQ(file->knowns.case_mass_kg->value, 6e-4);
+  EXPECT_EQ(file->knowns.resistance_ohm->value, 27);
+  EXPECT_ABS(file->knowns.inductance_h->value, 130e-6, 1e-18, "uH to H");
+}
+
+TEST(ImpulseRecord, AnAbsentKeyIsUnknownAndInfIsOpen) {
+  auto recording = MakeRecording();
+  auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_FALSE(file->record.load_ohm || file->record.condition || file->record.drop_height_m ||
+               file->record.rebound || file->knowns.moving_mass_kg);
+  recording.metadata.fields = {{"load_ohm", "inf"}};
+  file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_TRUE(std::isinf(file->record.load_ohm->value));
+}
+
+TEST(ImpulseRecord, AUnitIsNeverSwallowedByTheKeysUnit) {
+  // "0.01 m" must not become 0.01 mm
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"drop_height_m", "0.01 m"}};
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->record.drop_height_m->value, 0.01);
+}
+
+TEST(ImpulseRecord, BadKeysAreNamed) {
+  const auto error_with = [](const std::string& key, const std::string& value) {
+    auto recording = MakeRecording();
+    recording.metadata.fields = {{key, value}};
+    return ErrorOf(recording);
+  };
+  EXPECT_THAT(error_with("case", "loose"), HasSubstr("impulse.csv: case: 'loose' is not known"));
+  EXPECT_THAT(error_with("load_ohm", "some"), HasSubstr("impulse.csv: load_ohm"));
+  EXPECT_THAT(error_with("load_ohm", "0"), HasSubstr("out of range"));
+  EXPECT_THAT(error_with("moving_mass_kg", "-1e-3"), HasSubstr("moving_mass_kg"));
+  EXPECT_THAT(error_with("drop_height_m", "10 ohm"), HasSubstr("drop_height_m"));
+  EXPECT_THAT(error_with("rebound", "1.5"), HasSubstr("rebound"));
+}
+
+TEST(ImpulseRecord, ARecordingWithoutAVoltageOrWithGapsIsRefused) {
+  auto recording = MakeRecording();
+  recording.stretches = {{.first_row = 0, .rows = 1, .start_s = 0, .rate_hz = 1000},
+                         {.first_row = 1, .rows = 2, .start_s = 1, .rate_hz = 1000}};
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("gaps"));
+  recording = MakeRecording();
+  recording.channels[0].role = trial::ChannelRole::kDisplacement;
+  recording.channels.push_back(recording.channels[0]);
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("no voltage"));
+}
+
+}  // namespace
+}  // namespace haptometer::fit

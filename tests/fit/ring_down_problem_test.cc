@@ -1,0 +1,121 @@
+#include "fit/ring_down_problem.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/fit/synthetic_drop.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using tests::kOpen;
+
+RingDownSamples Samples(double load_ohm, double mass_ratio) {
+  RingDownSamples samples;
+  for (int n = 0; n < 40; ++n) {
+    samples.times_s.push_back(1e-3 + 3.1e-4 * n);
+    samples.voltages_v.push_back(0.01 * n);
+  }
+  samples.noise_v = 0.1;
+  samples.load_ohm = load_ohm;
+  samples.mass_ratio = mass_ratio;
+  samples.polarity = load_ohm > 100 ? 1 : -1;
+  return samples;
+}
+
+RingDownPoint Point() {
+  RingDownPoint point;
+  point.shared = {std::log(2800), std::log(0.0322), std::log(1.1), std::log(1.4e-3), std::log(27)};
+  point.own = {{std::log(0.44), 2e-5, 0.01}, {std::log(0.4), -3e-5, -0.02}};
+  return point;
+}
+
+TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
+  for (const double damping : {0.0322, 2 * std::sqrt(2800 * 1.4e-3)}) {
+    SCOPED_TRACE(damping);
+    const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 0.3)}, 130e-6);
+    auto point = Point();
+    point.shared[Index(Shared::kDamping)] = std::log(damping);
+    const auto jacobian = problem.Linearise(point);
+    ASSERT_EQ(jacobian.columns, kSharedCount + 2 * kOwnCount);
+    const auto residuals = problem.Residuals(point);
+    for (std::size_t n = 0; n < residuals.size(); ++n) {
+      EXPECT_ABS(jacobian.residuals[n], residuals[n], 1e-14, "the same operations");
+    }
+    for (std::size_t k = 0; k < jacobian.columns; ++k) {
+      const auto component = [k](RingDownPoint& p) -> double& {
+        if (k < kSharedCount) return p.shared[k];
+        return p.own[(k - kSharedCount) / kOwnCount][(k - kSharedCount) % kOwnCount];
+      };
+      // fourth-order central differences; the impact's time is worth a thousandth of the others
+      const bool is_time = k == Column(0, Own::kImpact) || k == Column(1, Own::kImpact);
+      const double step = is_time ? 1e-7 : 1e-4;
+      std::array<std::vector<double>, 4> moved;
+      constexpr std::array kMultiples{-2.0, -1.0, 1.0, 2.0};
+      for (std::size_t m = 0; m < 4; ++m) {
+        auto at = point;
+        component(at) += kMultiples[m] * step;
+        moved[m] = problem.Residuals(at);
+      }
+      double worst = 0;
+      double scale = 0;
+      for (std::size_t n = 0; n < jacobian.rows; ++n) {
+        const double difference =
+            (moved[0][n] - 8 * moved[1][n] + 8 * moved[2][n] - moved[3][n]) / (12 * step);
+        worst = std::max(worst, std::abs(jacobian.values[n * jacobian.columns + k] - difference));
+        scale = std::max(scale, std::abs(difference));
+      }
+      EXPECT_ABS(worst / scale, 0.0, 5e-10, "rounding 1e-16 over the step");
+    }
+  }
+}
+
+TEST(RingDownProblem, HeldParametersStay) {
+  const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 1)}, 0);
+  auto point = Point();
+  const auto before = point;
+  const auto report = problem.Minimise(
+      {.shared = {true, true, false, false, false}, .speed = {false, true}}, &point);
+  EXPECT_GT(report.iterations, 1);
+  EXPECT_EQ(point.shared[Index(Shared::kForceConstant)],
+            before.shared[Index(Shared::kForceConstant)]);
+  EXPECT_EQ(point.shared[Index(Shared::kMass)], before.shared[Index(Shared::kMass)]);
+  EXPECT_EQ(point.own[0][Index(Own::kSpeed)], before.own[0][Index(Own::kSpeed)]);
+  EXPECT_NE(point.own[1][Index(Own::kSpeed)], before.own[1][Index(Own::kSpeed)]);
+  EXPECT_NE(point.shared[Index(Shared::kStiffness)], before.shared[Index(Shared::kStiffness)]);
+}
+
+TEST(RingDownProblem, VoltagesBeginWithThePolarity) {
+  const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 1)}, 130e-6);
+  const auto point = Point();
+  EXPECT_REL(problem.Voltages(point, 0, {2e-5})[0], 0.01 + 0.44 * 1.1, 1e-12, "Km v0 + offset");
+  // the loaded coil's current needs 2 us; a divider of 33/60 and -1 after that
+  EXPECT_REL(problem.Voltages(point, 1, {1e-5})[0], -0.02 - 0.4 * 1.1 * 33 / 60, 3e-3,
+             "cosine of 40 us");
+}
+
+TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
+  for (const double away : {0.7, 0.85, 1.15, 1.3}) {
+    SCOPED_TRACE(away);
+    const RingDownProblem scratch({Samples(kOpen, 1)}, 0);
+    RingDownPoint truth;
+    truth.shared = Point().shared;
+    truth.own = {{std::log(0.44), 2e-5, 0.01}};
+    auto samples = Samples(kOpen, 1);
+    samples.voltages_v = scratch.Voltages(truth, 0, samples.times_s);
+    const RingDownProblem problem({samples}, 0);
+    auto point = truth;
+    point.shared[Index(Shared::kStiffness)] += std::log(away);
+    point.shared[Index(Shared::kDamping)] += std::log(10.0);
+    const auto report =
+        problem.Minimise({.shared = {true, true, false, false, false}, .speed = {true}}, &point);
+    EXPECT_TRUE(report.converged) << report.termination;
+    EXPECT_REL(std::exp(point.shared[0]), 2800.0, 1e-12, "noise-free");
+    EXPECT_REL(std::exp(point.shared[1]), 0.0322, 1e-11, "noise-free");
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::fit

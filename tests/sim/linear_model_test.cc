@@ -1,0 +1,85 @@
+#include "sim/linear_model.h"
+
+#include <gtest/gtest.h>
+
+#include "sim/steady_state.h"
+#include "tests/residual.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+// Newton's third law: whatever the states, the forces between the bodies sum to zero, so the total
+// momentum changes by the skin's force alone.
+TEST(LinearModel, KeepsMomentum) {
+  for (const Scene& scene : {tests::AdapterScene(), tests::DirectScene()}) {
+    const LinearModel model = AssembleModel(scene);
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(model.states(), 0.3, -1.7);
+    const Eigen::VectorXd rate = model.a * x;
+    double force_n = scene.actuator.moving_mass_kg * rate(LinearModel::kMoverVelocity);
+    double case_kg = scene.actuator.case_mass_kg;
+    if (scene.adapter) {
+      case_kg += scene.adapter->motor_side_mass_kg;
+      force_n += scene.adapter->skin_side_mass_kg * rate(model.skin_velocity());
+    }
+    force_n += case_kg * rate(LinearModel::kCaseVelocity);
+    const double skin_n = -scene.skin.stiffness_n_per_m * x(model.skin()) -
+                          scene.skin.damping_n_s_per_m * x(model.skin_velocity());
+    EXPECT_REL(force_n, skin_n, 5e-15, "springs of kN cancel in the sum");
+  }
+}
+
+// The power that the back EMF takes from the coil is the power that the force pair puts in.
+TEST(LinearModel, CouplesCoilAndBodiesReciprocally) {
+  const Scene scene = tests::AdapterScene();
+  const LinearModel model = AssembleModel(scene);
+  const double mv = scene.actuator.moving_mass_kg;
+  const double mc1 = scene.actuator.case_mass_kg + scene.adapter->motor_side_mass_kg;
+  const double l = scene.actuator.inductance_h;
+  EXPECT_EQ(model.a(0, 2) * l, -model.a(2, 0) * mv);
+  EXPECT_REL(model.a(0, 4) * l, -model.a(4, 0) * mc1, 2e-16, "rounding");
+  EXPECT_EQ(model.b(0) * l, 1);
+  EXPECT_EQ(model.b.tail(6), Eigen::VectorXd::Zero(6));
+}
+
+// Without springs, dampers and current every body keeps its velocity.
+TEST(LinearModel, OfPositionsIsTheVelocities) {
+  const LinearModel model = AssembleModel(tests::AdapterScene());
+  for (const Eigen::Index position : {LinearModel::kMover, LinearModel::kCase, model.skin()}) {
+    Eigen::VectorXd row = Eigen::VectorXd::Zero(7);
+    row(position + 1) = 1;
+    EXPECT_EQ(model.a.row(position).transpose(), row);
+  }
+}
+
+TEST(LinearModel, WithoutAnAdapterHasTheCaseOnTheSkin) {
+  const LinearModel model = AssembleModel(tests::ConeScene());
+  EXPECT_EQ(model.states(), 5);
+  EXPECT_EQ(model.skin(), LinearModel::kCase);
+  EXPECT_EQ(StateOf(model, SensorTarget::kSkin), StateOf(model, SensorTarget::kCase));
+  EXPECT_EQ(StateOf(model, SensorTarget::kMover), LinearModel::kMover);
+  const LinearModel with = AssembleModel(tests::AdapterScene());
+  EXPECT_EQ(StateOf(with, SensorTarget::kSkin), 5);
+  EXPECT_EQ(StateOf(with, SensorTarget::kCase), LinearModel::kCase);
+}
+
+// An adapter so stiff that it is a rod is the bare case with both masses added to it.
+TEST(LinearModel, WithARigidAdapterIsTheHeavierCase) {
+  Scene rigid = tests::AdapterScene();
+  rigid.adapter->stiffness_n_per_m = 1e12;
+  Scene heavy = tests::ConeScene();
+  heavy.actuator.case_mass_kg += 0.25e-3 + 4.35e-3;
+  const SteadyState one = SolveSteadyState(rigid);
+  const SteadyState other = SolveSteadyState(heavy);
+  EXPECT_REL(one.skin_rms_m, other.skin_rms_m, 3e-8, "the rod gives by forces of 1e4 N/m in 1e12");
+  EXPECT_REL(one.power_w, other.power_w, 3e-8, "the same");
+}
+
+TEST(LinearModelDeath, NeedsMasses) {
+  Scene scene = tests::ConeScene();
+  scene.actuator.case_mass_kg = 0;
+  EXPECT_DEATH(static_cast<void>(AssembleModel(scene)), "check failed");
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,148 @@
+#include "sim/sensor_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/linear_model.h"
+#include "sim/steady_state.h"
+#include "sim/time_response.h"
+#include "tests/residual.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+Scene SensedScene() {
+  Scene scene = tests::AdapterScene();
+  scene.sensor = IdealSensor();
+  return scene;
+}
+
+// root mean square of a record's values, no window
+double Rms(const trial::Record& record) {
+  double sum = 0;
+  for (const double value : record.channels[0].values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(record.rows));
+}
+
+TEST(Motion, InSteadyStateIsTheTimeResponse) {
+  const Scene scene = tests::AdapterScene();
+  const LinearModel model = AssembleModel(scene);
+  const TimeResponse response(model, scene.drive, Start::kSteady);
+  for (const SensorTarget target :
+       {SensorTarget::kSkin, SensorTarget::kCase, SensorTarget::kMover}) {
+    const trial::Displacement motion = MotionOf(scene, target);
+    for (const double t_s : {0.0, 1e-3, 0.7, 123.456}) {
+      EXPECT_ABS(motion(t_s), response.StateAt(t_s)(StateOf(model, target)), 2e-16,
+                 "2e-13 of the amplitude");
+    }
+  }
+}
+
+TEST(Motion, FromRestIsTheTimeResponseAndZeroBefore) {
+  Scene scene = tests::AdapterScene();
+  scene.start = Start::kRest;
+  const TimeResponse response(AssembleModel(scene), scene.drive, Start::kRest);
+  const trial::Displacement motion = MotionOf(scene, SensorTarget::kSkin);
+  EXPECT_EQ(motion(-1), 0);
+  EXPECT_EQ(motion(0), 0);
+  EXPECT_EQ(motion(0.0123), response.StateAt(0.0123)(5));
+}
+
+TEST(Motion, OfALateSensorIsOlder) {
+  Scene scene = SensedScene();
+  scene.sensor->latency_s = 4e-3;
+  scene.sensor->target = SensorTarget::kMover;
+  const trial::Displacement motion = MotionOf(scene, SensorTarget::kMover);
+  EXPECT_EQ(SensedMotion(scene)(0.05), motion(0.05 - 4e-3));
+}
+
+TEST(SimulatedRecord, OfAnIdealSensorIsTheMotion) {
+  const Scene scene = SensedScene();
+  const trial::Record record = SimulateRecord(scene, 0.4);
+  ASSERT_EQ(record.rows, 4000U);
+  ASSERT_EQ(record.channels.size(), 1U);
+  const trial::Channel& channel = record.channels[0];
+  EXPECT_EQ(channel.role, trial::ChannelRole::kDisplacement);
+  EXPECT_EQ(channel.unit, "m");
+  EXPECT_EQ(channel.statuses[17], trial::SampleStatus::kOk);
+  const trial::Displacement motion = MotionOf(scene, SensorTarget::kSkin);
+  for (const std::size_t row : {0U, 1U, 17U, 3999U}) {
+    EXPECT_ABS(channel.values[row], motion(trial::TimeOf(record, row)), 1e-17,
+               "time as k T or k / rate: one rounding");
+  }
+  // 90 whole periods in 4000 samples
+  EXPECT_REL(Rms(record), SolveSteadyState(scene).skin_rms_m, 3e-15, "an integer of periods");
+}
+
+TEST(SimulatedRecord, SaysWhatItIs) {
+  Scene scene = SensedScene();
+  scene.sensor->target = SensorTarget::kCase;
+  const trial::Record record = SimulateRecord(scene, 0.1);
+  EXPECT_EQ(record.metadata.source,
+            "simulated: linear scene, exact solution, start from steady state");
+  EXPECT_EQ(record.metadata.laser_spot, "case");
+  EXPECT_EQ(record.metadata.head, "ideal");
+  EXPECT_EQ(record.metadata.drive_frequency_hz, 225);
+  EXPECT_EQ(record.metadata.drive_amplitude_v, 5);
+  EXPECT_EQ(record.metadata.nominal_rate_hz, 1e4);
+  ASSERT_EQ(record.stretches.size(), 1U);
+  EXPECT_EQ(record.stretches[0].rate_hz, 1e4);
+  EXPECT_EQ(record.stretches[0].rows, record.rows);
+  scene.duration_s = 0.1;
+  EXPECT_EQ(SimulateRecord(scene, 0.1).metadata.source,
+            "simulated: linear scene, exact solution, start from rest");
+}
+
+// An average of N samples turns the amplitude down by the Dirichlet kernel.
+TEST(SimulatedRecord, OfAnAveragingHeadIsTurnedDownByItsKernel) {
+  Scene scene = SensedScene();
+  scene.sensor->head.averages = 16;
+  const double x = std::numbers::pi * 225 * 1e-4;
+  const double gain = std::sin(16 * x) / (16 * std::sin(x));
+  EXPECT_REL(Rms(SimulateRecord(scene, 0.4)), gain * SolveSteadyState(scene).skin_rms_m, 3e-15,
+             "closed form");
+}
+
+// A slower reading shows every nth raw sample.
+TEST(SimulatedRecord, AtAFractionOfTheSamplingTakesEveryNth) {
+  Scene scene = SensedScene();
+  scene.sensor->head.noise_rms_m = 1e-6;
+  const trial::Record all = SimulateRecord(scene, 0.1);
+  scene.sensor->rate_hz = 2500;
+  const trial::Record some = SimulateRecord(scene, 0.1);
+  ASSERT_EQ(some.rows, 250U);
+  for (std::size_t row = 0; row < some.rows; ++row) {
+    EXPECT_EQ(some.channels[0].values[row], all.channels[0].values[4 * row]);
+  }
+}
+
+TEST(SimulatedRecord, WithNoiseIsTheSameForTheSameSeed) {
+  Scene scene = SensedScene();
+  scene.sensor->head.noise_rms_m = 1e-6;
+  const trial::Record first = SimulateRecord(scene, 0.05);
+  EXPECT_EQ(SimulateRecord(scene, 0.05).channels[0].values, first.channels[0].values);
+  scene.sensor->seed = 2;
+  EXPECT_NE(SimulateRecord(scene, 0.05).channels[0].values, first.channels[0].values);
+}
+
+TEST(SimulatedRecord, BeyondTheRangeHasNoValue) {
+  Scene scene = SensedScene();
+  scene.sensor->head.range_max_m = 100e-6;
+  scene.sensor->head.range_min_m = -100e-6;
+  const trial::Record record = SimulateRecord(scene, 0.01);
+  std::size_t over = 0, under = 0;
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    const trial::SampleStatus status = record.channels[0].statuses[row];
+    over += status == trial::SampleStatus::kOver ? 1 : 0;
+    under += status == trial::SampleStatus::kUnder ? 1 : 0;
+    EXPECT_EQ(std::isnan(record.channels[0].values[row]), !trial::IsMeasurement(status));
+  }
+  EXPECT_GT(over, 20U);
+  EXPECT_GT(under, 20U);
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,247 @@
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/residual.h"
+#include "tools/fit_lra_input.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+const std::string kOpenFile = std::string(HAPTOMETER_FIXTURES) + "/impulse.csv";
+const std::string kLoadedFile = std::string(HAPTOMETER_FIXTURES) + "/impulse_33ohm.csv";
+
+struct Outcome {
+  int status = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome FitLra(std::vector<std::string> words) {
+  words.insert(words.begin(), "fit-lra");
+  std::vector<const char*> argv;
+  argv.reserve(words.size());
+  for (const auto& word : words) argv.push_back(word.c_str());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.status = RunFitLra(static_cast<int>(argv.size()), argv.data());
+  std::fflush(nullptr);
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+json FitLraJson(std::vector<std::string> words) {
+  words.emplace_back("--json");
+  const auto outcome = FitLra(words);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return json::parse(outcome.out);
+}
+
+// the truth lies in the 95 % interval, and the value within `bound`
+void ExpectParameter(const json& document, const std::string& name, double truth, double bound) {
+  const json& parameter = document.at("parameters").at(name);
+  ASSERT_TRUE(parameter.at("determined").get<bool>());
+  EXPECT_REL(parameter.at("value").get<double>(), truth, bound, "the stated bound");
+  EXPECT_LE(std::abs(parameter.at("value").get<double>() - truth),
+            1.96 * parameter.at("combined_standard_uncertainty").get<double>());
+  EXPECT_GT(parameter.at("standard_uncertainty").get<double>(), 0);
+}
+
+class FitLraFiles : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  // the fixture without the header lines whose key is one of `without`, and with `lines` before it
+  std::string Fixture(const std::string& source, const std::string& name,
+                      const std::vector<std::string>& without,
+                      const std::string& lines = {}) const {
+    std::ifstream in(source);
+    std::ofstream out(directory_ / name);
+    out << lines;
+    for (std::string line; std::getline(in, line);) {
+      const bool dropped = std::ranges::any_of(
+          without, [&](const std::string& key) { return line.starts_with("# " + key + " ="); });
+      if (!dropped) out << line << '\n';
+    }
+    return directory_ / name;
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("fit_lra_test_" + std::to_string(::getpid()));
+};
+
+TEST(FitLra, TheGeneratedPairGivesTheTruth) {
+  const json document = FitLraJson({"--open", kOpenFile, "--load", "33ohm", kLoadedFile});
+  ExpectParameter(document, "Kv", 2800, 1e-3);
+  ExpectParameter(document, "Bv", 0.0322, 0.01);
+  ExpectParameter(document, "Km", 1.0, 0.02);
+  EXPECT_REL(document.at("natural_frequency_hz").get<double>(), 225.0790790, 1e-5, "noise");
+  EXPECT_REL(document.at("quality_factor").get<double>(), 61.4875, 2e-3, "noise");
+  EXPECT_REL(document.at("kv_over_mass").get<double>(), 2e6, 4e-5, "noise");
+  EXPECT_REL(document.at("bv_over_mass").get<double>(), 23.0, 2e-3, "noise");
+  EXPECT_TRUE(document.at("converged").get<bool>());
+  EXPECT_EQ(document.at("parameters").at("Kv").at("unit"), "N/m");
+  EXPECT_EQ(document.at("records").size(), 2U);
+}
+
+TEST(FitLra, OneRecordWithItsHeaderAnswersInFull) {
+  const json document = FitLraJson({kOpenFile});
+  ExpectParameter(document, "Kv", 2800, 1e-3);
+  ExpectParameter(document, "Bv", 0.0322, 0.01);
+  ExpectParameter(document, "Km", 1.0, 0.02);
+}
+
+TEST_F(FitLraFiles, ThePairWithoutHeightsGivesTheTruthByItsLoads) {
+  const std::vector<std::string> heights{"drop_height_m", "rebound"};
+  const json document = FitLraJson(
+      {Fixture(kOpenFile, "open.csv", heights), Fixture(kLoadedFile, "loaded.csv", heights)});
+  ExpectParameter(document, "Kv", 2800, 1e-3);
+  ExpectParameter(document, "Bv", 0.0322, 0.01);
+  ExpectParameter(document, "Km", 1.0, 0.02);
+}
+
+TEST_F(FitLraFiles, WithoutAHeightKmIsNullAndTheMessageHelps) {
+  const auto path = Fixture(kOpenFile, "open.csv", {"drop_height_m", "rebound"});
+  const json document = FitLraJson({path});
+  EXPECT_TRUE(document.at("parameters").at("Kv").at("determined").get<bool>());
+  const json& km = document.at("parameters").at("Km");
+  EXPECT_FALSE(km.at("determined").get<bool>());
+  EXPECT_TRUE(km.at("value").is_null());
+  EXPECT_TRUE(km.at("standard_uncertainty").is_null());
+  EXPECT_TRUE(km.at("combined_standard_uncertainty").is_null());
+  const auto text = FitLra({path});
+  EXPECT_EQ(text.status, 0);
+  EXPECT_THAT(text.out, HasSubstr("Km     not determined"));
+  EXPECT_THAT(text.out, HasSubstr("state the drop height"));
+}
+
+TEST_F(FitLraFiles, WhatHasNoAnswerGivesStatus3AndSaysWhatWould) {
+  // one load alone tells the frequency and the sum of two dampings
+  const auto loaded = FitLra({Fixture(kLoadedFile, "loaded.csv", {"drop_height_m", "rebound"})});
+  EXPECT_EQ(loaded.status, 3);
+  EXPECT_THAT(loaded.out, HasSubstr("record an open circuit too"));
+  EXPECT_THAT(loaded.out, HasSubstr("f0           225.07"));
+  // an oscillation that grows has no damping
+  std::ofstream growing(directory_ / "growing.csv");
+  growing << "time_s,voltage_v\n";
+  for (int n = 0; n < 2000; ++n) {
+    const double t = 1e-4 * n;
+    growing << fmt::format("{:.4f},{:.5f}\n", t, 0.01 * std::exp(20 * t) * std::cos(1257 * t));
+  }
+  growing.close();
+  const auto outcome = FitLra({directory_ / "growing.csv", "--moving-mass", "1.4g"});
+  EXPECT_EQ(outcome.status, 3);
+  for (const char* line :
+       {"Bv     not determined", "Q      not determined", "Km     not determined"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(line));
+  }
+  EXPECT_THAT(outcome.out, HasSubstr("no decay"));
+}
+
+TEST_F(FitLraFiles, WithoutMassesOnlyRatiosAreGiven) {
+  const auto path = Fixture(kOpenFile, "open.csv", {"moving_mass_kg", "case_mass_kg"});
+  json document = FitLraJson({path});
+  EXPECT_TRUE(document.at("parameters").at("Kv").at("value").is_null());
+  EXPECT_REL(document.at("kv_over_mass").get<double>(), 2e6, 4e-5, "noise");
+  // the actuator supplies the masses, but not the answer
+  document = FitLraJson({path, "--actuator", "thesis-c10-100"});
+  ExpectParameter(document, "Kv", 2800, 1e-3);
+}
+
+TEST_F(FitLraFiles, AnOptionBeatsTheHeaderAndSaysSo) {
+  const auto outcome = FitLra(
+      {kOpenFile, "--moving-mass", "1.5g+-0.05g", "--free", "--case-mass", "0.6g", "--json"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("--moving-mass replaces the header's moving_mass_kg = 0.0014"));
+  EXPECT_THAT(outcome.err, HasSubstr("--free replaces the header's case = held"));
+  EXPECT_THAT(outcome.err, testing::Not(HasSubstr("--case-mass")));  // it says the same
+  const json document = json::parse(outcome.out);
+  EXPECT_EQ(document.at("mass"), "Mv Mc/(Mv+Mc)");
+  EXPECT_EQ(document.at("remarks").size(), 2U);
+  // the reduced mass of 1.5 g and 0.6 g, uncertain by 1/3.5 of 3.3 %
+  const json& kv = document.at("parameters").at("Kv");
+  EXPECT_REL(kv.at("value").get<double>(), 2e6 * 1.5e-3 * 0.6 / 2.1, 4e-5, "noise");
+  EXPECT_REL(kv.at("combined_standard_uncertainty").get<double>() / kv.at("value").get<double>(),
+             0.05 / 1.5 * 0.6 / 2.1, 1e-3, "statistics add 1e-5");
+}
+
+TEST_F(FitLraFiles, HeadersThatContradictEachOtherNeedAWord) {
+  const auto other =
+      Fixture(kLoadedFile, "other.csv", {"moving_mass_kg"}, "# moving_mass_kg = 1.5e-3\n");
+  const auto refused = FitLra({kOpenFile, other});
+  EXPECT_EQ(refused.status, 3);
+  EXPECT_THAT(refused.err, HasSubstr("other.csv: moving_mass_kg = 0.0015 contradicts 0.0014"));
+  EXPECT_EQ(FitLra({kOpenFile, other, "--moving-mass", "1.4g"}).status, 0);
+}
+
+TEST_F(FitLraFiles, OfSeveralFilesTheOthersAreStillAnswered) {
+  const auto outcome = FitLra({kOpenFile, "/no/such/drop.csv", "--json"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("/no/such/drop.csv"));
+  const json document = json::parse(outcome.out);
+  ExpectParameter(document, "Kv", 2800, 1e-3);
+  EXPECT_EQ(document.at("left_out").size(), 1U);
+}
+
+TEST(FitLra, WrongCommandLinesSaySo) {
+  struct Row {
+    std::vector<std::string> words;
+    std::string message;
+  };
+  const std::vector<Row> rows{
+      {{}, "no file is given"},
+      {{kOpenFile, "--drop-height", "10"}, "did you mean 10mm?"},
+      {{kOpenFile, "--moving-mass", "1.4"}, "did you mean 1.4g?"},
+      {{kOpenFile, "--inductance", "130"}, "did you mean 130uH?"},
+      {{kOpenFile, "--held", "--free"}, "excludes --free"},
+      {{kOpenFile, "--rebound", "2"}, "lies from 0 to 1"},
+      {{kOpenFile, "--resistance", "0"}, "must be positive"},
+      {{"--load", kOpenFile}, "--load"},
+      {{"--load", "33ohm"}, "no file follows"},
+      {{"--load", "0", kOpenFile}, "short circuit"},
+      {{kOpenFile, "--plot", "fit.jpg"}, "use .svg, .png or .pdf"},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.message);
+    const auto outcome = FitLra(row.words);
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr(row.message));
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1) << outcome.err;
+    EXPECT_THAT(outcome.out, IsEmpty());
+  }
+}
+
+TEST(FitLra, ActuatorsThatCannotBeReadAreReported) {
+  const auto outcome = FitLra({kOpenFile, "--actuator", "/no/such/actuator.toml"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("/no/such/actuator.toml"));
+}
+
+TEST_F(FitLraFiles, ThePlotHoldsRecordAndFit) {
+  const auto path = directory_ / "fit.svg";
+  EXPECT_EQ(FitLra({kOpenFile, "--plot", path}).status, 0);
+  std::ifstream in(path);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  for (const char* word : {"impulse.csv (open)", "voltage / V", "residual / mV", "time / ms"}) {
+    EXPECT_THAT(svg, HasSubstr(word));
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::tools

@@ -1,0 +1,196 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/residual.h"
+#include "tools/verbs.h"
+#include "trial/trial_reader.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kFixtures = HAPTOMETER_FIXTURES;
+
+struct Outcome {
+  int status = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome Simulate(std::vector<std::string> words) {
+  words.insert(words.begin(), "simulate");
+  std::vector<const char*> argv;
+  argv.reserve(words.size());
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.status = RunSimulate(static_cast<int>(argv.size()), argv.data());
+  std::fflush(nullptr);
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+class SimulateVerb : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::string Path(const std::string& name) const { return directory_ / name; }
+  // the cone scene with something appended
+  std::string Scene(const std::string& more) const {
+    std::ifstream base(kFixtures + "/lra_cone.toml");
+    std::ofstream scene(Path("scene.toml"));
+    scene << base.rdbuf() << more;
+    return Path("scene.toml");
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("simulate_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(SimulateVerb, AnswersTheThreeScenes) {
+  const std::vector<std::pair<std::string, double>> bars = {{"lra_adapter", 0.2001762058e-3},
+                                                            {"lra_cone", 0.0461001664e-3},
+                                                            {"lra_direct", 0.04499108754e-3}};
+  for (const auto& [name, rms_m] : bars) {
+    const Outcome outcome = Simulate({kFixtures + "/" + name + ".toml", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json answer = json::parse(outcome.out);
+    EXPECT_REL(answer.at("skin_rms_m").get<double>(), rms_m, 1e-9, "the bar");
+    EXPECT_LT(answer.at("error_estimate").get<double>(), 1e-12);
+    EXPECT_TRUE(answer.at("window_rms_m").is_null());
+    EXPECT_TRUE(answer.at("trial").is_null());
+  }
+}
+
+TEST_F(SimulateVerb, HasTheKeysThatScriptsRelyOn) {
+  const Outcome outcome =
+      Simulate({kFixtures + "/lra_adapter.toml", "--duration", "0.1s", "--json"});
+  const json answer = json::parse(outcome.out);
+  for (const char* key : {"skin_rms_m", "mover_peak_m", "case_rms_m", "current_rms_a", "power_w",
+                          "phase_rad", "error_estimate", "window_rms_m"}) {
+    EXPECT_TRUE(answer.at(key).is_number()) << key;
+  }
+  EXPECT_TRUE(answer.at("method").is_string());
+  EXPECT_EQ(answer.at("assumptions").size(), 3U);
+  EXPECT_ABS(answer.at("window_rms_m").get<double>(), 0.1912e-3, 0.00005e-3, "the bar, 3 digits");
+  EXPECT_REL(answer.at("window_s").at(0).get<double>(), 0.1 - 10 / 225.0, 1e-12, "last 10 periods");
+}
+
+TEST_F(SimulateVerb, PrintsTravelForceAndAssumptionsForPeople) {
+  const Outcome outcome = Simulate({kFixtures + "/lra_adapter.toml"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("200.17621 um RMS"));
+  EXPECT_THAT(outcome.out, HasSubstr("826.26845 um in its case"));
+  EXPECT_THAT(outcome.out, HasSubstr("-0.86951 degrees"));
+  EXPECT_THAT(outcome.out, HasSubstr("less than 0.345 N presses"));
+  EXPECT_EQ(outcome.err, "");
+}
+
+TEST_F(SimulateVerb, OfLessThanTenPeriodsHasNoWindow) {
+  const Outcome outcome = Simulate({kFixtures + "/lra_cone.toml", "--duration", "44ms", "--json"});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_TRUE(json::parse(outcome.out).at("window_rms_m").is_null());
+  EXPECT_THAT(outcome.err, HasSubstr("0.044 s are less than ten periods"));
+}
+
+// from rest at 0.1 s the start is still heard; from the steady state it is not
+TEST_F(SimulateVerb, StartsAsTheSceneSays) {
+  const std::string steady = Scene("[run]\nduration_s = 0.1\nstart = 'steady'\n");
+  const json answer = json::parse(Simulate({steady, "--json"}).out);
+  EXPECT_REL(answer.at("window_rms_m").get<double>(), answer.at("skin_rms_m").get<double>(), 1e-12,
+             "ten whole periods of the steady state");
+}
+
+TEST_F(SimulateVerb, WritesWhatAnIdealSensorSees) {
+  const Outcome outcome =
+      Simulate({kFixtures + "/lra_adapter.toml", "-o", Path("t.bin"), "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("an ideal one on the skin at 10 kHz is assumed"));
+  EXPECT_THAT(outcome.err, HasSubstr("no duration: the trial lasts 1 s"));
+  EXPECT_EQ(json::parse(outcome.out).at("trial"), Path("t.bin"));
+  const auto recording = trial::ReadRecord(Path("t.bin"));
+  ASSERT_TRUE(recording) << recording.error().Text();
+  const trial::Record& record = recording->record;
+  EXPECT_EQ(record.rows, 10000U);
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 1e4);
+  EXPECT_EQ(record.metadata.laser_spot, "skin");
+  EXPECT_THAT(record.metadata.source, HasSubstr("simulated"));
+  // 225 whole periods
+  double sum = 0;
+  for (const double value : record.channels.at(0).values) sum += value * value;
+  EXPECT_REL(std::sqrt(sum / 1e4), 0.2001762058e-3, 1e-9, "the bar, sampled over whole periods");
+}
+
+TEST_F(SimulateVerb, WritesAQuantisedSensorInWholeSteps) {
+  const std::string scene = Scene("[sensor]\nkind = 'stream'\nrange_m = '50um'\n");
+  ASSERT_EQ(Simulate({scene, "--duration", "0.1s", "-o", Path("t.bin")}).status, 0);
+  const auto recording = trial::ReadRecord(Path("t.bin"));
+  ASSERT_TRUE(recording) << recording.error().Text();
+  const trial::Channel& channel = recording->record.channels.at(0);
+  EXPECT_EQ(channel.resolution, 1e-7);
+  std::size_t beyond = 0;
+  for (std::size_t row = 0; row < recording->record.rows; ++row) {
+    if (!trial::IsMeasurement(channel.statuses[row])) {
+      ++beyond;
+      EXPECT_TRUE(std::isnan(channel.values[row]));
+      continue;
+    }
+    const double steps = channel.values[row] / 1e-7;
+    EXPECT_ABS(steps, std::round(steps), 1e-9, "whole steps");
+    EXPECT_LE(std::abs(channel.values[row]), 50e-6 * (1 + 1e-12));
+  }
+  // 46 um RMS peaks at 65 um
+  EXPECT_GT(beyond, 200U);
+}
+
+TEST_F(SimulateVerb, GivesTheSameBytesTwice) {
+  const std::string scene = Scene("[sensor]\nkind = 'il-030'\nseed = 3\n");
+  for (const char* name : {"a.bin", "b.bin"}) {
+    ASSERT_EQ(Simulate({scene, "--duration", "0.2s", "-o", Path(name)}).status, 0);
+  }
+  const auto content = [&](const char* name) {
+    std::ifstream file(Path(name), std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_EQ(content("a.bin"), content("b.bin"));
+}
+
+TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
+  const std::string cone = kFixtures + "/lra_cone.toml";
+  const auto expect = [](const Outcome& outcome, int status, const std::string& text) {
+    EXPECT_EQ(outcome.status, status);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_THAT(outcome.err, HasSubstr(text));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  };
+  expect(Simulate({"/no/such.toml"}), 3, "haptometer simulate: /no/such.toml: no such file");
+  expect(Simulate({cone, "--duration", "-1s"}), 2, "--duration: -1 s is not between 0 and 1e6 s");
+  expect(Simulate({cone, "--duraton", "1s"}), 2, "did you mean --duration?");
+  expect(Simulate({Scene("[effects]\ngravity = true\n")}), 2, "gravity: can only be false yet");
+  expect(
+      Simulate({Scene("[sensor]\nkind = 'ideal'\n"), "--duration", "100000s", "-o", Path("t.bin")}),
+      2, "100000 s at 10000 Hz are 1e+09 readings");
+  // a kept file stays, unless told otherwise
+  std::ofstream(Path("kept.bin")) << "the only copy";
+  const std::string sensed = Scene("[sensor]\nkind = 'ideal'\n[run]\nduration_s = 0.05\n");
+  expect(Simulate({sensed, "-o", Path("kept.bin")}), 2, "kept.bin: already exists");
+  EXPECT_EQ(fs::file_size(Path("kept.bin")), 13U);
+  EXPECT_EQ(Simulate({sensed, "-o", Path("kept.bin"), "--overwrite"}).status, 0);
+  EXPECT_GT(fs::file_size(Path("kept.bin")), 1000U);
+}
+
+}  // namespace
+}  // namespace haptometer::tools

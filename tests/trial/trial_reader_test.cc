@@ -1,0 +1,245 @@
+#include "trial/trial_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/trial/trial_file.h"
+#include "trial/append_event.h"
+#include "trial/block.h"
+#include "trial/read_recording.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::size_t kHead = kBlockHeadBytes;
+
+// offsets of all blocks of a sound file
+std::vector<std::size_t> BlockOffsets(const std::string& bytes) {
+  std::vector<std::size_t> offsets;
+  std::size_t at = kSignature.size();
+  while (at < bytes.size()) {
+    offsets.push_back(at);
+    at += kHead + DecodeBlockHead(BytesOfText(bytes).subspan(at, kHead))->payload_bytes;
+  }
+  return offsets;
+}
+
+// Every value that is read must be the one that was written at its place: counts equal the place on
+// the grid, 1 ms apart.
+void ExpectTrueValues(const Record& record) {
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    const double value = record.channels[0].values[row];
+    const double place = std::round(TimeOf(record, row) * 1000);
+    ASSERT_EQ(value, place * 1e-6 + 0.25) << "row " << row;
+  }
+}
+
+TEST(TrialReader, CutAtAnyByteEveryWholeBlockIsReadAndTheLossStated) {
+  const std::string whole = CountingTrial(30, 10);
+  const auto offsets = BlockOffsets(whole);
+  ASSERT_EQ(offsets.size(), 6);  // two headers, three blocks of rows, close
+  for (std::size_t cut = 0; cut < whole.size(); ++cut) {
+    const auto read = ReadBytes(whole.substr(0, cut));
+    if (cut < offsets[1]) {
+      ASSERT_FALSE(read) << cut;
+      EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+      continue;
+    }
+    ASSERT_TRUE(read) << cut << ": " << read.error().Text();
+    std::size_t blocks = 0;
+    while (blocks < 3 && offsets[blocks + 3] <= cut) ++blocks;
+    EXPECT_EQ(read->record.rows, 10 * blocks) << cut;
+    EXPECT_FALSE(read->report.closed);
+    const bool is_between = std::ranges::find(offsets, cut) != offsets.end();
+    EXPECT_EQ(read->report.losses.empty(), is_between) << cut;
+    ExpectTrueValues(read->record);
+  }
+}
+
+TEST(TrialReader, AnyFlippedBitIsFoundAndCostsAtMostItsBlock) {
+  const std::string whole = CountingTrial(30, 10);
+  const auto offsets = BlockOffsets(whole);
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    std::string flipped = whole;
+    flipped[bit / 8] = static_cast<char>(flipped[bit / 8] ^ (1 << (bit % 8)));
+    const auto read = ReadBytes(flipped);
+    ASSERT_TRUE(read) << "bit " << bit << ": " << read.error().Text();
+    // exactly one loss, covering exactly the damaged part
+    ASSERT_EQ(read->report.losses.size(), 1) << bit;
+    const Loss& loss = read->report.losses[0];
+    EXPECT_LE(loss.offset, bit / 8);
+    EXPECT_GT(loss.offset + loss.bytes, bit / 8);
+    const auto after = std::ranges::upper_bound(offsets, bit / 8);
+    const auto block = static_cast<std::size_t>(after - offsets.begin());  // 0: signature
+    const bool in_rows = block >= 3 && block <= 5;
+    EXPECT_EQ(loss.bytes,
+              (block < 6 ? offsets[block] : whole.size()) - (block == 0 ? 0 : offsets[block - 1]));
+    EXPECT_EQ(read->record.rows, in_rows ? 20 : 30) << bit;
+    if (block < 6) {
+      EXPECT_EQ(loss.rows, in_rows ? 10 : 0) << bit;
+      EXPECT_TRUE(read->report.closed);
+    }
+    ExpectTrueValues(read->record);
+  }
+}
+
+TEST(TrialReader, ALostBlockIsNamedWithItsRows) {
+  std::string bytes = CountingTrial(30, 10);
+  const auto offsets = BlockOffsets(bytes);
+  bytes[offsets[3] + kHead + 5] ^= 1;  // payload of the second block of rows
+  EXPECT_EQ(Describe(ReadBytes(bytes)->report.losses.at(0)),
+            "block 3 is damaged (bytes " + std::to_string(offsets[3]) + " to " +
+                std::to_string(offsets[4] - 1) + "): rows 10 to 19 are lost");
+  bytes[offsets[3] + 20] ^= 1;  // and its head
+  EXPECT_THAT(Describe(ReadBytes(bytes)->report.losses.at(0)), HasSubstr("block 3 is damaged"));
+  EXPECT_EQ(ReadBytes(bytes)->report.RowsLost(), 10);
+}
+
+TEST(TrialReader, RemovedRepeatedAndStrangeBytesAreStated) {
+  const std::string whole = CountingTrial(30, 10);
+  const auto offsets = BlockOffsets(whole);
+  const std::string block = whole.substr(offsets[3], offsets[4] - offsets[3]);
+  std::string removed = whole;
+  removed.erase(offsets[3], block.size());
+  const auto without = ReadBytes(removed);
+  EXPECT_EQ(without->record.rows, 20);
+  ASSERT_EQ(without->report.losses.size(), 1);
+  EXPECT_EQ(Describe(without->report.losses[0]), "block 3 is missing: rows 10 to 19 are lost");
+
+  std::string repeated = whole;
+  repeated.insert(offsets[3], block);
+  const auto twice = ReadBytes(repeated);
+  EXPECT_EQ(twice->record.rows, 30);
+  EXPECT_THAT(Describe(twice->report.losses.at(0)), HasSubstr("is out of its order"));
+  ExpectTrueValues(twice->record);
+
+  std::string strange = whole;
+  strange.insert(offsets[3], std::string(200'000, '\x93'));
+  const auto around = ReadBytes(strange);
+  EXPECT_EQ(around->record.rows, 30);
+  EXPECT_EQ(around->report.losses.at(0).bytes, 200'000);
+  EXPECT_EQ(around->report.RowsLost(), 0);
+}
+
+TEST(TrialReader, LabelsGivenLaterCountAlsoAfterACut) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.bin");
+  const std::string whole = CountingTrial(30, 10);
+  for (const std::size_t cut : {whole.size(), whole.size() - 60, whole.size() - 130}) {
+    std::ofstream(path, std::ios::binary) << whole.substr(0, cut);
+    const auto before = ReadRecord(path);
+    ASSERT_TRUE(before);
+    for (const char* subject : {"3", "4"}) {
+      const auto done =
+          AppendEvent(path, {.kind = EventKind::kLabels, .labels = {{"subject", subject}}});
+      ASSERT_TRUE(done) << done.error().Text();
+    }
+    const auto after = ReadRecord(path);
+    ASSERT_TRUE(after);
+    EXPECT_EQ(after->record.metadata.labels.at("subject"), "4") << cut;
+    EXPECT_EQ(after->record.rows, before->record.rows);
+    EXPECT_EQ(after->report.closed, before->report.closed);
+    EXPECT_EQ(after->report.losses.size(), before->report.losses.size()) << cut;
+    EXPECT_EQ(after->report.RowsLost(), before->report.RowsLost());
+  }
+}
+
+TEST(TrialReader, EventsComeBackInTheirPlace) {
+  MemoryDisk disk;
+  ManualClock clock;
+  auto writer = WriterInto(&disk, CountsHeader(Timing::kArrival), clock);
+  ASSERT_TRUE(AppendCounts(&writer, 1, {.time_ns = 1000}));
+  ASSERT_TRUE(writer.AddEvent({.kind = EventKind::kReconnect, .time_ns = 5000, .text = "back"}));
+  ASSERT_TRUE(AppendCounts(&writer, 2, {.time_ns = 9000}));
+  const Stretch stretch{.first_row = 0, .rows = 2, .start_s = 0.125, .rate_hz = 3};
+  ASSERT_TRUE(writer.AddEvent({.kind = EventKind::kTimeBase, .stretch = stretch}));
+  ASSERT_TRUE(writer.Finish());
+  const auto read = ReadBytes(disk.bytes);
+  ASSERT_TRUE(read);
+  ASSERT_EQ(read->report.events.size(), 2);
+  EXPECT_EQ(read->report.events[0].kind, EventKind::kReconnect);
+  EXPECT_EQ(read->report.events[0].row, 1);
+  EXPECT_EQ(read->report.events[0].time_ns, 5000);
+  EXPECT_EQ(read->report.events[0].text, "back");
+  // the stored time base counts, the raw times stay beside it
+  EXPECT_EQ(TimeOf(read->record, 1), 0.125 + 1.0 / 3);
+  EXPECT_EQ(read->record.raw_times_s[1], 9e-6);
+}
+
+TEST(TrialReader, StreamsInTheMemoryOfOneChunk) {
+  const std::string bytes = CountingTrial(100'000, 100'000);
+  auto reader = TrialReader::OpenFrom(MakeMemorySource(bytes), "t.bin");
+  ASSERT_TRUE(reader);
+  std::size_t rows = 0;
+  for (;;) {
+    const auto chunk = reader->Next();
+    ASSERT_TRUE(chunk);
+    if (*chunk == nullptr) break;
+    EXPECT_EQ((*chunk)->first_row(), rows);
+    EXPECT_LE((*chunk)->rows() * 5, 1U << 16);
+    rows += (*chunk)->rows();
+  }
+  EXPECT_EQ(rows, 100'000);
+}
+
+std::string ErrorOf(const std::string& bytes) {
+  const auto read = ReadBytes(bytes);
+  if (read) return "was read";
+  EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+  return read.error().Text();
+}
+
+TEST(TrialReader, FilesThatAreNoTrialsAreExplained) {
+  const std::string whole = CountingTrial(3, 3);
+  std::string newer = whole;
+  newer[13] = 2;
+  newer[14] = '\xfd';
+  EXPECT_EQ(ErrorOf(newer),
+            "t.bin: is a trial of format version 2, this program reads 1; update haptometer");
+  std::string mangled = whole;
+  mangled.erase(9, 1);  // CR LF became LF
+  EXPECT_EQ(ErrorOf(mangled),
+            "t.bin: was changed on its way here, as a text-mode transfer does; copy it again in "
+            "binary mode");
+  EXPECT_THAT(ErrorOf(whole.substr(0, 5)), HasSubstr("is cut short within its first bytes"));
+  EXPECT_THAT(ErrorOf(whole.substr(0, 40)), HasSubstr("both copies of its header"));
+  EXPECT_THAT(ErrorOf("\x01\x02random"), HasSubstr("is no trial; give a trial.bin"));
+}
+
+TEST(ReadRecording, TellsTrialAndCsvApartAndRefusesTheRest) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("f");
+  std::ofstream(path, std::ios::binary) << CountingTrial(30, 10);
+  EXPECT_EQ(ReadRecording(path)->record.rows, 30);
+  std::ofstream(path, std::ios::binary) << "time_s,voltage_v\n0,1\n0.5,2\n";
+  const auto csv = ReadRecording(path);
+  ASSERT_TRUE(csv);
+  EXPECT_TRUE(csv->report.closed);
+  EXPECT_EQ(csv->record.Find(ChannelRole::kVoltage)->values[1], 2);
+
+  auto message = [&](const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto read = ReadRecording(path);
+    EXPECT_FALSE(read);
+    EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+    return read.error().Text();
+  };
+  EXPECT_THAT(message(std::string("\x7f"
+                                  "ELF\x02\x01\x01\0",
+                                  8)),
+              HasSubstr("is no trial; give a"));
+  EXPECT_THAT(message("Dear Sir,\nthe vibration was strong.\n"),
+              HasSubstr("no time column is named in its first line"));
+  EXPECT_THAT(message("\xff\xfet\0i\0m\0"), HasSubstr("is UTF-16 text"));
+  EXPECT_THAT(message(""), HasSubstr("is empty"));
+  EXPECT_THAT(ReadRecording(directory.File("")).error().Text(), HasSubstr("is a directory"));
+  EXPECT_THAT(ReadRecording(directory.File("none")).error().Text(), HasSubstr("no such file"));
+}
+
+}  // namespace
+}  // namespace haptometer::trial

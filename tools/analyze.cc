@@ -1,0 +1,159 @@
+#include <fmt/core.h>
+
+#include <cctype>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dsp/band_analysis.h"
+#include "tools/analyze_output.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/verbs.h"
+#include "trial/read_recording.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::string_view kVerb = "analyze";
+constexpr int kCannotAnswer = 3;
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Say how much a trial vibrates within a band, and over which part of it.",
+    .examples = {"analyze trial.bin", "analyze --json a.bin b.bin c.csv",
+                 "analyze trial.bin --band 40-400Hz --order 4 --plot trial.svg"}};
+
+struct Wanted {
+  std::vector<std::string> files;
+  std::string band = "20-500Hz";
+  std::optional<std::int64_t> order;
+  std::string corner = "whole";
+  std::string plot;
+};
+
+void Declare(cli::Options& options, Wanted& wanted) {
+  options.Positionals("files", &wanted.files,
+                      "Trials (trial.bin) or CSV with time_s,displacement_m");
+  options.Text("--band", &wanted.band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
+  options.Count("--order", &wanted.order, 1, dsp::kHighestOrder,
+                "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
+                "record is too short for it)");
+  options.Choice("--corner", &wanted.corner, {"whole", "each"},
+                 "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
+               "Draw the trial and what was used of it");
+}
+
+// "20-500Hz", "20Hz-0.5kHz": a lower corner without a unit takes that of the upper one
+Result<dsp::BandPass> ParseBand(const std::string& text) {
+  const auto dash = text.find('-', 1);
+  if (dash == std::string::npos) {
+    return Usage("--band", fmt::format("'{}' is not a band", text), "write it as 20-500Hz");
+  }
+  std::string lower = text.substr(0, dash);
+  const std::string upper = text.substr(dash + 1);
+  if (std::isalpha(static_cast<unsigned char>(lower.back())) == 0) {
+    const auto unit = upper.find_last_not_of("kMHz") + 1;
+    lower += upper.substr(unit);
+  }
+  const auto lower_hz = ParseQuantity(lower, Dimension::kFrequency, "--band");
+  if (!lower_hz) return std::unexpected(lower_hz.error());
+  const auto upper_hz = ParseQuantity(upper, Dimension::kFrequency, "--band");
+  if (!upper_hz) return std::unexpected(upper_hz.error());
+  dsp::BandPass band;
+  band.lower_hz = lower_hz->value;
+  band.upper_hz = upper_hz->value;
+  return band;
+}
+
+Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
+  if (!wanted.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(wanted.plot); !drawable) {
+      return std::unexpected(drawable.error());
+    }
+    if (wanted.files.size() > 1) {
+      return Usage("--plot", fmt::format("draws one trial, not {}", wanted.files.size()),
+                   "give one file");
+    }
+  }
+  auto band = ParseBand(wanted.band);
+  if (!band) return std::unexpected(band.error());
+  dsp::BandQuestion question{*band, !wanted.order.has_value()};
+  question.band.order = static_cast<int>(wanted.order.value_or(question.band.order));
+  question.band.corners = wanted.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
+  // whether the band is one, before any file is read
+  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
+  if (!possible) return std::unexpected(possible.error());
+  return question;
+}
+
+// what could not be read of the file
+std::vector<std::string> LossesOf(const trial::ReadReport& report) {
+  std::vector<std::string> remarks;
+  for (const trial::Loss& loss : report.losses) remarks.push_back(Describe(loss));
+  if (!report.closed) remarks.emplace_back("the file was not finished by its writer");
+  return remarks;
+}
+
+// reads, analyses and, where asked, draws one file
+AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
+                     const std::string& plot) {
+  AnalyzedFile file;
+  file.path = path;
+  const auto fail = [&](Error error) {
+    if (error.where.empty()) error.where = path;
+    file.error = std::move(error);
+    return file;
+  };
+  const auto recording = trial::ReadRecording(path);
+  if (!recording) return fail(recording.error());
+  file.source = recording->record.metadata.source;
+  file.remarks = LossesOf(recording->report);
+  auto analysis = dsp::AnalyzeBand(recording->record, question);
+  if (!analysis) return fail(analysis.error());
+  if (!plot.empty()) {
+    if (auto drawn = DrawPanels(plot, AnalysisPanels(recording->record, *analysis)); !drawn) {
+      return fail(drawn.error());
+    }
+  }
+  file.analysis = std::move(*analysis);
+  return file;
+}
+
+// 0, or the status of the worst file: failing outranks not answering
+int StatusOf(const std::vector<AnalyzedFile>& files) {
+  int status = 0;
+  for (const AnalyzedFile& file : files) {
+    if (file.error && file.error->cause != Cause::kCannotAnswer)
+      return ExitStatus(file.error->cause);
+    if (file.error || !file.analysis->answered) status = kCannotAnswer;
+  }
+  return status;
+}
+
+}  // namespace
+
+int RunAnalyze(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  Wanted wanted;
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  const auto question = QuestionOf(wanted);
+  if (!question) return cli::ReportError(kVerb, question.error());
+
+  // one after the other: an error of one file does not keep the others from their answer
+  std::vector<AnalyzedFile> files;
+  for (const std::string& path : wanted.files) {
+    files.push_back(Analyze(path, *question, wanted.plot));
+    AnalyzedFile& file = files.back();
+    if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
+    if (!options.json()) PrintAnalysis(file);
+    if (file.analysis) file.analysis->filtered_m = {};
+  }
+  if (options.json()) fmt::print("{}\n", AnalysisJson(files));
+  return StatusOf(files);
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,180 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "base/clock.h"
+#include "sim/linear_model.h"
+#include "sim/scene_file.h"
+#include "sim/sensor_model.h"
+#include "sim/steady_state.h"
+#include "sim/time_response.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/simulate_output.h"
+#include "tools/verbs.h"
+#include "trial/trial_writer.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::string_view kVerb = "simulate";
+constexpr double kWindowPeriods = 10;
+constexpr double kDefaultTrialS = 1;
+constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Solve a scene of actuator, adapter and skin exactly.",
+    .examples = {"haptometer simulate fixtures/lra_adapter.toml",
+                 "haptometer simulate fixtures/lra_adapter.toml --duration 0.1s --json",
+                 "haptometer simulate fixtures/lra_cone.toml --duration 3s -o trial.bin"}};
+
+struct SimulateOptions {
+  std::string scene_path;
+  std::string output;
+  bool overwrite = false;
+  std::optional<Quantity> duration_s;
+};
+
+void Declare(cli::Options& options, SimulateOptions& wanted) {
+  options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/notation.md)");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+                 "Length of the run; beats [run] duration_s");
+  options.Text("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
+  options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
+}
+
+// The last ten periods of the run, where it has as many.
+std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
+  if (!scene.duration_s) return std::nullopt;
+  const double length_s = kWindowPeriods / scene.drive.frequency_hz;
+  // a run of exactly ten periods may miss them by a rounding
+  const double begin_s = *scene.duration_s - length_s;
+  if (begin_s < -1e-12 * length_s) {
+    cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
+                                   *scene.duration_s));
+    return std::nullopt;
+  }
+  const sim::LinearModel model = sim::AssembleModel(scene);
+  const sim::TimeResponse response(model, scene.drive, sim::StartOf(scene));
+  WindowAnswer window{.begin_s = std::max(0.0, begin_s), .end_s = *scene.duration_s};
+  window.skin_rms_m = response.WindowRms(model.skin(), window.begin_s, window.end_s);
+  return window;
+}
+
+// A quantised channel as whole counts, any other as it is.
+trial::ChannelFormat FormatOf(const trial::Channel& channel) {
+  trial::ChannelFormat format{.name = channel.name,
+                              .role = channel.role,
+                              .unit = channel.unit,
+                              .range_min = channel.range_min,
+                              .range_max = channel.range_max,
+                              .resolution = channel.resolution};
+  const double largest = std::max(std::abs(channel.range_min), std::abs(channel.range_max));
+  if (channel.resolution > 0 &&
+      largest / channel.resolution < std::numeric_limits<std::int32_t>::max()) {
+    format.encoding = trial::Encoding::kI32;
+    format.scale = channel.resolution;
+  }
+  return format;
+}
+
+trial::RawValue RawOf(const trial::ChannelFormat& format, double value) {
+  if (format.encoding == trial::Encoding::kF64) return trial::RawValue::F64(value);
+  if (std::isnan(value)) return trial::RawValue::Counts(0);
+  return trial::RawValue::Counts(static_cast<std::int32_t>(std::lround(value / format.scale)));
+}
+
+Result<void> WriteTrial(const SimulateOptions& wanted, const trial::Record& record) {
+  const trial::Channel& channel = record.channels.front();
+  trial::TrialHeader header{.timing = trial::Timing::kUniform,
+                            .rate_hz = record.stretches.front().rate_hz,
+                            .channels = {FormatOf(channel)},
+                            .metadata = record.metadata};
+  const trial::ChannelFormat format = header.channels.front();
+  SystemClock clock;
+  auto writer = trial::TrialWriter::Create(wanted.output, std::move(header),
+                                           {.overwrite = wanted.overwrite}, clock);
+  if (!writer) return std::unexpected(writer.error());
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    const trial::Sample sample{RawOf(format, channel.values[row]), channel.statuses[row]};
+    const trial::Row next{.index = static_cast<std::int64_t>(row), .samples = {&sample, 1}};
+    if (auto appended = writer->Append(next); !appended) return appended;
+  }
+  auto totals = writer->Finish();
+  if (!totals) return std::unexpected(totals.error());
+  return {};
+}
+
+// Fills in what a trial needs and the scene does not say, and says so.
+Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
+  if (!scene.sensor) {
+    scene.sensor = sim::IdealSensor();
+    cli::Remark(kVerb, "no [sensor]: an ideal one on the skin at 10 kHz is assumed");
+  }
+  if (!scene.duration_s) {
+    cli::Remark(kVerb, fmt::format("no duration: the trial lasts {:g} s", kDefaultTrialS));
+  }
+  const double duration_s = scene.duration_s.value_or(kDefaultTrialS);
+  const double rows = duration_s * scene.sensor->rate_hz;
+  if (rows < 1 || rows > kMostRows) {
+    return Usage(wanted.output,
+                 fmt::format("{:g} s at {:g} Hz are {:.3g} readings", duration_s,
+                             scene.sensor->rate_hz, std::floor(rows)),
+                 fmt::format("give a --duration for 1 to {:g}", kMostRows));
+  }
+  trial::Record record = sim::SimulateRecord(scene, duration_s);
+  record.metadata.fields["scene"] = wanted.scene_path;
+  return WriteTrial(wanted, record);
+}
+
+// The scene with what the command line says over it.
+Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
+  auto scene = sim::ReadSceneFile(wanted.scene_path);
+  if (!scene || !wanted.duration_s) return scene;
+  const double duration_s = wanted.duration_s->value;
+  if (!(duration_s > 0 && duration_s <= sim::kLongestRunS)) {
+    return Usage("--duration", fmt::format("{:g} s is not between 0 and 1e6 s", duration_s),
+                 "give the length of the run");
+  }
+  scene->duration_s = duration_s;
+  return scene;
+}
+
+Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
+  const auto scene = ReadScene(wanted);
+  if (!scene) return std::unexpected(scene.error());
+  SimulateAnswer answer;
+  answer.scene_path = wanted.scene_path;
+  answer.scene = *scene;
+  answer.steady = sim::SolveSteadyState(*scene);
+  if (!(answer.steady.error_estimate < 1)) {
+    return CannotAnswer(wanted.scene_path,
+                        "has no steady state: the drive meets an undamped resonance",
+                        "add damping or change frequency_hz");
+  }
+  answer.window = AnswerWindow(*scene);
+  if (wanted.output.empty()) return answer;
+  if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
+  answer.trial_path = wanted.output;
+  return answer;
+}
+
+}  // namespace
+
+int RunSimulate(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  SimulateOptions wanted;
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  const auto answer = Answer(wanted);
+  if (!answer) return cli::ReportError(kVerb, answer.error());
+  fmt::print("{}", options.json() ? SimulateJson(*answer) : SimulateText(*answer));
+  return 0;
+}
+
+}  // namespace haptometer::tools
