@@ -34,6 +34,7 @@ BandAnalysis Answer(const trial::Record& record, const BandQuestion& question = 
 trial::Record Streamed(const trial::Displacement& displacement, std::uint64_t seed) {
   const trial::SensorHead head = trial::Stream10kHz();
   std::vector<double> values;
+  values.reserve(30'000);
   for (std::int64_t k = 0; k < 30'000; ++k) {
     values.push_back(ReadingAt(head, displacement, k, seed).value_m);
   }
