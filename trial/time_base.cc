@@ -14,19 +14,20 @@ namespace {
 constexpr double kNsPerSecond = 1e9;
 constexpr double kWindowNs = 0.1 * kNsPerSecond;
 constexpr std::size_t kLeastWindowRows = 16;
-constexpr std::size_t kWindowsAWait = 5;  // a rise must outlast this many windows
+constexpr std::size_t kWindowsBehind = 5;  // what a rise is measured against
+constexpr std::size_t kWindowsAhead = 10;  // a rise must outlast these, or all up to the end
+constexpr std::size_t kLeastWindowsAhead = 2;
+constexpr std::size_t kWindowsForARate = 10;  // shorter stretches take the common rate
 constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
-constexpr double kScatters = 6;
+constexpr double kScatters = 3;
 constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
 
 using Times = std::span<const double>;
 
-// rows [first, end) of a recording; `is_sure`: something other than the times says that it begins
-// here
+// rows [first, end) of a recording
 struct Piece {
   std::size_t first = 0;
   std::size_t end = 0;
-  bool is_sure = false;
   [[nodiscard]] std::size_t rows() const { return end - first; }
 };
 
@@ -72,29 +73,45 @@ std::vector<double> Levels(Times times, double period_ns, std::size_t window_row
   return levels;
 }
 
-std::vector<double> Differences(const std::vector<double>& values) {
+std::vector<double> Differences(const std::vector<double>& values, std::size_t lag) {
   std::vector<double> differences;
-  for (std::size_t k = 1; k < values.size(); ++k) {
-    differences.push_back(values[k] - values[k - 1]);
+  for (std::size_t k = lag; k < values.size(); ++k) {
+    differences.push_back(values[k] - values[k - lag]);
   }
   return differences;
 }
 
-// a period that neither bursts nor a few gaps disturb: medians over windows
+// each value becomes the least of itself and the next count - 1
+std::vector<double> RunningLeast(const std::vector<double>& values, std::size_t count) {
+  std::vector<double> least;
+  for (std::size_t k = 0; k + count <= values.size(); ++k) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(k);
+    least.push_back(*std::min_element(first, first + static_cast<std::ptrdiff_t>(count)));
+  }
+  return least;
+}
+
+// A period that neither bursts nor a few gaps disturb: medians over windows. The lag of up to ten
+// windows keeps the noise of the minima small; a loss spoils only the differences across it. Then
+// once more on the minima over three windows, which are much less noisy once the slope is nearly
+// right.
 double RobustPeriod(Times times, std::size_t window_rows) {
   const auto durations = WindowDurations(times, window_rows);
   if (durations.empty()) {
-    std::vector<double> intervals;
-    for (std::size_t j = 1; j < times.size(); ++j) intervals.push_back(times[j] - times[j - 1]);
-    return Median(std::move(intervals));
+    return Median(Differences(std::vector<double>(times.begin(), times.end()), 1));
   }
-  const double period_ns = Median(durations) / AsDouble(window_rows);
-  const auto rises = Differences(Levels(times, period_ns, window_rows));
-  return period_ns + Median(rises) / AsDouble(window_rows);
+  double period_ns = Median(durations) / AsDouble(window_rows);
+  for (const std::size_t count : {1U, 3U}) {
+    const auto levels = RunningLeast(Levels(times, period_ns, window_rows), count);
+    const std::size_t lag = std::clamp<std::size_t>(levels.size() / 5, 1, 10);
+    period_ns += Median(Differences(levels, lag)) / AsDouble(lag * window_rows);
+  }
+  return period_ns;
 }
 
 // the line below all points with the least sum of distances: the edge of the lower convex hull over
-// the mean row. Computed on t_j - j * period, whose small numbers keep the digits.
+// the mean row. Computed on t_j - j * period (of any period near the true one), whose small numbers
+// keep the digits.
 Line LowerLine(Times times, double period_ns) {
   std::vector<std::pair<double, double>> hull;
   for (std::size_t j = 0; j < times.size(); ++j) {
@@ -117,45 +134,53 @@ Line LowerLine(Times times, double period_ns) {
   return {y1 - slope * x1, period_ns + slope};
 }
 
-// the row at which a rise between windows k - 1 and k begins
+// The row at which a rise after window k - 1 begins. Rows below the new line surely came before the
+// loss; from there to the first row on the new line it is the one with the largest interval.
 std::size_t PlaceOfRise(Times times, double period_ns, std::size_t window_rows, std::size_t k,
-                        double before_ns, double after_ns) {
-  const double middle_ns = 0.5 * (before_ns + after_ns);
-  const std::size_t from = (k - 1) * window_rows;
-  const std::size_t to = std::min(times.size(), (k + 1) * window_rows);
+                        double after_ns) {
   auto level = [&](std::size_t j) { return times[j] - AsDouble(j) * period_ns; };
-  // the last row that still lies on the old line, then the first that lies on the new one
-  std::size_t last_old = from;
-  for (std::size_t j = from; j < to; ++j) {
-    if (level(j) < middle_ns) last_old = j;
+  const double slack_ns = 0.5 * period_ns;
+  std::size_t last_old = (k - 1) * window_rows;
+  for (std::size_t j = last_old; j < k * window_rows; ++j) {
+    if (level(j) < after_ns - slack_ns) last_old = j;
   }
-  const double near_new_ns = after_ns + (after_ns - middle_ns);
   std::size_t best = last_old + 1;
-  for (std::size_t j = last_old + 1; j < to; ++j) {
+  for (std::size_t j = best; j < times.size(); ++j) {
     if (times[j] - times[j - 1] > times[best] - times[best - 1]) best = j;
-    if (level(j) < near_new_ns) break;
+    if (level(j) < after_ns + slack_ns) break;
   }
   return best;
+}
+
+double LeastOf(const std::vector<double>& levels, std::size_t from, std::size_t count) {
+  const auto first = levels.begin() + static_cast<std::ptrdiff_t>(from);
+  return *std::min_element(first, first + static_cast<std::ptrdiff_t>(count));
 }
 
 // rows at which the lower envelope rises and stays up: lines were lost before them
 std::vector<std::size_t> Rises(Times times, double period_ns, std::size_t window_rows) {
   const std::vector<double> levels = Levels(times, period_ns, window_rows);
-  std::vector<double> sizes = Differences(levels);
+  std::vector<double> sizes = Differences(levels, 1);
   for (double& size : sizes) size = std::abs(size);
   const double scatter_ns = kSigmaPerMad * Median(std::move(sizes));
   const double least_rise_ns = std::max(0.5 * period_ns, kScatters * scatter_ns);
+  auto ahead_ns = [&](std::size_t k) {
+    return LeastOf(levels, k, std::min(kWindowsAhead, levels.size() - k));
+  };
   std::vector<std::size_t> rises;
   std::size_t begin = 0;
-  for (std::size_t k = 1; k + 1 < levels.size(); ++k) {
-    const std::size_t back = std::min(kWindowsAWait, k - begin);
-    const std::size_t ahead = std::min(kWindowsAWait, levels.size() - k);
-    const double before_ns = *std::min_element(&levels[k - back], &levels[k]);
-    const double after_ns = *std::min_element(&levels[k], &levels[k] + ahead);
-    if (after_ns - before_ns <= least_rise_ns) continue;
-    const std::size_t row = PlaceOfRise(times, period_ns, window_rows, k, before_ns, after_ns);
-    if (rises.empty() || row > rises.back()) rises.push_back(row);
-    begin = k++;
+  for (std::size_t k = 1; k + kLeastWindowsAhead <= levels.size(); ++k) {
+    const std::size_t behind = std::min(kWindowsBehind, k - begin);
+    if (ahead_ns(k) - LeastOf(levels, k - behind, behind) <= least_rise_ns) continue;
+    // a loss within a window may raise it in part and the next one in full: one rise
+    while (k + 1 + kLeastWindowsAhead <= levels.size() &&
+           ahead_ns(k + 1) - ahead_ns(k) > least_rise_ns) {
+      ++k;
+    }
+    // near the place, a slope that is not quite right does not matter
+    const std::size_t near = std::min<std::size_t>(3, levels.size() - k);
+    rises.push_back(PlaceOfRise(times, period_ns, window_rows, k, LeastOf(levels, k, near)));
+    begin = k;
   }
   return rises;
 }
@@ -176,102 +201,86 @@ std::vector<std::size_t> Pauses(Times times, double period_ns) {
   return pauses;
 }
 
-// where a piece must be cut, as row numbers within it
-std::vector<std::size_t> Cuts(Times times, std::size_t window_rows) {
-  const double period_ns = RobustPeriod(times, window_rows);
-  auto cuts = Pauses(times, period_ns);
-  if (cuts.empty()) cuts = Rises(times, period_ns, window_rows);
-  if (!cuts.empty() || times.size() < 3 * window_rows) return cuts;
-  // once more with the better slope of the piece's own line
-  return Rises(times, LowerLine(times, period_ns).period_ns, window_rows);
-}
-
-// pieces between breaks that others know of
-std::vector<Piece> SurePieces(std::size_t rows, std::span<const std::size_t> breaks) {
-  std::vector<Piece> pieces{{0, rows, true}};
-  for (const std::size_t row : breaks) {
+// pieces between rows that begin a new one, whatever their order and number
+std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> starts) {
+  std::ranges::sort(starts);
+  std::vector<Piece> pieces{{0, rows}};
+  for (const std::size_t row : starts) {
     if (row <= pieces.back().first || row >= rows) continue;
     pieces.back().end = row;
-    pieces.push_back({row, rows, true});
+    pieces.push_back({row, rows});
   }
   return pieces;
 }
 
-// cuts each piece until no part of it shows a loss
-std::vector<Piece> Cut(Times times, std::vector<Piece> waiting, std::size_t window_rows) {
-  std::vector<Piece> pieces;
-  std::ranges::reverse(waiting);
-  while (!waiting.empty()) {
-    const Piece piece = waiting.back();
-    waiting.pop_back();
-    const auto cuts = Cuts(times.subspan(piece.first, piece.rows()), window_rows);
-    if (cuts.empty()) {
-      pieces.push_back(piece);
-      continue;
+// what `find` finds in each piece, as rows of the recording, beside the pieces' own beginnings
+template <typename Find>
+std::vector<std::size_t> StartsIn(Times times, const std::vector<Piece>& pieces, const Find& find) {
+  std::vector<std::size_t> starts;
+  for (const Piece& piece : pieces) {
+    starts.push_back(piece.first);
+    for (const std::size_t row : find(times.subspan(piece.first, piece.rows()))) {
+      starts.push_back(piece.first + row);
     }
-    std::size_t end = piece.end;
-    for (std::size_t c = cuts.size(); c-- > 0;) {
-      waiting.push_back({piece.first + cuts[c], end, false});
-      end = piece.first + cuts[c];
-    }
-    waiting.push_back({piece.first, end, piece.is_sure});
   }
-  return pieces;
+  return starts;
+}
+
+const Piece& Longest(const std::vector<Piece>& pieces) {
+  return *std::ranges::max_element(pieces, {}, &Piece::rows);
+}
+
+Line LowerLineOf(Times times, const Piece& piece, double period_ns) {
+  return LowerLine(times.subspan(piece.first, piece.rows()), period_ns);
+}
+
+// the stretches' rows, and the period that the longest of them shows
+struct Cut {
+  std::vector<Piece> pieces;
+  double period_ns = 0;
+};
+
+Cut CutAtLosses(Times times, std::span<const std::size_t> breaks, std::size_t window_rows) {
+  double period_ns = RobustPeriod(times, window_rows);
+  const auto known =
+      PiecesBetween(times.size(), std::vector<std::size_t>(breaks.begin(), breaks.end()));
+  const auto sure = PiecesBetween(
+      times.size(), StartsIn(times, known, [&](Times t) { return Pauses(t, period_ns); }));
+  // twice, because many losses blur the period that they are looked for with
+  std::vector<Piece> pieces;
+  for (int turn = 0; turn < 2; ++turn) {
+    pieces = PiecesBetween(times.size(), StartsIn(times, sure, [&](Times t) {
+                             return Rises(t, period_ns, window_rows);
+                           }));
+    const Piece& longest = Longest(pieces);
+    period_ns = RobustPeriod(times.subspan(longest.first, longest.rows()), window_rows);
+  }
+  period_ns = LowerLineOf(times, Longest(pieces), period_ns).period_ns;
+  return {std::move(pieces), period_ns};
 }
 
 // one period for pieces too short to tell their own: the longest piece's, else the nominal one
-std::optional<double> CommonPeriod(Times times, const std::vector<Piece>& pieces,
-                                   std::size_t window_rows, std::optional<double> nominal_rate_hz) {
-  const Piece& longest = *std::ranges::max_element(pieces, {}, &Piece::rows);
-  if (longest.rows() >= 2 * window_rows) {
-    const Times part = times.subspan(longest.first, longest.rows());
-    return LowerLine(part, RobustPeriod(part, window_rows)).period_ns;
-  }
+std::optional<double> CommonPeriod(const Cut& cut, std::size_t window_rows,
+                                   std::optional<double> nominal_rate_hz) {
+  if (Longest(cut.pieces).rows() >= 2 * window_rows) return cut.period_ns;
   if (nominal_rate_hz && *nominal_rate_hz > 0) return kNsPerSecond / *nominal_rate_hz;
   return std::nullopt;
 }
 
 Line FitPiece(Times part, std::size_t window_rows, std::optional<double> common_period_ns) {
-  if (part.size() < 2 * window_rows && common_period_ns) {
+  if (part.size() < kWindowsForARate * window_rows && common_period_ns) {
     // the period is given, so only the least delay is looked for
     return {Levels(part, *common_period_ns, part.size()).front(), *common_period_ns};
   }
-  return LowerLine(part, RobustPeriod(part, window_rows));
+  return LowerLine(part, common_period_ns.value_or(0));
 }
 
+// scatter of the window minima about the line; by the median, so that a stall does not count
 double Scatter(Times part, const Line& line, std::size_t window_rows) {
-  const std::size_t rows = part.size() < 2 * window_rows ? 1 : window_rows;
-  const auto levels = Levels(part, line.period_ns, rows);
-  double sum = 0;
-  for (const double level : levels) sum += level;
-  const double mean = sum / AsDouble(levels.size());
-  double squares = 0;
-  for (const double level : levels) squares += (level - mean) * (level - mean);
-  return std::sqrt(squares / AsDouble(levels.size()));
-}
-
-// a cut that the two lines do not confirm (less than half a period missing) was a stall
-std::vector<Piece> Confirmed(Times times, const std::vector<Piece>& pieces, std::size_t window_rows,
-                             std::optional<double> common_period_ns) {
-  auto fit = [&](const Piece& piece) {
-    return FitPiece(times.subspan(piece.first, piece.rows()), window_rows, common_period_ns);
-  };
-  std::vector<Piece> confirmed;
-  for (const Piece& piece : pieces) {
-    if (confirmed.empty() || piece.is_sure) {
-      confirmed.push_back(piece);
-      continue;
-    }
-    const Line before = fit(confirmed.back());
-    const double expected_ns =
-        before.start_ns + AsDouble(confirmed.back().rows()) * before.period_ns;
-    if (fit(piece).start_ns - expected_ns < 0.5 * before.period_ns) {
-      confirmed.back().end = piece.end;
-    } else {
-      confirmed.push_back(piece);
-    }
-  }
-  return confirmed;
+  auto levels = Levels(part, line.period_ns, part.size() < 2 * window_rows ? 1 : window_rows);
+  const double middle = Median(levels);
+  for (double& level : levels) level = std::abs(level - middle);
+  return kSigmaPerMad * Median(std::move(levels));
 }
 
 double RateOf(double period_ns) {
@@ -323,10 +332,10 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
   if (time_ns.empty()) return {};
   const std::vector<double> times = SinceFirst(time_ns);
   const std::size_t window_rows = WindowRows(times);
-  const auto cut = Cut(times, SurePieces(times.size(), breaks), window_rows);
-  const auto common_period_ns = CommonPeriod(times, cut, window_rows, nominal_rate_hz);
+  const Cut cut = CutAtLosses(times, breaks, window_rows);
+  const auto common_period_ns = CommonPeriod(cut, window_rows, nominal_rate_hz);
   std::vector<Stretch> stretches;
-  for (const Piece& piece : Confirmed(times, cut, window_rows, common_period_ns)) {
+  for (const Piece& piece : cut.pieces) {
     const Times part = Times(times).subspan(piece.first, piece.rows());
     const Line line = FitPiece(part, window_rows, common_period_ns);
     const double start_ns = static_cast<double>(time_ns.front()) + line.start_ns;
@@ -353,18 +362,17 @@ std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
     middles[j] += 0.5 * waits[j];
   }
   // a pause between two polls begins a stretch, as a break does
-  const std::vector<double> intervals = Differences(middles);
+  const std::vector<double> intervals = Differences(middles, 1);
   const double median_ns = Median(intervals);
   std::vector<std::size_t> starts(breaks.begin(), breaks.end());
   for (std::size_t j = 0; j < intervals.size(); ++j) {
     if (intervals[j] > 8 * median_ns) starts.push_back(j + 1);
   }
-  std::ranges::sort(starts);
   std::optional<double> common_period_ns;
   if (nominal_rate_hz && *nominal_rate_hz > 0) common_period_ns = kNsPerSecond / *nominal_rate_hz;
   if (median_ns > 0) common_period_ns = median_ns;
   std::vector<Stretch> stretches;
-  for (const Piece& piece : SurePieces(middles.size(), starts)) {
+  for (const Piece& piece : PiecesBetween(middles.size(), std::move(starts))) {
     const Times part = Times(middles).subspan(piece.first, piece.rows());
     const Line line = MeanLine(part, common_period_ns);
     const double start_ns = static_cast<double>(request_ns.front()) + line.start_ns;

@@ -19,18 +19,19 @@ namespace haptometer::trial {
 /// INFOCOM 1999, sect. 3).
 ///
 /// A new stretch begins where lines were lost: there the envelope rises and stays up. It is looked
-/// for in the minima over windows of 0.1 s (at least 16 rows), once the slope is taken off; a rise
-/// counts if it stays for five windows (or to the end) and exceeds half a period and six times the
-/// scatter of the minima. A stall of the host, after which all that waited arrives, is no gap.
-/// Where within a burst the lines are missing cannot be seen; the largest interval near the rise is
-/// taken.
+/// for in the minima over windows of 0.1 s or a little more (at least 16 rows), with the slope of
+/// the longest stretch taken off; a rise counts if the ten windows that follow stay up (at the end:
+/// all, but at least two) and it exceeds half a period and three times the scatter of the minima. A
+/// pause of more than 0.25 s that is not made up for counts wherever it is. A stall of the host of
+/// less than about a second, after which all that waited arrives, is no gap. Where within a burst
+/// the lines are missing cannot be seen; the largest interval before the first line that is on time
+/// again is taken.
 ///
 /// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
 /// promises; used for stretches too short to tell their own rate (fewer than three rows, or arrived
 /// at one moment). `first_row` is added to the stretches' row numbers.
 /// time_uncertainty_s is the scatter of the window minima about the line (one standard deviation);
-/// the least delay itself cannot be seen. Returns no stretch for no row. Cost: O(rows) per level of
-/// splitting.
+/// the least delay itself cannot be seen. Returns no stretch for no row. Cost: O(rows).
 [[nodiscard]] std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                                                    std::optional<double> nominal_rate_hz,
                                                    std::span<const std::size_t> breaks = {});

@@ -13,20 +13,26 @@ struct Run {
 
 double AsDouble(std::size_t n) { return static_cast<double>(n); }
 
-// runs of rows without an interval that is half a period too long
+// the median over differences of eight rows: rounding matters an eighth as much as in single
+// intervals
+double MedianPeriod(std::span<const double> times_s) {
+  const std::size_t lag = std::min<std::size_t>(8, times_s.size() - 1);
+  std::vector<double> spans;
+  for (std::size_t i = lag; i < times_s.size(); ++i) spans.push_back(times_s[i] - times_s[i - lag]);
+  const auto middle = spans.begin() + static_cast<std::ptrdiff_t>(spans.size() / 2);
+  std::ranges::nth_element(spans, middle);
+  return *middle / AsDouble(lag);
+}
+
+// runs of rows without an interval that is half a period too long; rounding may add to it, but
+// never so much that a missing row would pass
 std::vector<Run> Runs(std::span<const double> times_s, std::span<const double> half_digits_s) {
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < times_s.size(); ++i) {
-    intervals.push_back(times_s[i] - times_s[i - 1]);
-  }
-  std::vector<double> sorted = intervals;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  const double median_s = *middle;
+  const double period_s = MedianPeriod(times_s);
   std::vector<Run> runs{{0, 1}};
   for (std::size_t i = 1; i < times_s.size(); ++i) {
     const double rounding_s = half_digits_s[i] + half_digits_s[i - 1];
-    if (intervals[i - 1] > 1.5 * median_s + rounding_s) runs.push_back({i, 0});
+    const double longest_s = 1.5 * period_s + std::min(rounding_s, 0.4 * period_s);
+    if (times_s[i] - times_s[i - 1] > longest_s) runs.push_back({i, 0});
     ++runs.back().rows;
   }
   return runs;
