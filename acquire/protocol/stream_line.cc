@@ -17,7 +17,9 @@ constexpr std::string_view kFormatRemedy =
     "write PICTURE,UNIT,DELIMITER such as +00.0000,mm,CR or 000000,0.1um,CRLF";
 
 std::size_t NumberWidth(const StreamFormat& format) {
-  return static_cast<std::size_t>(format.whole_digits + format.decimals + (format.decimals > 0));
+  const std::size_t point = format.decimals > 0 ? 1 : 0;
+  return static_cast<std::size_t>(format.whole_digits) + static_cast<std::size_t>(format.decimals) +
+         point;
 }
 
 // "+00.0000": sign, whole digits, point, decimals

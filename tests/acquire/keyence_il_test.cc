@@ -173,7 +173,8 @@ TEST_F(KeyenceIlTest, TheLastBaudRateNamesTheFirstFour) {
 }
 
 TEST_F(KeyenceIlTest, GarbageAtTheWrongBaudRateIsToldFromSilence) {
-  for (int i = 0; i < 3; ++i) unit_.to_m0.push_back({{"\xF8\x80\x78\x00\xE0\n", 8 * kMs}});
+  for (int i = 0; i < 3; ++i)
+    unit_.to_m0.push_back({{std::string("\xF8\x80\x78\x00\xE0\n", 6), 8 * kMs}});
   EXPECT_THAT(StartError().Text(),
               HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try --baud 2400"));
 }
@@ -224,7 +225,7 @@ TEST_F(KeyenceIlTest, OneRowPerPollWithItsTwoTimes) {
   for (int i = 0; i < 5; ++i) {
     const Reading reading = NextRow();
     EXPECT_EQ(Counts(reading), 2 + i);
-    EXPECT_EQ(reading.time_ns - begin_ns_, i * 8 * kMs);
+    EXPECT_EQ(reading.time_ns - begin_ns_, 8 * kMs * i);
     EXPECT_EQ(reading.reply_ns - reading.time_ns, 8 * kMs);
   }
 }
@@ -232,6 +233,7 @@ TEST_F(KeyenceIlTest, OneRowPerPollWithItsTwoTimes) {
 TEST_F(KeyenceIlTest, AReplyInSinglePiecesIsOneReading) {
   Started();
   std::vector<Unit::Answer> pieces;
+  pieces.reserve(12);
   const std::string line = "M0,-00.007\r\n";
   for (std::size_t i = 0; i < line.size(); ++i) {
     pieces.push_back({line.substr(i, 1), 8 * kMs + static_cast<MonotonicNs>(i) * kMs});
@@ -400,7 +402,7 @@ TEST(RepeatMarker, WhatIsNoMeasurementKeepsItsStatus) {
   RepeatMarker marker(20 * kMs);
   for (int i = 0; i < 2; ++i) {
     Reading reading;
-    reading.time_ns = i * 8 * kMs;
+    reading.time_ns = 8 * kMs * i;
     reading.samples = {{trial::RawValue::Counts(-99'998), SampleStatus::kInvalid},
                        {trial::RawValue::Counts(3), SampleStatus::kOk}};
     marker.Mark(reading);

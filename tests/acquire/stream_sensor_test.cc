@@ -124,6 +124,7 @@ TEST_F(StreamSensorTest, ADamagedLineIsABadFrameAndTheNextIsRead) {
                                            SampleStatus::kBadFrame, SampleStatus::kOk};
   const std::uint64_t before = sensor_->discarded_bytes();
   std::vector<SampleStatus> got;
+  got.reserve(expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) got.push_back(RowStatus(NextRow()));
   EXPECT_EQ(got, expected);
   EXPECT_EQ(sensor_->discarded_bytes() - before, 6U + 13U + 8U);
@@ -161,7 +162,7 @@ TEST_F(StreamSensorTest, SaysWhenNothingComes) {
 }
 
 TEST_F(StreamSensorTest, SaysWhenLinesAreOfAnotherForm) {
-  for (int i = 0; i < 30; ++i) wire_->Send("+1.2\r", i * 100 * kMs);
+  for (int i = 0; i < 30; ++i) wire_->Send("+1.2\r", 100 * kMs * i);
   EXPECT_THAT(StartError(), HasSubstr("sends lines of another form at 921600 baud: \"+1.2\"; "));
 }
 
