@@ -42,8 +42,8 @@ class LineLink {
   /// Counts `bytes` as thrown away: a line that the caller could not use.
   void CountDiscarded(std::size_t bytes) { discarded_bytes_ += bytes; }
 
-  /// Whether bytes of an unfinished line are waiting.
-  [[nodiscard]] bool has_partial_line() const { return framer_.waiting_bytes() > 0; }
+  /// Bytes that were taken from the port and not handed out yet.
+  [[nodiscard]] std::size_t waiting_bytes() const { return framer_.waiting_bytes(); }
   [[nodiscard]] std::uint64_t discarded_bytes() const {
     return discarded_bytes_ + framer_.discarded_bytes();
   }

@@ -25,7 +25,8 @@ class StreamSensor final : public Sensor {
   /// `clock` must outlive the sensor.
   StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock);
 
-  /// Waits for one line of the right form, 3 s at most.
+  /// Waits for one line of the right form, 3 s at most. Behind a virtual terminal or a socket it
+  /// first asks whether the head is an emulated one, and gives it 0.2 s to say so.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override;
@@ -34,6 +35,7 @@ class StreamSensor final : public Sensor {
   [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
 
  private:
+  void AskWhetherEmulated();
   Error NoLines(const std::string& example) const;
   void MakeHeader();
 
@@ -41,6 +43,8 @@ class StreamSensor final : public Sensor {
   Clock& clock_;
   LineLink link_;
   trial::TrialHeader header_;
+  MonotonicNs identity_deadline_ns_ = 0;
+  bool is_emulated_ = false;
   MonotonicNs last_ns_ = 0;
 };
 
