@@ -46,11 +46,10 @@ class Running {
   }
   Running(const Running&) = delete;
   Running& operator=(const Running&) = delete;
-  ~Running() { static_cast<void>(Stop()); }
+  ~Running() { Join(); }
 
   Result<ServeReport> Stop() {
-    stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    Join();
     return report_;
   }
   std::vector<std::string> Names() {
@@ -59,6 +58,11 @@ class Running {
   }
 
  private:
+  void Join() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
   std::unique_ptr<Device> device_;
   std::unique_ptr<Endpoint> endpoint_;
   std::atomic<bool> stop_{false};
