@@ -210,6 +210,7 @@ TEST(BandAnalysis, TremorThatLeaksIsStated) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
   ASSERT_TRUE(analysis.answered);
   const FilterDesign design = Designed(question.band, kRateHz);
+  ASSERT_TRUE(analysis.below_band);
   EXPECT_REL(analysis.below_band->leaked_rms_m, 5e-4 / kRootTwo * std::norm(Response(design, 8.3)),
              1e-9, "the tremor's fit");
   EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 2e-3, "part of a tremor period");
