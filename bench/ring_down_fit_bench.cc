@@ -42,7 +42,7 @@ fit::ImpulseRecord Record(double load_ohm, std::size_t samples) {
 
 void PolesOfALoadedCircuit(benchmark::State& state) {
   double load_ohm = 33;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     benchmark::DoNotOptimize(load_ohm);
     benchmark::DoNotOptimize(Circuit(load_ohm));
   }
@@ -52,7 +52,7 @@ BENCHMARK(PolesOfALoadedCircuit);
 void VoltageOfALoadedCircuit(benchmark::State& state) {
   const auto circuit = Circuit(33);
   double time_s = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     time_s = time_s > 0.25 ? 0 : time_s + 1e-4;
     benchmark::DoNotOptimize(circuit.VoltagePerSpeed(time_s));
   }
@@ -61,7 +61,7 @@ BENCHMARK(VoltageOfALoadedCircuit);
 
 void StartOfARingDown(benchmark::State& state) {
   const auto record = Record(kOpen, static_cast<std::size_t>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(fit::FindRingStart(record));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(fit::FindRingStart(record));
 }
 BENCHMARK(StartOfARingDown)->Arg(3000)->Arg(100'000)->Unit(benchmark::kMillisecond);
 
@@ -70,7 +70,7 @@ void FitOfAPair(benchmark::State& state) {
   const std::vector records{Record(kOpen, samples), Record(33, samples)};
   const fit::ActuatorKnowns knowns{Quantity{1.4e-3, 0}, Quantity{0.6e-3, 0}, Quantity{27, 0},
                                    Quantity{130e-6, 0}};
-  for (auto _ : state) benchmark::DoNotOptimize(fit::FitDropTest(records, knowns));
+  while (state.KeepRunning()) benchmark::DoNotOptimize(fit::FitDropTest(records, knowns));
 }
 BENCHMARK(FitOfAPair)->Arg(3000)->Arg(100'000)->Unit(benchmark::kMillisecond);
 

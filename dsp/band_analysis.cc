@@ -323,7 +323,7 @@ void AddRemarks(const std::vector<Filtered>& all, BandAnalysis& analysis) {
                     analysis.below_band->amplitude_m * kUmPerM, analysis.below_band->frequency_hz,
                     analysis.below_band->leaked_rms_m * kUmPerM));
   }
-  if (analysis.sensor_gain_at_tone) {
+  if (analysis.sensor_gain_at_tone && *analysis.sensor_gain_at_tone < 1) {
     analysis.remarks.push_back(
         fmt::format("the sensor's averaging passes {:.4g} of the tone; it is not divided out",
                     *analysis.sensor_gain_at_tone));

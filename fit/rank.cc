@@ -36,10 +36,10 @@ std::vector<double> ToRowMajor(const RowMajor& matrix) {
 
 // an orthonormal basis of the null directions' logarithmic parts
 RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logarithm) {
+  if (directions.rows() == 0) return directions;
   for (Position k = 0; k < directions.cols(); ++k) {
     if (!is_logarithm[static_cast<std::size_t>(k)]) directions.col(k).setZero();
   }
-  if (directions.rows() == 0) return directions;
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
   const Position rank =
       (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();

@@ -79,7 +79,7 @@ Result<StatedActuator> FindActuator(const std::string& name_or_path) {
     }
     return std::unexpected(error);
   }
-  const StatedActuator stated = ReadActuator(*table);
+  StatedActuator stated = ReadActuator(*table);
   if (auto done = table->Finish(); !done) return std::unexpected(done.error());
   return stated;
 }

@@ -20,11 +20,11 @@ namespace haptometer::acquire::emulator {
 /// refresh of the IL series is not printed, its siblings (IB, GT-70A) say 7 ms.
 struct DlRs1aSetup {
   int baud = dl_rs1a::kBauds.front();
-  MovingHead head;                                     ///< an IL-030 (trial::Il030())
+  MovingHead head{};                                   ///< an IL-030 (trial::Il030())
   MonotonicNs processing_ns = dl_rs1a::kProcessingNs;  ///< T4 of M0 and MS
   MonotonicNs direct_processing_ns = 13'000'000;       ///< T4 of SR
   MonotonicNs refresh_ns = dl_rs1a::kRefreshNs;  ///< T2: the buffer is refilled at k * refresh
-  FaultPlan faults;
+  FaultPlan faults{};
 };
 
 /// Errors (Cause::kUsage): a rate, sampling cycle or averaging that the unit or the IL-1000

@@ -57,9 +57,8 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
   if (colon == std::string_view::npos) return plan;
 
   const std::string_view every = text.substr(colon + 1);
-  const char* end = every.data() + every.size();
-  const auto [stop, code] = std::from_chars(every.data(), end, plan.every);
-  if (code != std::errc() || stop != end || plan.every < 1) {
+  const auto [stop, code] = std::from_chars(every.begin(), every.end(), plan.every);
+  if (code != std::errc() || stop != every.end() || plan.every < 1) {
     return Usage("--fault", fmt::format("'{}' does not say how often", every),
                  fmt::format("give {}:EVERY with a whole number from 1", name));
   }

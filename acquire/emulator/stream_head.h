@@ -17,9 +17,9 @@ namespace haptometer::acquire::emulator {
 /// How an emulated free-running head is set up.
 struct StreamSetup {
   int baud = 921600;
-  MovingHead head;
-  StreamFormat format;
-  FaultPlan faults;  ///< neither late nor error: nobody asks it
+  MovingHead head{};
+  StreamFormat format{};
+  FaultPlan faults{};  ///< neither late nor error: nobody asks it
 };
 
 /// Errors (Cause::kUsage): a line that does not fit between two samples, with the lines a second

@@ -55,7 +55,7 @@ inline constexpr int kWriteControl = 67;
 /// What an error number means, in words a user can act on; "unknown error" for others.
 [[nodiscard]] std::string_view ErrorText(int number);
 
-// --- values ----------------------------------------------------------------------------------
+// --- values ---
 
 /// Reads the 7 characters of a value: `-00.007`, `+018.25`, `+0123.4`.
 ///
@@ -68,7 +68,7 @@ inline constexpr int kWriteControl = 67;
 /// Counts beyond 5 digits are a programmer's error.
 [[nodiscard]] std::string FormatValue(const Value& value);
 
-// --- requests --------------------------------------------------------------------------------
+// --- requests ---
 
 enum class Command : std::uint8_t { kM0, kMs, kSr, kSw, kAw };
 
@@ -100,7 +100,7 @@ struct ParsedRequest {
 /// `M0\r\n`, `MS\r\n`, `SR,00,195\r\n`: a request with its end.
 [[nodiscard]] std::string FormatRequest(const Request& request);
 
-// --- replies ---------------------------------------------------------------------------------
+// --- replies ---
 
 enum class ReplyKind : std::uint8_t { kM0, kMs, kDr, kSr, kError };
 
@@ -129,7 +129,7 @@ struct Reply {
 /// `ER,SR,22\r\n`.
 [[nodiscard]] std::string FormatErrorReply(const Refusal& refusal);
 
-// --- what the numbers of SR mean ----------------------------------------------------------------
+// --- what the numbers of SR mean ---
 
 /// A sensor head of the IL series.
 struct Head {
@@ -154,8 +154,7 @@ struct Head {
 /// High-pass corner in Hz of data 159 (0..9).
 [[nodiscard]] std::optional<double> HighPassHz(int code);
 
-// --- what the wire allows
-// -------------------------------------------------------------------------
+// --- what the wire allows ---
 
 /// Time of one M0 exchange in ns: request, processing, reply, at 10 bits a character.
 ///

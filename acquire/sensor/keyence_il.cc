@@ -25,6 +25,15 @@ Error Interrupted(const std::string& name) {
   return {Cause::kFailed, name, "was not recorded: interrupted before the first reading", ""};
 }
 
+// where the bytes come from; a unit that calls itself emulated is no device, whatever the port
+std::string SourceOf(const Transport& transport, bool is_emulated) {
+  constexpr std::string_view kDevice = "device: ";
+  std::string source = transport.Source();
+  if (!is_emulated) return source;
+  if (source.starts_with(kDevice)) source.erase(0, kDevice.size());
+  return "emulated device: " + source;
+}
+
 }  // namespace
 
 KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup, Clock& clock)
@@ -32,8 +41,7 @@ KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup,
       clock_(clock),
       link_(std::move(transport), clock, Delimiter::kCrLf, dl_rs1a::kLongestLine) {}
 
-// --- before the recording
-// -------------------------------------------------------------------------
+// --- before the recording ---
 
 Result<std::optional<Reply>> KeyenceIl::Exchange(const dl_rs1a::Request& request,
                                                  const std::atomic<bool>& stop) {
@@ -140,8 +148,7 @@ Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
   // what the settings say of the first amplifier; the others' are not asked
   trial::Metadata& metadata = header_.metadata;
   metadata.sensor = "keyence-il";
-  metadata.source =
-      (settings_.is_emulated() ? "emulated device: " : "") + link_.transport().Source();
+  metadata.source = SourceOf(link_.transport(), settings_.is_emulated());
   settings_.Describe(metadata);
   metadata.nominal_rate_hz =
       1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(setup_.baud, header_.channels.size()));
@@ -161,20 +168,21 @@ std::vector<std::string> KeyenceIl::Remarks() const {
   const std::string repeats =
       fresh_hz < poll_hz ? fmt::format(", {:.1f} of them fresh", fresh_hz) : "";
   std::vector<std::string> remarks{
-      fmt::format("a DL-RS1A at {} baud gives at most {:.1f} readings/s{}: motion up to {:.1f} Hz can "
-                  "be observed (rate / 2.56)",
-                  setup_.baud, poll_hz, repeats, HighestObservableHz(std::min(poll_hz, fresh_hz))),
-      fmt::format("20-500 Hz vibration cannot be observed through a DL-RS1A at any baud rate "
-                  "({:.0f} readings/s at most, 1280 are needed): record the amplifier's analog output "
-                  "with a DAQ, or a head that sends lines by itself (--sensor stream)",
-                  best_hz)};
+      fmt::format(
+          "a DL-RS1A at {} baud gives at most {:.1f} readings/s{}: motion up to {:.1f} Hz can "
+          "be observed (rate / 2.56)",
+          setup_.baud, poll_hz, repeats, HighestObservableHz(std::min(poll_hz, fresh_hz))),
+      fmt::format(
+          "20-500 Hz vibration cannot be observed through a DL-RS1A at any baud rate "
+          "({:.0f} readings/s at most, 1280 are needed): record the amplifier's analog output "
+          "with a DAQ, or a head that sends lines by itself (--sensor stream)",
+          best_hz)};
   const std::vector<std::string> settings = settings_.Remarks();
   remarks.insert(remarks.end(), settings.begin(), settings.end());
   return remarks;
 }
 
-// --- the recording
-// ---------------------------------------------------------------------------------
+// --- the recording ---
 
 MonotonicNs KeyenceIl::Begin() {
   phase_ = Phase::kFree;

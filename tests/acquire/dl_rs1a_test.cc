@@ -1,4 +1,5 @@
-// The DL-RS1A's lines against the maker's manual: bytes as they stand there, never as we write them.
+// The DL-RS1A's lines against the maker's manual: bytes as they stand there, never as we write
+// them.
 #include "acquire/protocol/dl_rs1a.h"
 
 #include <gtest/gtest.h>
@@ -70,11 +71,29 @@ TEST(DlRs1aReply, ReadsMsWithOneAndTwoDigitOutputsAndDr) {
 }
 
 TEST(DlRs1aReply, RefusesWhatIsNoReply) {
-  for (const std::string_view line :
-       {"", "M", "M0", "M0,", "M1,+00.001", "m0,+00.001", "M0,+00.001,", "M0,+00.00", "M0,00.0012",
-        "M0+00.001", "M0,+00.001M0,+00.002", "MS,04", "MS,004,+00.001", "MS,04,+00.001,04", "SR,00,195",
-        "SR,0,195,1", "SR,00,19,1", "SR,00,195,12345678901", "ER,SR", "ER,SR,5", "ER,SR,222",
-        "SR,00,200,\x01\x02", "M0,+0\x80.001"}) {
+  for (const std::string_view line : {"",
+                                      "M",
+                                      "M0",
+                                      "M0,",
+                                      "M1,+00.001",
+                                      "m0,+00.001",
+                                      "M0,+00.001,",
+                                      "M0,+00.00",
+                                      "M0,00.0012",
+                                      "M0+00.001",
+                                      "M0,+00.001M0,+00.002",
+                                      "MS,04",
+                                      "MS,004,+00.001",
+                                      "MS,04,+00.001,04",
+                                      "SR,00,195",
+                                      "SR,0,195,1",
+                                      "SR,00,19,1",
+                                      "SR,00,195,12345678901",
+                                      "ER,SR",
+                                      "ER,SR,5",
+                                      "ER,SR,222",
+                                      "SR,00,200,\x01\x02",
+                                      "M0,+0\x80.001"}) {
     EXPECT_FALSE(ParseReply(line)) << line;
   }
   std::string sixteen = "M0";
@@ -125,9 +144,9 @@ TEST(DlRs1aValue, EveryNumberSurvivesTheWire) {
 }
 
 TEST(DlRs1aValue, RefusesOtherForms) {
-  for (const std::string_view text : {"", "+", "12.345", " 12.345", "+12,345", "+123456", "+1.2345",
-                                      "+12345.", "+.12345", "+12.34E", "+E2.EEE", "++2.345",
-                                      "+12.345 ", "+1 .345", "+FF.FFF"}) {
+  for (const std::string_view text :
+       {"", "+", "12.345", " 12.345", "+12,345", "+123456", "+1.2345", "+12345.", "+.12345",
+        "+12.34E", "+E2.EEE", "++2.345", "+12.345 ", "+1 .345", "+FF.FFF"}) {
     EXPECT_FALSE(ParseValue(text)) << text;
   }
 }

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <random>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "acquire/emulator/line_writer.h"
 #include "acquire/emulator/stream_head.h"

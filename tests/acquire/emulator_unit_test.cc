@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 #include <string>
 #include <utility>
@@ -323,9 +325,8 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
   EXPECT_EQ(name.error().Text(),
             "--fault: 'sulking' is no fault; give one of silent, late, truncate, garbage, error, "
             "invalid, over, disconnect");
-  for (const char* text : {"silent:", "silent:0", "silent:-1", "silent:1.5",
-                           "silent:99999999999999"
-                           "999999"}) {
+  for (const char* text :
+       {"silent:", "silent:0", "silent:-1", "silent:1.5", "silent:99999999999999999999"}) {
     const auto every = ParseFaultPlan(text);
     ASSERT_FALSE(every) << text;
     EXPECT_EQ(every.error().remedy, "give silent:EVERY with a whole number from 1");

@@ -66,7 +66,8 @@ TEST(StreamLine, EveryFormatGivesBackItsNumbers) {
     for (const std::int32_t counts : {least, least / 7, 0, 1, most / 3, most}) {
       const std::string line = FormatStreamLine(format, {counts, format.decimals, {}});
       ASSERT_EQ(line.size(), LineBytes(format));
-      const auto value = ParseStreamLine(format, std::string_view(line).substr(0, LineWidth(format)));
+      const auto value =
+          ParseStreamLine(format, std::string_view(line).substr(0, LineWidth(format)));
       ASSERT_TRUE(value) << line;
       EXPECT_EQ(value->counts, counts) << line;
     }

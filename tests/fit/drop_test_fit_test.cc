@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -248,6 +250,22 @@ TEST(DropTestFit, SensitivitiesAreThoseOfSolvingAgain) {
   EXPECT_ABS(1e4 * std::log(moved.force_constant.value / fit.force_constant.value),
              influence->percent_per_percent[2], 5e-4,
              "second order of a step of 1e-4, reweighting");
+}
+
+TEST(DropTestFit, InfluencesAreInPercentPerPercent) {
+  SyntheticDrop drop;
+  drop.rebound = 0.25;
+  const auto fit = Fit({MakeRecordWithHeight(drop)});
+  // Km = A / ((1 + e) sqrt(2 g h)); Kv and Bv follow the mass
+  const auto of = [&fit](std::string_view name) {
+    const auto found = std::ranges::find(fit.influences, name, &InputInfluence::input);
+    return found == fit.influences.end() ? std::array<double, 3>{} : found->percent_per_percent;
+  };
+  EXPECT_ABS(of("rebound")[2], -1.0, 1e-8, "differences of 1e-6");
+  EXPECT_ABS(of("drop height")[2], -0.5, 1e-8, "differences of 1e-6");
+  EXPECT_ABS(of("moving mass")[0], 1.0, 1e-6, "differences of 1e-6");
+  EXPECT_ABS(of("moving mass")[1], 1.0, 1e-6, "differences of 1e-6");
+  EXPECT_ABS(of("moving mass")[2], 0.0, 1e-6, "differences of 1e-6");
 }
 
 TEST(DropTestFit, StatisticalUncertaintyIsTheCramerRaoBound) {

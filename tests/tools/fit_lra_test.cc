@@ -181,6 +181,19 @@ TEST_F(FitLraFiles, AnOptionBeatsTheHeaderAndSaysSo) {
              0.05 / 1.5 * 0.6 / 2.1, 1e-3, "statistics add 1e-5");
 }
 
+TEST(FitLra, StatementsOfADropAreReplacedToo) {
+  // a height of 40 mm instead of 10 mm doubles the speed, a rebound of 0.5 makes it 1.5 times more
+  const auto outcome =
+      FitLra({"--open", kOpenFile, "--drop-height", "40mm", "--rebound", "0.5", "--json"});
+  EXPECT_THAT(outcome.err, HasSubstr("--drop-height replaces the header's drop_height_m = 0.01"));
+  EXPECT_THAT(outcome.err, HasSubstr("--rebound replaces the header's rebound = 0"));
+  ExpectParameter(json::parse(outcome.out), "Km", 1.0 / 3, 2e-3);
+  // twice the load divides the voltage differently: 33/60 against 66/93
+  const json document = FitLraJson({"--load", "66ohm", kLoadedFile});
+  EXPECT_EQ(document.at("remarks").size(), 1U);
+  ExpectParameter(document, "Km", 33.0 / 60 * 93 / 66, 2e-3);
+}
+
 TEST_F(FitLraFiles, HeadersThatContradictEachOtherNeedAWord) {
   const auto other =
       Fixture(kLoadedFile, "other.csv", {"moving_mass_kg"}, "# moving_mass_kg = 1.5e-3\n");

@@ -61,11 +61,12 @@ class SimulateVerb : public ::testing::Test {
 };
 
 TEST_F(SimulateVerb, AnswersTheThreeScenes) {
-  const std::vector<std::pair<std::string, double>> bars = {{"lra_adapter", 0.2001762058e-3},
-                                                            {"lra_cone", 0.0461001664e-3},
-                                                            {"lra_direct", 0.04499108754e-3}};
-  for (const auto& [name, rms_m] : bars) {
-    const Outcome outcome = Simulate({kFixtures + "/" + name + ".toml", "--json"});
+  const std::vector<std::pair<std::string, double>> bars = {
+      {kFixtures + "/lra_adapter.toml", 0.2001762058e-3},
+      {kFixtures + "/lra_cone.toml", 0.0461001664e-3},
+      {kFixtures + "/lra_direct.toml", 0.04499108754e-3}};
+  for (const auto& [path, rms_m] : bars) {
+    const Outcome outcome = Simulate({path, "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const json answer = json::parse(outcome.out);
     EXPECT_REL(answer.at("skin_rms_m").get<double>(), rms_m, 1e-9, "the bar");

@@ -88,7 +88,8 @@ std::string Script(const std::string& path, const Terminal& terminal,
   std::string script =
       "set encoding utf8\nset terminal " +
       fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
-      "\nset termoption noenhanced\nset output " + Quoted(path) + "\nset grid lc rgb '#e0e0e0'\nset key top right\n";
+      "\nset termoption noenhanced\nset output " + Quoted(path) +
+      "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n";
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
       script += DataBlock(p, s, panels[p].series[s]);

@@ -1,0 +1,169 @@
+// Free-running lines on a scripted wire and a manual clock.
+#include "acquire/sensor/stream_sensor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/acquire/scripted_transport.h"
+#include "tests/residual.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using tests::ScriptedTransport;
+using trial::SampleStatus;
+
+constexpr MonotonicNs kMs = 1'000'000;
+const std::atomic<bool> kNeverStop{false};
+
+class StreamSensorTest : public ::testing::Test {
+ protected:
+  StreamSensorTest() {
+    auto transport = std::make_unique<ScriptedTransport>(clock_);
+    wire_ = transport.get();
+    sensor_ = std::make_unique<StreamSensor>(std::move(transport), StreamSetup{}, clock_);
+  }
+  // half a line, a whole one, and the recording begins
+  void Start() {
+    wire_->Send("2345\r+00.0001\r", kMs);
+    const auto started = sensor_->Start(kNeverStop);
+    ASSERT_TRUE(started) << started.error().Text();
+    begin_ns_ = sensor_->Begin();
+  }
+  Reading NextRow() {
+    Reading reading;
+    for (int call = 0; call < 100; ++call) {
+      if (sensor_->Next(reading) == Outcome::kReading) return reading;
+    }
+    ADD_FAILURE() << "no row";
+    return reading;
+  }
+  static std::int32_t Counts(const Reading& reading) {
+    return static_cast<std::int32_t>(reading.samples[0].raw.bits());
+  }
+  std::string StartError() {
+    const auto started = sensor_->Start(kNeverStop);
+    EXPECT_FALSE(started);
+    if (started) return {};
+    EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+    EXPECT_LE(clock_.Now(), 4 * kNsPerS);
+    return started.error().Text();
+  }
+
+  ManualClock clock_;
+  ScriptedTransport* wire_ = nullptr;
+  std::unique_ptr<StreamSensor> sensor_;
+  MonotonicNs begin_ns_ = 0;
+};
+
+TEST_F(StreamSensorTest, DropsTheFirstPartialLine) {
+  // cut, it still looks like a line: "+01.2345" with its front missing must never be a reading
+  wire_->Send("+00.5000\r+00.0001\r", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(sensor_->discarded_bytes(), 8U);
+  wire_->Send("+00.0002\r", kMs);
+  EXPECT_EQ(Counts(NextRow()), 2);
+}
+
+TEST_F(StreamSensorTest, TheHeaderSaysWhatACountIs) {
+  Start();
+  const trial::TrialHeader& header = sensor_->header();
+  EXPECT_EQ(header.timing, trial::Timing::kArrival);
+  EXPECT_REL(header.channels.at(0).scale, 1e-7, 1e-15, "0.1 um a count");
+  EXPECT_EQ(header.metadata.sensor, "stream");
+  EXPECT_EQ(header.metadata.source, "device: scripted");
+}
+
+TEST_F(StreamSensorTest, ALineArrivedBeforeTheBytesBehindIt) {
+  Start();
+  wire_->Send("+00.0001\r+00.0002\r+00.0003\r+00", 10 * kMs);
+  // 21, 12 and 3 bytes behind, 10 bits each at 921600 baud: 227.86, 130.21, 32.55 us
+  EXPECT_EQ(NextRow().time_ns - begin_ns_, 10 * kMs - 227'864);
+  EXPECT_EQ(NextRow().time_ns - begin_ns_, 10 * kMs - 130'208);
+  EXPECT_EQ(NextRow().time_ns - begin_ns_, 10 * kMs - 32'552);
+  wire_->Send(".0004\r", kMs);
+  EXPECT_EQ(NextRow().time_ns - begin_ns_, 11 * kMs);
+}
+
+TEST_F(StreamSensorTest, TimesNeverGoBack) {
+  Start();
+  std::string burst;
+  for (int i = 0; i < 400; ++i) burst += "+00.0001\r";  // 39 ms of wire time at one instant
+  wire_->Send("+00.0001\r", 10 * kMs);
+  wire_->Send(burst, 11 * kMs);
+  MonotonicNs last_ns = begin_ns_;
+  for (int i = 0; i < 401; ++i) {
+    const Reading reading = NextRow();
+    ASSERT_GE(reading.time_ns, last_ns);
+    last_ns = reading.time_ns;
+  }
+  EXPECT_EQ(last_ns - begin_ns_, 11 * kMs);
+}
+
+TEST_F(StreamSensorTest, ADamagedLineIsABadFrameAndTheNextIsRead) {
+  Start();
+  wire_->Send("+00.0002\r+00.00\r+00.0003\r+00.0+00.0004\r\xFF\x80.garb1\r+00.0005\r", kMs);
+  const std::vector<SampleStatus> expected{SampleStatus::kOk,       SampleStatus::kBadFrame,
+                                           SampleStatus::kOk,       SampleStatus::kBadFrame,
+                                           SampleStatus::kBadFrame, SampleStatus::kOk};
+  const std::uint64_t before = sensor_->discarded_bytes();
+  std::vector<SampleStatus> got;
+  for (std::size_t i = 0; i < expected.size(); ++i) got.push_back(RowStatus(NextRow()));
+  EXPECT_EQ(got, expected);
+  EXPECT_EQ(sensor_->discarded_bytes() - before, 6U + 13U + 8U);
+}
+
+TEST_F(StreamSensorTest, EndlessGarbageIsOneBadFrame) {
+  Start();
+  wire_->Send(std::string(3000, 'x') + "\r+00.0005\r", kMs);
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kBadFrame);
+  EXPECT_EQ(Counts(NextRow()), 5);
+}
+
+TEST_F(StreamSensorTest, LettersAreStatuses) {
+  Start();
+  wire_->Send("+FFFFFFF\r-FFFFFFF\rXXXXXXXX\r", kMs);
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOver);
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kUnder);
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kInvalid);
+}
+
+TEST_F(StreamSensorTest, SilenceIsNothingAndAHangUpIsTheEnd) {
+  Start();
+  Reading reading;
+  const MonotonicNs before = clock_.Now();
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
+  EXPECT_EQ(clock_.Now() - before, 100 * kMs);
+  wire_->Send("+00.0002\r", kMs);
+  wire_->HangUp(2 * kMs);
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kGone);
+}
+
+TEST_F(StreamSensorTest, SaysWhenNothingComes) {
+  EXPECT_THAT(StartError(), HasSubstr("scripted: nothing comes at 921600 baud; check that"));
+}
+
+TEST_F(StreamSensorTest, SaysWhenLinesAreOfAnotherForm) {
+  for (int i = 0; i < 30; ++i) wire_->Send("+1.2\r", i * 100 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("sends lines of another form at 921600 baud: \"+1.2\"; "));
+}
+
+TEST_F(StreamSensorTest, SaysWhenNoLineEndComes) {
+  wire_->Send("\xF8\x80\x78", kMs);
+  EXPECT_THAT(StartError(), HasSubstr("bytes come at 921600 baud, but no line; give the sensor's"));
+}
+
+TEST_F(StreamSensorTest, SaysWhatTheWireCanCarry) {
+  EXPECT_THAT(sensor_->Remarks(),
+              Contains(HasSubstr("at most 10240 lines/s of 9 characters: motion "
+                                 "up to 4000 Hz")));
+  StreamSensor slow(std::make_unique<ScriptedTransport>(clock_), {.baud = 9600, .format = {}},
+                    clock_);
+  EXPECT_THAT(slow.Remarks(), Contains(HasSubstr("20-500 Hz band needs 1280 lines/s")));
+}
+
+}  // namespace
+}  // namespace haptometer::acquire
