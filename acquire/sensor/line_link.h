@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "acquire/protocol/line_framer.h"
@@ -49,6 +50,9 @@ class LineLink {
   }
   /// When bytes last came.
   [[nodiscard]] MonotonicNs last_bytes_ns() const { return chunk_ns_; }
+  /// Where the lines come from, for a trial's metadata. What calls itself emulated is no device,
+  /// whatever the port.
+  [[nodiscard]] std::string Source(bool is_emulated) const;
   [[nodiscard]] Transport& transport() { return *transport_; }
   [[nodiscard]] const Transport& transport() const { return *transport_; }
 

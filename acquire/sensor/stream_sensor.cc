@@ -106,7 +106,7 @@ void StreamSensor::MakeHeader() {
   header_.timing = trial::Timing::kArrival;
   header_.channels = {channel};
   header_.metadata.sensor = "stream";
-  header_.metadata.source = (is_emulated_ ? "emulated device: " : "") + link_.transport().Source();
+  header_.metadata.source = link_.Source(is_emulated_);
 }
 
 std::vector<std::string> StreamSensor::Remarks() const {
