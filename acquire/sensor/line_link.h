@@ -37,8 +37,9 @@ class LineLink {
   /// The next line; waits for bytes until `deadline`, or until a signal.
   [[nodiscard]] LinkLine Read(MonotonicNs deadline);
 
-  /// Throws away what is there now, and counts it.
-  void Flush();
+  /// Throws away what is there now, counts it, and returns how many bytes it was. Where it was any,
+  /// the next line may be cut.
+  std::size_t Flush();
 
   /// Counts `bytes` as thrown away: a line that the caller could not use.
   void CountDiscarded(std::size_t bytes) { discarded_bytes_ += bytes; }

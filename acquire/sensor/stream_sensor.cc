@@ -124,9 +124,8 @@ std::vector<std::string> StreamSensor::Remarks() const {
 }
 
 MonotonicNs StreamSensor::Begin() {
-  // what came in one piece with the last line of Start() was on the wire before now
-  const std::size_t waiting = link_.waiting_bytes();
-  last_ns_ = waiting > 0 ? link_.last_bytes_ns() - WireTimeNs(waiting, setup_.baud) : clock_.Now();
+  drop_line_ = link_.Flush() > 0;
+  last_ns_ = clock_.Now();
   return last_ns_;
 }
 
@@ -134,6 +133,10 @@ Outcome StreamSensor::Next(Reading& reading) {
   const LinkLine line = link_.Read(clock_.Now() + kSliceNs);
   if (line.state == LinkState::kGone) return Outcome::kGone;
   if (line.state == LinkState::kNothing) return Outcome::kNothing;
+  if (std::exchange(drop_line_, false)) {
+    link_.CountDiscarded(line.text.size());
+    return Outcome::kNothing;
+  }
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
   if (!value) link_.CountDiscarded(line.text.size());

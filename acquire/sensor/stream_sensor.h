@@ -16,10 +16,11 @@ struct StreamSetup {
 
 /// A sensor that sends one line per reading without being asked.
 ///
-/// The first line after the start may be cut and is dropped. A line of another form is a row with
-/// the status kBadFrame, and the next delimiter is where it goes on. A line's time is the arrival
-/// of the bytes it came with, less the time that those behind it needed on the wire; times never go
-/// back (a line behind a full buffer gets the time of the line before).
+/// What arrived before the beginning is no part of a recording: it is thrown away, and with it the
+/// line that it cut. A line of another form is a row with the status kBadFrame, and the next
+/// delimiter is where it goes on. A line's time is the arrival of the bytes it came with, less the
+/// time that those behind it needed on the wire; times never go back (a line behind a full buffer
+/// gets the time of the line before).
 class StreamSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor.
@@ -46,6 +47,7 @@ class StreamSensor final : public Sensor {
   MonotonicNs identity_deadline_ns_ = 0;
   bool is_emulated_ = false;
   MonotonicNs last_ns_ = 0;
+  bool drop_line_ = false;  ///< the next line was cut by the beginning
 };
 
 }  // namespace haptometer::acquire
