@@ -267,6 +267,13 @@ TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
             "the sensor's averaging passes 0.4699 of the tone; it is not divided out");
 }
 
+TEST(BandAnalysis, AnUncertainRateMakesTheFrequencyUncertain) {
+  trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 225}}), kRateHz);
+  record.stretches[0].time_uncertainty_s = 4e-5;
+  EXPECT_REL(Answer(record).tone->frequency_uncertainty_hz, 225 * kRootTwo * 4e-5 / 3, 1e-3,
+             "noise's share");
+}
+
 TEST(BandAnalysis, NoiseHasNoTone) {
   Noise noise(11);
   std::vector<double> values(30'000, 0.03);
