@@ -115,7 +115,8 @@ void DescribeRecord(const trial::Record& record, const trial::Channel& channel,
 }
 
 // what speaks against the band before any filtering
-void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysis& analysis) {
+void CheckObservable(const trial::Record& record, const Segments& segments, const BandPass& band,
+                     BandAnalysis& analysis) {
   const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
   if (analysis.fresh_rate_hz < needed_hz) {
     analysis.reasons.push_back(fmt::format(
@@ -124,13 +125,12 @@ void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysi
         analysis.fresh_rate_hz, analysis.observable_upper_hz, band.lower_hz, band.upper_hz,
         needed_hz));
   }
-  // a polled reading's own age; the arrivals of a free-running source may scatter by many periods,
-  // which says nothing of its clock
+  // a reading that was asked for is of unknown age; a free-running source has a clock of its own,
+  // however its arrivals scatter
+  if (record.timing != trial::Timing::kPolled) return;
   const double limit_s = kTimeUncertaintyPeriods / band.upper_hz;
   for (const Segment& segment : segments.parts) {
-    if (segment.time_uncertainty_s < limit_s || segment.time_uncertainty_s * segment.rate_hz >= 1) {
-      continue;
-    }
+    if (segment.time_uncertainty_s < limit_s) continue;
     analysis.reasons.push_back(
         fmt::format("each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less "
                     "than {:.3g} ms: "
@@ -375,7 +375,7 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
                         "check the target and the sensor's range");
   }
 
-  CheckObservable(segments, question.band, analysis);
+  CheckObservable(record, segments, question.band, analysis);
   if (!analysis.reasons.empty()) return analysis;
   const std::vector<Filtered> all = FilterSettledEnough(segments, question, analysis);
   if (all.empty()) return analysis;

@@ -113,6 +113,7 @@ TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
 TEST(BandAnalysis, TooSlowARecordIsNotAnswered) {
   trial::Record record = RecordOf(Samples(48, 144, 0.03, {{44e-6, 175}, {5e-4, 8.3}}), 48);
   record.stretches[0].time_uncertainty_s = 8e-3;
+  record.timing = trial::Timing::kPolled;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
   ASSERT_EQ(analysis.reasons.size(), 2U);
@@ -148,9 +149,11 @@ TEST(BandAnalysis, TimesOfUnknownAgeGiveNoBandEither) {
   const BandQuestion question{{6, 5, 45, Corners::kWhole}, true};
   EXPECT_TRUE(Answer(record, question).answered);
   record.stretches[0].time_uncertainty_s = 2.3e-3;
+  record.timing = trial::Timing::kPolled;
   EXPECT_FALSE(Answer(record, question).answered);
-  // arrivals that scatter by more than a period belong to a source with a clock of its own
+  // arrivals may scatter as they like: a free-running source has a clock of its own
   trial::Record stream = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100}}), kRateHz);
+  stream.timing = trial::Timing::kArrival;
   stream.stretches[0].time_uncertainty_s = 2e-3;
   EXPECT_TRUE(Answer(stream).answered);
 }

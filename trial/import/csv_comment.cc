@@ -88,7 +88,8 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
 // keys about the time base and the channels; false where it is another key
 bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comments) {
   if (key == "times") {
-    comments->times_are_raw = value == "arrived";
+    if (value == "arrived") comments->timing = Timing::kArrival;
+    if (value == "polled") comments->timing = Timing::kPolled;
     return true;
   }
   if (key == "stretch") {
