@@ -25,6 +25,7 @@ struct Verb {
 // in the order of the work: record, look, answer; then what needs no hardware
 constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "A sensor's readings become a trial", RunAcquire},
+    {"trial", "What a recording holds; label it, export it", RunTrial},
     {"analyze", "A trial's vibration within a band", RunAnalyze},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},

@@ -50,6 +50,9 @@ TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
   EXPECT_EQ(summary["gaps"], 0);
   EXPECT_REL(summary["rate_hz"].get<double>(), 10000.0, 1e-3, "a 3 s count of a 10 kHz head");
 
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_THAT(info.dump(), ::testing::HasSubstr("\"emulated device: "));
+
   const Outcome analyzed = RunProgram({"analyze", trial_, "--json"});
   ASSERT_EQ(analyzed.status, 0) << analyzed.err;
   const json trial = json::parse(analyzed.out)["trials"][0];
