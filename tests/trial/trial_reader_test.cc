@@ -175,6 +175,7 @@ TEST(TrialReader, PolledRowsLieInTheMiddleOfRequestAndReply) {
   auto writer = WriterInto(&disk, CountsHeader(Timing::kPolled), clock);
   ASSERT_TRUE(AppendCounts(&writer, 1, {.time_ns = 1'000'000, .reply_ns = 5'000'000}));
   ASSERT_TRUE(AppendCounts(&writer, 2, {.time_ns = 11'000'000, .reply_ns = 15'000'000}));
+  ASSERT_TRUE(writer.Flush());
   const auto read = ReadBytes(disk.bytes);
   EXPECT_NEAR(read->record.raw_times_s.at(0), 0.003, 1e-15);
   EXPECT_NEAR(read->record.stretches.at(0).rate_hz, 100, 1e-9);
