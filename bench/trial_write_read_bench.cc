@@ -90,6 +90,7 @@ BENCHMARK(WholeRecord)->Arg(100'000);
 
 void ArrivalTimes(benchmark::State& state) {
   std::vector<std::int64_t> times;
+  times.reserve(static_cast<std::size_t>(state.range(0)));
   // bursts of 160 lines, as a USB converter hands them out
   for (std::int64_t i = 0; i < state.range(0); ++i)
     times.push_back((i / 160 + 1) * 160 * kPeriodNs);

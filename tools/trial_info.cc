@@ -116,8 +116,10 @@ void PrintMetadata(const Metadata& metadata) {
   if (metadata.drive_frequency_hz) {
     Line("drive", fmt::format("{:g} Hz", *metadata.drive_frequency_hz));
   }
-  for (const auto& [key, value] : metadata.labels) Line("label", key + " = " + value);
-  for (const auto& [key, value] : metadata.fields) Line("field", key + " = " + value);
+  for (const auto& [key, value] : metadata.labels)
+    Line("label", fmt::format("{} = {}", key, value));
+  for (const auto& [key, value] : metadata.fields)
+    Line("field", fmt::format("{} = {}", key, value));
   for (const std::string& note : metadata.notes) Line("note", note);
 }
 

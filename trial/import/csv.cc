@@ -262,6 +262,7 @@ class Parser {
     }
     // neither a grid nor explained: the mean line, beside the times as they stand
     std::vector<std::int64_t> time_ns;
+    time_ns.reserve(times_s_.size());
     for (const double t : times_s_) {
       time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
     }
