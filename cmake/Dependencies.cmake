@@ -13,6 +13,7 @@ pkg_check_modules(libserialport REQUIRED IMPORTED_TARGET libserialport)  # libse
 find_package(CLI11 REQUIRED)               # libcli11-dev
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
+  find_package(rapidcheck REQUIRED)        # librapidcheck-dev
   find_package(benchmark REQUIRED)         # libbenchmark-dev
   find_package(Python3 COMPONENTS Interpreter)
 endif()

@@ -293,6 +293,11 @@ void DescribeBand(const trial::Metadata& metadata, const std::vector<Filtered>& 
   const double gain = std::norm(Response(longest.design, tone->frequency_hz));
   analysis.tone->amplitude /= gain;
   analysis.tone->amplitude_uncertainty /= gain;
+  // the rate is a line through times: each of its ends may be off by their uncertainty
+  const double segment_s = static_cast<double>(segment.values.size()) / segment.rate_hz;
+  const double rate_share = std::numbers::sqrt2 * segment.time_uncertainty_s / segment_s;
+  analysis.tone->frequency_uncertainty_hz =
+      std::hypot(analysis.tone->frequency_uncertainty_hz, tone->frequency_hz * rate_share);
   if (metadata.sampling_s && metadata.averages) {
     analysis.sensor_gain_at_tone =
         AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);

@@ -14,7 +14,7 @@ namespace haptometer::fit {
 namespace {
 
 constexpr std::size_t kLeastSamples = 16;
-constexpr std::size_t kMostPencilSamples = 400;
+constexpr std::size_t kMostPencilSamples = 240;
 constexpr double kSamplesPerPeriod = 8;
 constexpr double kFallbackQuality = 30;
 

@@ -92,6 +92,7 @@ Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
 // what could not be read of the file
 std::vector<std::string> LossesOf(const trial::ReadReport& report) {
   std::vector<std::string> remarks;
+  remarks.reserve(report.losses.size() + 1);
   for (const trial::Loss& loss : report.losses) remarks.push_back(Describe(loss));
   if (!report.closed) remarks.emplace_back("the file was not finished by its writer");
   return remarks;

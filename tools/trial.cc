@@ -81,7 +81,13 @@ int Label(int argc, const char* const* argv) {
     }
   }
   if (auto done = trial::AppendEvent(path, event); !done) {
-    return cli::ReportError(kLabel.name, done.error());
+    Error error = done.error();
+    // a CSV has its labels in its own lines
+    if (error.what == "is no trial" && trial::ReadRecording(path)) {
+      error.what = "is a CSV";
+      error.remedy = "write the label into it, as a line '# label.subject = 3' above the columns";
+    }
+    return cli::ReportError(kLabel.name, error);
   }
   if (options.json()) {
     const auto recording = trial::ReadRecording(path);

@@ -31,6 +31,7 @@ void LineFramer::Feed(std::string_view bytes) {
 
 std::size_t LineFramer::Reset() {
   const std::size_t forgotten = buffer_.size() - line_begin_;
+  if (forgotten == 0) return 0;  // between two lines: a LF may still belong to the last one
   buffer_.clear();
   line_begin_ = 0;
   searched_ = 0;

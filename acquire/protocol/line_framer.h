@@ -47,7 +47,7 @@ class LineFramer {
   /// The next line. O(bytes) over all calls together.
   [[nodiscard]] Frame Next();
 
-  /// Forgets everything fed so far, as after a flush of the port; returns how many bytes that were.
+  /// Forgets the bytes that wait, as when the port is flushed; returns how many they were.
   std::size_t Reset();
 
   /// Bytes of an unfinished line that wait for its end; 0 inside an overlong line.

@@ -27,15 +27,25 @@ LinkLine LineLink::Read(MonotonicNs deadline) {
   }
 }
 
-void LineLink::Flush() {
-  discarded_bytes_ += framer_.Reset();
+std::size_t LineLink::Flush() {
+  std::size_t thrown_away = framer_.Reset();
   // a device that never stops sending must not keep us here: its buffers hold less than this
   constexpr int kMostChunks = 64;
   for (int i = 0; i < kMostChunks; ++i) {
     const ReadOutcome outcome = transport_->Read(chunk_, clock_.Now());
-    if (outcome.state != ReadState::kBytes) return;
-    discarded_bytes_ += outcome.bytes;
+    if (outcome.state != ReadState::kBytes) break;
+    thrown_away += outcome.bytes;
   }
+  discarded_bytes_ += thrown_away;
+  return thrown_away;
+}
+
+std::string LineLink::Source(bool is_emulated) const {
+  constexpr std::string_view kDevice = "device: ";
+  std::string source = transport_->Source();
+  if (!is_emulated) return source;
+  if (source.starts_with(kDevice)) source.erase(0, kDevice.size());
+  return "emulated device: " + source;
 }
 
 }  // namespace haptometer::acquire

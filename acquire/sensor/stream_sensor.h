@@ -16,16 +16,18 @@ struct StreamSetup {
 
 /// A sensor that sends one line per reading without being asked.
 ///
-/// The first line after the start may be cut and is dropped. A line of another form is a row with
-/// the status kBadFrame, and the next delimiter is where it goes on. A line's time is the arrival
-/// of the bytes it came with, less the time that those behind it needed on the wire; times never go
-/// back (a line behind a full buffer gets the time of the line before).
+/// What arrived before the beginning is no part of a recording: it is thrown away, and with it the
+/// line that it cut. A line of another form is a row with the status kBadFrame, and the next
+/// delimiter is where it goes on. A line's time is the arrival of the bytes it came with, less the
+/// time that those behind it needed on the wire; times never go back (a line behind a full buffer
+/// gets the time of the line before).
 class StreamSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor.
   StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock);
 
-  /// Waits for one line of the right form, 3 s at most.
+  /// Waits for one line of the right form, 3 s at most. Behind a virtual terminal or a socket it
+  /// first asks whether the head is an emulated one, and gives it 0.2 s to say so.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override;
@@ -34,6 +36,7 @@ class StreamSensor final : public Sensor {
   [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
 
  private:
+  void AskWhetherEmulated();
   Error NoLines(const std::string& example) const;
   void MakeHeader();
 
@@ -41,7 +44,10 @@ class StreamSensor final : public Sensor {
   Clock& clock_;
   LineLink link_;
   trial::TrialHeader header_;
+  MonotonicNs identity_deadline_ns_ = 0;
+  bool is_emulated_ = false;
   MonotonicNs last_ns_ = 0;
+  bool drop_line_ = false;  ///< the next line was cut by the beginning
 };
 
 }  // namespace haptometer::acquire

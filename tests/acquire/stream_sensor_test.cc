@@ -67,6 +67,20 @@ TEST_F(StreamSensorTest, DropsTheFirstPartialLine) {
   EXPECT_EQ(Counts(NextRow()), 2);
 }
 
+TEST_F(StreamSensorTest, WhatCameBeforeTheBeginningIsNoPartOfTheRecording) {
+  wire_->Send("2345\r+00.0001\r", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  // lines arrive while the file is made; the last of them is cut by the beginning
+  wire_->Send("+00.0002\r+00.0003\r+00.00", kMs);
+  clock_.Advance(50 * kMs);
+  const MonotonicNs begin_ns = sensor_->Begin();
+  EXPECT_EQ(begin_ns, clock_.Now());
+  wire_->Send("04\r+00.0005\r", kMs);
+  const Reading reading = NextRow();
+  EXPECT_EQ(Counts(reading), 5);
+  EXPECT_EQ(reading.time_ns - begin_ns, kMs);
+}
+
 TEST_F(StreamSensorTest, TheHeaderSaysWhatACountIs) {
   Start();
   const trial::TrialHeader& header = sensor_->header();

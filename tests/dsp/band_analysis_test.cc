@@ -34,6 +34,7 @@ BandAnalysis Answer(const trial::Record& record, const BandQuestion& question = 
 trial::Record Streamed(const trial::Displacement& displacement, std::uint64_t seed) {
   const trial::SensorHead head = trial::Stream10kHz();
   std::vector<double> values;
+  values.reserve(30'000);
   for (std::int64_t k = 0; k < 30'000; ++k) {
     values.push_back(ReadingAt(head, displacement, k, seed).value_m);
   }
@@ -209,6 +210,7 @@ TEST(BandAnalysis, TremorThatLeaksIsStated) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
   ASSERT_TRUE(analysis.answered);
   const FilterDesign design = Designed(question.band, kRateHz);
+  ASSERT_TRUE(analysis.below_band);
   EXPECT_REL(analysis.below_band->leaked_rms_m, 5e-4 / kRootTwo * std::norm(Response(design, 8.3)),
              1e-9, "the tremor's fit");
   EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 2e-3, "part of a tremor period");
@@ -263,6 +265,13 @@ TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
   EXPECT_REL(*averaged.sensor_gain_at_tone, std::hypot(re, im), 1e-9, "tone's fit");
   EXPECT_EQ(averaged.remarks.back(),
             "the sensor's averaging passes 0.4699 of the tone; it is not divided out");
+}
+
+TEST(BandAnalysis, AnUncertainRateMakesTheFrequencyUncertain) {
+  trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 225}}), kRateHz);
+  record.stretches[0].time_uncertainty_s = 4e-5;
+  EXPECT_REL(Answer(record).tone->frequency_uncertainty_hz, 225 * kRootTwo * 4e-5 / 3, 1e-3,
+             "noise's share");
 }
 
 TEST(BandAnalysis, NoiseHasNoTone) {

@@ -61,31 +61,31 @@ TEST_F(BadInput, FilesThatCannotAnswerGiveStatus3) {
     for (const std::string& path :
          {std::string("/no/such/file.bin"), directory_.string(), empty, random, text}) {
       SCOPED_TRACE(verb + (" " + path));
-      ExpectOneLine(Run({"haptometer", verb, path}), 3, path);
+      ExpectOneLine(RunProgram({"haptometer", verb, path}), 3, path);
     }
   }
   for (const std::string& path : {std::string("/no/such/file.bin"), directory_.string(), empty}) {
-    ExpectOneLine(Run({"haptometer", "trial", "info", path}), 3, path);
-    ExpectOneLine(Run({"haptometer", "simulate", path}), 3, path);
+    ExpectOneLine(RunProgram({"haptometer", "trial", "info", path}), 3, path);
+    ExpectOneLine(RunProgram({"haptometer", "simulate", path}), 3, path);
   }
-  ExpectOneLine(Run({"haptometer", "trial", "info", random}), 3, random);
+  ExpectOneLine(RunProgram({"haptometer", "trial", "info", random}), 3, random);
 }
 
 TEST_F(BadInput, WrongCommandLinesGiveStatus2) {
   const std::string impulse = kFixtures + "/impulse.csv";
-  ExpectOneLine(Run({"haptometer", "analyse", "x"}), 2, "did you mean analyze?");
-  ExpectOneLine(Run({"analyze", "--bnad", "20-500Hz", "x.bin"}), 2, "--bnad");
-  ExpectOneLine(Run({"acquire", "--prot", "/dev/ttyUSB0"}), 2, "did you mean --port?");
-  ExpectOneLine(Run({"fit-lra", impulse, "--drop-height", "10"}), 2, "did you mean 10mm?");
-  ExpectOneLine(Run({"fit-lra", impulse, "--moving-mass", "1.4"}), 2, "did you mean 1.4g?");
-  ExpectOneLine(Run({"fit-lra", impulse, "--inductance", "130"}), 2, "did you mean 130uH?");
-  ExpectOneLine(Run({"haptometer", "simulate", Write("typo.toml", "[actuator]\nmodell = 'x'\n")}), 2,
+  ExpectOneLine(RunProgram({"haptometer", "analyse", "x"}), 2, "did you mean analyze?");
+  ExpectOneLine(RunProgram({"analyze", "--bnad", "20-500Hz", "x.bin"}), 2, "--bnad");
+  ExpectOneLine(RunProgram({"acquire", "--prot", "/dev/ttyUSB0"}), 2, "did you mean --port?");
+  ExpectOneLine(RunProgram({"fit-lra", impulse, "--drop-height", "10"}), 2, "did you mean 10mm?");
+  ExpectOneLine(RunProgram({"fit-lra", impulse, "--moving-mass", "1.4"}), 2, "did you mean 1.4g?");
+  ExpectOneLine(RunProgram({"fit-lra", impulse, "--inductance", "130"}), 2, "did you mean 130uH?");
+  ExpectOneLine(RunProgram({"haptometer", "simulate", Write("typo.toml", "[actuator]\nmodell = 'x'\n")}), 2,
                 "did you mean model?");
 }
 
 TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
   const std::string trial = directory_ / "t.bin";
-  ExpectOneLine(Run({"acquire", "--port", "/dev/ttyNOT0", "-o", trial}), 3, "/dev/ttyNOT0");
+  ExpectOneLine(RunProgram({"acquire", "--port", "/dev/ttyNOT0", "-o", trial}), 3, "/dev/ttyNOT0");
   EXPECT_FALSE(fs::exists(trial));
 }
 
@@ -98,7 +98,7 @@ TEST_F(BadInput, ABusyPortGivesStatus3AndDoesNotDisturbTheFirst) {
   Process first({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "--duration",
                  "2s", "-o", first_file, "--json"});
   while (!fs::exists(first_file)) usleep(10'000);
-  ExpectOneLine(Run({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "-o",
+  ExpectOneLine(RunProgram({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "-o",
                      directory_ / "second.bin"}),
                 3, *port);
   EXPECT_EQ(first.Wait(30).status, 0);
@@ -106,19 +106,19 @@ TEST_F(BadInput, ABusyPortGivesStatus3AndDoesNotDisturbTheFirst) {
 
 TEST_F(BadInput, AnExistingRecordingIsNotOverwritten) {
   const std::string kept = Write("kept.bin", "the only copy");
-  ExpectOneLine(Run({"acquire", "--port", "/dev/ttyNOT0", "-o", kept}), 2, kept);
+  ExpectOneLine(RunProgram({"acquire", "--port", "/dev/ttyNOT0", "-o", kept}), 2, kept);
   EXPECT_EQ(Content(kept), "the only copy");
 }
 
 TEST_F(BadInput, ATruncatedTrialIsReadAsFarAsItGoesAndSaysSo) {
   const std::string whole = directory_ / "whole.bin";
-  ASSERT_EQ(Run({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status, 0);
+  ASSERT_EQ(RunProgram({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status, 0);
   const std::string content = Content(whole);
   const std::string cut = Write("cut.bin", content.substr(0, content.size() * 3 / 4));
-  const Outcome info = Run({"haptometer", "trial", "info", cut});
+  const Outcome info = RunProgram({"haptometer", "trial", "info", cut});
   EXPECT_EQ(info.status, 0) << info.err;
   EXPECT_THAT(info.out + info.err, HasSubstr("cut short"));
-  const Outcome head = Run({"haptometer", "trial", "info", Write("head.bin", content.substr(0, 20))});
+  const Outcome head = RunProgram({"haptometer", "trial", "info", Write("head.bin", content.substr(0, 20))});
   ExpectOneLine(head, 3, "head.bin");
 }
 

@@ -72,28 +72,20 @@ def allowed_period_s(baud):
     return (4 + 12) * 10 / baud + 4e-3
 
 
-def oversleep_s():
-    """How late this machine wakes a sleeper, on average: on a busy one no rate can be judged."""
-    begin = time.monotonic()
-    for _ in range(100):
-        time.sleep(4e-3)
-    return (time.monotonic() - begin) / 100 - 4e-3
-
-
 def poll(emulator, seconds):
-    """Polls as fast as it goes; every byte is checked. Returns values, rate, sorted durations."""
+    """Polls as fast as it goes. Returns the values and the rate; every byte is checked."""
     values = []
-    durations = []
+    shortest = 1e9
     begin = time.monotonic()
     while time.monotonic() - begin < seconds:
         answer, took = emulator.ask(b"M0\r\n")
         check(re.fullmatch(rb"M0,[+-]\d\d\.\d{3}\r\n", answer), f"M0 answers {answer!r}")
         values.append(answer[3:10])
-        durations.append(took)
+        shortest = min(shortest, took)
     elapsed = time.monotonic() - begin
     ready, _, _ = select.select([emulator.port], [], [], 0.05)
     check(not ready, "bytes that nobody asked for")
-    return values, len(values) / elapsed, sorted(durations)
+    return values, len(values) / elapsed, shortest
 
 
 def client():
@@ -117,27 +109,17 @@ def client():
             got, _ = emulator.ask(request)
             check(re.fullmatch(answer, got), f"{request!r} is answered with {got!r}")
 
-    # the pace: no exchange is faster than the wire, and the rate comes close to it
+    # the pace: never above the wire's, and slower only by what a busy machine adds, which the
+    # shortest of some hundred exchanges is free of; the mean rate is printed, not judged
     for baud in (9600, 38400):
         with Emulator("--baud", str(baud)) as emulator:
-            period_s = allowed_period_s(baud)
-            best = 0
-            for _ in range(3):
-                _, rate, durations = poll(emulator, 2)
-                check(durations[0] >= period_s - 1e-6, f"{durations[0]} s for an exchange")
-                check(rate <= (1 + 1e-6) / period_s, f"{rate} polls/s, allowed {1 / period_s}")
-                best = max(best, rate)
-                if best * period_s >= 0.95:
-                    break
-            print(f"{baud} baud: {best:.2f} polls/s of {1 / period_s:.2f}, "
-                  f"{100 * best * period_s:.1f} %")
-            if best * period_s < 0.95:
-                late_s = oversleep_s()
-                check(late_s > 1.5e-4, f"{best} polls/s, allowed {1 / period_s}")
-                print(f"  not judged: this machine is busy, it wakes sleepers {1e3 * late_s:.2f} ms "
-                      "late; the quicker exchanges are judged instead")
-                decile_s = durations[len(durations) // 10]
-                check(decile_s <= period_s / 0.95, f"{decile_s} s for the quicker exchanges")
+            period = allowed_period_s(baud)
+            _, rate, shortest = poll(emulator, 2)
+            print(f"{baud} baud: {rate:.2f} polls/s of {1 / period:.2f}, {100 * rate * period:.1f} %; "
+                  f"shortest exchange {1e3 * shortest:.3f} ms of {1e3 * period:.3f} ms")
+            check(shortest >= period - 1e-6, f"{shortest} s for an exchange")
+            check(shortest <= period / 0.95, f"{shortest} s for the shortest exchange")
+            check(rate * period <= 1 + 1e-6, f"{rate} polls/s")
 
     # the buffer: polls within a refresh get the same reading
     with Emulator("--baud", "38400", "--refresh", "100ms") as emulator:

@@ -43,14 +43,17 @@ class MainJob : public ::testing::Test {
 };
 
 TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
-  const Outcome acquired = Run(Acquire({"--duration", "3s"}));
+  const Outcome acquired = RunProgram(Acquire({"--duration", "3s"}));
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["bad"], 0);
   EXPECT_EQ(summary["gaps"], 0);
   EXPECT_REL(summary["rate_hz"].get<double>(), 10000.0, 1e-3, "a 3 s count of a 10 kHz head");
 
-  const Outcome analyzed = Run({"analyze", trial_, "--json"});
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_THAT(info.dump(), ::testing::HasSubstr("\"emulated device: "));
+
+  const Outcome analyzed = RunProgram({"analyze", trial_, "--json"});
   ASSERT_EQ(analyzed.status, 0) << analyzed.err;
   const json trial = json::parse(analyzed.out)["trials"][0];
   // truth: the exact steady state of the scene (tests/sim/steady_state_test.cc)
@@ -64,7 +67,7 @@ TEST_F(MainJob, CtrlCFinishesTheFile) {
   usleep(1'500'000);
   acquire.Signal(SIGINT);
   EXPECT_EQ(acquire.Wait(10).status, 130);
-  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
   EXPECT_EQ(info["closed"], true);
   EXPECT_GT(info["rows"].get<int>(), 10'000);
 }
@@ -75,7 +78,7 @@ TEST_F(MainJob, SigtermFinishesTheFile) {
   usleep(500'000);
   acquire.Signal(SIGTERM);
   EXPECT_EQ(acquire.Wait(10).status, 143);
-  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
   EXPECT_EQ(info["closed"], true);
 }
 
@@ -85,22 +88,22 @@ TEST_F(MainJob, KillMinusNineKeepsEverythingUpToTheLastFlush) {
   usleep(3'500'000);
   acquire.Signal(SIGKILL);
   EXPECT_EQ(acquire.Wait(10).status, 128 + SIGKILL);
-  const json info = json::parse(Run({"haptometer", "trial", "info", trial_, "--json"}).out);
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
   EXPECT_EQ(info["closed"], false);
   // 3.5 s at 10 kHz, flushed once a second: at most the last interval is lost, and a slow start
   EXPECT_GT(info["rows"].get<int>(), 20'000);
-  EXPECT_EQ(Run({"analyze", trial_, "--json"}).status, 0);
+  EXPECT_EQ(RunProgram({"analyze", trial_, "--json"}).status, 0);
 }
 
 TEST_F(MainJob, AReplayGivesTheSameRows) {
-  ASSERT_EQ(Run(Acquire({"--samples", "5000"})).status, 0);
+  ASSERT_EQ(RunProgram(Acquire({"--samples", "5000"})).status, 0);
   const std::string again = directory_ / "again.bin";
   const Outcome replayed =
-      Run({"acquire", "--sensor", "replay", "--port", trial_, "-o", again, "--json"});
+      RunProgram({"acquire", "--sensor", "replay", "--port", trial_, "-o", again, "--json"});
   ASSERT_EQ(replayed.status, 0) << replayed.err;
   EXPECT_EQ(json::parse(replayed.out)["readings"], 5000);
-  const Outcome first = Run({"haptometer", "trial", "export", trial_});
-  const Outcome second = Run({"haptometer", "trial", "export", again});
+  const Outcome first = RunProgram({"haptometer", "trial", "export", trial_});
+  const Outcome second = RunProgram({"haptometer", "trial", "export", again});
   const auto values = [](const std::string& csv) { return csv.substr(csv.find("\ntime_s")); };
   EXPECT_EQ(values(first.out), values(second.out));
 }

@@ -46,6 +46,6 @@ class Process {
 };
 
 /// Runs a program to its end, at most 60 s.
-[[nodiscard]] Outcome Run(const std::vector<std::string>& arguments);
+[[nodiscard]] Outcome RunProgram(const std::vector<std::string>& arguments);
 
 }  // namespace haptometer::tests

@@ -29,6 +29,7 @@ struct Outcome {
 Outcome Analyze(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "analyze");
   std::vector<const char*> argv;
+  argv.reserve(arguments.size());
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   ::testing::internal::CaptureStdout();
   ::testing::internal::CaptureStderr();

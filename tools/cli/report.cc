@@ -7,7 +7,8 @@
 namespace haptometer::cli {
 
 int ReportError(std::string_view verb, const Error& error) {
-  fmt::print(stderr, "haptometer {}: {}\n", verb, error.Text());
+  const std::string_view blank = verb.empty() ? "" : " ";
+  fmt::print(stderr, "haptometer{}{}: {}\n", blank, verb, error.Text());
   return ExitStatus(error.cause);
 }
 

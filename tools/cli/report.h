@@ -7,6 +7,7 @@
 namespace haptometer::cli {
 
 /// Prints "haptometer VERB: TEXT" on stderr, in one line, and returns the exit status of its cause.
+/// Without a verb: "haptometer: TEXT".
 [[nodiscard]] int ReportError(std::string_view verb, const Error& error);
 
 /// A remark on stderr: "VERB: TEXT".
