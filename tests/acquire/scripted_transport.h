@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,8 +23,9 @@ class ScriptedTransport final : public acquire::Transport {
 
   /// `bytes` arrive `after_ns` from now.
   void Send(const std::string& bytes, MonotonicNs after_ns) {
-    events_.push_back({clock_.Now() + after_ns, bytes});
-    std::ranges::stable_sort(events_, {}, &Event::time_ns);
+    const Event event{clock_.Now() + after_ns, bytes};
+    const auto later = std::ranges::upper_bound(events_, event.time_ns, {}, &Event::time_ns);
+    events_.insert(later, event);
   }
   /// The other end hangs up `after_ns` from now.
   void HangUp(MonotonicNs after_ns) { gone_ns_ = clock_.Now() + after_ns; }
