@@ -125,6 +125,7 @@ std::vector<std::string> StreamSensor::Remarks() const {
 
 MonotonicNs StreamSensor::Begin() {
   drop_line_ = link_.Flush() > 0;
+  discarded_before_ = link_.discarded_bytes();
   last_ns_ = clock_.Now();
   return last_ns_;
 }
@@ -133,10 +134,7 @@ Outcome StreamSensor::Next(Reading& reading) {
   const LinkLine line = link_.Read(clock_.Now() + kSliceNs);
   if (line.state == LinkState::kGone) return Outcome::kGone;
   if (line.state == LinkState::kNothing) return Outcome::kNothing;
-  if (std::exchange(drop_line_, false)) {
-    link_.CountDiscarded(line.text.size());
-    return Outcome::kNothing;
-  }
+  if (std::exchange(drop_line_, false)) return Outcome::kNothing;
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
   if (!value) link_.CountDiscarded(line.text.size());

@@ -33,7 +33,10 @@ class StreamSensor final : public Sensor {
   [[nodiscard]] std::vector<std::string> Remarks() const override;
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
-  [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
+  /// What came before the recording began, and the line that its beginning cut, do not count.
+  [[nodiscard]] std::uint64_t discarded_bytes() const override {
+    return link_.discarded_bytes() - discarded_before_;
+  }
 
  private:
   void AskWhetherEmulated();
@@ -46,6 +49,7 @@ class StreamSensor final : public Sensor {
   trial::TrialHeader header_;
   MonotonicNs identity_deadline_ns_ = 0;
   bool is_emulated_ = false;
+  std::uint64_t discarded_before_ = 0;
   MonotonicNs last_ns_ = 0;
   bool drop_line_ = false;  ///< the next line was cut by the beginning
 };

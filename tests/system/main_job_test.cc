@@ -30,7 +30,7 @@ class MainJob : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
   std::vector<std::string> Acquire(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"acquire", "--port",  port_, "--sensor", "stream",
+    std::vector<std::string> arguments{"acquire", "--port", port_, "--sensor", "stream",
                                        "--baud",  "921600", "-o",  trial_,     "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
