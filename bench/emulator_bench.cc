@@ -18,7 +18,7 @@ void StreamLines(benchmark::State& state) {
   StreamHead head({.head = {.head = trial::Stream10kHz(), .displacement = Sine}});
   std::string out;
   MonotonicNs now = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     out.clear();
     now += 1'000'000;
     head.Advance(now, out);
@@ -33,7 +33,7 @@ void PolledAnswers(benchmark::State& state) {
   DlRs1aUnit unit({.baud = 38400, .head = {.head = trial::Il030(), .displacement = Sine}});
   std::string out;
   MonotonicNs now = 0;
-  for (auto _ : state) {
+  while (state.KeepRunning()) {
     out.clear();
     unit.Receive("M0\r\n", now);
     while (!out.ends_with('\n')) {

@@ -31,7 +31,8 @@ function(haptometer_test name)
     HAPTOMETER_FIXTURES="${PROJECT_SOURCE_DIR}/fixtures"
     HAPTOMETER_PROGRAMS="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   target_link_libraries(${target} PRIVATE ${test_DEPENDS} GTest::gtest_main GTest::gmock)
-  gtest_discover_tests(${target} TEST_PREFIX "${name}." PROPERTIES TIMEOUT 120 DISCOVERY_TIMEOUT 60)
+  gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES
+                       PROPERTIES TIMEOUT 120 DISCOVERY_TIMEOUT 60)
 endfunction()
 
 # haptometer_script_test(NAME SCRIPT ... DEPENDS ...)

@@ -115,7 +115,8 @@ void DescribeRecord(const trial::Record& record, const trial::Channel& channel,
 }
 
 // what speaks against the band before any filtering
-void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysis& analysis) {
+void CheckObservable(const trial::Record& record, const Segments& segments, const BandPass& band,
+                     BandAnalysis& analysis) {
   const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
   if (analysis.fresh_rate_hz < needed_hz) {
     analysis.reasons.push_back(fmt::format(
@@ -124,13 +125,12 @@ void CheckObservable(const Segments& segments, const BandPass& band, BandAnalysi
         analysis.fresh_rate_hz, analysis.observable_upper_hz, band.lower_hz, band.upper_hz,
         needed_hz));
   }
-  // a polled reading's own age; the arrivals of a free-running source may scatter by many periods,
-  // which says nothing of its clock
+  // a reading that was asked for is of unknown age; a free-running source has a clock of its own,
+  // however its arrivals scatter
+  if (record.timing != trial::Timing::kPolled) return;
   const double limit_s = kTimeUncertaintyPeriods / band.upper_hz;
   for (const Segment& segment : segments.parts) {
-    if (segment.time_uncertainty_s < limit_s || segment.time_uncertainty_s * segment.rate_hz >= 1) {
-      continue;
-    }
+    if (segment.time_uncertainty_s < limit_s) continue;
     analysis.reasons.push_back(
         fmt::format("each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less "
                     "than {:.3g} ms: "
@@ -293,6 +293,11 @@ void DescribeBand(const trial::Metadata& metadata, const std::vector<Filtered>& 
   const double gain = std::norm(Response(longest.design, tone->frequency_hz));
   analysis.tone->amplitude /= gain;
   analysis.tone->amplitude_uncertainty /= gain;
+  // the rate is a line through times: each of its ends may be off by their uncertainty
+  const double segment_s = static_cast<double>(segment.values.size()) / segment.rate_hz;
+  const double rate_share = std::numbers::sqrt2 * segment.time_uncertainty_s / segment_s;
+  analysis.tone->frequency_uncertainty_hz =
+      std::hypot(analysis.tone->frequency_uncertainty_hz, tone->frequency_hz * rate_share);
   if (metadata.sampling_s && metadata.averages) {
     analysis.sensor_gain_at_tone =
         AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);
@@ -370,7 +375,7 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
                         "check the target and the sensor's range");
   }
 
-  CheckObservable(segments, question.band, analysis);
+  CheckObservable(record, segments, question.band, analysis);
   if (!analysis.reasons.empty()) return analysis;
   const std::vector<Filtered> all = FilterSettledEnough(segments, question, analysis);
   if (all.empty()) return analysis;

@@ -90,9 +90,9 @@ struct BandAnalysis {
 /// (Bendat and Piersol, Random Data, 4th ed., 8.2, for A = 0). It does not hold for other motion
 /// and knows nothing of the sensor's calibration.
 ///
-/// Not answered: fewer new readings a second than 2.56 x the upper corner; times uncertain by
-/// 0.1/upper corner or more, but less than a period (a polled sensor, whose readings are of unknown
-/// age; of a free-running one only the arrival scatters that much); too little settled. Errors: a
+/// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled
+/// sensor whose times are uncertain by 0.1/upper corner or more (its readings are of unknown age;
+/// a free-running one has a clock, however its arrivals scatter); too little settled. Errors: a
 /// wrong band (Cause::kUsage), no displacement channel in metres, no measurement in it
 /// (Cause::kCannotAnswer).
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,

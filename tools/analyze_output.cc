@@ -47,8 +47,9 @@ void PrintBand(const dsp::BandAnalysis& a) {
     Line("strongest tone", "none stands out of the noise");
     return;
   }
-  Line("strongest tone", fmt::format("{:.7g} Hz, standard uncertainty {:.2g} Hz",
-                                     a.tone->frequency_hz, a.tone->frequency_uncertainty_hz));
+  Line("strongest tone",
+       fmt::format("{:.7g} Hz, standard uncertainty {:.2g} Hz (noise and arrival times)",
+                   a.tone->frequency_hz, a.tone->frequency_uncertainty_hz));
   Line("", fmt::format("{:.5g} um amplitude, standard uncertainty {:.2g} um",
                        a.tone->amplitude / kUm, a.tone->amplitude_uncertainty / kUm));
   Line("", fmt::format("{:.3g} um RMS in band without it", *a.residual_rms_m / kUm));

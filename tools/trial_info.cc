@@ -116,8 +116,10 @@ void PrintMetadata(const Metadata& metadata) {
   if (metadata.drive_frequency_hz) {
     Line("drive", fmt::format("{:g} Hz", *metadata.drive_frequency_hz));
   }
-  for (const auto& [key, value] : metadata.labels) Line("label", key + " = " + value);
-  for (const auto& [key, value] : metadata.fields) Line("field", key + " = " + value);
+  for (const auto& [key, value] : metadata.labels)
+    Line("label", fmt::format("{} = {}", key, value));
+  for (const auto& [key, value] : metadata.fields)
+    Line("field", fmt::format("{} = {}", key, value));
   for (const std::string& note : metadata.notes) Line("note", note);
 }
 
@@ -127,9 +129,9 @@ void PrintTimes(const Recording& recording) {
   if (const auto duration_s = Duration(record)) rows += fmt::format(" in {:.6g} s", *duration_s);
   if (const auto rate_hz = MeanRate(record)) rows += fmt::format(", {:.8g} a second", *rate_hz);
   Line("rows", rows);
-  if (recording.timing != trial::Timing::kUniform) {
+  if (recording.record.timing != trial::Timing::kUniform) {
     Line("times", fmt::format("{}, straightened; true to {:.3g} ms (one standard deviation)",
-                              Name(recording.timing), WorstUncertainty(record) * 1e3));
+                              Name(recording.record.timing), WorstUncertainty(record) * 1e3));
   }
   // many gaps are told by their number
   constexpr std::size_t kShown = 10;
@@ -253,7 +255,7 @@ void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
             {"rows", record.rows},
             {"duration_s", ValueOrNull(Duration(record))},
             {"rate_hz", ValueOrNull(MeanRate(record))},
-            {"timing", Name(recording.timing)},
+            {"timing", Name(recording.record.timing)},
             {"time_uncertainty_s", WorstUncertainty(record)},
             {"channels", ListOf(record.channels)},
             {"statuses", ToJson(statuses)},

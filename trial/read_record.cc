@@ -120,8 +120,9 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
 
 Result<Recording> Gather(TrialReader* reader) {
   const TrialHeader& header = reader->header();
-  Recording recording{.record = {}, .report = {}, .timing = header.timing};
+  Recording recording{.record = {}, .report = {}};
   Record& record = recording.record;
+  record.timing = header.timing;
   for (const ChannelFormat& format : header.channels) record.channels.push_back(ChannelOf(format));
   Gathered gathered;
   std::int64_t next_index = 0;

@@ -39,7 +39,6 @@ Result<Recording> ReadRecording(const std::string& path) {
   recording.report.rows = record->rows;
   recording.report.next_row = record->rows;
   recording.report.file_bytes = (*source)->size();
-  recording.timing = record->raw_times_s.empty() ? Timing::kUniform : Timing::kArrival;
   recording.record = std::move(*record);
   return recording;
 }

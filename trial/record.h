@@ -55,6 +55,17 @@ struct Channel {
   double resolution = 0;  ///< one step of the source, in `unit`; 0 where unknown
 };
 
+/// Where a row's time comes from.
+enum class Timing : std::uint8_t {
+  kUniform,  ///< a clocked source: row with index n on the grid is at n / rate_hz
+  kArrival,  ///< a free-running source: each row carries the time at which it arrived
+  kPolled,   ///< each row was asked for: it carries the times of request and reply, and the reading
+             ///< may be of any age between (also: rows whose own times lie on no grid)
+};
+
+/// "uniform", "arrival", "polled".
+[[nodiscard]] std::string_view Name(Timing timing);
+
 /// Rows that follow each other without a gap at one rate: row first_row + i is at
 /// start_s + i / rate_hz.
 struct Stretch {
@@ -95,6 +106,7 @@ struct Metadata {
 /// overlap and cover all rows; raw_times_s is empty or holds one time a row.
 struct Record {
   std::size_t rows = 0;
+  Timing timing = Timing::kUniform;  ///< how the source's times came
   std::vector<Channel> channels;
   std::vector<Stretch> stretches;
   std::vector<double> raw_times_s;  ///< (rows) as they arrived; empty for a clocked source

@@ -27,16 +27,6 @@ enum class Encoding : std::uint8_t {
 /// 4, 4, 8.
 [[nodiscard]] std::size_t BytesOf(Encoding encoding);
 
-/// Where a row's time comes from.
-enum class Timing : std::uint8_t {
-  kUniform,  ///< a clocked source: row with index n on the grid is at n / rate_hz
-  kArrival,  ///< a free-running source: each row carries the time at which it arrived
-  kPolled,   ///< each row carries the times of request and reply
-};
-
-/// "uniform", "arrival", "polled".
-[[nodiscard]] std::string_view Name(Timing timing);
-
 /// One channel: what its raw values mean. The calibration is copied in, so a file explains itself.
 struct ChannelFormat {
   std::string name{};  ///< as the source calls it: "displacement", "CH1"

@@ -106,7 +106,6 @@ class TrialReader {
 struct Recording {
   Record record{};
   ReadReport report{};
-  Timing timing = Timing::kUniform;  ///< how the source's times came
 };
 
 /// A whole trial.bin in memory, in SI units, with its clean time base (trial/time_base.h) and the

@@ -59,7 +59,9 @@ StreamHead::StreamHead(StreamSetup setup) : setup_(std::move(setup)), wire_(setu
   HAPTOMETER_CHECK(Validate(setup_).has_value(), "{}", Validate(setup_).error().Text());
 }
 
-void StreamHead::Receive(std::string_view /*bytes*/, MonotonicNs /*now*/) {}
+void StreamHead::Receive(std::string_view bytes, MonotonicNs /*now*/) {
+  is_asked_ = is_asked_ || bytes.find(kIdentityRequest.front()) != std::string_view::npos;
+}
 
 void StreamHead::Advance(MonotonicNs now, std::string& out) {
   advanced_to_ = now;
@@ -87,6 +89,9 @@ void StreamHead::PrepareLine() {
   if (fault != nullptr && fault->status != trial::SampleStatus::kOk) value.status = fault->status;
   line_ = FormatStreamLine(setup_.format, value);
   if (fault != nullptr) line_ = Damaged(std::move(line_), fault->damage, number + 1);
+  if (std::exchange(is_asked_, false)) {
+    line_ = fmt::format("{}{}{}", kEmulatedIdentity, Bytes(setup_.format.delimiter), line_);
+  }
   if (fault != nullptr && fault->hangs_up) {
     hang_up_ = true;
     line_.clear();

@@ -35,7 +35,8 @@ class StreamHead final : public Device {
   /// `setup` has passed Validate().
   explicit StreamHead(StreamSetup setup);
 
-  /// Nobody listens at the other end of the wire: ignored.
+  /// A real head does not listen. This one answers kIdentityRequest with a line of its own,
+  /// kEmulatedIdentity, before the next reading, so that recordings can say what they were made of.
   void Receive(std::string_view bytes, MonotonicNs now) override;
   void Advance(MonotonicNs now, std::string& out) override;
   [[nodiscard]] std::optional<MonotonicNs> NextDue() const override;
@@ -52,6 +53,7 @@ class StreamHead final : public Device {
   MonotonicNs departure_ = 0;  ///< when line_[sent_] has crossed the wire
   MonotonicNs advanced_to_ = 0;
   std::int64_t next_ = 0;
+  bool is_asked_ = false;
   bool hang_up_ = false;
 };
 

@@ -111,6 +111,7 @@ class TcpEndpoint final : public Endpoint {
 OwnedDescriptor Listener(const addrinfo& address) {
   OwnedDescriptor listener(
       socket(address.ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+  if (listener.get() < 0) return listener;
   const int on = 1;
   setsockopt(listener.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (bind(listener.get(), address.ai_addr, address.ai_addrlen) != 0 ||

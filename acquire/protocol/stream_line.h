@@ -35,6 +35,11 @@ struct StreamFormat {
 /// stands. UNIT is the length of one unit of the printed number. Errors: Cause::kUsage.
 [[nodiscard]] Result<StreamFormat> ParseStreamFormat(std::string_view text);
 
+/// What an emulated head is asked, and the line by which it owns up. Real heads are not asked: only
+/// a virtual terminal or a socket is.
+inline constexpr std::string_view kIdentityRequest = "?\r";
+inline constexpr std::string_view kEmulatedIdentity = "EMULATED";
+
 /// Characters of a line without its delimiter (8 by default).
 [[nodiscard]] std::size_t LineWidth(const StreamFormat& format);
 /// Characters of a line with its delimiter (9 by default).

@@ -25,15 +25,6 @@ Error Interrupted(const std::string& name) {
   return {Cause::kFailed, name, "was not recorded: interrupted before the first reading", ""};
 }
 
-// where the bytes come from; a unit that calls itself emulated is no device, whatever the port
-std::string SourceOf(const Transport& transport, bool is_emulated) {
-  constexpr std::string_view kDevice = "device: ";
-  std::string source = transport.Source();
-  if (!is_emulated) return source;
-  if (source.starts_with(kDevice)) source.erase(0, kDevice.size());
-  return "emulated device: " + source;
-}
-
 }  // namespace
 
 KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup, Clock& clock)
@@ -148,7 +139,7 @@ Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
   // what the settings say of the first amplifier; the others' are not asked
   trial::Metadata& metadata = header_.metadata;
   metadata.sensor = "keyence-il";
-  metadata.source = SourceOf(link_.transport(), settings_.is_emulated());
+  metadata.source = link_.Source(settings_.is_emulated());
   settings_.Describe(metadata);
   metadata.nominal_rate_hz =
       1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(setup_.baud, header_.channels.size()));
@@ -221,7 +212,7 @@ Outcome KeyenceIl::Wait(Reading& reading) {
   }
   if (clock_.Now() < deadline) return Outcome::kNothing;
   // half a line is a damaged reply; no byte at all is none yet
-  const bool partial = link_.has_partial_line();
+  const bool partial = link_.waiting_bytes() > 0;
   return GiveRow(reading, partial ? SampleStatus::kBadFrame : SampleStatus::kLate, deadline,
                  Phase::kDraining);
 }

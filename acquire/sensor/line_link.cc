@@ -40,4 +40,12 @@ std::size_t LineLink::Flush() {
   return thrown_away;
 }
 
+std::string LineLink::Source(bool is_emulated) const {
+  constexpr std::string_view kDevice = "device: ";
+  std::string source = transport_->Source();
+  if (!is_emulated) return source;
+  if (source.starts_with(kDevice)) source.erase(0, kDevice.size());
+  return "emulated device: " + source;
+}
+
 }  // namespace haptometer::acquire

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "acquire/protocol/line_framer.h"
@@ -43,13 +44,16 @@ class LineLink {
   /// Counts `bytes` as thrown away: a line that the caller could not use.
   void CountDiscarded(std::size_t bytes) { discarded_bytes_ += bytes; }
 
-  /// Whether bytes of an unfinished line are waiting.
-  [[nodiscard]] bool has_partial_line() const { return framer_.waiting_bytes() > 0; }
+  /// Bytes that were taken from the port and not handed out yet.
+  [[nodiscard]] std::size_t waiting_bytes() const { return framer_.waiting_bytes(); }
   [[nodiscard]] std::uint64_t discarded_bytes() const {
     return discarded_bytes_ + framer_.discarded_bytes();
   }
   /// When bytes last came.
   [[nodiscard]] MonotonicNs last_bytes_ns() const { return chunk_ns_; }
+  /// Where the lines come from, for a trial's metadata. What calls itself emulated is no device,
+  /// whatever the port.
+  [[nodiscard]] std::string Source(bool is_emulated) const;
   [[nodiscard]] Transport& transport() { return *transport_; }
   [[nodiscard]] const Transport& transport() const { return *transport_; }
 

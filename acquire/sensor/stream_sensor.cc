@@ -15,6 +15,7 @@ using trial::SampleStatus;
 
 constexpr MonotonicNs kSliceNs = 100'000'000;
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
+constexpr MonotonicNs kIdentityNs = 200'000'000;
 
 // what came, fit for one line of a message
 std::string Printable(std::string_view line) {
@@ -36,7 +37,9 @@ StreamSensor::StreamSensor(std::unique_ptr<Transport> transport, StreamSetup set
 
 Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
   link_.Flush();
+  AskWhetherEmulated();
   bool is_first = true;  // the first line may be cut
+  bool has_line = false;
   std::string example;
   const MonotonicNs deadline = clock_.Now() + kPatienceNs;
   while (clock_.Now() < deadline) {
@@ -44,19 +47,33 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
       return Failed(link_.transport().name(),
                     "was not recorded: interrupted before the first reading");
     }
+    if (has_line && (is_emulated_ || clock_.Now() >= identity_deadline_ns_)) {
+      MakeHeader();
+      return {};
+    }
     const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
     if (line.state == LinkState::kGone) {
       return Failed(link_.transport().name(), "the connection was lost", "check cable and power");
     }
     if (line.state != LinkState::kLine) continue;
-    if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
-      MakeHeader();
-      return {};
+    if (line.text == kEmulatedIdentity) {
+      is_emulated_ = true;
+    } else if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
+      has_line = true;
+    } else {
+      example = Printable(line.text);
+      link_.CountDiscarded(line.text.size());
     }
-    example = Printable(line.text);
-    link_.CountDiscarded(line.text.size());
   }
   return std::unexpected(NoLines(example));
+}
+
+void StreamSensor::AskWhetherEmulated() {
+  identity_deadline_ns_ = clock_.Now();
+  if (link_.transport().IsHardware()) return;
+  identity_deadline_ns_ += kIdentityNs;
+  // a peer that does not take the question is no emulator; its lines tell the rest
+  (void)link_.transport().Write(kIdentityRequest, identity_deadline_ns_);
 }
 
 Error StreamSensor::NoLines(const std::string& example) const {
@@ -66,7 +83,7 @@ Error StreamSensor::NoLines(const std::string& example) const {
             fmt::format("sends lines of another form at {} baud: \"{}\"", setup_.baud, example),
             "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
   }
-  if (discarded_bytes() > 0 || link_.has_partial_line()) {
+  if (discarded_bytes() > 0 || link_.waiting_bytes() > 0) {
     return {Cause::kCannotAnswer, name,
             fmt::format("bytes come at {} baud, but no line", setup_.baud),
             "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
@@ -89,7 +106,7 @@ void StreamSensor::MakeHeader() {
   header_.timing = trial::Timing::kArrival;
   header_.channels = {channel};
   header_.metadata.sensor = "stream";
-  header_.metadata.source = link_.transport().Source();
+  header_.metadata.source = link_.Source(is_emulated_);
 }
 
 std::vector<std::string> StreamSensor::Remarks() const {
@@ -108,6 +125,7 @@ std::vector<std::string> StreamSensor::Remarks() const {
 
 MonotonicNs StreamSensor::Begin() {
   drop_line_ = link_.Flush() > 0;
+  discarded_before_ = link_.discarded_bytes();
   last_ns_ = clock_.Now();
   return last_ns_;
 }
@@ -116,10 +134,7 @@ Outcome StreamSensor::Next(Reading& reading) {
   const LinkLine line = link_.Read(clock_.Now() + kSliceNs);
   if (line.state == LinkState::kGone) return Outcome::kGone;
   if (line.state == LinkState::kNothing) return Outcome::kNothing;
-  if (std::exchange(drop_line_, false)) {
-    link_.CountDiscarded(line.text.size());
-    return Outcome::kNothing;
-  }
+  if (std::exchange(drop_line_, false)) return Outcome::kNothing;
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
   if (!value) link_.CountDiscarded(line.text.size());

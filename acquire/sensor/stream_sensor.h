@@ -26,15 +26,20 @@ class StreamSensor final : public Sensor {
   /// `clock` must outlive the sensor.
   StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock);
 
-  /// Waits for one line of the right form, 3 s at most.
+  /// Waits for one line of the right form, 3 s at most. Behind a virtual terminal or a socket it
+  /// first asks whether the head is an emulated one, and gives it 0.2 s to say so.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override;
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
-  [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
+  /// What came before the recording began, and the line that its beginning cut, do not count.
+  [[nodiscard]] std::uint64_t discarded_bytes() const override {
+    return link_.discarded_bytes() - discarded_before_;
+  }
 
  private:
+  void AskWhetherEmulated();
   Error NoLines(const std::string& example) const;
   void MakeHeader();
 
@@ -42,6 +47,9 @@ class StreamSensor final : public Sensor {
   Clock& clock_;
   LineLink link_;
   trial::TrialHeader header_;
+  MonotonicNs identity_deadline_ns_ = 0;
+  bool is_emulated_ = false;
+  std::uint64_t discarded_before_ = 0;
   MonotonicNs last_ns_ = 0;
   bool drop_line_ = false;  ///< the next line was cut by the beginning
 };

@@ -21,6 +21,7 @@ class TcpStream final : public Transport {
   [[nodiscard]] ReadOutcome Read(std::span<char> buffer, MonotonicNs deadline) override;
   [[nodiscard]] Result<void> Write(std::string_view bytes, MonotonicNs deadline) override;
   [[nodiscard]] std::string Source() const override;
+  [[nodiscard]] bool IsHardware() const override { return false; }
   [[nodiscard]] const std::string& name() const override { return name_; }
 
  private:

@@ -40,6 +40,8 @@ class Transport {
   /// Where the bytes come from, for a trial's metadata: "device: serial port /dev/ttyUSB0, 9600
   /// baud 8N1", or "virtual terminal /tmp/lra (not a hardware port)".
   [[nodiscard]] virtual std::string Source() const = 0;
+  /// Whether the other end may be real hardware: false for virtual terminals and sockets.
+  [[nodiscard]] virtual bool IsHardware() const { return true; }
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
 };

@@ -110,6 +110,17 @@ TEST(DlRs1aUnit, ShowsPlacesBeyondTheRangeAsTheManualSays) {
 
 // --- time ------------------------------------------------------------------------------------
 
+TEST(SerialLine, CarriesOneByteAfterTheOther) {
+  // 10 bits at 1 Mbaud: 10 us a byte; one that is ready early waits, one that is late begins anew
+  SerialLine line(1'000'000);
+  EXPECT_EQ(line.Send(0), 10'000);
+  EXPECT_EQ(line.Send(0), 20'000);
+  EXPECT_EQ(line.Send(15'000), 30'000);
+  EXPECT_EQ(line.Send(30'000), 40'000);
+  EXPECT_EQ(line.Send(45'000), 55'000);
+  EXPECT_EQ(line.Send(45'001), 65'000);
+}
+
 struct Pace {
   int baud;
   double period_ms;  // 4 characters + 4 ms + 12 characters, of 10 bits

@@ -1,5 +1,5 @@
-// Reads every #include line of the rooms against the table of floors: the link lists of CMake cannot
-// see an include of a header whose functions are not called.
+// Reads every #include line of the rooms against the table of floors: the link lists of CMake
+// cannot see an include of a header whose functions are not called.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -65,7 +65,8 @@ TEST_P(Floors, ARoomIncludesOnlyWhatStandsBelowIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Rooms, Floors,
-                         ::testing::Values("base", "trial", "acquire", "dsp", "sim", "fit", "tools"),
+                         ::testing::Values("base", "trial", "acquire", "dsp", "sim", "fit",
+                                           "tools"),
                          [](const auto& room) { return room.param; });
 
 struct HeavyPart {
@@ -94,7 +95,8 @@ TEST(HeavyHeaders, AreIncludedWhereTheyAreLetInAndInNoHeader) {
   for (const auto& [room, below] : kFloors) {
     for (const Include& include : IncludesBelow(room)) {
       if (include.target == "nlohmann/json.hpp") {
-        EXPECT_EQ(include.file.extension(), ".cc") << include.file << " drags in " << include.target;
+        EXPECT_EQ(include.file.extension(), ".cc")
+            << include.file << " drags in " << include.target;
       }
       for (const HeavyPart& part : kHeavyParts) {
         if (!include.target.starts_with(part.prefix)) continue;

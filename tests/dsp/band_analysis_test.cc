@@ -113,6 +113,7 @@ TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
 TEST(BandAnalysis, TooSlowARecordIsNotAnswered) {
   trial::Record record = RecordOf(Samples(48, 144, 0.03, {{44e-6, 175}, {5e-4, 8.3}}), 48);
   record.stretches[0].time_uncertainty_s = 8e-3;
+  record.timing = trial::Timing::kPolled;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
   ASSERT_EQ(analysis.reasons.size(), 2U);
@@ -148,9 +149,11 @@ TEST(BandAnalysis, TimesOfUnknownAgeGiveNoBandEither) {
   const BandQuestion question{{6, 5, 45, Corners::kWhole}, true};
   EXPECT_TRUE(Answer(record, question).answered);
   record.stretches[0].time_uncertainty_s = 2.3e-3;
+  record.timing = trial::Timing::kPolled;
   EXPECT_FALSE(Answer(record, question).answered);
-  // arrivals that scatter by more than a period belong to a source with a clock of its own
+  // arrivals may scatter as they like: a free-running source has a clock of its own
   trial::Record stream = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 100}}), kRateHz);
+  stream.timing = trial::Timing::kArrival;
   stream.stretches[0].time_uncertainty_s = 2e-3;
   EXPECT_TRUE(Answer(stream).answered);
 }
@@ -210,6 +213,7 @@ TEST(BandAnalysis, TremorThatLeaksIsStated) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
   ASSERT_TRUE(analysis.answered);
   const FilterDesign design = Designed(question.band, kRateHz);
+  ASSERT_TRUE(analysis.below_band);
   EXPECT_REL(analysis.below_band->leaked_rms_m, 5e-4 / kRootTwo * std::norm(Response(design, 8.3)),
              1e-9, "the tremor's fit");
   EXPECT_REL(*analysis.band_rms_m, 1.287e-6 / kRootTwo, 2e-3, "part of a tremor period");
@@ -264,6 +268,13 @@ TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
   EXPECT_REL(*averaged.sensor_gain_at_tone, std::hypot(re, im), 1e-9, "tone's fit");
   EXPECT_EQ(averaged.remarks.back(),
             "the sensor's averaging passes 0.4699 of the tone; it is not divided out");
+}
+
+TEST(BandAnalysis, AnUncertainRateMakesTheFrequencyUncertain) {
+  trial::Record record = RecordOf(Samples(kRateHz, 30'000, 0.03, {{1e-6, 225}}), kRateHz);
+  record.stretches[0].time_uncertainty_s = 4e-5;
+  EXPECT_REL(Answer(record).tone->frequency_uncertainty_hz, 225 * kRootTwo * 4e-5 / 3, 1e-3,
+             "noise's share");
 }
 
 TEST(BandAnalysis, NoiseHasNoTone) {

@@ -31,11 +31,11 @@ std::vector<double> Filtered(const FilterDesign& design, const std::vector<doubl
 std::vector<double> QuadFiltered(const FilterDesign& design, const std::vector<double>& in,
                                  double constant) {
   std::vector<Quad> signal(in.begin(), in.end());
-  Quad before = constant;
+  auto before = static_cast<Quad>(constant);
   for (const DeltaSection& section : design.sections) {
-    const Quad e = section.e;
-    const Quad f = section.f;
-    const Quad b = section.b;
+    const auto e = static_cast<Quad>(section.e);
+    const auto f = static_cast<Quad>(section.f);
+    const auto b = static_cast<Quad>(section.b);
     const Quad one = section.kind == SectionKind::kHighPass   ? -2
                      : section.kind == SectionKind::kBandPass ? 0
                                                               : 2;

@@ -118,11 +118,14 @@ std::array<long double, 3> Extended(const RingDownParameters<double>& p, double 
   const long double step = std::ldexp(static_cast<long double>(t), -24);
   const long double m = p.mass_kg;
   const long double l = p.inductance_h;
-  const Matrix a{{{-(static_cast<long double>(p.coil_resistance_ohm) + p.load_ohm) / l * step, 0,
-                   p.force_constant_n_per_a / l * step},
+  const long double r = p.coil_resistance_ohm;
+  const long double rl = p.load_ohm;
+  const long double km = p.force_constant_n_per_a;
+  const long double kv = p.stiffness_n_per_m;
+  const long double bv = p.damping_n_s_per_m;
+  const Matrix a{{{-(r + rl) / l * step, 0, km / l * step},
                   {0, 0, step},
-                  {-p.force_constant_n_per_a / m * step, -p.stiffness_n_per_m / m * step,
-                   -p.damping_n_s_per_m / m * step}}};
+                  {-km / m * step, -kv / m * step, -bv / m * step}}};
   // exp - 1 is squared as (1 + E)^2 - 1 = 2 E + E^2, which keeps the small digits
   Matrix excess{};
   Matrix term{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
@@ -151,7 +154,7 @@ TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
       const RingDown<double> circuit(parameters);
       double worst = 0;
       for (const double t : {1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
-        const auto expected = static_cast<double>(-load_ohm * Extended(parameters, t)[0]);
+        const auto expected = -load_ohm * static_cast<double>(Extended(parameters, t)[0]);
         worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected));
       }
       EXPECT_ABS(worst, 0.0, 1e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");

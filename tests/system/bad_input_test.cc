@@ -79,8 +79,9 @@ TEST_F(BadInput, WrongCommandLinesGiveStatus2) {
   ExpectOneLine(RunProgram({"fit-lra", impulse, "--drop-height", "10"}), 2, "did you mean 10mm?");
   ExpectOneLine(RunProgram({"fit-lra", impulse, "--moving-mass", "1.4"}), 2, "did you mean 1.4g?");
   ExpectOneLine(RunProgram({"fit-lra", impulse, "--inductance", "130"}), 2, "did you mean 130uH?");
-  ExpectOneLine(RunProgram({"haptometer", "simulate", Write("typo.toml", "[actuator]\nmodell = 'x'\n")}), 2,
-                "did you mean model?");
+  ExpectOneLine(
+      RunProgram({"haptometer", "simulate", Write("typo.toml", "[actuator]\nmodell = 'x'\n")}), 2,
+      "did you mean model?");
 }
 
 TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
@@ -90,16 +91,16 @@ TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
 }
 
 TEST_F(BadInput, ABusyPortGivesStatus3AndDoesNotDisturbTheFirst) {
-  Process emulator({"haptometer", "emulate", "--scene", kFixtures + "/lra_adapter.toml", "--protocol",
-                    "stream", "--baud", "921600"});
+  Process emulator({"haptometer", "emulate", "--scene", kFixtures + "/lra_adapter.toml",
+                    "--protocol", "stream", "--baud", "921600"});
   const auto port = emulator.WaitForLine("ready ", 20);
   ASSERT_TRUE(port);
   const std::string first_file = directory_ / "first.bin";
   Process first({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "--duration",
                  "2s", "-o", first_file, "--json"});
   while (!fs::exists(first_file)) usleep(10'000);
-  ExpectOneLine(RunProgram({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "-o",
-                     directory_ / "second.bin"}),
+  ExpectOneLine(RunProgram({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600",
+                            "-o", directory_ / "second.bin"}),
                 3, *port);
   EXPECT_EQ(first.Wait(30).status, 0);
 }
@@ -112,13 +113,16 @@ TEST_F(BadInput, AnExistingRecordingIsNotOverwritten) {
 
 TEST_F(BadInput, ATruncatedTrialIsReadAsFarAsItGoesAndSaysSo) {
   const std::string whole = directory_ / "whole.bin";
-  ASSERT_EQ(RunProgram({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status, 0);
+  ASSERT_EQ(
+      RunProgram({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status,
+      0);
   const std::string content = Content(whole);
   const std::string cut = Write("cut.bin", content.substr(0, content.size() * 3 / 4));
   const Outcome info = RunProgram({"haptometer", "trial", "info", cut});
   EXPECT_EQ(info.status, 0) << info.err;
   EXPECT_THAT(info.out + info.err, HasSubstr("cut short"));
-  const Outcome head = RunProgram({"haptometer", "trial", "info", Write("head.bin", content.substr(0, 20))});
+  const Outcome head =
+      RunProgram({"haptometer", "trial", "info", Write("head.bin", content.substr(0, 20))});
   ExpectOneLine(head, 3, "head.bin");
 }
 

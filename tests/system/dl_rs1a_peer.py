@@ -109,20 +109,17 @@ def client():
             got, _ = emulator.ask(request)
             check(re.fullmatch(answer, got), f"{request!r} is answered with {got!r}")
 
-    # the pace: never above the wire's; of three tries the best shows what a busy machine hides
+    # the pace: never above the wire's, and slower only by what a busy machine adds, which the
+    # shortest of some hundred exchanges is free of; the mean rate is printed, not judged
     for baud in (9600, 38400):
         with Emulator("--baud", str(baud)) as emulator:
-            allowed = 1 / allowed_period_s(baud)
-            best = 0
-            for _ in range(3):
-                _, rate, shortest = poll(emulator, 2)
-                check(shortest >= allowed_period_s(baud) - 1e-6, f"{shortest} s for an exchange")
-                check(rate <= allowed * (1 + 1e-6), f"{rate} polls/s, allowed {allowed}")
-                best = max(best, rate)
-                if best >= 0.95 * allowed:
-                    break
-            print(f"{baud} baud: {best:.2f} polls/s of {allowed:.2f}, {100 * best / allowed:.1f} %")
-            check(best >= 0.95 * allowed, f"{best} polls/s, allowed {allowed}")
+            period = allowed_period_s(baud)
+            _, rate, shortest = poll(emulator, 2)
+            print(f"{baud} baud: {rate:.2f} polls/s of {1 / period:.2f}, {100 * rate * period:.1f} %; "
+                  f"shortest exchange {1e3 * shortest:.3f} ms of {1e3 * period:.3f} ms")
+            check(shortest >= period - 1e-6, f"{shortest} s for an exchange")
+            check(shortest <= period / 0.95, f"{shortest} s for the shortest exchange")
+            check(rate * period <= 1 + 1e-6, f"{rate} polls/s")
 
     # the buffer: polls within a refresh get the same reading
     with Emulator("--baud", "38400", "--refresh", "100ms") as emulator:

@@ -30,7 +30,7 @@ class MainJob : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(directory_); }
   std::vector<std::string> Acquire(const std::vector<std::string>& more) const {
-    std::vector<std::string> arguments{"acquire", "--port",  port_, "--sensor", "stream",
+    std::vector<std::string> arguments{"acquire", "--port", port_, "--sensor", "stream",
                                        "--baud",  "921600", "-o",  trial_,     "--json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
@@ -49,6 +49,9 @@ TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
   EXPECT_EQ(summary["bad"], 0);
   EXPECT_EQ(summary["gaps"], 0);
   EXPECT_REL(summary["rate_hz"].get<double>(), 10000.0, 1e-3, "a 3 s count of a 10 kHz head");
+
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
+  EXPECT_THAT(info.dump(), ::testing::HasSubstr("\"emulated device: "));
 
   const Outcome analyzed = RunProgram({"analyze", trial_, "--json"});
   ASSERT_EQ(analyzed.status, 0) << analyzed.err;

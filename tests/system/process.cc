@@ -108,6 +108,8 @@ Outcome Process::Wait(double deadline_s) {
   return outcome_;
 }
 
-Outcome RunProgram(const std::vector<std::string>& arguments) { return Process(arguments).Wait(60); }
+Outcome RunProgram(const std::vector<std::string>& arguments) {
+  return Process(arguments).Wait(60);
+}
 
 }  // namespace haptometer::tests

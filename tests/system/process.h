@@ -10,13 +10,14 @@ namespace haptometer::tests {
 
 /// What a finished program left behind.
 struct Outcome {
-  int status = -1;   ///< exit status; 128 + signal when a signal ended it; -1 when it had to be killed
-  std::string out;   ///< standard output
-  std::string err;   ///< standard error
+  int status =
+      -1;  ///< exit status; 128 + signal when a signal ended it; -1 when it had to be killed
+  std::string out;  ///< standard output
+  std::string err;  ///< standard error
 };
 
-/// A running program of the build (HAPTOMETER_PROGRAMS), started without a shell. The destructor ends
-/// it, by its process id.
+/// A running program of the build (HAPTOMETER_PROGRAMS), started without a shell. The destructor
+/// ends it, by its process id.
 class Process {
  public:
   /// arguments[0] is the program's name: "haptometer", "acquire".
@@ -25,9 +26,10 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// Waits for a whole line on standard output that begins with `prefix`, and returns the rest of it;
-  /// nothing when it does not come within `deadline_s`.
-  [[nodiscard]] std::optional<std::string> WaitForLine(const std::string& prefix, double deadline_s);
+  /// Waits for a whole line on standard output that begins with `prefix`, and returns the rest of
+  /// it; nothing when it does not come within `deadline_s`.
+  [[nodiscard]] std::optional<std::string> WaitForLine(const std::string& prefix,
+                                                       double deadline_s);
 
   void Signal(int signal) const;
 

@@ -112,13 +112,24 @@ TEST(ArrivalTimes, TwoLossesAndAStallAreTwoGaps) {
   EXPECT_GE(right, 38);
 }
 
-TEST(ArrivalTimes, WithoutDelaysAreExact) {
+// `rows` times `period_ms` apart; from row `pause_at` on `pause_periods` later
+std::vector<std::int64_t> Regular(std::int64_t rows, std::int64_t period_ms,
+                                  std::int64_t pause_at = 0, std::int64_t pause_periods = 0) {
   std::vector<std::int64_t> times;
-  for (int i = 0; i < 500; ++i) times.push_back(7 * kMs + i * 10 * kMs);
+  times.reserve(static_cast<std::size_t>(rows));
+  for (std::int64_t i = 0; i < rows; ++i) {
+    times.push_back((i + (i >= pause_at ? pause_periods : 0)) * period_ms * kMs);
+  }
+  return times;
+}
+
+TEST(ArrivalTimes, WithoutDelaysAreExact) {
+  std::vector<std::int64_t> times = Regular(500, 10);
+  for (std::int64_t& t : times) t += 7 * kMs;
   const auto stretches = FitArrivalTimes(times, std::nullopt);
   ASSERT_EQ(stretches.size(), 1);
-  EXPECT_REL(stretches[0].rate_hz, 100, 1e-12, "doubles of nanoseconds");
-  EXPECT_ABS(stretches[0].start_s, 0.007, 1e-12, "doubles of nanoseconds");
+  EXPECT_REL(stretches[0].rate_hz, 100, 1e-15, "doubles of nanoseconds");
+  EXPECT_ABS(stretches[0].start_s, 0.007, 1e-15, "doubles of nanoseconds");
   EXPECT_EQ(stretches[0].time_uncertainty_s, 0);
 }
 
@@ -155,8 +166,7 @@ TEST(ArrivalTimes, FewRowsTakeTheNominalRate) {
 }
 
 TEST(ArrivalTimes, APauseInAShortRecordingIsAGap) {
-  std::vector<std::int64_t> times;
-  for (int i = 0; i < 20; ++i) times.push_back((i + (i >= 15 ? 100 : 0)) * 10 * kMs);
+  const auto times = Regular(20, 10, 15, 100);
   const auto stretches = FitArrivalTimes(times, 100);
   ASSERT_EQ(stretches.size(), 2);
   EXPECT_EQ(stretches[1].first_row, 15);
@@ -165,27 +175,23 @@ TEST(ArrivalTimes, APauseInAShortRecordingIsAGap) {
 
 TEST(PolledTimes, HaveTheMeanRateAndTheUncertaintyOfTheWait) {
   // a poll each 20 ms whose reply takes 12 ms
-  std::vector<std::int64_t> requests;
-  std::vector<std::int64_t> replies;
-  for (int i = 0; i < 100; ++i) {
-    requests.push_back(i * 20 * kMs);
-    replies.push_back(i * 20 * kMs + 12 * kMs);
-  }
+  const auto requests = Regular(100, 20);
+  auto replies = requests;
+  for (std::int64_t& t : replies) t += 12 * kMs;
   const auto stretches = FitPolledTimes(requests, replies, std::nullopt);
   ASSERT_EQ(stretches.size(), 1);
-  EXPECT_REL(stretches[0].rate_hz, 50, 1e-14, "exact times");
-  EXPECT_ABS(stretches[0].start_s, 0.006, 1e-14, "the middle of request and reply");
-  EXPECT_REL(stretches[0].time_uncertainty_s, 0.012 / std::sqrt(12.0), 1e-12,
+  EXPECT_REL(stretches[0].rate_hz, 50, 1e-15, "exact times");
+  EXPECT_ABS(stretches[0].start_s, 0.006, 1e-16, "the middle of request and reply");
+  EXPECT_REL(stretches[0].time_uncertainty_s, 0.012 / std::sqrt(12.0), 1e-15,
              "uniform within the wait");
 }
 
 TEST(PolledTimes, APauseBeginsAStretch) {
-  std::vector<std::int64_t> times;
-  for (int i = 0; i < 100; ++i) times.push_back((i + (i >= 60 ? 50 : 0)) * 20 * kMs);
+  const auto times = Regular(100, 20, 60, 50);
   const auto stretches = FitPolledTimes(times, times, 50);
   ASSERT_EQ(stretches.size(), 2);
   EXPECT_EQ(stretches[1].first_row, 60);
-  EXPECT_ABS(stretches[1].start_s, 2.2, 1e-14, "exact times");
+  EXPECT_ABS(stretches[1].start_s, 2.2, 1e-15, "exact times");
 }
 
 }  // namespace

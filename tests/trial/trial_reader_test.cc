@@ -126,6 +126,61 @@ TEST(TrialReader, RemovedRepeatedAndStrangeBytesAreStated) {
   EXPECT_EQ(around->report.RowsLost(), 0);
 }
 
+TEST(TrialReader, ABlockIsFoundWhereverItLiesInTheSearchWindow) {
+  const std::string whole = CountingTrial(30, 10);
+  const std::size_t at = BlockOffsets(whole)[3];
+  for (std::size_t length = (1U << 16) - 8; length <= (1U << 16) + 2; ++length) {
+    std::string strange = whole;
+    strange.insert(at, std::string(length, 'x'));
+    const auto read = ReadBytes(strange);
+    EXPECT_EQ(read->record.rows, 30) << length;
+    EXPECT_EQ(read->report.losses.at(0).bytes, length);
+  }
+}
+
+TEST(TrialReader, ARepeatedEventIsNotBelievedTwice) {
+  MemoryDisk disk;
+  ManualClock clock;
+  auto writer = WriterInto(&disk, CountsHeader(Timing::kUniform), clock);
+  const std::size_t before = disk.bytes.size();
+  ASSERT_TRUE(writer.AddEvent({.kind = EventKind::kRemark, .text = "once"}));
+  disk.bytes += disk.bytes.substr(before);
+  const auto read = ReadBytes(disk.bytes);
+  EXPECT_EQ(read->report.events.size(), 1);
+  EXPECT_THAT(Describe(read->report.losses.at(0)), HasSubstr("is out of its order"));
+}
+
+TEST(TrialReader, RowsBehindADamagedBlockKeepTheirTimes) {
+  MemoryDisk disk;
+  ManualClock clock;
+  auto writer = WriterInto(&disk, CountsHeader(Timing::kArrival), clock);
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_TRUE(AppendCounts(&writer, i, {.time_ns = i * std::int64_t{10'000'000}}));
+    if (i % 10 == 9) {
+      ASSERT_TRUE(writer.Flush());
+    }
+  }
+  std::string bytes = disk.bytes;
+  bytes[BlockOffsets(bytes)[3] + kHead] ^= 1;
+  const auto read = ReadBytes(bytes);
+  ASSERT_EQ(read->record.rows, 30);
+  EXPECT_EQ(read->record.stretches.size(), 2);
+  EXPECT_NEAR(TimeOf(read->record, 9), 0.09, 1e-12);
+  EXPECT_NEAR(TimeOf(read->record, 10), 0.2, 1e-12);
+}
+
+TEST(TrialReader, PolledRowsLieInTheMiddleOfRequestAndReply) {
+  MemoryDisk disk;
+  ManualClock clock;
+  auto writer = WriterInto(&disk, CountsHeader(Timing::kPolled), clock);
+  ASSERT_TRUE(AppendCounts(&writer, 1, {.time_ns = 1'000'000, .reply_ns = 5'000'000}));
+  ASSERT_TRUE(AppendCounts(&writer, 2, {.time_ns = 11'000'000, .reply_ns = 15'000'000}));
+  ASSERT_TRUE(writer.Flush());
+  const auto read = ReadBytes(disk.bytes);
+  EXPECT_NEAR(read->record.raw_times_s.at(0), 0.003, 1e-15);
+  EXPECT_NEAR(read->record.stretches.at(0).rate_hz, 100, 1e-9);
+}
+
 TEST(TrialReader, LabelsGivenLaterCountAlsoAfterACut) {
   const ScratchDirectory directory;
   const std::string path = directory.File("t.bin");
@@ -235,7 +290,7 @@ TEST(ReadRecording, TellsTrialAndCsvApartAndRefusesTheRest) {
               HasSubstr("is no trial; give a"));
   EXPECT_THAT(message("Dear Sir,\nthe vibration was strong.\n"),
               HasSubstr("no time column is named in its first line"));
-  EXPECT_THAT(message("\xff\xfet\0i\0m\0"), HasSubstr("is UTF-16 text"));
+  EXPECT_THAT(message("\xff\xfetime"), HasSubstr("is UTF-16 text"));
   EXPECT_THAT(message(""), HasSubstr("is empty"));
   EXPECT_THAT(ReadRecording(directory.File("")).error().Text(), HasSubstr("is a directory"));
   EXPECT_THAT(ReadRecording(directory.File("none")).error().Text(), HasSubstr("no such file"));

@@ -131,11 +131,10 @@ TEST(TrialWriter, ShortWritesChangeNothing) {
 
 TEST(TrialWriter, FullDiskSaysWhatIsKeptAndStaysInError) {
   // room for everything but the last 20 bytes of the second block
-  const std::string whole = CountingTrial(200, 100);
   MemoryDisk disk;
   ManualClock clock;
   auto writer = WriterInto(&disk, CountsHeader(Timing::kUniform), clock);
-  disk.room = disk.bytes.size() + 2 * (48 + 500) - 20;
+  disk.room = disk.bytes.size() + std::size_t{2 * (48 + 500) - 20};
   for (int i = 0; i < 100; ++i) ASSERT_TRUE(AppendCounts(&writer, i, {.index = i}));
   ASSERT_TRUE(writer.Flush());
   for (int i = 100; i < 200; ++i) ASSERT_TRUE(AppendCounts(&writer, i, {.index = i}));

@@ -46,9 +46,14 @@ std::string ChannelLines(const Channel& channel, std::size_t number, bool has_ow
   return lines;
 }
 
+std::string_view TimesWord(const Record& record) {
+  if (record.raw_times_s.empty()) return "grid";
+  return record.timing == Timing::kPolled ? "polled" : "arrived";
+}
+
 std::string Head(const Record& record, StatusColumns status_columns) {
   std::string head = CsvMetadataLines(record.metadata);
-  head += CsvCommentLine("times", record.raw_times_s.empty() ? "grid" : "arrived");
+  head += CsvCommentLine("times", TimesWord(record));
   for (const Stretch& stretch : record.stretches) {
     head += CsvCommentLine(
         "stretch", fmt::format("{} {} {} {} {}", stretch.first_row, stretch.rows, stretch.start_s,

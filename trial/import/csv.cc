@@ -247,12 +247,14 @@ class Parser {
   }
 
   void SetTimes() {
+    const bool times_are_raw = comments_.timing != Timing::kUniform;
+    record_.timing = comments_.timing;
     if (StretchesFit()) {
       record_.stretches = std::move(comments_.stretches);
-      if (comments_.times_are_raw) record_.raw_times_s = std::move(times_s_);
+      if (times_are_raw) record_.raw_times_s = std::move(times_s_);
       return;
     }
-    if (!comments_.times_are_raw) {
+    if (!times_are_raw) {
       if (auto grid = PrintedGrid(times_s_, HalfDigits())) {
         record_.stretches = std::move(*grid);
         return;
@@ -260,10 +262,12 @@ class Parser {
     }
     // neither a grid nor explained: the mean line, beside the times as they stand
     std::vector<std::int64_t> time_ns;
+    time_ns.reserve(times_s_.size());
     for (const double t : times_s_) {
       time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
     }
-    record_.stretches = comments_.times_are_raw
+    if (!times_are_raw) record_.timing = Timing::kPolled;
+    record_.stretches = record_.timing == Timing::kArrival
                             ? FitArrivalTimes(time_ns, record_.metadata.nominal_rate_hz)
                             : FitPolledTimes(time_ns, time_ns, record_.metadata.nominal_rate_hz);
     record_.raw_times_s = std::move(times_s_);
@@ -278,7 +282,8 @@ class Parser {
       for (; row < stretch.first_row + stretch.rows; ++row) {
         const double line_s =
             stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;
-        const double bound_s = comments_.times_are_raw ? kLargestDelayS : 1e-6 / stretch.rate_hz;
+        const double bound_s =
+            comments_.timing != Timing::kUniform ? kLargestDelayS : 1e-6 / stretch.rate_hz;
         if (!(std::abs(times_s_[row] - line_s) <= bound_s)) return false;
       }
     }

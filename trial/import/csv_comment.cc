@@ -47,7 +47,7 @@ Result<bool> TakeNumber(std::string_view key, std::string_view value, const std:
   for (const auto& [name, member] : kNumberKeys) {
     if (key != name) continue;
     if (!is_number) return NoNumber(where, key, value);
-    metadata->*member = *number;
+    metadata->*member = number;
     return true;
   }
   if (key != "tare_m" && key != "averages") return false;
@@ -88,7 +88,8 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
 // keys about the time base and the channels; false where it is another key
 bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comments) {
   if (key == "times") {
-    comments->times_are_raw = value == "arrived";
+    if (value == "arrived") comments->timing = Timing::kArrival;
+    if (value == "polled") comments->timing = Timing::kPolled;
     return true;
   }
   if (key == "stretch") {
@@ -112,9 +113,8 @@ std::string_view Trimmed(std::string_view text) {
 std::optional<double> ReadNumber(std::string_view text) {
   if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
   double number = 0;
-  const char* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, number);
-  if (parsed.ec != std::errc() || parsed.ptr != end) return std::nullopt;
+  const auto parsed = std::from_chars(text.begin(), text.end(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.end()) return std::nullopt;
   return number;
 }
 

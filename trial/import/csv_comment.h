@@ -15,7 +15,8 @@ namespace haptometer::trial {
 struct CsvComments {
   Metadata metadata{};
   std::vector<Stretch> stretches{};  ///< `# stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S`
-  bool times_are_raw = false;        ///< `# times = arrived`: the column holds times as they came
+  /// `# times = grid | arrived | polled`; but for a grid the column holds times as they came.
+  Timing timing = Timing::kUniform;
   /// `# channel.2.name = CH2`: {"2.name": "CH2"}
   std::map<std::string, std::string> channel_keys{};
 };

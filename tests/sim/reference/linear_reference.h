@@ -1,4 +1,5 @@
 // Written by linear_reference.py; do not edit.
+// clang-format off
 #pragma once
 
 namespace haptometer::tests {

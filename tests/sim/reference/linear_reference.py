@@ -172,7 +172,7 @@ def rows(values, indent):
 
 
 def header():
-    out = ["// Written by linear_reference.py; do not edit.", "#pragma once", "",
+    out = ["// Written by linear_reference.py; do not edit.", "// clang-format off", "#pragma once", "",
            "namespace haptometer::tests {", ""]
     for name, texts in SCENES.items():
         for key, value in summary(texts).items():

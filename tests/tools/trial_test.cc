@@ -1,0 +1,182 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/clock.h"
+#include "tools/verbs.h"
+#include "trial/trial_writer.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+struct Outcome {
+  int status = 0;
+  std::string out;
+  std::string err;
+};
+
+Outcome Trial(std::vector<std::string> words) {
+  words.insert(words.begin(), "trial");
+  std::vector<const char*> argv;
+  argv.reserve(words.size());
+  for (const std::string& word : words) argv.push_back(word.c_str());
+  ::testing::internal::CaptureStdout();
+  ::testing::internal::CaptureStderr();
+  Outcome outcome;
+  outcome.status = RunTrial(static_cast<int>(argv.size()), argv.data());
+  std::fflush(nullptr);
+  outcome.out = ::testing::internal::GetCapturedStdout();
+  outcome.err = ::testing::internal::GetCapturedStderr();
+  return outcome;
+}
+
+class TrialVerb : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(directory_);
+    trial::TrialHeader header;
+    header.rate_hz = 1000;
+    header.channels.emplace_back();
+    trial::ChannelFormat& channel = header.channels.back();
+    channel.name = "displacement";
+    channel.role = trial::ChannelRole::kDisplacement;
+    channel.unit = "m";
+    channel.encoding = trial::Encoding::kI32;
+    channel.scale = 1e-6;
+    channel.resolution = 1e-6;
+    header.metadata.source = "emulated device";
+    header.metadata.labels = {{"subject", "3"}};
+    ManualClock clock;
+    auto writer = trial::TrialWriter::Create(trial_, header, {}, clock);
+    ASSERT_TRUE(writer);
+    // 100 rows, 10 ms lost after the 50th, every tenth over the range
+    for (int i = 0; i < 100; ++i) {
+      const auto status = i % 10 == 9 ? trial::SampleStatus::kOver : trial::SampleStatus::kOk;
+      const trial::Sample sample{trial::RawValue::Counts(i), status};
+      ASSERT_TRUE(writer->Append({.index = i < 50 ? i : i + 10, .samples = {&sample, 1}}));
+    }
+    ASSERT_TRUE(writer->Finish());
+  }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::string Path(const std::string& name) const { return directory_ / name; }
+  std::string Content(const std::string& path) const {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("trial_verb_test_" + std::to_string(::getpid()));
+  const std::string trial_ = directory_ / "t.bin";
+};
+
+TEST_F(TrialVerb, InfoSaysWhatTheFileHolds) {
+  const Outcome info = Trial({"info", trial_});
+  EXPECT_EQ(info.status, 0) << info.err;
+  for (const char* text : {"emulated device", "subject = 3", "steps of 1 um", "90 ok, 10 over",
+                           "100 in 0.109 s, 1000 a second", "before row 50: 10 ms at 0.05 s",
+                           "finished by its recorder"}) {
+    EXPECT_THAT(info.out, HasSubstr(text));
+  }
+  const json document = json::parse(Trial({"info", "--json", trial_}).out);
+  EXPECT_EQ(document["closed"], true);
+  EXPECT_EQ(document["rows"], 100);
+  EXPECT_EQ(document["statuses"]["over"], 10);
+  EXPECT_EQ(document["gaps"][0]["row"], 50);
+  EXPECT_EQ(document["rows_lost"], 0);
+  EXPECT_EQ(document["labels"]["subject"], "3");
+  EXPECT_TRUE(document.contains("sensor") && document["sensor"].is_null());
+}
+
+TEST_F(TrialVerb, InfoStatesLosses) {
+  std::string bytes = Content(trial_);
+  const std::string cut = Path("cut.bin");
+  std::ofstream(cut, std::ios::binary) << bytes.substr(0, bytes.size() - 400);
+  const Outcome info = Trial({"info", cut});
+  EXPECT_EQ(info.status, 0);
+  EXPECT_THAT(info.out, HasSubstr("cut short"));
+  EXPECT_THAT(info.out, HasSubstr("rows 50 to 99 are lost"));
+  const json document = json::parse(Trial({"info", "--json", cut}).out);
+  EXPECT_EQ(document["closed"], false);
+  EXPECT_EQ(document["rows_lost"], 50);
+}
+
+TEST_F(TrialVerb, LabelsAreAppendedAndTheLastWordCounts) {
+  const std::string before = Content(trial_);
+  EXPECT_EQ(Trial({"label", trial_, "subject=4", "condition=with = adapter"}).status, 0);
+  EXPECT_TRUE(Content(trial_).starts_with(before));
+  const json labelled = json::parse(Trial({"label", "--json", trial_, "subject=5"}).out);
+  EXPECT_EQ(labelled["labels"]["subject"], "5");
+  EXPECT_EQ(labelled["labels"]["condition"], "with = adapter");
+  EXPECT_EQ(labelled["closed"], true);
+}
+
+TEST_F(TrialVerb, WrongLabelsChangeNothing) {
+  const std::string before = Content(trial_);
+  for (const char* label : {"subject", "=3", ""}) {
+    const Outcome refused = Trial({"label", trial_, label});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, HasSubstr("write it as key=value"));
+  }
+  EXPECT_EQ(Trial({"label", trial_}).status, 2);
+  EXPECT_EQ(Content(trial_), before);
+  const std::string csv = Path("t.csv");
+  ASSERT_EQ(Trial({"export", trial_, "-o", csv}).status, 0);
+  const Outcome on_csv = Trial({"label", csv, "a=b"});
+  EXPECT_EQ(on_csv.status, 3);
+  EXPECT_THAT(on_csv.err, HasSubstr("is a CSV; write the label into it"));
+  EXPECT_EQ(Trial({"label", Path("none"), "a=b"}).status, 3);
+}
+
+TEST_F(TrialVerb, ExportsAreReadAsTheSame) {
+  const std::string csv = Path("t.csv");
+  const Outcome to_stdout = Trial({"export", trial_});
+  EXPECT_EQ(to_stdout.status, 0);
+  EXPECT_EQ(Trial({"export", trial_, "-o", csv}).status, 0);
+  EXPECT_EQ(Content(csv), to_stdout.out);
+  json from_csv = json::parse(Trial({"info", "--json", csv}).out);
+  json from_trial = json::parse(Trial({"info", "--json", trial_}).out);
+  for (const char* key : {"file", "file_bytes"}) {
+    from_csv.erase(key);
+    from_trial.erase(key);
+  }
+  // an emptied cell is all that a CSV can say of a value over the range
+  EXPECT_EQ(from_csv, from_trial);
+}
+
+TEST_F(TrialVerb, ExportsDoNotOverwriteSilently) {
+  const std::string csv = Path("t.csv");
+  std::ofstream(csv) << "precious";
+  const Outcome refused = Trial({"export", trial_, "-o", csv});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("already exists; name another file, or say --overwrite"));
+  EXPECT_EQ(Content(csv), "precious");
+  EXPECT_EQ(Trial({"export", trial_, "-o", csv, "--overwrite"}).status, 0);
+  EXPECT_THAT(Content(csv), HasSubstr("time_s,displacement_m,status"));
+  const Outcome full = Trial({"export", trial_, "-o", "/dev/full", "--overwrite"});
+  EXPECT_EQ(full.status, 1);
+  EXPECT_THAT(full.err, HasSubstr("No space left on device"));
+}
+
+TEST_F(TrialVerb, UnknownWordsGetAProposal) {
+  const Outcome misspelt = Trial({"exprot", trial_});
+  EXPECT_EQ(misspelt.status, 2);
+  EXPECT_THAT(misspelt.err, HasSubstr("did you mean trial export?"));
+  EXPECT_EQ(Trial({}).status, 2);
+  EXPECT_EQ(Trial({"--help"}).status, 0);
+  EXPECT_EQ(Trial({"info", "--help"}).status, 0);
+}
+
+}  // namespace
+}  // namespace haptometer::tools
