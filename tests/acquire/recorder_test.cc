@@ -151,6 +151,10 @@ TEST_F(RecorderTest, StopsAtTheDurationByTheRowsTimes) {
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 500U) << "rows at 0 to 499 ms";
   EXPECT_EQ(Counts(path_), CountTo(500));
+  const auto recording = trial::ReadRecord(path_);
+  ASSERT_TRUE(recording);
+  EXPECT_EQ(recording->record.raw_times_s.front(), 0.0);
+  EXPECT_ABS(recording->record.raw_times_s.back(), 0.499, 1e-12, "nanoseconds in seconds");
 }
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {
