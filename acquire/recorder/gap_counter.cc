@@ -32,9 +32,11 @@ void GapCounter::AddInterval(MonotonicNs time_ns) {
   const bool is_long =
       usual_count_ > 0 && static_cast<double>(interval_ns) > kUsualIntervals * UsualIntervalNs();
   if (timing_ == trial::Timing::kPolled && is_long) {
-    ++gaps_;
+    if (!in_gap_) ++gaps_;
+    in_gap_ = true;
     return;
   }
+  in_gap_ = false;
   usual_sum_ns_ += interval_ns;
   ++usual_count_;
   if (timing_ == trial::Timing::kArrival) WatchSilence(time_ns, is_long);

@@ -9,7 +9,7 @@ namespace haptometer::acquire {
 /// Counts the places where readings are missing, while they come. O(1) a row.
 ///
 /// - A uniform grid: the index jumps.
-/// - A polled sensor: an interval longer than eight usual ones.
+/// - A polled sensor: an interval longer than eight usual ones; several in a row are one gap.
 /// - A free-running sensor: silence longer than eight usual intervals and 50 ms, which nothing
 /// makes
 ///   up for: after a stall of the host all that waited arrives at once, and is no gap. It is one
@@ -38,6 +38,7 @@ class GapCounter {
   MonotonicNs last_ns_ = 0;
   MonotonicNs usual_sum_ns_ = 0;  ///< over usual_count_ intervals
   std::uint64_t usual_count_ = 0;
+  bool in_gap_ = false;  ///< kPolled: the last interval was too long
 
   bool silence_open_ = false;  ///< kArrival: a silence waits for its verdict
   MonotonicNs silence_begin_ns_ = 0;

@@ -25,6 +25,11 @@ Error Interrupted(const std::string& name) {
   return {Cause::kFailed, name, "was not recorded: interrupted before the first reading", ""};
 }
 
+bool IsAnswerToMs(const std::optional<Reply>& reply) {
+  return reply && (reply->kind == ReplyKind::kMs ||
+                   (reply->kind == ReplyKind::kError && reply->data == "MS"));
+}
+
 }  // namespace
 
 KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup, Clock& clock)
@@ -61,6 +66,7 @@ Result<std::optional<Reply>> KeyenceIl::Exchange(const dl_rs1a::Request& request
     if (answers) return reply;
     link_.CountDiscarded(line.text.size());
   }
+  start_was_silent_ = true;
   return std::nullopt;
 }
 
@@ -176,24 +182,26 @@ std::vector<std::string> KeyenceIl::Remarks() const {
 // --- the recording ---
 
 MonotonicNs KeyenceIl::Begin() {
-  phase_ = Phase::kFree;
+  phase_ = start_was_silent_ ? Phase::kQuieting : Phase::kFree;
   return clock_.Now();
 }
 
 Outcome KeyenceIl::Next(Reading& reading) {
-  if (phase_ == Phase::kDraining || phase_ == Phase::kQuieting) {
-    if (const Outcome settled = Settle(); phase_ != Phase::kFree) return settled;
+  if (phase_ == Phase::kDraining || phase_ == Phase::kQuieting) return Settle();
+  if (phase_ == Phase::kStepping) return WaitForStep(reading);
+  if (phase_ == Phase::kFree && Ask(Command::kM0, Phase::kWaiting) == Outcome::kGone) {
+    return Outcome::kGone;
   }
-  if (phase_ == Phase::kFree && Ask() == Outcome::kGone) return Outcome::kGone;
   return Wait(reading);
 }
 
-Outcome KeyenceIl::Ask() {
+Outcome KeyenceIl::Ask(Command command, Phase next) {
   link_.Flush();  // whatever is there now answers nothing that is still asked
   request_ns_ = clock_.Now();
-  const auto sent = link_.transport().Write(dl_rs1a::FormatRequest({}), request_ns_ + kWriteTimeNs);
-  if (!sent) return Outcome::kGone;
-  phase_ = Phase::kWaiting;
+  const std::string request =
+      dl_rs1a::FormatRequest({.command = command, .unit = 0, .number = 0, .data = {}});
+  if (!link_.transport().Write(request, request_ns_ + kWriteTimeNs)) return Outcome::kGone;
+  phase_ = next;
   return Outcome::kNothing;
 }
 
@@ -222,10 +230,7 @@ Outcome KeyenceIl::Settle() {
   const MonotonicNs until = phase_ == Phase::kDraining
                                 ? request_ns_ + ResponseDeadline::kLongestNs
                                 : std::max(quiet_since_ns_, link_.last_bytes_ns()) + kQuietNs;
-  if (now >= until) {
-    phase_ = Phase::kFree;
-    return Outcome::kNothing;
-  }
+  if (now >= until) return Ask(Command::kMs, Phase::kStepping);
   const LinkLine line = link_.Read(std::min(until, now + kSliceNs));
   if (line.state == LinkState::kGone) return Outcome::kGone;
   if (line.state != LinkState::kNothing) {
@@ -237,10 +242,29 @@ Outcome KeyenceIl::Settle() {
   return Outcome::kNothing;
 }
 
+Outcome KeyenceIl::WaitForStep(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + ResponseDeadline::kLongestNs;
+  const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
+  if (line.state == LinkState::kGone) return Outcome::kGone;
+  if (line.state == LinkState::kLine && IsAnswerToMs(dl_rs1a::ParseReply(line.text))) {
+    unanswered_steps_ = 0;
+    phase_ = Phase::kFree;
+    return Outcome::kNothing;
+  }
+  if (line.state != LinkState::kNothing) link_.CountDiscarded(line.text.size());
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  // a unit that answers M0 but never MS is asked M0 again, after seconds of silence
+  constexpr int kMostSteps = 2;
+  const bool again = ++unanswered_steps_ < kMostSteps;
+  if (!again) unanswered_steps_ = 0;
+  return GiveRow(reading, SampleStatus::kLate, deadline, again ? Phase::kQuieting : Phase::kFree);
+}
+
 bool KeyenceIl::TakeLine(std::string_view line, Reading& reading) {
   const MonotonicNs now = clock_.Now();
   const std::optional<Reply> reply = dl_rs1a::ParseReply(line);
-  if (reply && reply->kind == ReplyKind::kDr) {  // a hardware trigger's line, asked by nobody
+  // a hardware trigger's line was asked by nobody, and MS before this M0
+  if (reply && (reply->kind == ReplyKind::kDr || IsAnswerToMs(reply))) {
     link_.CountDiscarded(line.size());
     return false;
   }

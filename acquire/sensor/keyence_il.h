@@ -26,10 +26,14 @@ struct KeyenceIlSetup {
 /// the instants of request and reply; each amplifier is a channel.
 ///
 /// One command at a time. What was polled and not answered becomes a row too: kLate without an
-/// answer, kBadFrame for bytes that are no reply, kDeviceError for `ER`. A reply carries no mark of
-/// its request, so after a missed deadline nothing is asked until the late reply has come (and was
-/// thrown away) or the maker's second has passed; after damaged bytes, until the wire was silent
-/// for 20 ms. Repetitions are marked (sensor/repeat_marker.h).
+/// answer, kBadFrame for bytes that are no reply, kDeviceError for `ER`. Repetitions are marked
+/// (sensor/repeat_marker.h).
+///
+/// A reply carries no mark of its request: one late reply taken for the next would put every later
+/// reading one poll behind. So after a missed deadline nothing is asked until the late reply has
+/// come (and was thrown away) or the maker's second has passed; after damaged bytes, until the wire
+/// was silent for 20 ms. Then MS is asked instead of M0: the unit answers in order, so when the
+/// reply to MS is there, every older one is behind us.
 class KeyenceIl final : public Sensor {
  public:
   /// `clock` must outlive the sensor.
@@ -50,6 +54,7 @@ class KeyenceIl final : public Sensor {
     kWaiting,   ///< a request is
     kDraining,  ///< a late reply may still come
     kQuieting,  ///< damaged bytes may still come
+    kStepping,  ///< MS is outstanding; behind its reply nothing old can come
   };
 
   Result<std::optional<dl_rs1a::Reply>> Exchange(const dl_rs1a::Request& request,
@@ -59,9 +64,10 @@ class KeyenceIl final : public Sensor {
   Result<void> ReadSettings(const std::atomic<bool>& stop);
   void MakeHeader(const dl_rs1a::Reply& reply);
 
-  Outcome Ask();
+  Outcome Ask(dl_rs1a::Command command, Phase next);
   Outcome Wait(Reading& reading);
   Outcome Settle();
+  Outcome WaitForStep(Reading& reading);
   bool TakeLine(std::string_view line, Reading& reading);
   Outcome GiveRow(Reading& reading, trial::SampleStatus status, MonotonicNs reply_ns, Phase next);
 
@@ -75,6 +81,8 @@ class KeyenceIl final : public Sensor {
   Phase phase_ = Phase::kFree;
   MonotonicNs request_ns_ = 0;
   MonotonicNs quiet_since_ns_ = 0;
+  int unanswered_steps_ = 0;       ///< MSs in a row
+  bool start_was_silent_ = false;  ///< a reply to Start() may still come
 };
 
 }  // namespace haptometer::acquire

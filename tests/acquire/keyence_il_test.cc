@@ -30,7 +30,7 @@ class Unit {
     MonotonicNs after_ns = 8 * kMs;
   };
 
-  explicit Unit(Clock& clock) {
+  explicit Unit(Clock& clock) : clock_(clock) {
     auto transport = std::make_unique<ScriptedTransport>(
         clock, [this](ScriptedTransport& to, const std::string& request) { Reply(to, request); });
     wire = transport.get();
@@ -41,6 +41,7 @@ class Unit {
 
   std::deque<std::vector<Answer>> to_m0;        ///< for the next M0s; then the default
   std::map<std::string, std::string> settings;  ///< "195" -> "1"
+  std::string to_ms = "MS,04,+88.888\r\n";      ///< empty: never answered
   bool answers_sr = true;
   bool is_silent = false;
   std::int32_t next_um = 1;
@@ -49,14 +50,21 @@ class Unit {
  private:
   void Reply(ScriptedTransport& to, const std::string& request) {
     if (is_silent) return;
+    // one command at a time: it turns to this one when the last one is answered
+    const MonotonicNs begin_ns = std::max(clock_.Now(), busy_until_ns_);
     if (request == "M0\r\n") {
+      std::vector<Answer> answers;
       if (to_m0.empty()) {
-        to.Send(dl_rs1a::FormatM0Reply(std::array{Value{next_um++, 3, SampleStatus::kOk}}),
-                8 * kMs);
-        return;
+        answers = {{dl_rs1a::FormatM0Reply(std::array{Value{next_um++, 3, SampleStatus::kOk}})}};
+      } else {
+        answers = to_m0.front();
+        to_m0.pop_front();
       }
-      for (const Answer& answer : to_m0.front()) to.Send(answer.bytes, answer.after_ns);
-      to_m0.pop_front();
+      for (const Answer& answer : answers) Answers(to, answer, begin_ns);
+      return;
+    }
+    if (request == "MS\r\n") {
+      Answers(to, {to_ms}, begin_ns);
       return;
     }
     ASSERT_TRUE(request.starts_with("SR,00,"));
@@ -68,6 +76,14 @@ class Unit {
         20 * kMs);
   }
 
+  void Answers(ScriptedTransport& to, const Answer& answer, MonotonicNs begin_ns) {
+    const MonotonicNs at_ns = begin_ns + answer.after_ns;
+    busy_until_ns_ = std::max(busy_until_ns_, at_ns);
+    if (!answer.bytes.empty()) to.Send(answer.bytes, at_ns - clock_.Now());
+  }
+
+  Clock& clock_;
+  MonotonicNs busy_until_ns_ = 0;
   std::unique_ptr<Transport> transport_;
 };
 
@@ -277,12 +293,37 @@ TEST_F(KeyenceIlTest, EachAmplifierIsAChannel) {
 }
 
 TEST_F(KeyenceIlTest, ALateReplyIsNeverTakenForTheNext) {
-  Started();
-  // late even for the maker's second, and in the port before the unit is asked again
-  unit_.to_m0.push_back({{"M0,+77.777\r\n", 1300 * kMs}});
-  EXPECT_EQ(NextStatus(), SampleStatus::kLate);
-  clock_.Advance(400 * kMs);
-  ExpectSoundFrom(2);
+  // whenever it comes, before or after the maker's second, and however short the patience is by
+  // then
+  for (const int known : {0, 64}) {
+    for (const MonotonicNs late_ns : {300 * kMs, 999 * kMs, 1003 * kMs, 1500 * kMs, 2600 * kMs}) {
+      SCOPED_TRACE(late_ns);
+      unit_.next_um = 1;
+      clock_.Advance(10 * kNsPerS);
+      Unit fresh(clock_);
+      fresh.settings = {{"195", "1"}};
+      sensor_ = std::make_unique<KeyenceIl>(
+          fresh.TakeTransport(), KeyenceIlSetup{.baud = 38400, .refresh_ns = std::nullopt}, clock_);
+      ASSERT_TRUE(sensor_->Start(kNeverStop));
+      (void)sensor_->Begin();
+      for (int i = 0; i < known; ++i) ExpectSoundFrom(2 + i);
+      fresh.to_m0.push_back({{"M0,+77.777\r\n", late_ns}});
+      Reading reading = NextRow();
+      if (known == 0 && late_ns < kNsPerS) {  // in time: the unit is not known yet
+        EXPECT_EQ(Counts(reading), 77'777);
+        continue;
+      }
+      while (RowStatus(reading) == SampleStatus::kLate) reading = NextRow();
+      // in step from the first reading on: its own number, within its own 8 ms (16 ms where the
+      // unit had two MS to answer first)
+      for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(Counts(reading), 2 + known + i);
+        EXPECT_EQ(reading.reply_ns - reading.time_ns,
+                  (i == 0 && late_ns > 2 * kNsPerS ? 16 : 8) * kMs);
+        reading = NextRow();
+      }
+    }
+  }
 }
 
 TEST_F(KeyenceIlTest, AfterTheAdaptiveDeadlineTheLateReplyIsWaitedForAndThrownAway) {
@@ -295,8 +336,8 @@ TEST_F(KeyenceIlTest, AfterTheAdaptiveDeadlineTheLateReplyIsWaitedForAndThrownAw
   EXPECT_EQ(late.reply_ns - late.time_ns, 50 * kMs);
   const Reading next = NextRow();
   EXPECT_EQ(Counts(next), 66);
-  // asked again 20 ms of silence after the late reply, not before it
-  EXPECT_EQ(next.time_ns - late.time_ns, 320 * kMs);
+  // the late reply, 20 ms of silence, MS and its reply
+  EXPECT_EQ(next.time_ns - late.time_ns, (300 + 20 + 8) * kMs);
   EXPECT_EQ(sensor_->discarded_bytes() - discarded, 10U);
 }
 
@@ -308,7 +349,38 @@ TEST_F(KeyenceIlTest, ALostReplyCostsTheMakersSecond) {
   EXPECT_EQ(RowStatus(lost), SampleStatus::kLate);
   const Reading next = NextRow();
   EXPECT_EQ(Counts(next), 66);
-  EXPECT_EQ(next.time_ns - lost.time_ns, kNsPerS);
+  EXPECT_EQ(next.time_ns - lost.time_ns, kNsPerS + 8 * kMs);
+}
+
+TEST_F(KeyenceIlTest, ARefusedMsBringsItInStepToo) {
+  Started();
+  unit_.to_ms = "ER,MS,00\r\n";
+  unit_.to_m0.push_back({});
+  EXPECT_EQ(NextStatus(), SampleStatus::kLate);
+  ExpectSoundFrom(2);
+}
+
+TEST_F(KeyenceIlTest, AUnitThatNeverAnswersMsIsAskedM0Again) {
+  Started();
+  unit_.to_ms = "";
+  unit_.to_m0.push_back({});
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(NextStatus(), SampleStatus::kLate) << i;
+  ExpectSoundFrom(2);
+}
+
+TEST_F(KeyenceIlTest, ASilentUnitGivesALateRowASecondAndIsHeardWhenItIsBack) {
+  Started();
+  unit_.is_silent = true;
+  Reading reading;
+  for (int i = 0; i < 5; ++i) {
+    reading = NextRow();
+    EXPECT_EQ(RowStatus(reading), SampleStatus::kLate);
+  }
+  EXPECT_LE(reading.time_ns - begin_ns_, 4 * kNsPerS + 200 * kMs);
+  unit_.is_silent = false;
+  do reading = NextRow();
+  while (RowStatus(reading) == SampleStatus::kLate);
+  EXPECT_EQ(Counts(reading), 2);
 }
 
 TEST_F(KeyenceIlTest, ATruncatedReplyIsABadFrameAndSpoilsNoOther) {
@@ -332,8 +404,8 @@ TEST_F(KeyenceIlTest, MergedAndGarbledLinesAreBadFrames) {
 
 TEST_F(KeyenceIlTest, WhatFollowsDamagedBytesIsNotTakenForTheNextReply) {
   Started();
-  // garbage with a line's end inside, and the rest of the same burst 15 ms later
-  unit_.to_m0.push_back({{"\x01\x02\r\n", 8 * kMs}, {"M0,+77.777\r\n", 23 * kMs}});
+  // noise that looks like a line, and the reply itself long after it
+  unit_.to_m0.push_back({{"\x01\x02\r\n", 8 * kMs}, {"M0,+77.777\r\n", 230 * kMs}});
   EXPECT_EQ(NextStatus(), SampleStatus::kBadFrame);
   ExpectSoundFrom(2);
 }
