@@ -32,7 +32,7 @@ Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_b
     }
   }
   if (file.bad()) return CannotAnswer(path, "could not be read to its end", "check the disk");
-  if (content.empty()) return CannotAnswer(path, "is empty", "was the recording interrupted?");
+  if (content.empty()) return CannotAnswer(path, "is empty", "was it written to its end?");
   return content;
 }
 

@@ -67,10 +67,12 @@ class HeaderReader {
   std::optional<Error> error_;
 };
 
-// the voltage channel: by role, or the only one there is
+// the voltage channel: by role, or the only one there is when nothing says what it measures
 const trial::Channel* FindVoltage(const trial::Record& record) {
   if (const auto* voltage = record.Find(trial::ChannelRole::kVoltage)) return voltage;
-  return record.channels.size() == 1 ? record.channels.data() : nullptr;
+  const bool may_be_voltage =
+      record.channels.size() == 1 && record.channels[0].role == trial::ChannelRole::kOther;
+  return may_be_voltage ? record.channels.data() : nullptr;
 }
 
 }  // namespace

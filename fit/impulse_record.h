@@ -48,7 +48,8 @@ struct ImpulseFile {
 
 /// Takes a drop out of a recording (trial/import/csv.h reads `impulse.csv`).
 ///
-/// The voltage is the channel with the voltage role, else the only channel. Header keys, each an SI
+/// The voltage is the channel with the voltage role, else the only channel where
+/// no name says what it measures. Header keys, each an SI
 /// number or a text with unit and uncertainty ("1.40(3)g"): case (held | free), load_ohm (inf:
 /// open), drop_height_m, rebound, moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h.
 /// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel, gaps or an uneven time base,

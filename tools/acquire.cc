@@ -100,7 +100,12 @@ Result<void> Check(const AcquireOptions& wanted) {
     return Usage(wanted.output, "is the trial that is played", "give another file to -o");
   }
   if (!wanted.overwrite && fs::exists(fs::symlink_status(wanted.output, error))) {
-    return Usage(wanted.output, "exists already", "give another file, or --overwrite to lose it");
+    return Usage(wanted.output, "already exists", "name another file, or say --overwrite");
+  }
+  const fs::path directory = fs::path(wanted.output).parent_path();
+  if (!directory.empty() && !fs::is_directory(directory, error)) {
+    return Usage(wanted.output, "lies in a directory that does not exist",
+                 "make it, or name another");
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <string>
 
 #include "fit/drop_test_fit.h"
@@ -27,7 +28,7 @@ constexpr cli::VerbText kText{
 
 void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
   options.Positionals("files", &wanted.files,
-                      "time_s,voltage_v with '# key = value' lines (docs/formats.md)", 0);
+                      "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
   options.Groups("--load", &wanted.loads, "OHM FILE...",
                  "Records with a resistor across the terminals; may be repeated");
@@ -64,7 +65,9 @@ int RunFitLra(int argc, const char* const* argv) {
   const auto input = GatherFitLraInput(wanted);
   if (!input) return cli::ReportError(kVerb, input.error());
   int status = 0;
-  for (const Error& error : input->left_out) status = cli::ReportError(kVerb, error);
+  for (const Error& error : input->left_out) {
+    status = std::max(status, cli::ReportError(kVerb, error));
+  }
   if (input->records.empty()) return status;
   for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
 

@@ -2,12 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <limits>
 #include <utility>
 
 #include "fit/ring_start.h"
 #include "sim/actuator.h"
-#include "trial/import/csv.h"
+#include "trial/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
@@ -43,6 +44,21 @@ Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
   }
   if (sources.empty()) return Usage("", "no file is given", "write fit-lra impulse.csv");
   return sources;
+}
+
+// one drop counts once: the same file again would narrow the intervals out of nothing
+Result<void> CheckDistinct(const std::vector<Source>& sources) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (sources[k].path == sources[i].path ||
+          fs::equivalent(sources[k].path, sources[i].path, ignored)) {
+        return Usage(sources[i].path, "is given twice", "name each drop once");
+      }
+    }
+  }
+  return {};
 }
 
 Result<void> CheckOptions(const FitLraOptions& options) {
@@ -102,9 +118,9 @@ void LayCondition(const FitLraOptions& options, fit::ImpulseRecord* record,
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& options,
                                     std::vector<std::string>* remarks) {
-  auto recording = trial::ReadCsv(source.path);
+  auto recording = trial::ReadRecording(source.path);
   if (!recording) return std::unexpected(recording.error());
-  auto file = fit::ImpulseFromRecord(*recording, source.path);
+  auto file = fit::ImpulseFromRecord(recording->record, source.path);
   if (!file) return std::unexpected(file.error());
   auto& record = file->record;
   Lay(source.load_ohm, "the load of the command line", source.path, "load_ohm", &record.load_ohm,
@@ -190,6 +206,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
   if (auto checked = CheckOptions(options); !checked) return std::unexpected(checked.error());
   const auto sources = ListSources(options);
   if (!sources) return std::unexpected(sources.error());
+  if (auto distinct = CheckDistinct(*sources); !distinct) return std::unexpected(distinct.error());
 
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;

@@ -116,13 +116,13 @@ std::array<long double, 3> Extended(const RingDownParameters<double>& p, double 
     return c;
   };
   const long double step = std::ldexp(static_cast<long double>(t), -24);
-  const long double m = p.mass_kg;
-  const long double l = p.inductance_h;
-  const long double r = p.coil_resistance_ohm;
-  const long double rl = p.load_ohm;
-  const long double km = p.force_constant_n_per_a;
-  const long double kv = p.stiffness_n_per_m;
-  const long double bv = p.damping_n_s_per_m;
+  const auto m = static_cast<long double>(p.mass_kg);
+  const auto l = static_cast<long double>(p.inductance_h);
+  const auto r = static_cast<long double>(p.coil_resistance_ohm);
+  const auto rl = static_cast<long double>(p.load_ohm);
+  const auto km = static_cast<long double>(p.force_constant_n_per_a);
+  const auto kv = static_cast<long double>(p.stiffness_n_per_m);
+  const auto bv = static_cast<long double>(p.damping_n_s_per_m);
   const Matrix a{{{-(r + rl) / l * step, 0, km / l * step},
                   {0, 0, step},
                   {-km / m * step, -kv / m * step, -bv / m * step}}};
@@ -199,11 +199,12 @@ TEST(RingDown, TheForceConstantsSignTurnsTheVoltageAlone) {
 TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
   const double w = 1414.0;
   for (const double zeta : {0.9, 0.999999, 1 - 1e-12, 1.0, 1 + 1e-12, 1.000001, 1.1}) {
-    for (const double t : {0.0, 1e-5, 3.5e-4, 1e-3, 5e-3}) {
-      SCOPED_TRACE(testing::Message() << zeta << " at " << t);
-      const auto pair = DampedFundamentals(zeta * w, w * w, t);
+    for (const double time_s : {0.0, 1e-5, 3.5e-4, 1e-3, 5e-3}) {
+      SCOPED_TRACE(testing::Message() << zeta << " at " << time_s);
+      const auto pair = DampedFundamentals(zeta * w, w * w, time_s);
       // in extended precision, by exponentials away from and by their limit at the double pole
-      const long double s = static_cast<long double>(zeta * w);
+      const auto t = static_cast<long double>(time_s);
+      const auto s = static_cast<long double>(zeta * w);
       const long double square = s * s - static_cast<long double>(w * w);
       const long double z = square * t * t;
       const long double r = std::sqrt(std::abs(square));
@@ -216,9 +217,9 @@ TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
         even *= square < 0 ? std::cos(r * t) : std::cosh(r * t);
         odd = std::exp(-s * t) * (square < 0 ? std::sin(r * t) : std::sinh(r * t)) / r;
       }
-      const double scale = std::exp(-zeta * w * t);
+      const double scale = std::exp(-zeta * w * time_s);
       EXPECT_ABS(pair.even / scale, static_cast<double>(even) / scale, 1e-14, "rounding of w t");
-      EXPECT_ABS(w * pair.odd / scale, static_cast<double>(w * odd) / scale, 1e-14,
+      EXPECT_ABS(w * pair.odd / scale, w * static_cast<double>(odd) / scale, 1e-14,
                  "rounding of w t");
     }
   }

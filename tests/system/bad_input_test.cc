@@ -84,6 +84,28 @@ TEST_F(BadInput, WrongCommandLinesGiveStatus2) {
       "did you mean model?");
 }
 
+TEST_F(BadInput, OneDropIsNotCountedTwice) {
+  const std::string impulse = kFixtures + "/impulse.csv";
+  ExpectOneLine(RunProgram({"fit-lra", impulse, kFixtures + "/../fixtures/impulse.csv"}), 2,
+                "is given twice");
+}
+
+TEST_F(BadInput, ADisplacementIsNoRingDownVoltage) {
+  ExpectOneLine(RunProgram({"fit-lra", kFixtures + "/recorded_trial.bin"}), 3, "has no voltage");
+}
+
+TEST_F(BadInput, APlotThatCannotBeDrawnIsRefusedBeforeTheWork) {
+  const std::string trial = kFixtures + "/recorded_trial.bin";
+  const std::string elsewhere = directory_ / "none" / "x.svg";
+  ExpectOneLine(RunProgram({"analyze", trial, "--plot", elsewhere}), 2, elsewhere);
+  const std::string occupied = directory_ / "d.svg";
+  fs::create_directory(occupied);
+  const Outcome outcome = RunProgram({"analyze", trial, "--plot", occupied});
+  ExpectOneLine(outcome, 2, occupied);
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_TRUE(fs::is_directory(occupied));
+}
+
 TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
   const std::string trial = directory_ / "t.bin";
   ExpectOneLine(RunProgram({"acquire", "--port", "/dev/ttyNOT0", "-o", trial}), 3, "/dev/ttyNOT0");

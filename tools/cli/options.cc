@@ -86,6 +86,9 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
       }
     }
   }
+  if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && argc <= 1) {
+    return {Cause::kUsage, {}, "nothing is given to work on", help_remedy};
+  }
   std::string what = error.what();
   std::ranges::replace(what, '\n', ' ');
   return {Cause::kUsage, {}, what, help_remedy};
@@ -103,7 +106,7 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.add_flag("-h,--help", state_->help, "Show this help");
   app.add_flag("--help-all", state_->help_all, "Show every option");
   app.add_flag("--version", state_->version, "Show the version");
-  app.add_flag("--json", state_->json, "Print one JSON document (docs/formats.md)");
+  app.add_flag("--json", state_->json, "Print one JSON document (docs/commands.md)");
   app.add_flag("--verbose", state_->verbose, "Say more on stderr");
 }
 
@@ -149,8 +152,9 @@ void Options::Count(std::string_view name, std::optional<std::int64_t>* value, s
   const auto read = [name = std::string(name), value, least, most](const std::string& text) {
     const auto number = WholeNumber(text);
     if (!number || *number < least || *number > most) {
-      throw Refused{{Cause::kUsage, name, fmt::format("'{}' is not a whole number", text),
-                     fmt::format("write one from {} to {}", least, most)}};
+      throw Refused{{Cause::kUsage, name,
+                     fmt::format("'{}' is not a whole number from {} to {}", text, least, most),
+                     "write one within"}};
     }
     *value = *number;
   };

@@ -103,27 +103,41 @@ std::string Script(const std::string& path, const Terminal& terminal,
 }  // namespace
 
 Result<void> CheckPlotPath(const std::string& path) {
-  if (TerminalOf(path) != nullptr) return {};
-  return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
+  namespace fs = std::filesystem;
+  if (TerminalOf(path) == nullptr) {
+    return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
+  }
+  std::error_code ignored;
+  const fs::path directory = fs::path(path).parent_path();
+  if (!directory.empty() && !fs::is_directory(directory, ignored)) {
+    return Usage(path, "lies in a directory that does not exist", "make it, or name another");
+  }
+  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
+    return Usage(path, "is there and is no file", "name another");
+  }
+  return {};
 }
 
 Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
   if (auto known = CheckPlotPath(path); !known) return known;
-  const std::string script = Script(path, *TerminalOf(path), panels);
+  // drawn beside its place, so that a failure costs no older plot
+  const std::string part = path + ".part";
+  const std::string script = Script(part, *TerminalOf(path), panels);
 
   // gnuplot's own words say nothing to a user; the file it left, or did not, is the evidence
-  std::error_code ignored;
-  std::filesystem::remove(path, ignored);
-  std::FILE* gnuplot = popen("gnuplot 2>/dev/null", "w");
+  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
   if (gnuplot == nullptr) return Failed(path, "gnuplot does not start");
   const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
   const int status = pclose(gnuplot);
   if (status == 127 << 8) {
     return Failed(path, "gnuplot is not installed", "apt-get install gnuplot-nox");
   }
-  if (!sent || status != 0 || !std::filesystem::exists(path)) {
-    return Failed(path, "the plot could not be written", "does its directory exist?");
+  std::error_code failure;
+  if (sent && status == 0) std::filesystem::rename(part, path, failure);
+  if (!sent || status != 0 || failure) {
+    std::filesystem::remove(part, failure);
+    return Failed(path, "the plot could not be written", "is there room, and may you write there?");
   }
   return {};
 }

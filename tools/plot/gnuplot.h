@@ -32,12 +32,14 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// Draws `panels` one below the other into `path`, whose ending chooses SVG, PNG or PDF.
 ///
 /// A curve of more than 4000 points is drawn as the minimum and maximum of each of 2000 slices,
-/// which looks the same at this size. Errors: another ending (Cause::kUsage); gnuplot absent or
+/// which looks the same at this size. An older plot at
+/// `path` is replaced. Errors: as CheckPlotPath (Cause::kUsage); gnuplot absent or
 /// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
 /// for it.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
-/// Whether `path` has an ending that DrawPanels can write; to be asked before long work.
+/// Whether DrawPanels can write `path`: its ending, its directory, and no directory or device in
+/// its place; to be asked before long work.
 [[nodiscard]] Result<void> CheckPlotPath(const std::string& path);
 
 }  // namespace haptometer::plot
