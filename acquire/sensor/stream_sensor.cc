@@ -72,9 +72,10 @@ void StreamSensor::AskWhetherEmulated() {
   identity_deadline_ns_ = clock_.Now();
   if (link_.transport().IsHardware()) return;
   identity_deadline_ns_ += kIdentityNs;
-  // a peer that does not take the question is no emulator: no answer is waited for
-  const auto asked = link_.transport().Write(kIdentityRequest, identity_deadline_ns_);
-  if (!asked) identity_deadline_ns_ = clock_.Now();
+  // a peer that does not take the question is no emulator, and is not waited for
+  if (!link_.transport().Write(kIdentityRequest, identity_deadline_ns_)) {
+    identity_deadline_ns_ = clock_.Now();
+  }
 }
 
 Error StreamSensor::NoLines(const std::string& example) const {
