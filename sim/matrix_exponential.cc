@@ -17,8 +17,16 @@ bool BalanceOne(Eigen::Index i, BalancedMatrix& balanced) {
   if (!(column > 0) || !(row > 0)) return false;
   const double before = column + row;
   double factor = 1;
-  for (; column < row / 2; column *= 2, row /= 2) factor *= 2;
-  for (; column >= 2 * row; column /= 2, row *= 2) factor /= 2;
+  while (column < row / 2) {
+    column *= 2;
+    row /= 2;
+    factor *= 2;
+  }
+  while (column >= 2 * row) {
+    column /= 2;
+    row *= 2;
+    factor /= 2;
+  }
   if (column + row >= 0.95 * before) return false;
   balanced.scale(i) *= factor;
   balanced.matrix.col(i) *= factor;
