@@ -46,6 +46,7 @@ void PrintHelp() {
 
 Error UnknownVerb(std::string_view word) {
   std::vector<std::string> names;
+  names.reserve(kVerbs.size());
   for (const Verb& verb : kVerbs) names.emplace_back(verb.name);
   const std::string nearest = Nearest(word, names);
   return {Cause::kUsage, std::string(word), "is not a verb",

@@ -12,8 +12,6 @@
 
 #include "base/check.h"
 
-extern char** environ;
-
 namespace haptometer::tests {
 namespace {
 
@@ -34,6 +32,7 @@ bool Drain(int fd, std::string& text) {
 Process::Process(const std::vector<std::string>& arguments) {
   const std::string path = std::string(HAPTOMETER_PROGRAMS) + "/" + arguments.at(0);
   std::vector<char*> argv;
+  argv.reserve(arguments.size() + 1);
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
 

@@ -134,8 +134,8 @@ void Options::Text(std::string_view name, std::string* value, std::string_view p
       shown);
 }
 
-void Options::Choice(std::string_view name, std::string* value, std::vector<std::string> choices,
-                     std::string_view help, Shown shown) {
+void Options::Choice(std::string_view name, std::string* value,
+                     const std::vector<std::string>& choices, std::string_view help, Shown shown) {
   const std::string placeholder = Joined(choices, "|");
   const auto read = [name = std::string(name), value, choices](const std::string& text) {
     if (std::ranges::find(choices, text) == choices.end()) {
@@ -156,7 +156,7 @@ void Options::Count(std::string_view name, std::optional<std::int64_t>* value, s
                      fmt::format("'{}' is not a whole number from {} to {}", text, least, most),
                      "write one within"}};
     }
-    *value = *number;
+    *value = number;
   };
   state_->Show(state_->Add(name, "N", help, read), shown);
 }

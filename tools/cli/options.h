@@ -44,7 +44,7 @@ class Options {
   void Text(std::string_view name, std::string* value, std::string_view placeholder,
             std::string_view help, Shown shown = Shown::kHelp);
   /// One of `choices`; anything else is refused with the list.
-  void Choice(std::string_view name, std::string* value, std::vector<std::string> choices,
+  void Choice(std::string_view name, std::string* value, const std::vector<std::string>& choices,
               std::string_view help, Shown shown = Shown::kHelp);
   /// A whole number from `least` to `most`.
   void Count(std::string_view name, std::optional<std::int64_t>* value, std::int64_t least,
