@@ -32,7 +32,7 @@ constexpr std::string_view kStream = "stream";
 constexpr cli::VerbText kText{
     .name = kVerb,
     .summary = "Play a scene or a trial as a real sensor would, over a terminal or TCP.",
-    .examples = {"haptometer emulate --scene fixtures/lra_adapter.toml --link /tmp/sensor",
+    .examples = {"haptometer emulate --scene fixtures/lra_adapter.toml --link ./sensor",
                  "haptometer emulate --scene fixtures/lra_adapter.toml --protocol stream"
                  " --baud 921600",
                  "haptometer emulate --trial trial.bin --baud 38400 --tcp 127.0.0.1:0"

@@ -38,7 +38,7 @@ class Transport {
   [[nodiscard]] virtual Result<void> Write(std::string_view bytes, MonotonicNs deadline) = 0;
 
   /// Where the bytes come from, for a trial's metadata: "device: serial port /dev/ttyUSB0, 9600
-  /// baud 8N1", or "virtual terminal /tmp/lra (not a hardware port)".
+  /// baud 8N1", or "virtual terminal ./sensor (not a hardware port)".
   [[nodiscard]] virtual std::string Source() const = 0;
   /// Whether the other end may be real hardware: false for virtual terminals and sockets.
   [[nodiscard]] virtual bool IsHardware() const { return true; }
