@@ -10,6 +10,10 @@ find_package(Ceres REQUIRED)               # libceres-dev
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)    # libtomlplusplus-dev
 pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)                  # libfftw3-dev
 pkg_check_modules(libserialport REQUIRED IMPORTED_TARGET libserialport)  # libserialport-dev
+pkg_check_modules(libmodbus REQUIRED IMPORTED_TARGET libmodbus)          # libmodbus-dev
+pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)             # libhdf5-dev
+pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libmatio-dev
+pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
 find_package(CLI11 REQUIRED)               # libcli11-dev
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
