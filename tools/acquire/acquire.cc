@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -11,15 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "acquire/protocol/dl_rs1a.h"
-#include "acquire/protocol/stream_line.h"
 #include "acquire/recorder/recorder.h"
-#include "acquire/sensor/keyence_il.h"
-#include "acquire/sensor/replay.h"
-#include "acquire/sensor/stream_sensor.h"
-#include "acquire/transport/open_port.h"
 #include "base/clock.h"
-#include "tools/acquire_output.h"
+#include "tools/acquire/open_sensor.h"
+#include "tools/acquire/recording_output.h"
+#include "tools/acquire/sensor_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
@@ -33,8 +28,6 @@ namespace fs = std::filesystem;
 using acquire::Sensor;
 
 constexpr std::string_view kVerb = "acquire";
-constexpr int kDefaultKeyenceBaud = 9600;
-constexpr int kDefaultStreamBaud = 921600;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -46,57 +39,36 @@ constexpr cli::VerbText kText{
                  "--format +00.0000,mm,CR --samples 30000 -o trial.bin"}};
 
 struct AcquireOptions {
-  std::string port;
+  SensorOptions sensor;
   std::string output;
-  std::string sensor = "keyence-il";
-  std::string format;
   std::vector<std::string> labels;
-  std::optional<std::int64_t> baud;
   std::optional<std::int64_t> samples;
   std::optional<Quantity> duration_s;
-  std::optional<Quantity> refresh_s;
   bool overwrite = false;
 };
 
 void Declare(cli::Options& options, AcquireOptions& wanted) {
-  options.Text("--port", &wanted.port, "PORT",
-               "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
+  DeclareSensor(options, wanted.sensor);
   options.Text("-o,--output", &wanted.output, "FILE", "The trial to write");
-  options.Choice("--sensor", &wanted.sensor, {"keyence-il", "stream", "replay"},
-                 "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked");
-  options.Count("--baud", &wanted.baud, 50, 4'000'000,
-                "Bits per second (keyence-il: 9600; stream: 921600)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime, "Stop after this time");
   options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
                 "Stop after this many readings");
   options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
-  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
-               "Form of a stream's lines (+00.0000,mm,CR); END is CR, LF or CRLF");
   options.Flag("--overwrite", &wanted.overwrite, "Replace an existing trial");
-  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
-                 cli::Shown::kHelpAll);
 }
 
 // what is wrong with the command line, before anything is touched
 Result<void> Check(const AcquireOptions& wanted) {
-  if (wanted.port.empty()) {
-    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
-  }
+  if (auto checked = CheckSensor(wanted.sensor); !checked) return checked;
   if (wanted.output.empty()) {
     return Usage("-o", "is missing", "name the trial to write, e.g. -o trial.bin");
   }
   if (wanted.duration_s && !(wanted.duration_s->value > 0)) {
     return Usage("--duration", "must be above 0", "write e.g. 10s");
   }
-  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
-    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
-  }
-  if (!wanted.format.empty() && wanted.sensor != "stream") {
-    return Usage("--format", "is for lines that come unasked", "add --sensor stream");
-  }
   std::error_code error;
-  if (wanted.sensor == "replay" && fs::equivalent(wanted.port, wanted.output, error)) {
+  if (wanted.sensor.sensor == "replay" &&
+      fs::equivalent(wanted.sensor.port, wanted.output, error)) {
     return Usage(wanted.output, "is the trial that is played", "give another file to -o");
   }
   if (!wanted.overwrite && fs::exists(fs::symlink_status(wanted.output, error))) {
@@ -122,44 +94,13 @@ Result<std::map<std::string, std::string>> ReadLabels(const std::vector<std::str
   return labels;
 }
 
-Result<std::unique_ptr<Sensor>> OpenKeyence(const AcquireOptions& wanted, Clock& clock) {
-  const int baud = static_cast<int>(wanted.baud.value_or(kDefaultKeyenceBaud));
-  if (std::ranges::find(acquire::dl_rs1a::kBauds, baud) == acquire::dl_rs1a::kBauds.end()) {
-    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", baud),
-                 "use 2400, 4800, 9600, 19200 or 38400");
-  }
-  auto port = acquire::OpenPort(wanted.port, baud);
-  if (!port) return std::unexpected(port.error());
-  acquire::KeyenceIlSetup setup{.baud = baud, .refresh_ns = std::nullopt};
-  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
-  return std::make_unique<acquire::KeyenceIl>(std::move(*port), setup, clock);
-}
-
-Result<std::unique_ptr<Sensor>> OpenStream(const AcquireOptions& wanted, Clock& clock) {
-  acquire::StreamSetup setup;
-  setup.baud = static_cast<int>(wanted.baud.value_or(kDefaultStreamBaud));
-  if (!wanted.format.empty()) {
-    const auto format = acquire::ParseStreamFormat(wanted.format);
-    if (!format) return std::unexpected(format.error());
-    setup.format = *format;
-  }
-  auto port = acquire::OpenPort(wanted.port, setup.baud);
-  if (!port) return std::unexpected(port.error());
-  return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
-}
-
-Result<std::unique_ptr<Sensor>> OpenSensor(const AcquireOptions& wanted, Clock& clock) {
-  if (wanted.sensor == "replay") return acquire::Replay::Open(wanted.port);
-  return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
-}
-
 // what the sensor says, and who recorded it when
 trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted,
                               const std::map<std::string, std::string>& labels,
                               std::string command_line) {
   trial::TrialHeader header = sensor.header();
   trial::Metadata& metadata = header.metadata;
-  if (wanted.sensor != "replay") {
+  if (wanted.sensor.sensor != "replay") {
     std::array<char, 256> host{};
     gethostname(host.data(), host.size() - 1);
     metadata.host = host.data();
@@ -224,7 +165,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
 
   // the sensor answers, and what it can observe is said before anything is recorded
   SystemClock clock;
-  const auto sensor = OpenSensor(wanted, clock);
+  const auto sensor = OpenSensor(wanted.sensor, clock);
   if (!sensor) return cli::ReportError(kVerb, sensor.error());
   if (auto started = (*sensor)->Start(cli::Interrupted()); !started) {
     return cli::InterruptedStatus(cli::ReportError(kVerb, started.error()));
@@ -242,7 +183,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
       acquire::Record(**sensor, *writer, clock, cli::Interrupted(), *limits, progress);
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  return Report(options, wanted.output, header.metadata, *summary, wanted.port);
+  return Report(options, wanted.output, header.metadata, *summary, wanted.sensor.port);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tools/acquire_output.h"
+#include "tools/acquire/recording_output.h"
 
 #include <fmt/core.h>
 
