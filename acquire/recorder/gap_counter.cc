@@ -18,13 +18,13 @@ double GapCounter::UsualIntervalNs() const {
 
 void GapCounter::Add(const Reading& reading) {
   if (timing_ == trial::Timing::kUniform) {
-    if (rows_ > 0 && reading.index != last_index_ + 1) ++gaps_;
+    if (has_last_ && reading.index != last_index_ + 1) ++gaps_;
     last_index_ = reading.index;
-  } else if (rows_ > 0) {
+  } else if (has_last_) {
     AddInterval(reading.time_ns);
   }
   last_ns_ = reading.time_ns;
-  ++rows_;
+  has_last_ = true;
 }
 
 void GapCounter::AddInterval(MonotonicNs time_ns) {
@@ -68,6 +68,21 @@ bool GapCounter::SilenceWasGap(MonotonicNs now_ns) const {
   const double expected = static_cast<double>(now_ns - silence_begin_ns_) / usual_before_ns_;
   const double missing = expected - static_cast<double>(rows_since_);
   return missing >= 0.5 * static_cast<double>(silence_ns_) / usual_before_ns_;
+}
+
+void GapCounter::Restart() {
+  gaps_ = gaps();
+  silence_open_ = false;
+  in_gap_ = false;
+  has_last_ = false;
+}
+
+void GapCounter::End(MonotonicNs time_ns) {
+  if (timing_ == trial::Timing::kUniform || !has_last_ || usual_count_ == 0) return;
+  const auto silence_ns = static_cast<double>(time_ns - last_ns_);
+  if (silence_ns <= std::max(kUsualIntervals * UsualIntervalNs(), kShortestSilenceNs)) return;
+  Restart();
+  ++gaps_;
 }
 
 std::uint64_t GapCounter::gaps() const {

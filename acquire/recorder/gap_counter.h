@@ -22,6 +22,14 @@ class GapCounter {
 
   void Add(const Reading& reading);
 
+  /// What is missing before the next reading is meant to be, or is counted by somebody else: the
+  /// interval up to it is no gap.
+  void Restart();
+
+  /// The recording ended at `time_ns`: a silence up to there that is too long is a gap too, though
+  /// no reading followed it. Not for uniform grids, whose rows have no arrival.
+  void End(MonotonicNs time_ns);
+
   /// Gaps up to the last reading, which decides what is still open.
   [[nodiscard]] std::uint64_t gaps() const;
 
@@ -32,7 +40,7 @@ class GapCounter {
   [[nodiscard]] double UsualIntervalNs() const;
 
   trial::Timing timing_;
-  std::uint64_t rows_ = 0;
+  bool has_last_ = false;  ///< a reading that the next one's interval counts from
   std::uint64_t gaps_ = 0;
   std::int64_t last_index_ = 0;
   MonotonicNs last_ns_ = 0;

@@ -2,146 +2,255 @@
 
 #include <fmt/core.h>
 
+#include <string>
 #include <thread>
 #include <utility>
 
-#include "acquire/recorder/gap_counter.h"
-#include "acquire/recorder/interval_statistics.h"
-#include "acquire/recorder/row_queue.h"
+#include "acquire/recorder/row_ring.h"
+#include "acquire/recorder/tally.h"
 
 namespace haptometer::acquire {
 namespace {
 
 constexpr MonotonicNs kProgressEveryNs = kNsPerS / 2;
 
-// the writing thread: everything that waits, then a flush when it is due
-Result<void> WriteRows(RowQueue& queue, trial::TrialWriter& writer) {
-  RowBatch batch;
-  while (queue.Take(batch)) {
-    for (std::size_t row = 0; row < batch.rows.size(); ++row) {
-      if (auto appended = writer.Append(batch.RowOf(row)); !appended) return appended;
+// --- the writing thread ---
+
+// everything that waits, each event in its place
+Result<void> WriteWaiting(RowRing& ring, RowSink& sink) {
+  while (true) {
+    if (auto event = ring.TakeEvent()) {
+      if (auto added = sink.AddEvent(std::move(*event)); !added) return added;
+      continue;
     }
-    if (auto flushed = writer.FlushIfDue(); !flushed) return flushed;
+    const auto row = ring.Front();
+    if (!row) return {};
+    if (auto appended = sink.Append(*row); !appended) return appended;
+    ring.Pop();
+  }
+}
+
+Result<void> WriteRows(RowRing& ring, RowSink& sink) {
+  while (ring.Wait()) {
+    if (auto written = WriteWaiting(ring, sink); !written) return written;
+    if (auto flushed = sink.FlushIfDue(); !flushed) return flushed;
   }
   return {};
 }
 
-// the reading thread's account of what came
-class Tally {
+// --- the reading thread ---
+
+enum class Ending : std::uint8_t { kDone, kStopped, kConnectionLost, kWriterGaveUp };
+
+class Reader {
  public:
-  Tally(const Sensor& sensor, MonotonicNs origin_ns)
+  Reader(Sensor& sensor, RowRing& ring, Clock& clock, const std::atomic<bool>& stop,
+         const RecordingLimits& limits, const RecordingHooks& hooks)
       : sensor_(sensor),
-        timing_(sensor.header().timing),
-        rate_hz_(sensor.header().rate_hz),
-        origin_ns_(origin_ns),
-        gaps_(timing_) {}
+        ring_(ring),
+        clock_(clock),
+        stop_(stop),
+        limits_(limits),
+        hooks_(hooks),
+        watch_(limits.trigger.value_or(TriggerSetup{}), sensor.header()),
+        before_(limits.trigger ? limits.trigger->pre_samples : 0, sensor.header().channels.size()),
+        phase_(limits.trigger ? Phase::kArmed : Phase::kRecording),
+        origin_ns_(sensor.Begin()),
+        tally_(sensor, origin_ns_) {}
 
-  // the time of a row since the beginning
-  [[nodiscard]] MonotonicNs SinceBegin(const Reading& reading) const {
-    if (timing_ != trial::Timing::kUniform) return reading.time_ns - origin_ns_;
-    return NsFromSeconds(static_cast<double>(reading.index) / rate_hz_);
-  }
-
-  void Add(const Reading& reading) {
-    ++summary_.readings;
-    ++summary_.statuses[static_cast<std::size_t>(RowStatus(reading))];
-    const MonotonicNs time_ns = SinceBegin(reading);
-    summary_.elapsed_s = SecondsFromNs(time_ns);
-    intervals_.Add(time_ns);
-    gaps_.Add(reading);
-  }
-
-  [[nodiscard]] RecordingSummary Summary() const {
-    RecordingSummary summary = summary_;
-    summary.gaps = gaps_.gaps();
-    summary.rate_hz = intervals_.RateHz();
-    summary.interval_sd_s = intervals_.DeviationSeconds();
-    summary.discarded_bytes = sensor_.discarded_bytes();
-    return summary;
-  }
-
-  [[nodiscard]] std::uint64_t readings() const { return summary_.readings; }
+  Ending Run();
+  [[nodiscard]] RecordingSummary Summary() const { return tally_.Summary(); }
 
  private:
-  const Sensor& sensor_;
-  trial::Timing timing_;
-  double rate_hz_;
+  enum class Phase : std::uint8_t { kRecording, kArmed, kHoldOff };
+
+  [[nodiscard]] std::optional<Ending> Step();
+  [[nodiscard]] bool Take(MonotonicNs time_ns);
+  void Fire(MonotonicNs time_ns);
+  [[nodiscard]] bool EndsShot(MonotonicNs time_ns) const;
+  [[nodiscard]] bool NextShot();
+  void Keep(const Reading& reading);
+  void NoteLost();
+  void Say(trial::EventKind kind, std::string text);
+  void ShowProgress();
+
+  Sensor& sensor_;
+  RowRing& ring_;
+  Clock& clock_;
+  const std::atomic<bool>& stop_;
+  const RecordingLimits& limits_;
+  const RecordingHooks& hooks_;
+  TriggerWatch watch_;
+  PreSamples before_;
+  Phase phase_;
   MonotonicNs origin_ns_;
-  RecordingSummary summary_;
-  IntervalStatistics intervals_;
-  GapCounter gaps_;
+  Tally tally_;
+  Reading reading_;
+  MonotonicNs shot_start_ns_ = 0;    ///< since the beginning: 0, or the trigger
+  std::uint64_t shot_readings_ = 0;  ///< from there on
+  std::uint64_t lost_here_ = 0;      ///< rows without room that the trial does not know of yet
+  MonotonicNs away_since_ns_ = 0;
+  MonotonicNs progress_ns_ = 0;
 };
 
-enum class Ending : std::uint8_t { kDone, kConnectionLost, kQueueRefused };
+void Reader::Say(trial::EventKind kind, std::string text) {
+  trial::Event event;
+  event.kind = kind;
+  event.time_ns = clock_.Now() - origin_ns_;
+  event.text = std::move(text);
+  ring_.PushEvent(std::move(event));
+}
 
-// the reading thread: rows into the queue until something ends the recording
-Ending ReadRows(Sensor& sensor, Clock& clock, const std::atomic<bool>& stop,
-                const RecordingLimits& limits, MonotonicNs origin_ns, RowQueue& queue, Tally& tally,
-                const std::function<void(const RecordingSummary&)>& progress) {
-  Reading reading;
-  MonotonicNs progress_ns = clock.Now();
-  while (!stop.load() && !(limits.readings && tally.readings() >= *limits.readings)) {
-    const Outcome outcome = sensor.Next(reading);
-    if (outcome == Outcome::kEnd) return Ending::kDone;
-    if (outcome == Outcome::kGone) return Ending::kConnectionLost;
-    // the end of the time: by the row's own time, or by the clock where no row comes
-    const bool is_row = outcome == Outcome::kReading;
-    const MonotonicNs elapsed_ns = is_row ? tally.SinceBegin(reading) : clock.Now() - origin_ns;
-    if (limits.duration_ns && elapsed_ns >= *limits.duration_ns) return Ending::kDone;
-    if (is_row) {
-      if (!queue.Push(reading, origin_ns)) return Ending::kQueueRefused;
-      tally.Add(reading);
-    }
-    if (progress && clock.Now() - progress_ns >= kProgressEveryNs) {
-      progress_ns = clock.Now();
-      progress(tally.Summary());
-    }
+void Reader::NoteLost() {
+  if (lost_here_ == 0) return;
+  Say(trial::EventKind::kGap,
+      fmt::format("{} readings were lost here: the disk was slower than the sensor", lost_here_));
+  tally_.Lose(std::exchange(lost_here_, 0));
+}
+
+void Reader::Keep(const Reading& reading) {
+  if (lost_here_ == 0 && ring_.Push(reading, origin_ns_)) {
+    tally_.Add(reading);
+    return;
   }
-  return Ending::kDone;
+  // there was no room; where there is now, what is missing comes first
+  if (lost_here_ > 0 && ring_.HasRoom()) {
+    NoteLost();
+    Keep(reading);
+    return;
+  }
+  ++lost_here_;
+}
+
+void Reader::Fire(MonotonicNs time_ns) {
+  tally_.Fire();
+  Say(trial::EventKind::kRemark,
+      fmt::format("trigger {}: {}", tally_.Summary().triggers, watch_.Text()));
+  before_.Drain([this](const Reading& earlier) { Keep(earlier); });
+  shot_start_ns_ = time_ns;
+  shot_readings_ = 0;
+  phase_ = Phase::kRecording;
+}
+
+bool Reader::EndsShot(MonotonicNs time_ns) const {
+  return (limits_.duration_ns && time_ns - shot_start_ns_ >= *limits_.duration_ns) ||
+         (limits_.readings && shot_readings_ >= *limits_.readings);
+}
+
+// whether another trigger is waited for
+bool Reader::NextShot() {
+  if (!limits_.trigger || tally_.Summary().triggers >= limits_.trigger->shots) return false;
+  phase_ = Phase::kHoldOff;
+  return true;
+}
+
+// one reading of the sensor; false when it is the first behind the end
+bool Reader::Take(MonotonicNs time_ns) {
+  if (hooks_.reading) hooks_.reading(reading_);
+  if (phase_ == Phase::kRecording && EndsShot(time_ns) && !NextShot()) return false;
+  if (phase_ == Phase::kHoldOff && time_ns - shot_start_ns_ >= limits_.trigger->hold_off_ns) {
+    phase_ = Phase::kArmed;
+  }
+  // an edge needs the value before it, so the watch sees every reading
+  const bool fires = limits_.trigger && watch_.Fires(reading_);
+  if (phase_ == Phase::kArmed && fires) Fire(time_ns);
+  if (phase_ != Phase::kRecording) {
+    before_.Keep(reading_);
+    return true;
+  }
+  ++shot_readings_;
+  Keep(reading_);
+  // the last one that was asked for needs no other behind it
+  return !limits_.readings || shot_readings_ < *limits_.readings || NextShot();
+}
+
+std::optional<Ending> Reader::Step() {
+  switch (sensor_.Next(reading_)) {
+    case Outcome::kReading:
+      if (!Take(tally_.SinceBegin(reading_))) return Ending::kDone;
+      break;
+    case Outcome::kNothing: {
+      // the end of the time where no row comes
+      const MonotonicNs elapsed_ns = clock_.Now() - origin_ns_;
+      if (phase_ == Phase::kRecording && EndsShot(elapsed_ns) && !NextShot()) {
+        tally_.End(elapsed_ns);
+        return Ending::kDone;
+      }
+      break;
+    }
+    case Outcome::kEnd:
+      return Ending::kDone;
+    case Outcome::kGone:
+      return Ending::kConnectionLost;
+    case Outcome::kAway:
+      away_since_ns_ = clock_.Now();
+      tally_.Leave();
+      Say(trial::EventKind::kRemark, "the connection was lost");
+      break;
+    case Outcome::kBack:
+      tally_.Return();
+      Say(trial::EventKind::kReconnect, fmt::format("the device is back after {:.3f} s",
+                                                    SecondsFromNs(clock_.Now() - away_since_ns_)));
+      break;
+  }
+  return std::nullopt;
+}
+
+void Reader::ShowProgress() {
+  if (!hooks_.progress || clock_.Now() - progress_ns_ < kProgressEveryNs) return;
+  progress_ns_ = clock_.Now();
+  hooks_.progress(tally_.Summary());
+}
+
+Ending Reader::Run() {
+  progress_ns_ = clock_.Now();
+  Ending ending = Ending::kStopped;
+  while (!stop_.load() && !ring_.given_up()) {
+    if (limits_.until_ns && clock_.Now() >= *limits_.until_ns) {
+      ending = Ending::kDone;
+      break;
+    }
+    if (const auto ended = Step()) {
+      ending = *ended;
+      break;
+    }
+    ShowProgress();
+  }
+  if (ring_.given_up()) ending = Ending::kWriterGaveUp;
+  if (ending == Ending::kStopped) tally_.End(clock_.Now() - origin_ns_);
+  NoteLost();
+  if (ending == Ending::kConnectionLost) Say(trial::EventKind::kRemark, "the connection was lost");
+  return ending;
+}
+
+bool HasEnd(const RecordingLimits& limits) {
+  return limits.duration_ns || limits.readings || limits.until_ns || limits.trigger;
 }
 
 }  // namespace
 
-std::uint64_t RecordingSummary::repeated() const {
-  return statuses[static_cast<std::size_t>(trial::SampleStatus::kRepeated)];
-}
-
-std::uint64_t RecordingSummary::bad() const {
-  return readings - repeated() - statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)];
-}
-
-Result<RecordingSummary> Record(Sensor& sensor, trial::TrialWriter& writer, Clock& clock,
+Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
                                 const std::atomic<bool>& stop, const RecordingLimits& limits,
-                                const std::function<void(const RecordingSummary&)>& progress) {
-  RowQueue queue(limits.most_waiting_rows);
+                                const RecordingHooks& hooks) {
+  RowRing ring(limits.most_waiting_bytes, sensor.header().channels.size());
   Result<void> written;
   std::thread writing([&] {
-    written = WriteRows(queue, writer);
-    if (!written) queue.GiveUp();
+    written = WriteRows(ring, sink);
+    if (!written) ring.GiveUp();
   });
-  const MonotonicNs origin_ns = sensor.Begin();
-  Tally tally(sensor, origin_ns);
-  const Ending ending = ReadRows(sensor, clock, stop, limits, origin_ns, queue, tally, progress);
-  queue.Close();
+  Reader reader(sensor, ring, clock, stop, limits, hooks);
+  const Ending ending = reader.Run();
+  RecordingSummary summary = reader.Summary();
+  summary.connection_lost = ending == Ending::kConnectionLost;
+  summary.interrupted = ending == Ending::kStopped && HasEnd(limits);
+  if (summary.interrupted) {
+    ring.PushEvent({.kind = trial::EventKind::kRemark,
+                    .text = "interrupted: stopped before the end that was asked for"});
+  }
+  ring.Close();
   writing.join();
   if (!written) return std::unexpected(written.error());
-
-  // the closing record, after the reason where there is one
-  if (ending == Ending::kConnectionLost) {
-    trial::Event remark;
-    remark.text = "the connection was lost";
-    if (auto added = writer.AddEvent(remark); !added) return std::unexpected(added.error());
-  }
-  if (auto finished = writer.Finish(); !finished) return std::unexpected(finished.error());
-  RecordingSummary summary = tally.Summary();
-  summary.connection_lost = ending == Ending::kConnectionLost;
-  if (ending == Ending::kQueueRefused) {
-    return Failed("",
-                  fmt::format("the disk is slower than the sensor: stopped after {} readings, "
-                              "which are kept",
-                              summary.readings),
-                  "record to a faster disk");
-  }
+  if (auto finished = sink.Finish(); !finished) return std::unexpected(finished.error());
   return summary;
 }
 

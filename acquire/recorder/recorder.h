@@ -6,31 +6,43 @@
 #include <functional>
 #include <optional>
 
+#include "acquire/recorder/row_sink.h"
+#include "acquire/recorder/trigger.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
 #include "base/result.h"
-#include "trial/trial_writer.h"
 
 namespace haptometer::acquire {
 
-/// When a recording ends by itself; without either it runs until it is stopped.
+/// When a recording begins to count, and when it ends by itself; without an end it runs until it is
+/// stopped.
 struct RecordingLimits {
-  std::optional<MonotonicNs> duration_ns;  ///< counted from Sensor::Begin
-  std::optional<std::uint64_t> readings;
-  /// Rows that may wait for the disk: 100 s of a 10 kHz sensor, about 50 MB.
-  std::size_t most_waiting_rows = 1'000'000;
+  std::optional<MonotonicNs> duration_ns;  ///< from Sensor::Begin, or from each trigger
+  std::optional<std::uint64_t> readings;   ///< of the recording, or from each trigger on
+  std::optional<MonotonicNs> until_ns;     ///< on the recorder's clock
+  /// Rows are recorded from the trigger on. More than one shot needs a duration or a number of
+  /// readings, by which a shot ends.
+  std::optional<TriggerSetup> trigger;
+  /// Memory for rows that wait for the disk: 200 s of one channel at 10 kHz. Memory that is not
+  /// needed is not touched.
+  std::size_t most_waiting_bytes = std::size_t{64} << 20;
 };
 
 /// What came of a recording.
 struct RecordingSummary {
   std::uint64_t readings = 0;                                       ///< all rows
   std::array<std::uint64_t, trial::kSampleStatusCount> statuses{};  ///< rows by RowStatus
-  std::uint64_t gaps = 0;               ///< places where readings are missing (GapCounter)
+  std::uint64_t gaps = 0;               ///< places where readings are missing, for whatever reason
+  std::uint64_t lost = 0;               ///< readings that came and found the disk too slow
+  std::uint64_t reconnects = 0;         ///< times the device went away and came back
+  std::uint64_t triggers = 0;           ///< that fired
   std::optional<double> rate_hz;        ///< (rows - 1) / (last - first time); empty below 2 rows
   std::optional<double> interval_sd_s;  ///< jitter: standard deviation of the intervals
   std::uint64_t discarded_bytes = 0;    ///< bytes that formed no reading
   double elapsed_s = 0;                 ///< from the beginning to the last row
+  bool is_away = false;                 ///< the device is gone at the moment
   bool connection_lost = false;         ///< it ended because the device went away
+  bool interrupted = false;             ///< it was stopped before the end that was asked for
 
   /// Rows whose status is neither ok nor repeated.
   [[nodiscard]] std::uint64_t bad() const;
@@ -39,17 +51,25 @@ struct RecordingSummary {
   [[nodiscard]] std::uint64_t distinct() const { return readings - bad() - repeated(); }
 };
 
-/// Runs `sensor` (started) into `writer` until a limit, `stop`, the end of a replay or the loss of
-/// the connection, then finishes the file with its closing record. A lost connection is a remark in
-/// the file and a flag of the summary; what was recorded is kept.
+/// Who looks on. Both are called by the reading thread, which must get back to its port within a
+/// few milliseconds.
+struct RecordingHooks {
+  std::function<void(const Reading&)> reading;  ///< each reading that comes, recorded or not
+  std::function<void(const RecordingSummary&)> progress;  ///< about twice a second of the clock
+};
+
+/// Runs `sensor` (started) into `sink` until a limit, `stop`, the end of a replay or the loss of
+/// the connection, then finishes it.
 ///
-/// The calling thread reads; a second one writes (recorder/row_queue.h says why). `progress`, if
-/// set, is called by the calling thread about twice a second of `clock`. The writer's clock is its
+/// The calling thread reads; a second one writes (recorder/row_ring.h says why). What the ring has
+/// no room for while the disk stalls is counted in `lost` and stands in the trial as a gap with its
+/// number. A lost connection, a return, a trigger and an interruption are events in the trial.
+/// Between a thousand rows and the next event nothing allocates memory. The sink's clock is its
 /// own; if it is a ManualClock it must not be `clock`.
-/// Errors (Cause::kFailed): the disk is full or too slow; the file keeps what it holds.
-[[nodiscard]] Result<RecordingSummary> Record(
-    Sensor& sensor, trial::TrialWriter& writer, Clock& clock, const std::atomic<bool>& stop,
-    const RecordingLimits& limits,
-    const std::function<void(const RecordingSummary&)>& progress = {});
+/// Errors (Cause::kFailed): the disk is full; the file keeps what it holds.
+[[nodiscard]] Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
+                                              const std::atomic<bool>& stop,
+                                              const RecordingLimits& limits,
+                                              const RecordingHooks& hooks = {});
 
 }  // namespace haptometer::acquire

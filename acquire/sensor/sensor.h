@@ -28,6 +28,8 @@ enum class Outcome : std::uint8_t {
   kNothing,  ///< nothing yet; look at the stop flag and call again
   kEnd,      ///< a replay is over
   kGone,     ///< the connection was lost; nothing will come again
+  kAway,     ///< the connection was lost just now and is tried again (ReconnectingSensor)
+  kBack,     ///< it is back; readings follow
 };
 
 /// A transport and a protocol joined: says what it is, then hands out readings. One thread only.

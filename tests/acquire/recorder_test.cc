@@ -3,134 +3,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cmath>
 #include <condition_variable>
-#include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <thread>
 
-#include "acquire/recorder/gap_counter.h"
-#include "acquire/recorder/interval_statistics.h"
-#include "acquire/recorder/row_queue.h"
-#include "acquire/sensor/replay.h"
+#include "tests/acquire/recorder_fixture.h"
 #include "tests/residual.h"
-#include "trial/trial_reader.h"
 
 namespace haptometer::acquire {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 using trial::Timing;
-
-constexpr MonotonicNs kMs = 1'000'000;
-const std::atomic<bool> kNeverStop{false};
-
-trial::TrialHeader OneChannel(Timing timing) {
-  trial::TrialHeader header;
-  header.timing = timing;
-  header.rate_hz = timing == Timing::kUniform ? 1000 : 0;
-  header.metadata.source = "simulated: a test";
-  trial::ChannelFormat channel;
-  channel.name = "displacement";
-  channel.role = trial::ChannelRole::kDisplacement;
-  channel.unit = "m";
-  channel.encoding = trial::Encoding::kI32;
-  channel.scale = 1e-7;
-  header.channels = {channel};
-  return header;
-}
-
-/// Row k at k * period; then silence, the end or a hang-up.
-class CountingSensor final : public Sensor {
- public:
-  CountingSensor(Clock& clock, Timing timing, std::uint64_t rows, Outcome then,
-                 MonotonicNs period_ns = kMs)
-      : clock_(clock),
-        header_(OneChannel(timing)),
-        rows_(rows),
-        then_(then),
-        period_ns_(period_ns) {}
-
-  Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
-  const trial::TrialHeader& header() const override { return header_; }
-  std::vector<std::string> Remarks() const override { return {}; }
-  MonotonicNs Begin() override { return origin_ns_ = clock_.Now(); }
-  Outcome Next(Reading& reading) override {
-    if (next_ == rows_) {
-      clock_.SleepUntil(clock_.Now() + 100 * kMs);
-      return then_;
-    }
-    reading.index = static_cast<std::int64_t>(next_);
-    reading.time_ns = origin_ns_ + reading.index * period_ns_;
-    reading.reply_ns = reading.time_ns + kMs / 2;
-    const auto status = statuses.empty() ? SampleStatus::kOk : statuses[next_ % statuses.size()];
-    reading.samples = {{trial::RawValue::Counts(static_cast<std::int32_t>(next_)), status}};
-    ++next_;
-    return Outcome::kReading;
-  }
-  std::uint64_t discarded_bytes() const override { return 17; }
-
-  std::vector<SampleStatus> statuses;  ///< in turn; empty: all ok
-
- private:
-  Clock& clock_;
-  trial::TrialHeader header_;
-  std::uint64_t rows_;
-  Outcome then_;
-  MonotonicNs period_ns_;
-  MonotonicNs origin_ns_ = 0;
-  std::uint64_t next_ = 0;
-};
-
-class RecorderTest : public ::testing::Test {
- protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-  trial::TrialWriter Writer(const Sensor& sensor) {
-    auto writer = trial::TrialWriter::Create(path_, sensor.header(), {}, writer_clock_);
-    EXPECT_TRUE(writer);
-    return std::move(*writer);
-  }
-  Result<RecordingSummary> Run(Sensor& sensor, const RecordingLimits& limits,
-                               const std::atomic<bool>& stop = kNeverStop) {
-    trial::TrialWriter writer = Writer(sensor);
-    return Record(sensor, writer, clock_, stop, limits);
-  }
-  // the counts of the trial, which was closed properly
-  std::vector<std::int32_t> Counts(const std::string& path, bool closed = true) {
-    auto reader = trial::TrialReader::Open(path);
-    EXPECT_TRUE(reader);
-    std::vector<std::int32_t> counts;
-    while (true) {
-      const auto chunk = reader->Next();
-      EXPECT_TRUE(chunk);
-      if (*chunk == nullptr) break;
-      for (std::size_t row = 0; row < (*chunk)->rows(); ++row) {
-        counts.push_back(static_cast<std::int32_t>((*chunk)->At(row, 0).raw.bits()));
-      }
-    }
-    EXPECT_EQ(reader->report().closed, closed);
-    events_ = reader->report().events;
-    return counts;
-  }
-  static std::vector<std::int32_t> CountTo(std::int32_t n) {
-    std::vector<std::int32_t> counts(static_cast<std::size_t>(n));
-    for (std::int32_t i = 0; i < n; ++i) counts[static_cast<std::size_t>(i)] = i;
-    return counts;
-  }
-
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("recorder_test_" + std::to_string(getpid()));
-  const std::string path_ = directory_ / "trial.bin";
-  ManualClock clock_;         // the reading thread's
-  ManualClock writer_clock_;  // the writing thread's
-  std::vector<trial::Event> events_;
-};
 
 TEST_F(RecorderTest, StopsAtTheNumberOfReadings) {
   CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);
@@ -181,8 +67,9 @@ TEST_F(RecorderTest, AnotherThreadsFlagStopsARecordingWithoutLimits) {
   CountingSensor sensor(system, Timing::kArrival, 5, Outcome::kNothing);
   std::atomic<bool> stop{false};
   trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
   std::thread stopping([&] { stop = true; });
-  const auto summary = Record(sensor, writer, system, stop, {});
+  const auto summary = Record(sensor, sink, system, stop, {});
   stopping.join();
   EXPECT_TRUE(summary);
 }
@@ -214,9 +101,10 @@ TEST_F(RecorderTest, CountsByStatus) {
 TEST_F(RecorderTest, ProgressComesTwiceASecond) {
   CountingSensor sensor(clock_, Timing::kArrival, 3, Outcome::kNothing);
   trial::TrialWriter writer = Writer(sensor);
+  SingleTrial sink(writer);
   int calls = 0;
   const auto summary =
-      Record(sensor, writer, clock_, kNeverStop, {.duration_ns = 3000 * kMs, .readings = {}},
+      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 3000 * kMs, .readings = {}},
              [&](const RecordingSummary& now) {
                ++calls;
                EXPECT_EQ(now.readings, 3U);
@@ -277,9 +165,10 @@ TEST_F(DiskTest, AStallLosesNothing) {
   // 20 s of a 10 kHz sensor arrive while the disk takes nothing at all
   CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kNothing, kMs / 10);
   trial::TrialWriter writer = WriterOnDisk(sensor);
+  SingleTrial sink(writer);
   disk_.Set(Disk::State::kStalls);
   const auto summary =
-      Record(sensor, writer, clock_, kNeverStop, {.duration_ns = 60'000 * kMs, .readings = {}},
+      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 60'000 * kMs, .readings = {}},
              [&](const RecordingSummary& now) {
                if (now.readings == 200'000) disk_.Set(Disk::State::kTakes);
              });
@@ -292,8 +181,9 @@ TEST_F(DiskTest, AStallLosesNothing) {
 TEST_F(DiskTest, ADiskThatStaysTooSlowStopsTheRecordingAndKeepsWhatItHas) {
   CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kEnd);
   trial::TrialWriter writer = WriterOnDisk(sensor);
+  SingleTrial sink(writer);
   const auto summary =
-      Record(sensor, writer, clock_, kNeverStop,
+      Record(sensor, sink, clock_, kNeverStop,
              {.duration_ns = {}, .readings = {}, .most_waiting_rows = 0});  // any row is too many
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().cause, Cause::kFailed);
@@ -305,195 +195,14 @@ TEST_F(DiskTest, ADiskThatStaysTooSlowStopsTheRecordingAndKeepsWhatItHas) {
 TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
   CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kNothing);
   trial::TrialWriter writer = WriterOnDisk(sensor);
+  SingleTrial sink(writer);
   disk_.Set(Disk::State::kIsFull);
   const auto summary =
-      Record(sensor, writer, clock_, kNeverStop, {.duration_ns = 300'000 * kMs, .readings = {}});
+      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 300'000 * kMs, .readings = {}});
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().cause, Cause::kFailed);
   EXPECT_THAT(summary.error().Text(), HasSubstr("disk.bin: could not be written: No space left"));
   EXPECT_THAT(summary.error().Text(), HasSubstr("0 of "));
-}
-
-// --- queue ---
-
-TEST(RowQueue, HandsOverEveryRowInOrderBetweenTwoThreads) {
-  RowQueue queue(1'000'000);
-  constexpr std::int32_t kRows = 50'000;
-  std::thread writing([&] {
-    RowBatch batch;
-    std::int32_t expected = 0;
-    while (queue.Take(batch)) {
-      for (std::size_t row = 0; row < batch.rows.size(); ++row) {
-        const trial::Row whole = batch.RowOf(row);
-        ASSERT_EQ(whole.samples.size(), 2U);
-        ASSERT_EQ(whole.time_ns, expected);
-        ASSERT_EQ(whole.samples[1].raw.bits(), static_cast<std::uint64_t>(2 * expected));
-        ++expected;
-      }
-    }
-    EXPECT_EQ(expected, kRows);
-  });
-  Reading reading;
-  for (std::int32_t i = 0; i < kRows; ++i) {
-    reading.time_ns = 1000 + i;
-    reading.samples = {{trial::RawValue::Counts(i), SampleStatus::kOk},
-                       {trial::RawValue::Counts(2 * i), SampleStatus::kOk}};
-    EXPECT_TRUE(queue.Push(reading, 1000));
-  }
-  queue.Close();
-  writing.join();
-}
-
-TEST(RowQueue, RefusesWhenFullOrGivenUp) {
-  Reading reading;
-  reading.samples = {{trial::RawValue::Counts(1), SampleStatus::kOk}};
-  RowQueue full(2);
-  EXPECT_TRUE(full.Push(reading, 0));
-  EXPECT_TRUE(full.Push(reading, 0));
-  EXPECT_FALSE(full.Push(reading, 0));
-  RowQueue given_up(2);
-  given_up.GiveUp();
-  EXPECT_FALSE(given_up.Push(reading, 0));
-}
-
-// --- statistics ---
-
-TEST(IntervalStatistics, AgainstTheDefinition) {
-  IntervalStatistics statistics;
-  const std::vector<MonotonicNs> times_ns{0, 10 * kMs, 22 * kMs, 30 * kMs, 45 * kMs};
-  for (const MonotonicNs time_ns : times_ns) statistics.Add(time_ns);
-  // intervals 10, 12, 8, 15 ms: mean 11.25, squared deviations 1.5625 + 0.5625 + 10.5625 + 14.0625
-  EXPECT_REL(statistics.RateHz().value(), 4 / 0.045, 1e-15, "one division");
-  EXPECT_REL(statistics.DeviationSeconds().value(), std::sqrt(26.75 / 3) * 1e-3, 1e-12,
-             "four roundings of the recurrence");
-}
-
-TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {
-  // a million intervals of 100 us, every second one 1 ns longer and the next shorter: sd 1 ns
-  IntervalStatistics statistics;
-  MonotonicNs time_ns = 0;
-  for (int i = 0; i < 1'000'000; ++i) {
-    statistics.Add(time_ns);
-    time_ns += 100'000 + (i % 2 == 0 ? 1 : -1);
-  }
-  EXPECT_REL(statistics.DeviationSeconds().value(), 1e-9, 1e-5, "1/n, and 1e-16 of 100 us n times");
-}
-
-// --- gaps ---
-
-class Gaps {
- public:
-  explicit Gaps(Timing timing) : counter_(timing) {}
-  // `rows` more, `period_ns` apart, the first `first_after_ns` behind the last one so far
-  void Rows(int rows, MonotonicNs period_ns, MonotonicNs first_after_ns) {
-    for (int i = 0; i < rows; ++i) {
-      reading_.time_ns += i == 0 ? first_after_ns : period_ns;
-      ++reading_.index;
-      counter_.Add(reading_);
-    }
-  }
-  void Skip(std::int64_t rows) { reading_.index += rows; }
-  [[nodiscard]] std::uint64_t Count() const { return counter_.gaps(); }
-
- private:
-  GapCounter counter_;
-  Reading reading_;
-};
-
-TEST(GapCounter, AUniformGridHasAGapWhereTheIndexJumps) {
-  Gaps gaps(Timing::kUniform);
-  gaps.Rows(10, 0, 0);
-  EXPECT_EQ(gaps.Count(), 0U);
-  gaps.Skip(1);
-  gaps.Rows(10, 0, 0);
-  EXPECT_EQ(gaps.Count(), 1U);
-}
-
-TEST(GapCounter, APolledSensorHasAGapAfterEightUsualIntervals) {
-  Gaps gaps(Timing::kPolled);
-  gaps.Rows(100, 8 * kMs, 0);
-  gaps.Rows(100, 8 * kMs, 60 * kMs);
-  EXPECT_EQ(gaps.Count(), 0U);
-  for (int i = 0; i < 20; ++i) gaps.Rows(10, 8 * kMs, 1000 * kMs);
-  EXPECT_EQ(gaps.Count(), 20U) << "gaps do not become the usual interval";
-}
-
-TEST(GapCounter, AStallAfterWhichAllArrivesIsNoGap) {
-  Gaps gaps(Timing::kArrival);
-  gaps.Rows(20'000, kMs / 10, 0);
-  gaps.Rows(3'000, 0, 300 * kMs);  // 300 ms of lines at one instant
-  gaps.Rows(20'000, kMs / 10, kMs / 10);
-  EXPECT_EQ(gaps.Count(), 0U);
-}
-
-TEST(GapCounter, ASilenceThatNothingMakesUpForIsAGap) {
-  Gaps gaps(Timing::kArrival);
-  for (int i = 0; i < 5; ++i) gaps.Rows(20'000, kMs / 10, 300 * kMs);
-  EXPECT_EQ(gaps.Count(), 4U);
-}
-
-TEST(GapCounter, BurstsOfUsbAreNoGaps) {
-  Gaps gaps(Timing::kArrival);
-  for (int burst = 0; burst < 500; ++burst) gaps.Rows(160, 0, 16 * kMs);
-  EXPECT_EQ(gaps.Count(), 0U);
-}
-
-TEST(GapCounter, TheEndDecidesWhatIsStillOpen) {
-  Gaps lost(Timing::kArrival);
-  lost.Rows(1000, kMs, 0);
-  lost.Rows(50, kMs, 300 * kMs);
-  EXPECT_EQ(lost.Count(), 1U);
-  Gaps stalled(Timing::kArrival);
-  stalled.Rows(1000, kMs, 0);
-  stalled.Rows(300, 0, 300 * kMs);
-  EXPECT_EQ(stalled.Count(), 0U);
-}
-
-// --- replay ---
-
-TEST_F(RecorderTest, AReplayIsTheSameTrialBitForBit) {
-  for (const Timing timing : {Timing::kUniform, Timing::kArrival, Timing::kPolled}) {
-    SCOPED_TRACE(Name(timing));
-    fs::remove(path_);
-    CountingSensor sensor(clock_, timing, 5000, Outcome::kEnd);
-    sensor.statuses = {SampleStatus::kOk, SampleStatus::kOver};
-    const auto first = Run(sensor, {});
-    ASSERT_TRUE(first);
-    auto replay = Replay::Open(path_);
-    ASSERT_TRUE(replay) << replay.error().Text();
-    EXPECT_EQ((*replay)->header().metadata.source, "replay of " + path_ + " (simulated: a test)");
-    const std::string again = directory_ / (std::string(Name(timing)) + ".bin");
-    auto writer = trial::TrialWriter::Create(again, (*replay)->header(), {}, writer_clock_);
-    ASSERT_TRUE(writer);
-    const auto second = Record(**replay, *writer, clock_, kNeverStop, {});
-    ASSERT_TRUE(second);
-    EXPECT_EQ(second->readings, 5000U);
-    EXPECT_EQ(second->statuses, first->statuses);
-    EXPECT_EQ(second->rate_hz, first->rate_hz);
-    EXPECT_EQ(Counts(again), CountTo(5000));
-    const auto a = trial::ReadRecord(path_);
-    const auto b = trial::ReadRecord(again);
-    ASSERT_TRUE(a && b);
-    EXPECT_EQ(a->record.raw_times_s, b->record.raw_times_s);
-    EXPECT_EQ(a->record.channels[0].statuses, b->record.channels[0].statuses);
-    ASSERT_EQ(a->record.stretches.size(), b->record.stretches.size());
-    EXPECT_EQ(a->record.stretches[0].start_s, b->record.stretches[0].start_s);
-    EXPECT_EQ(a->record.stretches[0].rate_hz, b->record.stretches[0].rate_hz);
-  }
-}
-
-TEST_F(RecorderTest, AReplaySaysWhatIsMissingFromItsTrial) {
-  CountingSensor sensor(clock_, Timing::kArrival, 50'000, Outcome::kEnd);
-  ASSERT_TRUE(Run(sensor, {}));
-  fs::resize_file(path_, fs::file_size(path_) * 3 / 4);
-  auto replay = Replay::Open(path_);
-  ASSERT_TRUE(replay) << replay.error().Text();
-  ASSERT_FALSE((*replay)->Remarks().empty());
-  EXPECT_THAT((*replay)->Remarks()[0], HasSubstr("was cut short"));
-}
-
-TEST_F(RecorderTest, AReplayOfNothingIsAnswered) {
-  EXPECT_EQ(Replay::Open("/no/such/trial.bin").error().cause, Cause::kCannotAnswer);
 }
 
 }  // namespace

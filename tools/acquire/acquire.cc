@@ -179,8 +179,9 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
       wanted.output, header, {.flush_interval_s = 1, .overwrite = wanted.overwrite}, clock);
   if (!writer) return cli::ReportError(kVerb, writer.error());
   const auto progress = Progress();
-  const auto summary =
-      acquire::Record(**sensor, *writer, clock, cli::Interrupted(), *limits, progress);
+  acquire::SingleTrial sink(*writer);
+  const auto summary = acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits,
+                                       {.reading = {}, .progress = progress});
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
   return Report(options, wanted.output, header.metadata, *summary, wanted.sensor.port);

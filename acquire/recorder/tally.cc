@@ -1,0 +1,69 @@
+#include "acquire/recorder/tally.h"
+
+namespace haptometer::acquire {
+
+std::uint64_t RecordingSummary::repeated() const {
+  return statuses[static_cast<std::size_t>(trial::SampleStatus::kRepeated)];
+}
+
+std::uint64_t RecordingSummary::bad() const {
+  return readings - repeated() - statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)];
+}
+
+Tally::Tally(const Sensor& sensor, MonotonicNs origin_ns)
+    : sensor_(sensor),
+      timing_(sensor.header().timing),
+      rate_hz_(sensor.header().rate_hz),
+      origin_ns_(origin_ns),
+      gaps_(timing_) {}
+
+MonotonicNs Tally::SinceBegin(const Reading& reading) const {
+  if (timing_ != trial::Timing::kUniform) return reading.time_ns - origin_ns_;
+  return NsFromSeconds(static_cast<double>(reading.index) / rate_hz_);
+}
+
+void Tally::Add(const Reading& reading) {
+  ++summary_.readings;
+  ++summary_.statuses[static_cast<std::size_t>(RowStatus(reading))];
+  const MonotonicNs time_ns = SinceBegin(reading);
+  summary_.elapsed_s = SecondsFromNs(time_ns);
+  intervals_.Add(time_ns);
+  gaps_.Add(reading);
+}
+
+void Tally::Lose(std::uint64_t rows) {
+  summary_.lost += rows;
+  ++known_gaps_;
+  gaps_.Restart();
+}
+
+void Tally::Leave() {
+  summary_.is_away = true;
+  ++known_gaps_;
+}
+
+void Tally::Return() {
+  summary_.is_away = false;
+  ++summary_.reconnects;
+  gaps_.Restart();
+}
+
+void Tally::Fire() {
+  ++summary_.triggers;
+  gaps_.Restart();
+}
+
+void Tally::End(MonotonicNs since_begin_ns) {
+  if (!summary_.is_away) gaps_.End(origin_ns_ + since_begin_ns);
+}
+
+RecordingSummary Tally::Summary() const {
+  RecordingSummary summary = summary_;
+  summary.gaps = gaps_.gaps() + known_gaps_;
+  summary.rate_hz = intervals_.RateHz();
+  summary.interval_sd_s = intervals_.DeviationSeconds();
+  summary.discarded_bytes = sensor_.discarded_bytes();
+  return summary;
+}
+
+}  // namespace haptometer::acquire

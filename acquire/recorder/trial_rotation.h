@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "acquire/recorder/row_sink.h"
+#include "base/clock.h"
+#include "base/result.h"
+#include "trial/trial_writer.h"
+
+namespace haptometer::acquire {
+
+/// When a trial is closed and the next one begun; at least one is set.
+struct RotationLimits {
+  std::optional<MonotonicNs> duration_ns;  ///< by the rows' own times
+  std::optional<std::uint64_t> bytes;      ///< of rows, as stored
+};
+
+/// One trial after the other, without losing a row between them. Each is complete in itself: its
+/// times count from its first row, its header says which part it is (`part`), when it began on the
+/// recording's own clock (`part_start_s`) and which file it continues (`continues`).
+class TrialRotation final : public RowSink {
+ public:
+  /// Names the file of part 1, 2, 3, ...
+  using NamePart = std::function<std::string(std::uint64_t part)>;
+
+  /// Begins part 1. `clock` must outlive the rotation. Errors: those of TrialWriter::Create.
+  [[nodiscard]] static Result<std::unique_ptr<TrialRotation>> Begin(NamePart name,
+                                                                    trial::TrialHeader header,
+                                                                    RotationLimits limits,
+                                                                    Clock& clock);
+
+  [[nodiscard]] Result<void> Append(const trial::Row& row) override;
+  [[nodiscard]] Result<void> AddEvent(trial::Event event) override;
+  [[nodiscard]] Result<void> FlushIfDue() override { return writer_->FlushIfDue(); }
+  [[nodiscard]] Result<void> Finish() override;
+
+  /// The file that is being written. Any thread.
+  [[nodiscard]] std::string file() const;
+
+ private:
+  TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits, Clock& clock);
+  [[nodiscard]] Result<void> BeginPart(const trial::Row* first);
+  [[nodiscard]] bool IsDue(const trial::Row& row) const;
+
+  NamePart name_;
+  trial::TrialHeader header_;
+  RotationLimits limits_;
+  Clock& clock_;
+  std::uint64_t row_bytes_;
+  std::optional<trial::TrialWriter> writer_;
+  mutable std::mutex file_mutex_;
+  std::string file_;
+  std::uint64_t part_ = 0;
+  std::uint64_t rows_ = 0;    ///< of this part
+  MonotonicNs start_ns_ = 0;  ///< of this part, on the recording's clock
+  std::int64_t start_index_ = 0;
+};
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,81 @@
+#include "acquire/sensor/reconnecting_sensor.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr MonotonicNs kFirstWaitNs = 50'000'000;
+constexpr MonotonicNs kLongestWaitNs = 250'000'000;
+constexpr MonotonicNs kSliceNs = 100'000'000;  // how long Next() waits at most
+
+bool SendsTheSame(const trial::TrialHeader& a, const trial::TrialHeader& b) {
+  return a.timing == b.timing && a.rate_hz == b.rate_hz &&
+         std::ranges::equal(a.channels, b.channels,
+                            [](const trial::ChannelFormat& x, const trial::ChannelFormat& y) {
+                              return x.name == y.name && x.encoding == y.encoding &&
+                                     x.scale == y.scale && x.offset == y.offset;
+                            });
+}
+
+}  // namespace
+
+ReconnectingSensor::ReconnectingSensor(Open open, std::optional<MonotonicNs> longest_away_ns,
+                                       Clock& clock)
+    : open_(std::move(open)), longest_away_ns_(longest_away_ns), clock_(clock) {}
+
+Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
+  stop_ = &stop;
+  auto opened = open_();
+  if (!opened) return std::unexpected(opened.error());
+  if (auto started = (*opened)->Start(stop); !started) return started;
+  sensor_ = std::move(*opened);
+  header_ = sensor_->header();
+  return {};
+}
+
+Outcome ReconnectingSensor::Next(Reading& reading) {
+  if (!sensor_) return TryAgain();
+  const Outcome outcome = sensor_->Next(reading);
+  if (outcome != Outcome::kGone) return outcome;
+  LetGo();
+  return Outcome::kAway;
+}
+
+void ReconnectingSensor::LetGo() {
+  discarded_before_ += sensor_->discarded_bytes();
+  sensor_.reset();
+  away_since_ns_ = clock_.Now();
+  wait_ns_ = kFirstWaitNs;
+  next_try_ns_ = away_since_ns_ + wait_ns_;
+}
+
+Outcome ReconnectingSensor::TryAgain() {
+  const MonotonicNs now = clock_.Now();
+  if (longest_away_ns_ && now - away_since_ns_ >= *longest_away_ns_) return Outcome::kGone;
+  if (now < next_try_ns_) {
+    clock_.SleepUntil(std::min(next_try_ns_, now + kSliceNs));
+    return Outcome::kNothing;
+  }
+  auto opened = open_();
+  Result<void> started = opened ? (*opened)->Start(*stop_) : std::unexpected(opened.error());
+  if (started && !SendsTheSame((*opened)->header(), header_)) {
+    started = CannotAnswer("", "what came back sends other channels", "plug in the same device");
+  }
+  if (!started) {
+    last_refusal_ = started.error().Text();
+    wait_ns_ = std::min(2 * wait_ns_, kLongestWaitNs);
+    next_try_ns_ = clock_.Now() + wait_ns_;
+    return Outcome::kNothing;
+  }
+  sensor_ = std::move(*opened);
+  (void)sensor_->Begin();  // times are the clock's own, and count from the first beginning
+  return Outcome::kBack;
+}
+
+std::uint64_t ReconnectingSensor::discarded_bytes() const {
+  return discarded_before_ + (sensor_ ? sensor_->discarded_bytes() : 0);
+}
+
+}  // namespace haptometer::acquire

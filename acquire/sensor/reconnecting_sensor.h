@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquire/sensor/sensor.h"
+#include "base/clock.h"
+#include "base/result.h"
+
+namespace haptometer::acquire {
+
+/// A sensor that is opened again whenever its connection is lost.
+///
+/// The port is let go at once, so that a replugged adapter gets its old name back; then it is tried
+/// again after 50 ms, 100 ms, ... at most every 250 ms, so that readings go on within a second of
+/// the device's return while the processor sleeps in between. What comes back must send the same
+/// channels; anything else is not taken, and tried again.
+///
+/// Next() waits longer than other sensors' while the device that has come back is started.
+class ReconnectingSensor final : public Sensor {
+ public:
+  /// Opens the sensor's port anew; called in the recording thread.
+  using Open = std::function<Result<std::unique_ptr<Sensor>>()>;
+
+  /// After `longest_away_ns` (empty: never) the sensor is given up: Outcome::kGone. `clock` must
+  /// outlive the sensor.
+  ReconnectingSensor(Open open, std::optional<MonotonicNs> longest_away_ns, Clock& clock);
+
+  /// Opens and starts the device, once: what is not there at the beginning is an error.
+  [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
+  [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
+  [[nodiscard]] std::vector<std::string> Remarks() const override { return sensor_->Remarks(); }
+  [[nodiscard]] MonotonicNs Begin() override { return sensor_->Begin(); }
+  [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] std::uint64_t discarded_bytes() const override;
+
+  /// Why the last attempt did not bring the device back; empty when none failed.
+  [[nodiscard]] const std::string& last_refusal() const { return last_refusal_; }
+
+ private:
+  [[nodiscard]] Outcome TryAgain();
+  void LetGo();
+
+  Open open_;
+  std::optional<MonotonicNs> longest_away_ns_;
+  Clock& clock_;
+  const std::atomic<bool>* stop_ = nullptr;
+  std::unique_ptr<Sensor> sensor_;  ///< empty while away
+  trial::TrialHeader header_;
+  MonotonicNs away_since_ns_ = 0;
+  MonotonicNs wait_ns_ = 0;
+  MonotonicNs next_try_ns_ = 0;
+  std::string last_refusal_;
+  std::uint64_t discarded_before_ = 0;  ///< by the sensors that are gone
+};
+
+}  // namespace haptometer::acquire
