@@ -17,12 +17,12 @@ namespace haptometer::acquire {
 /// When a recording begins to count, and when it ends by itself; without an end it runs until it is
 /// stopped.
 struct RecordingLimits {
-  std::optional<MonotonicNs> duration_ns;  ///< from Sensor::Begin, or from each trigger
-  std::optional<std::uint64_t> readings;   ///< of the recording, or from each trigger on
-  std::optional<MonotonicNs> until_ns;     ///< on the recorder's clock
+  std::optional<MonotonicNs> duration_ns{};  ///< from Sensor::Begin, or from each trigger
+  std::optional<std::uint64_t> readings{};   ///< of the recording, or from each trigger on
+  std::optional<MonotonicNs> until_ns{};     ///< on the recorder's clock
   /// Rows are recorded from the trigger on. More than one shot needs a duration or a number of
   /// readings, by which a shot ends.
-  std::optional<TriggerSetup> trigger;
+  std::optional<TriggerSetup> trigger{};
   /// Memory for rows that wait for the disk: 200 s of one channel at 10 kHz. Memory that is not
   /// needed is not touched.
   std::size_t most_waiting_bytes = std::size_t{64} << 20;
@@ -54,8 +54,8 @@ struct RecordingSummary {
 /// Who looks on. Both are called by the reading thread, which must get back to its port within a
 /// few milliseconds.
 struct RecordingHooks {
-  std::function<void(const Reading&)> reading;  ///< each reading that comes, recorded or not
-  std::function<void(const RecordingSummary&)> progress;  ///< about twice a second of the clock
+  std::function<void(const Reading&)> reading{};  ///< each reading that comes, recorded or not
+  std::function<void(const RecordingSummary&)> progress{};  ///< about twice a second of the clock
 };
 
 /// Runs `sensor` (started) into `sink` until a limit, `stop`, the end of a replay or the loss of

@@ -16,8 +16,8 @@ namespace haptometer::acquire {
 
 /// When a trial is closed and the next one begun; at least one is set.
 struct RotationLimits {
-  std::optional<MonotonicNs> duration_ns;  ///< by the rows' own times
-  std::optional<std::uint64_t> bytes;      ///< of rows, as stored
+  std::optional<MonotonicNs> duration_ns{};  ///< by the rows' own times
+  std::optional<std::uint64_t> bytes{};      ///< of rows, as stored
 };
 
 /// One trial after the other, without losing a row between them. Each is complete in itself: its

@@ -52,6 +52,8 @@ class Gaps {
       counter_.Add(reading_);
     }
   }
+  void EndAfter(MonotonicNs silence_ns) { counter_.End(reading_.time_ns + silence_ns); }
+  void Restart() { counter_.Restart(); }
   void Skip(std::int64_t rows) { reading_.index += rows; }
   [[nodiscard]] std::uint64_t Count() const { return counter_.gaps(); }
 
@@ -107,6 +109,28 @@ TEST(GapCounter, TheEndDecidesWhatIsStillOpen) {
   stalled.Rows(1000, kMs, 0);
   stalled.Rows(300, 0, 300 * kMs);
   EXPECT_EQ(stalled.Count(), 0U);
+}
+
+TEST(GapCounter, ASilenceUpToTheEndIsAGapToo) {
+  for (const Timing timing : {Timing::kArrival, Timing::kPolled}) {
+    Gaps gaps(timing);
+    gaps.Rows(1000, kMs, 0);
+    gaps.EndAfter(40 * kMs);
+    EXPECT_EQ(gaps.Count(), 0U) << "as bursts of USB come";
+    gaps.EndAfter(60 * kMs);
+    EXPECT_EQ(gaps.Count(), 1U);
+  }
+}
+
+TEST(GapCounter, WhatIsMeantToBeMissingIsNoGap) {
+  for (const Timing timing : {Timing::kUniform, Timing::kArrival, Timing::kPolled}) {
+    Gaps gaps(timing);
+    gaps.Rows(1000, kMs, 0);
+    gaps.Restart();
+    gaps.Skip(5);
+    gaps.Rows(1000, kMs, 5000 * kMs);
+    EXPECT_EQ(gaps.Count(), 0U) << Name(timing);
+  }
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -20,7 +21,7 @@ using trial::Timing;
 
 TEST_F(RecorderTest, StopsAtTheNumberOfReadings) {
   CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);
-  const auto summary = Run(sensor, {.duration_ns = {}, .readings = 250});
+  const auto summary = Run(sensor, {.readings = 250});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 250U);
   EXPECT_EQ(summary->distinct(), 250U);
@@ -33,7 +34,7 @@ TEST_F(RecorderTest, StopsAtTheNumberOfReadings) {
 TEST_F(RecorderTest, StopsAtTheDurationByTheRowsTimes) {
   clock_.Advance(12'345 * kMs);  // times count from the beginning, not from the clock's zero
   CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);
-  const auto summary = Run(sensor, {.duration_ns = 500 * kMs, .readings = {}});
+  const auto summary = Run(sensor, {.duration_ns = 500 * kMs});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 500U) << "rows at 0 to 499 ms";
   EXPECT_EQ(Counts(path_), CountTo(500));
@@ -45,7 +46,7 @@ TEST_F(RecorderTest, StopsAtTheDurationByTheRowsTimes) {
 
 TEST_F(RecorderTest, StopsAtTheDurationWhenNoRowComes) {
   CountingSensor sensor(clock_, Timing::kArrival, 5, Outcome::kNothing);
-  const auto summary = Run(sensor, {.duration_ns = 2000 * kMs, .readings = {}});
+  const auto summary = Run(sensor, {.duration_ns = 2000 * kMs});
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 5U);
   EXPECT_FALSE(summary->connection_lost);
@@ -76,7 +77,7 @@ TEST_F(RecorderTest, AnotherThreadsFlagStopsARecordingWithoutLimits) {
 
 TEST_F(RecorderTest, ALostConnectionKeepsWhatCameAndSaysSo) {
   CountingSensor sensor(clock_, Timing::kPolled, 300, Outcome::kGone);
-  const auto summary = Run(sensor, {.duration_ns = 10'000 * kMs, .readings = {}});
+  const auto summary = Run(sensor, {.duration_ns = 10'000 * kMs});
   ASSERT_TRUE(summary);
   EXPECT_TRUE(summary->connection_lost);
   EXPECT_EQ(Counts(path_), CountTo(300));
@@ -103,12 +104,11 @@ TEST_F(RecorderTest, ProgressComesTwiceASecond) {
   trial::TrialWriter writer = Writer(sensor);
   SingleTrial sink(writer);
   int calls = 0;
-  const auto summary =
-      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 3000 * kMs, .readings = {}},
-             [&](const RecordingSummary& now) {
-               ++calls;
-               EXPECT_EQ(now.readings, 3U);
-             });
+  const auto summary = Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 3000 * kMs},
+                              {.progress = [&](const RecordingSummary& now) {
+                                ++calls;
+                                EXPECT_EQ(now.readings, 3U);
+                              }});
   EXPECT_TRUE(summary);
   EXPECT_EQ(calls, 5);  // at 0.5, 1.0, ... 2.5 s; the recording ends at 3.0 s
 }
@@ -161,35 +161,83 @@ class DiskTest : public RecorderTest {
   Disk disk_;
 };
 
+/// A trial whose rows are taken only while the disk takes.
+class StallingSink final : public RowSink {
+ public:
+  StallingSink(trial::TrialWriter& writer, Disk& disk) : trial_(writer), disk_(disk) {}
+  Result<void> Append(const trial::Row& row) override {
+    (void)disk_.Take(0);
+    ++rows_;
+    return trial_.Append(row);
+  }
+  Result<void> AddEvent(trial::Event event) override { return trial_.AddEvent(std::move(event)); }
+  Result<void> FlushIfDue() override { return trial_.FlushIfDue(); }
+  Result<void> Finish() override { return trial_.Finish(); }
+  // called from the reading thread; false after ten seconds
+  bool WaitForRows(int rows) const {
+    for (int i = 0; i < 10'000 && rows_ < rows; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return rows_ >= rows;
+  }
+
+ private:
+  SingleTrial trial_;
+  Disk& disk_;
+  std::atomic<int> rows_{0};
+};
+
 TEST_F(DiskTest, AStallLosesNothing) {
   // 20 s of a 10 kHz sensor arrive while the disk takes nothing at all
   CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kNothing, kMs / 10);
   trial::TrialWriter writer = WriterOnDisk(sensor);
   SingleTrial sink(writer);
   disk_.Set(Disk::State::kStalls);
-  const auto summary =
-      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 60'000 * kMs, .readings = {}},
-             [&](const RecordingSummary& now) {
-               if (now.readings == 200'000) disk_.Set(Disk::State::kTakes);
-             });
+  const auto summary = Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 60'000 * kMs},
+                              {.progress = [&](const RecordingSummary& now) {
+                                if (now.readings == 200'000) disk_.Set(Disk::State::kTakes);
+                              }});
   ASSERT_TRUE(summary) << summary.error().Text();
   EXPECT_EQ(summary->readings, 200'000U);
   EXPECT_EQ(writer.totals().rows, 200'000U);
   EXPECT_EQ(writer.totals().rows_kept, 200'000U);
 }
 
-TEST_F(DiskTest, ADiskThatStaysTooSlowStopsTheRecordingAndKeepsWhatItHas) {
-  CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kEnd);
-  trial::TrialWriter writer = WriterOnDisk(sensor);
-  SingleTrial sink(writer);
+TEST_F(DiskTest, WhatTheRingHasNoRoomForIsCountedAndStandsInTheTrial) {
+  CountingSensor sensor(clock_, Timing::kArrival, 30'000, Outcome::kNothing);
+  trial::TrialWriter writer = Writer(sensor);
+  StallingSink sink(writer, disk_);
+  disk_.Set(Disk::State::kStalls);
+  bool went_on = false;
   const auto summary =
       Record(sensor, sink, clock_, kNeverStop,
-             {.duration_ns = {}, .readings = {}, .most_waiting_rows = 0});  // any row is too many
-  ASSERT_FALSE(summary);
-  EXPECT_EQ(summary.error().cause, Cause::kFailed);
-  EXPECT_THAT(summary.error().Text(),
-              HasSubstr("the disk is slower than the sensor: stopped after 0 "
-                        "readings, which are kept; record to a faster"));
+             {.duration_ns = 60'000 * kMs, .most_waiting_bytes = std::size_t{33} * 1000},
+             {.reading = [&](const Reading& reading) {
+               // the disk recovers after 20 000 readings, and has caught up when the next one comes
+               if (reading.index != 20'000) return;
+               disk_.Set(Disk::State::kTakes);
+               went_on = sink.WaitForRows(1000);
+             }});
+  ASSERT_TRUE(summary) << summary.error().Text();
+  ASSERT_TRUE(went_on);
+  EXPECT_EQ(summary->readings + summary->lost, 30'000U);
+  EXPECT_GE(summary->lost, 19'000U) << "20 000 came while there was room for 1000";
+  EXPECT_LE(summary->gaps, summary->lost);
+  const std::vector<std::int32_t> counts = Counts(path_);
+  EXPECT_EQ(counts.size(), summary->readings);
+  // each place where counts jump has an event that says by how much
+  std::uint64_t told = 0;
+  std::uint64_t missing = 0;
+  for (const trial::Event& event : events_) {
+    if (event.kind != trial::EventKind::kGap) continue;
+    ASSERT_GT(event.row, 0U);
+    ASSERT_LE(event.row, counts.size());
+    const std::int32_t next = event.row == counts.size() ? 30'000 : counts[event.row];
+    missing += static_cast<std::uint64_t>(next - counts[event.row - 1] - 1);
+    told += std::stoull(event.text);
+  }
+  EXPECT_EQ(told, summary->lost);
+  EXPECT_EQ(missing, summary->lost);
 }
 
 TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
@@ -197,8 +245,7 @@ TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
   trial::TrialWriter writer = WriterOnDisk(sensor);
   SingleTrial sink(writer);
   disk_.Set(Disk::State::kIsFull);
-  const auto summary =
-      Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 300'000 * kMs, .readings = {}});
+  const auto summary = Record(sensor, sink, clock_, kNeverStop, {.duration_ns = 300'000 * kMs});
   ASSERT_FALSE(summary);
   EXPECT_EQ(summary.error().cause, Cause::kFailed);
   EXPECT_THAT(summary.error().Text(), HasSubstr("disk.bin: could not be written: No space left"));

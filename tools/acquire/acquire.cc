@@ -181,7 +181,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
   const auto progress = Progress();
   acquire::SingleTrial sink(*writer);
   const auto summary = acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits,
-                                       {.reading = {}, .progress = progress});
+                                       {.progress = progress});
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
   return Report(options, wanted.output, header.metadata, *summary, wanted.sensor.port);

@@ -1,0 +1,104 @@
+// A sensor that goes away and comes back.
+#include "acquire/sensor/reconnecting_sensor.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/acquire/recorder_fixture.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::HasSubstr;
+using trial::Timing;
+
+/// A port that is there or not.
+class Plug {
+ public:
+  explicit Plug(Clock& clock) : clock_(clock) {}
+  ReconnectingSensor::Open Opener() {
+    return [this]() -> Result<std::unique_ptr<Sensor>> {
+      tries_ns.push_back(clock_.Now());
+      if (clock_.Now() < absent_until_ns)
+        return CannotAnswer("./port", "is not there", "plug it in");
+      absent_until_ns = clock_.Now() + away_ns;
+      return std::make_unique<CountingSensor>(clock_, timing, rows, Outcome::kGone);
+    };
+  }
+  MonotonicNs away_ns = 0;  ///< how long it is absent after each opening
+  std::uint64_t rows = 10;
+  Timing timing = Timing::kPolled;
+  std::vector<MonotonicNs> tries_ns;
+  MonotonicNs absent_until_ns = 0;
+
+ private:
+  Clock& clock_;
+};
+
+class ReconnectingTest : public RecorderTest {
+ protected:
+  Plug plug_{clock_};
+};
+
+TEST_F(ReconnectingTest, ReadingsGoOnAndTheTrialSaysWhatHappened) {
+  plug_.away_ns = 5000 * kMs;
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  const auto summary = Run(sensor, {.readings = 25});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->readings, 25U);
+  EXPECT_EQ(summary->reconnects, 2U);
+  EXPECT_EQ(summary->gaps, 2U) << "each absence is one, not two";
+  EXPECT_EQ(summary->discarded_bytes, 3 * 17U);
+  EXPECT_FALSE(summary->connection_lost);
+  Counts(path_);
+  ASSERT_EQ(events_.size(), 4U);
+  EXPECT_EQ(events_[0].text, "the connection was lost");
+  EXPECT_EQ(events_[0].row, 10U);
+  EXPECT_EQ(events_[1].kind, trial::EventKind::kReconnect);
+  EXPECT_EQ(events_[1].row, 10U);
+  // lost at 0.1 s; the first try behind 5 s is the 22nd: 50 + 100 + 200 + 19 * 250 ms
+  EXPECT_EQ(events_[1].text, "the device is back after 5.100 s");
+}
+
+TEST_F(ReconnectingTest, ATryComesAtLeastEveryQuarterOfASecondAndNotMoreOften) {
+  plug_.away_ns = 20'000 * kMs;
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  ASSERT_TRUE(Run(sensor, {.readings = 11}));
+  ASSERT_GT(plug_.tries_ns.size(), 20U);
+  EXPECT_EQ(plug_.tries_ns[2] - plug_.tries_ns[1], 100 * kMs) << "50 ms after the loss, then 100";
+  for (std::size_t i = 5; i < plug_.tries_ns.size(); ++i) {
+    EXPECT_EQ(plug_.tries_ns[i] - plug_.tries_ns[i - 1], 250 * kMs);
+  }
+}
+
+TEST_F(ReconnectingTest, IsGivenUpWhenItStaysAway) {
+  plug_.away_ns = 1'000'000 * kMs;
+  ReconnectingSensor sensor(plug_.Opener(), 3000 * kMs, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  const auto summary = Run(sensor, {});
+  ASSERT_TRUE(summary);
+  EXPECT_TRUE(summary->connection_lost);
+  EXPECT_EQ(summary->readings, 10U);
+  EXPECT_THAT(sensor.last_refusal(), HasSubstr("./port: is not there"));
+}
+
+TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {
+  ReconnectingSensor sensor(plug_.Opener(), 2000 * kMs, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  plug_.timing = Timing::kArrival;
+  const auto summary = Run(sensor, {});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->readings, 10U);
+  EXPECT_THAT(sensor.last_refusal(), HasSubstr("what came back sends other channels"));
+}
+
+TEST_F(ReconnectingTest, WhatIsNotThereAtTheBeginningIsAnError) {
+  plug_.absent_until_ns = 1;
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  EXPECT_EQ(sensor.Start(kNeverStop).error().cause, Cause::kCannotAnswer);
+}
+
+}  // namespace
+}  // namespace haptometer::acquire
