@@ -17,7 +17,6 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "analyze";
-constexpr int kCannotAnswer = 3;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -129,7 +128,7 @@ int StatusOf(const std::vector<AnalyzedFile>& files) {
   for (const AnalyzedFile& file : files) {
     if (file.error && file.error->cause != Cause::kCannotAnswer)
       return ExitStatus(file.error->cause);
-    if (file.error || !file.analysis->answered) status = kCannotAnswer;
+    if (file.error || !file.analysis->answered) status = ExitStatus(Cause::kCannotAnswer);
   }
   return status;
 }

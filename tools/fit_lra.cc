@@ -15,7 +15,6 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "fit-lra";
-constexpr int kCannotAnswer = 3;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -76,7 +75,7 @@ int RunFitLra(int argc, const char* const* argv) {
   fmt::print("{}",
              options.json() ? FitLraJson(*fit, input->remarks, input->left_out) : FitLraText(*fit));
   if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
-    status = kCannotAnswer;
+    status = ExitStatus(Cause::kCannotAnswer);
   }
   if (plot.empty()) return status;
   if (auto drawn = PlotFitLra(plot, *fit, input->records); !drawn) {
