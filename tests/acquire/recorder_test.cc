@@ -166,7 +166,7 @@ class StallingSink final : public RowSink {
  public:
   StallingSink(trial::TrialWriter& writer, Disk& disk) : trial_(writer), disk_(disk) {}
   Result<void> Append(const trial::Row& row) override {
-    (void)disk_.Take(0);
+    if (auto taken = disk_.Take(0); !taken) return std::unexpected(taken.error());
     ++rows_;
     return trial_.Append(row);
   }

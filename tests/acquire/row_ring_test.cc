@@ -16,7 +16,7 @@ constexpr std::size_t kBytesOfARow = 24 + 2 * 9;  // index and two times; bits a
 
 Reading TwoValues(std::int32_t number) {
   Reading reading;
-  reading.index = 10 * number;
+  reading.index = std::int64_t{10} * number;
   reading.time_ns = 1000 + number;
   reading.reply_ns = 2000 + number;
   reading.samples = {{RawValue::Counts(number), SampleStatus::kOk},
