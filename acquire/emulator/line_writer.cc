@@ -23,11 +23,15 @@ void LineWriter::Write(std::string_view bytes) {
   const std::size_t taken = sink_(kept_);
   if (taken > 0) mid_line_ = kept_[taken - 1] != line_end_;
   kept_.erase(0, taken);
-  if (kept_.empty()) return;
+  if (kept_.size() <= room_) return;
 
-  // a line that was begun is kept to its end, the others are lost
+  // whole lines are kept as far as there is room, and one that was begun to its end
   std::size_t keep = 0;
   if (mid_line_) keep = std::min({kept_.find(line_end_), kept_.size() - 1, kMostKept - 1}) + 1;
+  if (room_ > keep) {
+    const std::size_t last_end = kept_.rfind(line_end_, room_ - 1);
+    if (last_end != std::string::npos) keep = std::max(keep, last_end + 1);
+  }
   Drop(std::string_view(kept_).substr(keep));
   kept_.resize(keep);
 }

@@ -19,7 +19,7 @@ Result<ServeReport> Serve(Device& device, Endpoint& endpoint, const std::atomic<
   // the system may not round this thread's wake-ups to 50 us, its default
   prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   ServeReport report;
-  LineWriter writer(device.line_end(), [&](std::string_view bytes) {
+  LineWriter writer(device.line_end(), LineWriter::kPortRoom, [&](std::string_view bytes) {
     const std::size_t taken = endpoint.Write(bytes);
     report.bytes += taken;
     return taken;

@@ -16,8 +16,8 @@ namespace haptometer::acquire::emulator {
 /// What a run of Serve() came to.
 struct ServeReport {
   std::uint64_t bytes = 0;          ///< handed to hosts
-  std::uint64_t dropped_lines = 0;  ///< lost because the host did not read and the system's buffer,
-                                    ///< about 64 KiB, was full
+  std::uint64_t dropped_lines = 0;  ///< lost because the host did not read and there was no room
+                                    ///< left (line_writer.h)
   std::uint64_t hang_ups = 0;       ///< times the device dropped off the line
 };
 

@@ -168,7 +168,7 @@ TEST(EmulatorOnPty, LosesNoLineForOneWhoReads) {
 TEST(EmulatorOnPty, LosesWholeCountedLinesWhenNobodyReads) {
   Running running(Counter(200'000), Pty());
   const OwnedDescriptor port = OpenPath(running.Names().front());
-  // 1.8 MB/s into a buffer of 64 KiB; the stall is as long as it takes to be sure
+  // 1.8 MB/s into 64 KiB and what the terminal takes; the stall is as long as it takes to be sure
   std::string bytes = ReadAtLeast(port.get(), 9);
   usleep(300'000);
   bytes += ReadAtLeast(port.get(), 200'000);

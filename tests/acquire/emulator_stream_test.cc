@@ -169,7 +169,7 @@ struct Sink {
 
 TEST(LineWriter, LosesWholeLinesOnly) {
   Sink sink;
-  LineWriter writer('\r', std::ref(sink));
+  LineWriter writer('\r', 0, std::ref(sink));
   sink.room = 5;
   writer.Write("abc\rdef\rghi\rj");  // takes "abc\rd", keeps "ef\r", drops ghi and the j of jkl
   EXPECT_EQ(sink.taken, "abc\rd");
@@ -182,7 +182,7 @@ TEST(LineWriter, LosesWholeLinesOnly) {
 
 TEST(LineWriter, KeepsALineWhoseEndHasNotComeYet) {
   Sink sink;
-  LineWriter writer('\r', std::ref(sink));
+  LineWriter writer('\r', 0, std::ref(sink));
   sink.room = 2;
   writer.Write("abc");
   writer.Write("d");
@@ -195,7 +195,7 @@ TEST(LineWriter, KeepsALineWhoseEndHasNotComeYet) {
 
 TEST(LineWriter, DropsFromTheStartOfALineWhenNothingIsTaken) {
   Sink sink;
-  LineWriter writer('\r', std::ref(sink));
+  LineWriter writer('\r', 0, std::ref(sink));
   writer.Write("abc");
   writer.Write("def\rg");
   sink.room = 100;
@@ -206,7 +206,7 @@ TEST(LineWriter, DropsFromTheStartOfALineWhenNothingIsTaken) {
 
 TEST(LineWriter, DoesNotHoardALineWithoutEnd) {
   Sink sink;
-  LineWriter writer('\r', std::ref(sink));
+  LineWriter writer('\r', 0, std::ref(sink));
   sink.room = 1;
   for (int i = 0; i < 1000; ++i) writer.Write("0123456789");
   sink.room = 100'000;
@@ -215,9 +215,22 @@ TEST(LineWriter, DoesNotHoardALineWithoutEnd) {
   EXPECT_TRUE(sink.taken.ends_with("abc\r"));
 }
 
+TEST(LineWriter, KeepsWholeLinesAsFarAsThereIsRoom) {
+  Sink sink;
+  LineWriter writer('\r', 9, std::ref(sink));
+  writer.Write("abc\rdef\r");  // 8 bytes wait
+  EXPECT_EQ(writer.dropped_lines(), 0U);
+  writer.Write("ghi\rj");  // the newest are lost, as in a driver that is full
+  EXPECT_EQ(writer.dropped_lines(), 2U);
+  sink.room = 100;
+  writer.Write("kl\rmno\r");
+  EXPECT_EQ(sink.taken, "abc\rdef\rmno\r");
+  EXPECT_EQ(writer.dropped_lines(), 2U);
+}
+
 TEST(LineWriter, ForgetsTheLineOfAHostThatHasGone) {
   Sink sink;
-  LineWriter writer('\r', std::ref(sink));
+  LineWriter writer('\r', 0, std::ref(sink));
   sink.room = 2;
   writer.Write("abc\r");
   writer.Abandon();
@@ -231,7 +244,7 @@ TEST(LineWriter, AccountsForEveryLine) {
   std::mt19937 random(3);
   for (int run = 0; run < 200; ++run) {
     Sink sink;
-    LineWriter writer('\r', std::ref(sink));
+    LineWriter writer('\r', run % 2 == 0 ? 0 : 20, std::ref(sink));
     std::string all;
     for (int line = 0; line < 200; ++line) all += std::to_string(1000 + line) + "\r";
     std::size_t at = 0;
