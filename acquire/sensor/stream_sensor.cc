@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 
 namespace haptometer::acquire {
@@ -16,14 +17,6 @@ using trial::SampleStatus;
 constexpr MonotonicNs kSliceNs = 100'000'000;
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 constexpr MonotonicNs kIdentityNs = 200'000'000;
-
-// what came, fit for one line of a message
-std::string Printable(std::string_view line) {
-  constexpr std::size_t kMost = 24;
-  std::string shown(line.substr(0, kMost));
-  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return shown;
-}
 
 // longest line that is kept whole: a few lines run together are still shown and counted as one
 std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(format); }
@@ -116,8 +109,7 @@ std::vector<std::string> StreamSensor::Remarks() const {
   const double band_hz = HighestObservableHz(most_hz);
   std::string remark = fmt::format(
       "{} baud carry at most {:.0f} lines/s of {} characters: motion up to {:.0f} Hz can be "
-      "observed "
-      "if the sensor sends that fast (rate / 2.56)",
+      "observed if the sensor sends that fast (rate / 2.56)",
       setup_.baud, most_hz, LineBytes(setup_.format), band_hz);
   if (band_hz < 500) {
     remark += "; the 20-500 Hz band needs 1280 lines/s: set the sensor to a higher baud rate";
