@@ -47,6 +47,7 @@ struct Wanted {
   std::string link;
   std::string tcp;
   std::string fault;
+  std::string format;
   std::optional<std::int64_t> seed;
   std::optional<Quantity> duration_s;
   std::optional<Quantity> sampling_s;
@@ -64,6 +65,8 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Choice("--protocol", &wanted.protocol, {std::string(kUnit), std::string(kStream)},
                  "Keyence DL-RS1A, asked for each reading, or lines that come unasked");
   options.Count("--baud", &wanted.baud, 300, 20'000'000, "The wire's (9600; stream: 921600)");
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
   options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
   options.Text("--tcp", &wanted.tcp, "HOST:PORT",
                "TCP instead of a terminal; port 0: any free one");
@@ -96,6 +99,9 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   }
   if (wanted.stream() && wanted.refresh_s) {
     return Usage("--refresh", "is the buffer of a DL-RS1A", "leave it out with --protocol stream");
+  }
+  if (!wanted.stream() && !wanted.format.empty()) {
+    return Usage("--format", "is for lines that come unasked", "add --protocol stream");
   }
   const std::pair<const char*, const std::optional<Quantity>*> times[] = {
       {"--duration", &wanted.duration_s},
@@ -175,6 +181,11 @@ Result<Played> MakeUnit(const Wanted& wanted, emulator::MovingHead head,
 Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   emulator::StreamSetup setup;
+  if (!wanted.format.empty()) {
+    const auto format = acquire::ParseStreamFormat(wanted.format);
+    if (!format) return std::unexpected(format.error());
+    setup.format = *format;
+  }
   setup.head = std::move(head);
   setup.faults = faults;
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
