@@ -10,12 +10,11 @@
 #include "acquire/emulator/server.h"
 #include "acquire/emulator/stream_head.h"
 #include "acquire/protocol/stream_line.h"
-#include "sim/scene_file.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/played_scene.h"
 #include "tools/recorded_motion.h"
 #include "tools/verbs.h"
 #include "trial/read_recording.h"
@@ -120,12 +119,8 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
 // The head before a scene that plays: its motion and, where the scene's sensor is of this
 // protocol's kind, its settings. Another kind of sensor only says where the spot lies.
 Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
-  const auto scene = sim::ReadSceneFile(path);
+  const auto scene = ReadPlayedScene(path);
   if (!scene) return std::unexpected(scene.error());
-  if (scene->start == sim::Start::kSteady && !(sim::SolveSteadyState(*scene).error_estimate < 1)) {
-    return CannotAnswer(path, "has no steady state: the drive excites an undamped resonance",
-                        "add damping, or start = \"rest\" to [run]");
-  }
   if (scene->sensor && scene->sensor->head.name == head.head.name) {
     head = {.head = scene->sensor->head,
             .displacement = sim::SensedMotion(*scene),

@@ -252,5 +252,21 @@ TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
   EXPECT_THAT(summary.error().Text(), HasSubstr("0 of "));
 }
 
+TEST_F(RecorderTest, WhatTheSensorCountsAsLostIsAGapOfThatLength) {
+  CountingSensor sensor(clock_, Timing::kArrival, 100, Outcome::kEnd);
+  sensor.lost_before.assign(100, 0);
+  sensor.lost_before[40] = 7;
+  sensor.lost_before[99] = 2;  // at the very end, where no later row would tell
+  const auto summary = Run(sensor, {});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->gaps, 2U);
+  EXPECT_EQ(Counts(path_), CountTo(100));
+  ASSERT_EQ(events_.size(), 2U);
+  EXPECT_EQ(events_[0].kind, trial::EventKind::kGap);
+  EXPECT_EQ(events_[0].row, 40U);
+  EXPECT_EQ(events_[0].text, "7 readings were lost here, by the sensor's own count");
+  EXPECT_EQ(events_[1].row, 99U);
+}
+
 }  // namespace
 }  // namespace haptometer::acquire

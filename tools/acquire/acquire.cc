@@ -184,7 +184,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
                                        {.progress = progress});
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  return Report(options, wanted.output, header.metadata, *summary, wanted.sensor.port);
+  return Report(options, wanted.output, header.metadata, *summary, PortName(wanted.sensor));
 }
 
 }  // namespace
