@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acquire/transport/descriptor.h"
+#include "acquire/transport/latency_timer.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -81,6 +82,8 @@ Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
                         "give a --baud that the port and the sensor have");
   }
   opened->low_latency_ = AskForLowLatency(descriptor);
+  opened->path_ = path;
+  opened->latency_ns_ = LatencyTimerNs(path);
   return opened;
 }
 
@@ -93,8 +96,13 @@ Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
 }
 
 std::string SerialPort::Source() const {
-  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
-                     low_latency_ ? ", low latency" : "");
+  std::string latency = low_latency_ ? ", low latency" : "";
+  if (latency_ns_) latency = fmt::format(", latency timer {} ms", *latency_ns_ / 1'000'000);
+  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_, latency);
+}
+
+std::string SerialPort::LatencyCost(MonotonicNs period_ns) const {
+  return latency_ns_ ? LatencyRemark(path_, *latency_ns_, period_ns) : "";
 }
 
 }  // namespace haptometer::acquire

@@ -33,7 +33,8 @@ TEST(PacedSensor, ARowComesAtItsTimeOverTheSpeed) {
         }
         ASSERT_EQ(reading.index, row);
         // the reply comes half a millisecond after the request
-        const double due_s = 1e-3 * (static_cast<double>(row) + (timing == Timing::kPolled ? 0.5 : 0));
+        const double due_s =
+            1e-3 * (static_cast<double>(row) + (timing == Timing::kPolled ? 0.5 : 0));
         ASSERT_EQ(clock.Now() - begin_ns, std::llround(1e9 * due_s / speed)) << row;
         if (timing != Timing::kUniform) {
           ASSERT_EQ(reading.time_ns - begin_ns, row * kMs);

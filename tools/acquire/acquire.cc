@@ -180,8 +180,8 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
   if (!writer) return cli::ReportError(kVerb, writer.error());
   const auto progress = Progress();
   acquire::SingleTrial sink(*writer);
-  const auto summary = acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits,
-                                       {.progress = progress});
+  const auto summary =
+      acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits, {.progress = progress});
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
   return Report(options, wanted.output, header.metadata, *summary, PortName(wanted.sensor));

@@ -17,9 +17,8 @@ class SceneSensor final : public acquire::Sensor {
   SceneSensor(const sim::Scene& scene, const std::string& path)
       : sensor_(*scene.sensor),
         motion_(sim::SensedMotion(scene)),
-        rows_(static_cast<std::int64_t>(
-            std::floor(scene.duration_s.value_or(sim::kLongestRunS) * sensor_.rate_hz *
-                       (1 + 1e-12)))) {
+        rows_(static_cast<std::int64_t>(std::floor(scene.duration_s.value_or(sim::kLongestRunS) *
+                                                   sensor_.rate_hz * (1 + 1e-12)))) {
     // one row tells what the others are
     trial::Record record = sim::SimulateRecord(scene, 1 / sensor_.rate_hz);
     header_.timing = trial::Timing::kUniform;

@@ -53,9 +53,10 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
 }  // namespace
 
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
-  options.Text("--port", &wanted.port, "PORT",
-               "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
-               "pipe (standard input)");
+  options.Text(
+      "--port", &wanted.port, "PORT",
+      "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
+      "pipe (standard input)");
   options.Text("--sensor", &wanted.sensor, "NAME",
                "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked; "
                "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
@@ -66,7 +67,8 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
                "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
   options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
                "What is piped in, e.g. displacement:um,voltage:V,trigger");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, "Rows a second that are piped in");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+                 "Rows a second that are piped in");
   options.Text("--calibration", &wanted.calibration, "FILE",
                "What the volts or counts of a piped channel mean (docs/formats.md)");
   options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
