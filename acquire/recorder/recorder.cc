@@ -113,8 +113,7 @@ void Reader::Keep(const Reading& reading) {
   if (lost_here_ == 0 && ring_.HasRoom()) {
     if (reading.lost_before > 0) {
       Say(trial::EventKind::kGap,
-          fmt::format("{} readings were lost here, by the sensor's own count",
-                      reading.lost_before));
+          fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before));
     }
     const bool is_in = ring_.Push(reading, origin_ns_);
     HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);

@@ -11,7 +11,8 @@
 namespace haptometer::acquire {
 
 /// Another sensor's rows, each handed out when its time has come: for sensors that have all their
-/// rows at once, as a replay or a simulation. Rows, statuses and the times in them stay as they are.
+/// rows at once, as a replay or a simulation. Rows, statuses and the times in them stay as they
+/// are.
 class PacedSensor final : public Sensor {
  public:
   /// `speed`: rows of one second come within 1 / speed s; > 0, infinite: without waiting. A polled
@@ -25,9 +26,7 @@ class PacedSensor final : public Sensor {
   [[nodiscard]] std::vector<std::string> Remarks() const override { return inner_->Remarks(); }
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
-  [[nodiscard]] std::uint64_t discarded_bytes() const override {
-    return inner_->discarded_bytes();
-  }
+  [[nodiscard]] std::uint64_t discarded_bytes() const override { return inner_->discarded_bytes(); }
 
  private:
   [[nodiscard]] MonotonicNs DueNs() const;

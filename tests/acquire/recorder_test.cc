@@ -264,7 +264,7 @@ TEST_F(RecorderTest, WhatTheSensorCountsAsLostIsAGapOfThatLength) {
   ASSERT_EQ(events_.size(), 2U);
   EXPECT_EQ(events_[0].kind, trial::EventKind::kGap);
   EXPECT_EQ(events_[0].row, 40U);
-  EXPECT_EQ(events_[0].text, "7 readings were lost here, by the sensor's own count");
+  EXPECT_EQ(events_[0].text, "readings lost here, by the sensor's own count: 7");
   EXPECT_EQ(events_[1].row, 99U);
 }
 
