@@ -20,8 +20,8 @@ HAPTOMETER = os.path.join(os.environ["HAPTOMETER_PROGRAMS"], "haptometer")
 SCENE = str(ROOT / "fixtures" / "lra_adapter.toml")
 DEADLINE_S = 100
 
-reader = re.search(r"```python\n(import json.*?)```", (ROOT / "docs" / "formats.md").read_text(), re.S)
-exec(reader.group(1))
+FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
+exec(re.search(r"```python\n(import json.*?)```", FORMATS, re.S).group(1))
 
 
 def run(arguments, data=b"", status=0):
@@ -66,9 +66,8 @@ def test_every_form_arrives_bit_for_bit(directory):
 
 def test_counts_with_a_calibration(directory):
     calibration = os.path.join(directory, "il030.toml")
-    pathlib.Path(calibration).write_text(
-        "name = 'rig 2'\n[displacement]\nscale_m_per_v = 1e-3\nbad_above_v = 5.25\n"
-        "daq_min_v = -10\ndaq_max_v = 10\nv_per_count = 3.0517578125e-4\n")
+    # the example as it stands there
+    pathlib.Path(calibration).write_text(re.search(r"```toml\n(.*?)```", FORMATS, re.S).group(1))
     counts = np.array([[0, 1], [16384, 0], [17300, 0], [32767, 1], [-32768, 0]], "<i2")
     path, summary = pipe(directory, "i16", counts.tobytes(),
                          ["--format", "i16", "--rate", "10kHz", "--channels", "displacement,trigger",
@@ -79,7 +78,7 @@ def test_counts_with_a_calibration(directory):
     np.testing.assert_allclose(rows["value0"] * channel["scale"] + channel["offset"],
                                counts[:, 0] * (20 / 65536) * 1e-3, rtol=1e-14)
     assert rows["status0"].tolist() == [0, 0, 4, 7, 7]
-    assert header["fields"]["calibration"] == "rig 2"
+    assert header["fields"]["calibration"] == "IL-030, rig 2"
     assert "bad" in summary and summary["bad_by_kind"]["clipped"] == 2
 
 
