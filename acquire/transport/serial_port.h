@@ -11,8 +11,8 @@ namespace haptometer::acquire {
 /// A serial port of the computer, opened and set up by libserialport: 8N1, no flow control.
 ///
 /// libserialport's own reads spin after a hang-up and cannot tell it from silence (0.1.1), so bytes
-/// are moved on its descriptor (transport/descriptor.h). The port is taken exclusively: flock, and
-/// TIOCEXCL against programs that do not ask.
+/// are moved on its descriptor (transport/descriptor.h). The port is taken exclusively: flock
+/// before anything is set, and TIOCEXCL against programs that do not ask.
 class SerialPort final : public Transport {
  public:
   /// `path`: as libserialport wants it, below /dev; `name`: as the user gave it, for messages.
