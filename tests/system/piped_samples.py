@@ -137,6 +137,28 @@ def test_a_scene_is_recorded_as_it_is_simulated(directory):
     assert rows_of(simulated)[0]["channels"] == header["channels"]
 
 
+def test_numbered_lines_that_are_lost_are_gaps(directory):
+    form = "000,+00.0000,mm,CR"
+    emulator = subprocess.Popen([HAPTOMETER, "emulate", "--scene", SCENE, "--protocol", "stream",
+                                 "--format", form, "--sampling", "1ms", "--fault", "silent:100"],
+                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+    try:
+        port = emulator.stdout.readline().decode().split()[1]
+        path = os.path.join(directory, "numbered.bin")
+        done = run([ACQUIRE, "--sensor", "stream", "--format", form, "--port", port, "--json",
+                    "--samples", "1000", "-o", path])
+    finally:
+        emulator.kill()
+        emulator.wait(DEADLINE_S)
+    header, rows, events = rows_of(path)
+    gaps = [event for event in events if event["event"] == "gap"]
+    # one line in a hundred is left out; a machine that stalls may lose more, never fewer
+    assert len(rows) == 1000 and len(gaps) >= 9, len(gaps)
+    assert json.loads(done.stdout)["gaps"] >= len(gaps)
+    assert all(event["text"].startswith("readings lost here, by the sensor's own count: ")
+               for event in gaps)
+
+
 def test_lists_are_documents(directory):
     sensors = json.loads(run([ACQUIRE, "--list-sensors", "--band", "20-500Hz", "--resolution", "1um",
                               "--json"]).stdout)
