@@ -9,6 +9,7 @@
 #include <mutex>
 #include <thread>
 
+#include "acquire/recorder/tally.h"
 #include "tests/acquire/recorder_fixture.h"
 #include "tests/residual.h"
 
@@ -266,6 +267,20 @@ TEST_F(RecorderTest, WhatTheSensorCountsAsLostIsAGapOfThatLength) {
   EXPECT_EQ(events_[0].row, 40U);
   EXPECT_EQ(events_[0].text, "readings lost here, by the sensor's own count: 7");
   EXPECT_EQ(events_[1].row, 99U);
+}
+
+TEST_F(RecorderTest, ASilenceThatTheSensorCountsIsOneGap) {
+  CountingSensor sensor(clock_, Timing::kArrival, 0, Outcome::kEnd);
+  Tally tally(sensor, 0);
+  Reading reading;
+  reading.samples.resize(1);
+  for (int row = 0; row < 2000; ++row) {
+    // 300 ms of silence after a second; behind it 300 readings are missing
+    reading.lost_before = row == 1000 ? 300 : 0;
+    reading.time_ns = (row + (row >= 1000 ? 300 : 0)) * kMs;
+    tally.Add(reading);
+  }
+  EXPECT_EQ(tally.Summary().gaps, 1U);
 }
 
 }  // namespace
