@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "tools/cli/json.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -55,11 +57,6 @@ void PrintBand(const dsp::BandAnalysis& a) {
   Line("", fmt::format("{:.3g} um RMS in band without it", *a.residual_rms_m / kUm));
 }
 
-template <typename T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json BelowBandJson(const std::optional<dsp::BelowBand>& below) {
   if (!below) return nullptr;
   return {{"frequency_hz", below->frequency_hz},
@@ -73,7 +70,7 @@ Json EmptyTrial(const AnalyzedFile& file) {
              {"answered", false},
              {"reasons", Json::array()},
              {"remarks", file.remarks}};
-  trial["source"] = file.source.empty() ? Json(nullptr) : Json(file.source);
+  trial["source"] = cli::TextOrNull(file.source);
   for (const char* key : {"readings",
                           "measured",
                           "bridged",
@@ -127,14 +124,14 @@ void FillBand(const dsp::BandAnalysis& a, Json& trial) {
                    {"order", a.band.order},
                    {"corner", CornerName(a.band.corners)}};
   if (a.window) trial["window_s"] = {a.window->begin_s, a.window->end_s};
-  trial["band_rms_m"] = OrNull(a.band_rms_m);
-  trial["band_rms_standard_uncertainty_m"] = OrNull(a.band_rms_uncertainty_m);
-  trial["band_rms_whole_m"] = OrNull(a.band_rms_whole_m);
-  trial["band_peak_to_peak_m"] = OrNull(a.band_peak_to_peak_m);
-  trial["residual_rms_m"] = OrNull(a.residual_rms_m);
-  trial["bridged_rms_m"] = OrNull(a.bridged_rms_m);
+  trial["band_rms_m"] = cli::NumberOrNull(a.band_rms_m);
+  trial["band_rms_standard_uncertainty_m"] = cli::NumberOrNull(a.band_rms_uncertainty_m);
+  trial["band_rms_whole_m"] = cli::NumberOrNull(a.band_rms_whole_m);
+  trial["band_peak_to_peak_m"] = cli::NumberOrNull(a.band_peak_to_peak_m);
+  trial["residual_rms_m"] = cli::NumberOrNull(a.residual_rms_m);
+  trial["bridged_rms_m"] = cli::NumberOrNull(a.bridged_rms_m);
   trial["below_band"] = BelowBandJson(a.below_band);
-  trial["sensor_gain_at_tone"] = OrNull(a.sensor_gain_at_tone);
+  trial["sensor_gain_at_tone"] = cli::NumberOrNull(a.sensor_gain_at_tone);
   if (!a.tone) return;
   trial["tone_frequency_hz"] = a.tone->frequency_hz;
   trial["tone_frequency_standard_uncertainty_hz"] = a.tone->frequency_uncertainty_hz;
@@ -203,7 +200,7 @@ std::string AnalysisJson(const std::vector<AnalyzedFile>& files) {
     trials.push_back(std::move(trial));
   }
   // a path need not be UTF-8
-  return Json{{"trials", std::move(trials)}}.dump(2, ' ', false, Json::error_handler_t::replace);
+  return cli::JsonText({{"trials", std::move(trials)}});
 }
 
 std::vector<plot::Panel> AnalysisPanels(const trial::Record& record,

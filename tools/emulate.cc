@@ -154,8 +154,8 @@ struct Played {
 };
 
 std::string Describe(const trial::SensorHead& head) {
-  return fmt::format("{}, sampled every {:g} ms, {} averages", head.name, 1e3 * head.sampling_s,
-                     head.averages);
+  return fmt::format("{}, sampled every {:g} ms, {} average{}", head.name, 1e3 * head.sampling_s,
+                     head.averages, head.averages == 1 ? "" : "s");
 }
 
 Result<Played> MakeUnit(const Wanted& wanted, emulator::MovingHead head,

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "tools/cli/json.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -94,13 +95,9 @@ std::string Sentences(const std::vector<std::string>& sentences) {
   return lines;
 }
 
-ordered_json NumberOrNull(double value) {
-  return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);
-}
-
 ordered_json ValueJson(const FittedValue& value) {
   const auto field = [&value](double number) {
-    return value.determined ? NumberOrNull(number) : ordered_json(nullptr);
+    return value.determined ? cli::NumberOrNull(number) : ordered_json(nullptr);
   };
   return {{"value", field(value.value)},
           {"standard_uncertainty", field(value.standard_uncertainty)},
@@ -111,34 +108,35 @@ ordered_json ValueJson(const FittedValue& value) {
 
 // a plain number and its uncertainty beside it
 void AddPlain(ordered_json& document, const std::string& key, const FittedValue& value) {
-  document[key] = value.determined ? NumberOrNull(value.value) : ordered_json(nullptr);
+  document[key] = value.determined ? cli::NumberOrNull(value.value) : ordered_json(nullptr);
   document[key + "_standard_uncertainty"] =
-      value.determined ? NumberOrNull(value.combined_standard_uncertainty) : ordered_json(nullptr);
+      value.determined ? cli::NumberOrNull(value.combined_standard_uncertainty)
+                       : ordered_json(nullptr);
 }
 
 ordered_json RecordJson(const fit::FittedRecord& record) {
   const bool open = std::isinf(record.load_ohm);
-  return {
-      {"file", record.name},
-      {"open_circuit", open},
-      {"load_ohm", NumberOrNull(record.load_ohm)},
-      {"impact_s", record.impact_s},
-      {"impact_speed_m_per_s",
-       record.speed_determined ? NumberOrNull(record.impact_speed_m_per_s) : ordered_json(nullptr)},
-      {"offset_v", record.offset_v},
-      {"decay_per_s", record.decay_per_s},
-      {"damped_frequency_hz", record.damped_frequency_hz > 0
-                                  ? NumberOrNull(record.damped_frequency_hz)
-                                  : ordered_json(nullptr)},
-      {"residual_rms_v", record.residual_rms_v},
-      {"quiet_noise_rms_v",
-       record.quiet_noise_v > 0 ? NumberOrNull(record.quiet_noise_v) : ordered_json(nullptr)},
-      {"samples", record.samples}};
+  return {{"file", record.name},
+          {"open_circuit", open},
+          {"load_ohm", cli::NumberOrNull(record.load_ohm)},
+          {"impact_s", record.impact_s},
+          {"impact_speed_m_per_s", record.speed_determined
+                                       ? cli::NumberOrNull(record.impact_speed_m_per_s)
+                                       : ordered_json(nullptr)},
+          {"offset_v", record.offset_v},
+          {"decay_per_s", record.decay_per_s},
+          {"damped_frequency_hz", record.damped_frequency_hz > 0
+                                      ? cli::NumberOrNull(record.damped_frequency_hz)
+                                      : ordered_json(nullptr)},
+          {"residual_rms_v", record.residual_rms_v},
+          {"quiet_noise_rms_v", record.quiet_noise_v > 0 ? cli::NumberOrNull(record.quiet_noise_v)
+                                                         : ordered_json(nullptr)},
+          {"samples", record.samples}};
 }
 
 ordered_json InfluenceJson(const fit::InputInfluence& influence) {
   return {{"input", influence.input},
-          {"value", NumberOrNull(influence.value)},
+          {"value", cli::NumberOrNull(influence.value)},
           {"standard_uncertainty", influence.standard_uncertainty},
           {"unit", influence.unit},
           {"kv_percent_per_percent", influence.percent_per_percent[0]},
@@ -185,7 +183,7 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& r
   document["termination"] = fit.termination;
   document["iterations"] = fit.iterations;
   document["chi_square_per_degree"] = fit.chi_square_per_degree > 0
-                                          ? NumberOrNull(fit.chi_square_per_degree)
+                                          ? cli::NumberOrNull(fit.chi_square_per_degree)
                                           : ordered_json(nullptr);
   document["records"] = ordered_json::array();
   for (const auto& record : fit.records) document["records"].push_back(RecordJson(record));
@@ -196,7 +194,7 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& r
   document["remarks"] = remarks;
   document["left_out"] = ordered_json::array();
   for (const auto& error : left_out) document["left_out"].push_back(error.Text());
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + '\n';
+  return cli::JsonText(document);
 }
 
 Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,

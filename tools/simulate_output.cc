@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "tools/cli/json.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -77,13 +79,12 @@ std::string SimulateJson(const SimulateAnswer& answer) {
                         {"window_rms_m", nullptr},
                         {"window_s", nullptr},
                         {"assumptions", SimulateAssumptions(answer)},
-                        {"trial", nullptr}};
+                        {"trial", cli::TextOrNull(answer.trial_path)}};
   if (answer.window) {
     document["window_rms_m"] = answer.window->skin_rms_m;
     document["window_s"] = {answer.window->begin_s, answer.window->end_s};
   }
-  if (!answer.trial_path.empty()) document["trial"] = answer.trial_path;
-  return document.dump(2) + '\n';
+  return cli::JsonText(document);
 }
 
 }  // namespace haptometer::tools

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/residual.h"
+#include "tests/tools/captured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -20,24 +21,8 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using Json = nlohmann::json;
 
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-Outcome Analyze(std::vector<std::string> arguments) {
-  arguments.insert(arguments.begin(), "analyze");
-  std::vector<const char*> argv;
-  argv.reserve(arguments.size());
-  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = RunAnalyze(static_cast<int>(argv.size()), argv.data());
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
+Outcome Analyze(const std::vector<std::string>& words) {
+  return Captured(RunAnalyze, "analyze", words);
 }
 
 class AnalyzeVerb : public ::testing::Test {

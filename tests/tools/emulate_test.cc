@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "tests/residual.h"
+#include "tests/tools/captured.h"
 #include "tools/recorded_motion.h"
 #include "tools/verbs.h"
 
@@ -20,22 +21,8 @@ namespace fs = std::filesystem;
 
 const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
 
-struct Said {
-  int status = -1;
-  std::string out;
-  std::string err;
-};
-
-Said Emulate(const std::vector<std::string>& options) {
-  std::vector<const char*> argv{"emulate"};
-  for (const std::string& option : options) argv.push_back(option.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Said said;
-  said.status = RunEmulate(static_cast<int>(argv.size()), argv.data());
-  said.out = ::testing::internal::GetCapturedStdout();
-  said.err = ::testing::internal::GetCapturedStderr();
-  return said;
+Outcome Emulate(const std::vector<std::string>& words) {
+  return Captured(RunEmulate, "emulate", words);
 }
 
 // --- command line ------------------------------------------------------------------------------
@@ -49,7 +36,7 @@ struct Wrong {
 class WrongEmulations : public ::testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongEmulations, SayWhatToDo) {
-  const Said said = Emulate(GetParam().options);
+  const Outcome said = Emulate(GetParam().options);
   EXPECT_EQ(said.status, GetParam().status);
   EXPECT_EQ(said.err, "haptometer emulate: " + GetParam().text + "\n");
   EXPECT_EQ(said.out, "");
@@ -89,16 +76,16 @@ INSTANTIATE_TEST_SUITE_P(
               "--tcp: '5000' is not HOST:PORT; give 127.0.0.1:0, for example"}));
 
 TEST(Emulate, TellsWhatIsWrongWithItsFiles) {
-  const Said scene = Emulate({"--scene", "absent.toml"});
+  const Outcome scene = Emulate({"--scene", "absent.toml"});
   EXPECT_EQ(scene.status, 3);
   EXPECT_TRUE(scene.err.starts_with("haptometer emulate: absent.toml: ")) << scene.err;
-  const Said trial = Emulate({"--trial", "absent.bin"});
+  const Outcome trial = Emulate({"--trial", "absent.bin"});
   EXPECT_EQ(trial.status, 3);
   EXPECT_TRUE(trial.err.starts_with("haptometer emulate: absent.bin: ")) << trial.err;
 }
 
 TEST(Emulate, SaysWhereItIsAndWhatItPlays) {
-  const Said unit = Emulate({"--scene", kScene, "--duration", "10ms"});
+  const Outcome unit = Emulate({"--scene", kScene, "--duration", "10ms"});
   EXPECT_EQ(unit.status, 0) << unit.err;
   EXPECT_TRUE(unit.out.starts_with("ready /dev/pts/")) << unit.out;
   EXPECT_EQ(std::count(unit.out.begin(), unit.out.end(), '\n'), 1);
@@ -106,12 +93,12 @@ TEST(Emulate, SaysWhereItIsAndWhatItPlays) {
             "emulate: IL-030, sampled every 1 ms, 16 averages; at 9600 baud at most 48.4 "
             "readings/s, new ones every 7 ms\n");
 
-  const Said stream = Emulate({"--scene", kScene, "--protocol", "stream", "--tcp", "127.0.0.1:0",
-                               "--sampling", "1ms", "--baud", "115200", "--duration", "10ms"});
+  const Outcome stream = Emulate({"--scene", kScene, "--protocol", "stream", "--tcp", "127.0.0.1:0",
+                                  "--sampling", "1ms", "--baud", "115200", "--duration", "10ms"});
   EXPECT_EQ(stream.status, 0) << stream.err;
   EXPECT_TRUE(stream.out.starts_with("ready 127.0.0.1:")) << stream.out;
   EXPECT_EQ(stream.err,
-            "emulate: stream-10kHz, sampled every 1 ms, 1 averages; 1000 lines/s of 9 characters "
+            "emulate: stream-10kHz, sampled every 1 ms, 1 average; 1000 lines/s of 9 characters "
             "at 115200 baud\n");
 }
 
@@ -119,7 +106,7 @@ TEST(Emulate, PlaysATrialAndSaysForHowLong) {
   const fs::path file =
       fs::path(::testing::TempDir()) / ("emulate_test_" + std::to_string(::getpid()) + ".csv");
   std::ofstream(file) << "time_s,displacement_m\n0,1e-3\n0.1,2e-3\n0.2,3e-3\n";
-  const Said said = Emulate({"--trial", file, "--duration", "10ms"});
+  const Outcome said = Emulate({"--trial", file, "--duration", "10ms"});
   EXPECT_EQ(said.status, 0) << said.err;
   EXPECT_TRUE(said.err.starts_with("emulate: plays 0.2 s of " + file.string() +
                                    ", then holds its last value; IL-030"))

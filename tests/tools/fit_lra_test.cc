@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/residual.h"
+#include "tests/tools/captured.h"
 #include "tools/fit_lra_input.h"
 #include "tools/verbs.h"
 
@@ -25,25 +26,8 @@ using ::testing::IsEmpty;
 const std::string kOpenFile = std::string(HAPTOMETER_FIXTURES) + "/impulse.csv";
 const std::string kLoadedFile = std::string(HAPTOMETER_FIXTURES) + "/impulse_33ohm.csv";
 
-struct Outcome {
-  int status = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome FitLra(std::vector<std::string> words) {
-  words.insert(words.begin(), "fit-lra");
-  std::vector<const char*> argv;
-  argv.reserve(words.size());
-  for (const auto& word : words) argv.push_back(word.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = RunFitLra(static_cast<int>(argv.size()), argv.data());
-  std::fflush(nullptr);
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
+Outcome FitLra(const std::vector<std::string>& words) {
+  return Captured(RunFitLra, "fit-lra", words);
 }
 
 json FitLraJson(std::vector<std::string> words) {

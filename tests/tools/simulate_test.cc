@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tests/residual.h"
+#include "tests/tools/captured.h"
 #include "tools/verbs.h"
 #include "trial/trial_reader.h"
 
@@ -23,25 +24,8 @@ using ::testing::HasSubstr;
 
 const std::string kFixtures = HAPTOMETER_FIXTURES;
 
-struct Outcome {
-  int status = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome Simulate(std::vector<std::string> words) {
-  words.insert(words.begin(), "simulate");
-  std::vector<const char*> argv;
-  argv.reserve(words.size());
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = RunSimulate(static_cast<int>(argv.size()), argv.data());
-  std::fflush(nullptr);
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
+Outcome Simulate(const std::vector<std::string>& words) {
+  return Captured(RunSimulate, "simulate", words);
 }
 
 class SimulateVerb : public ::testing::Test {

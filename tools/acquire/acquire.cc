@@ -19,6 +19,7 @@
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/key_values.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/verbs.h"
@@ -95,18 +96,6 @@ Result<void> Check(const AcquireOptions& wanted) {
   return {};
 }
 
-Result<std::map<std::string, std::string>> ReadLabels(const std::vector<std::string>& words) {
-  std::map<std::string, std::string> labels;
-  for (const std::string& word : words) {
-    const std::size_t equals = word.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      return Usage("--label", fmt::format("'{}' is not KEY=VALUE", word), "write e.g. subject=3");
-    }
-    labels[word.substr(0, equals)] = word.substr(equals + 1);
-  }
-  return labels;
-}
-
 // what the sensor says, and who recorded it when
 trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted,
                               const std::map<std::string, std::string>& labels,
@@ -170,7 +159,7 @@ Result<acquire::RecordingLimits> Limits(const AcquireOptions& wanted) {
 
 // everything between the command line and the report
 int Run(const cli::Options& options, const AcquireOptions& wanted, std::string command_line) {
-  const auto labels = ReadLabels(wanted.labels);
+  const auto labels = cli::ReadKeyValues(wanted.labels, "--label");
   if (!labels) return cli::ReportError(kVerb, labels.error());
   const auto limits = Limits(wanted);
   if (!limits) return cli::ReportError(kVerb, limits.error());

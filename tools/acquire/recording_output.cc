@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "acquire/protocol/wire.h"
+#include "tools/cli/json.h"
 
 namespace haptometer::tools {
 namespace {
@@ -15,10 +16,6 @@ using nlohmann::ordered_json;
 using trial::SampleStatus;
 
 bool IsBad(std::size_t status) { return !IsMeasurement(static_cast<SampleStatus>(status)); }
-
-ordered_json NumberOrNull(const std::optional<double>& number) {
-  return number ? ordered_json(*number) : ordered_json(nullptr);
-}
 
 // " (1 late, 2 bad_frame)", or nothing where nothing is bad
 std::string BadByKind(const RecordingSummary& summary) {
@@ -74,12 +71,11 @@ std::string SummaryJson(const std::string& file, const trial::Metadata& metadata
                               {"gaps", summary.gaps},
                               {"discarded_bytes", summary.discarded_bytes},
                               {"elapsed_s", summary.elapsed_s},
-                              {"rate_hz", NumberOrNull(summary.rate_hz)},
-                              {"jitter_s", NumberOrNull(summary.interval_sd_s)},
-                              {"highest_observable_hz", NumberOrNull(observable_hz)},
+                              {"rate_hz", cli::NumberOrNull(summary.rate_hz)},
+                              {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
+                              {"highest_observable_hz", cli::NumberOrNull(observable_hz)},
                               {"connection_lost", summary.connection_lost}};
-  // names and paths may hold bytes that are no UTF-8
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return cli::JsonText(document);
 }
 
 }  // namespace haptometer::tools
