@@ -7,6 +7,7 @@
 #include <cstring>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -108,6 +109,14 @@ template <typename T>
   T value;
   std::memcpy(&value, bytes, sizeof value);
   return value;
+}
+
+/// Adds the bytes of a number to `bytes`.
+template <typename T>
+void AppendLittleEndian(T value, std::string* bytes) {
+  bytes->resize(bytes->size() + sizeof value);
+  StoreLittleEndian(value,
+                    reinterpret_cast<std::byte*>(bytes->data() + bytes->size() - sizeof value));
 }
 
 /// The bytes of `text`.

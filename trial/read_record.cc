@@ -18,17 +18,6 @@ struct Gathered {
   std::uint64_t next_row = 0;       // as counted by the writer
 };
 
-Channel ChannelOf(const ChannelFormat& format) {
-  return {.name = format.name,
-          .role = format.role,
-          .unit = format.unit,
-          .values = {},
-          .statuses = {},
-          .range_min = format.range_min,
-          .range_max = format.range_max,
-          .resolution = format.resolution};
-}
-
 void AppendValues(const Chunk& chunk, Record* record) {
   for (std::size_t c = 0; c < record->channels.size(); ++c) {
     Channel& channel = record->channels[c];

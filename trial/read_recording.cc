@@ -2,9 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <utility>
 
+#include "base/input_file.h"
+#include "trial/block.h"
 #include "trial/import/csv.h"
+#include "trial/import/hdf5.h"
+#include "trial/import/lvm.h"
 
 namespace haptometer::trial {
 namespace {
@@ -22,24 +27,57 @@ bool IsText(std::span<const std::byte> start) {
   });
 }
 
+bool IsHdf5(std::span<const std::byte> start) {
+  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
+  return start.size() >= kSignature.size() &&
+         std::ranges::equal(start.first(kSignature.size()), BytesOfText(kSignature));
+}
+
+// "FILE.h5/NAME": a trial in an HDF5 file, the file and the name
+std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  if (!std::filesystem::is_regular_file(parent, ignored)) return {path, ""};
+  return {parent.string(), std::filesystem::path(path).filename().string()};
+}
+
+Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions& options) {
+  const auto text = ReadInputFile(path);
+  if (!text) return std::unexpected(text.error());
+  Recording recording;
+  const bool is_lvm = IsLvm(*text);
+  auto record =
+      is_lvm ? ParseLvm(*text, path) : ParseCsv(*text, path, options, &recording.report.remarks);
+  if (!record) return std::unexpected(record.error());
+  recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
+  recording.report.closed = true;
+  recording.report.rows = recording.report.next_row = record->rows;
+  recording.record = std::move(*record);
+  return recording;
+}
+
 }  // namespace
 
-Result<Recording> ReadRecording(const std::string& path) {
+Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptions& options) {
+  const auto [path, name] = SplitTrialName(whole_path);
   auto source = OpenFileSource(path);
   if (!source) return std::unexpected(source.error());
-  std::array<std::byte, 512> start;
-  const auto got = (*source)->ReadAt(0, start);
+  std::array<std::byte, 512> bytes;
+  const auto got = (*source)->ReadAt(0, bytes);
   if (!got) return std::unexpected(got.error());
-  const bool is_text = *got == 0 || IsText(std::span(start).first(*got));
-  if (!is_text) return ReadRecordFrom(std::move(*source), path);
-  auto record = ReadCsv(path);
-  if (!record) return std::unexpected(record.error());
-  Recording recording;
-  recording.report.closed = true;
-  recording.report.rows = record->rows;
-  recording.report.next_row = record->rows;
-  recording.report.file_bytes = (*source)->size();
-  recording.record = std::move(*record);
+  const std::span<const std::byte> start = std::span(bytes).first(*got);
+  const std::uint64_t file_bytes = (*source)->size();
+  Result<Recording> recording;
+  if (IsHdf5(start)) {
+    recording = ReadHdf5(path, name);
+  } else if (!name.empty()) {
+    return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
+  } else if (*got > 0 && !IsText(start)) {
+    return ReadRecordFrom(std::move(*source), path);
+  } else {
+    recording = ReadTextRecording(path, options);
+  }
+  if (recording) recording->report.file_bytes = file_bytes;
   return recording;
 }
 

@@ -1,5 +1,6 @@
 #include "trial/trial_format.h"
 
+#include <algorithm>
 #include <array>
 
 #include "base/check.h"
@@ -22,6 +23,33 @@ std::string_view Name(EventKind kind) {
   constexpr std::array<std::string_view, 5> kNames{"gap", "reconnect", "remark", "labels",
                                                    "time_base"};
   return kNames.at(static_cast<std::size_t>(kind));
+}
+
+Channel ChannelOf(const ChannelFormat& format) {
+  return {.name = format.name,
+          .role = format.role,
+          .unit = format.unit,
+          .values = {},
+          .statuses = {},
+          .range_min = format.range_min,
+          .range_max = format.range_max,
+          .resolution = format.resolution};
+}
+
+TrialHeader HeaderOf(const Record& record) {
+  TrialHeader header{.timing = record.timing, .metadata = record.metadata};
+  if (!record.stretches.empty()) {
+    header.rate_hz = std::ranges::max_element(record.stretches, {}, &Stretch::rows)->rate_hz;
+  }
+  for (const Channel& channel : record.channels) {
+    header.channels.push_back({.name = channel.name,
+                               .role = channel.role,
+                               .unit = channel.unit,
+                               .range_min = channel.range_min,
+                               .range_max = channel.range_max,
+                               .resolution = channel.resolution});
+  }
+  return header;
 }
 
 double RawValue::Number(Encoding encoding) const {

@@ -52,6 +52,13 @@ struct TrialHeader {
 
 inline constexpr std::size_t kMaxChannels = 1024;
 
+/// An empty channel that is what `format` says.
+[[nodiscard]] Channel ChannelOf(const ChannelFormat& format);
+
+/// The head of a trial that would hold `record`: channels of doubles in their units, its metadata.
+/// The rate is that of its longest stretch.
+[[nodiscard]] TrialHeader HeaderOf(const Record& record);
+
 /// One raw value as sent. Kept as bits, so that even a float's NaN comes back as it was.
 class RawValue {
  public:

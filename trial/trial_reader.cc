@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <utility>
@@ -73,6 +74,11 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
 }
 
 }  // namespace
+
+std::string_view Name(FileKind kind) {
+  constexpr std::array<std::string_view, 4> kNames{"trial", "CSV", "HDF5", "LabVIEW measurement"};
+  return kNames.at(static_cast<std::size_t>(kind));
+}
 
 std::string Describe(const Loss& loss) {
   std::string text = loss.what;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/result.h"
@@ -28,13 +29,24 @@ struct Loss {
 /// One sentence: "block 7 is damaged (bytes 4096 to 8191): rows 512 to 1023 are lost".
 [[nodiscard]] std::string Describe(const Loss& loss);
 
+/// What a recording was read from.
+enum class FileKind : std::uint8_t { kTrial, kCsv, kHdf5, kLvm };
+
+/// "trial", "CSV", "HDF5", "LabVIEW measurement".
+[[nodiscard]] std::string_view Name(FileKind kind);
+
 /// How well a file could be read; complete when the last chunk has been handed out.
 struct ReadReport {
-  bool closed = false;     ///< it was finished by its writer; false: cut short or being written
+  FileKind kind = FileKind::kTrial;
+  /// A trial.bin: it was finished by its writer; false: cut short or being written. Other kinds
+  /// cannot tell and say true; an HDF5 says what the exported trial said.
+  bool closed = false;
   std::uint64_t rows = 0;  ///< read
   std::uint64_t file_bytes = 0;
   std::vector<Loss> losses{};   ///< in the order of the file; empty: every byte accounted for
   std::vector<Event> events{};  ///< in the order of the file
+  /// What was assumed while a foreign file was read, one sentence each; to be shown to the user.
+  std::vector<std::string> remarks{};
 
   std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
   std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells

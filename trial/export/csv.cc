@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 
 #include "trial/import/csv_column.h"
 #include "trial/import/csv_comment.h"
@@ -60,12 +59,11 @@ std::string Head(const Record& record, StatusColumns status_columns) {
                                stretch.rate_hz, stretch.time_uncertainty_s));
   }
   std::string columns = "time_s";
-  std::map<ChannelRole, std::size_t> ordinals;
-  for (std::size_t c = 0; c < record.channels.size(); ++c) {
-    const Channel& channel = record.channels[c];
-    const std::string name = CsvColumnName(channel, c + 1, ++ordinals[channel.role]);
-    head += ChannelLines(channel, c + 1, name.starts_with("channel_") || name.starts_with("trig"));
-    columns += "," + name;
+  const std::vector<std::string> names = CsvColumnNames(record.channels);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    const bool has_own_unit = names[c].starts_with("channel_") || names[c].starts_with("trig");
+    head += ChannelLines(record.channels[c], c + 1, has_own_unit);
+    columns += "," + names[c];
   }
   if (status_columns == StatusColumns::kOne) columns += ",status";
   if (status_columns == StatusColumns::kOneAChannel) {
@@ -99,7 +97,7 @@ void AppendRow(const Record& record, std::size_t row, StatusColumns status_colum
 
 }  // namespace
 
-Result<void> WriteCsv(const Record& record, const TextSink& sink) {
+Result<void> WriteCsv(const Record& record, const PieceSink& sink) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
   const StatusColumns status_columns = StatusColumnsOf(record);
   std::string text = Head(record, status_columns);

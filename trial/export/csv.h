@@ -1,22 +1,16 @@
 #pragma once
 
-#include <functional>
-#include <string>
-#include <string_view>
-
 #include "base/result.h"
+#include "trial/export/piece_sink.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
-
-/// Takes the next piece of text; an error ends the export.
-using TextSink = std::function<Result<void>(std::string_view)>;
 
 /// Writes `record` as the CSV that trial/import/csv.h reads: metadata as `# key = value`, then
 /// `time_s`, a column a channel in SI units, and a status column where any value is not ok.
 ///
 /// Numbers are printed with the fewest digits that give the same double back. Values without a
 /// measurement are empty cells, their status says why.
-[[nodiscard]] Result<void> WriteCsv(const Record& record, const TextSink& sink);
+[[nodiscard]] Result<void> WriteCsv(const Record& record, const PieceSink& sink);
 
 }  // namespace haptometer::trial

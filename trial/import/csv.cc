@@ -9,55 +9,39 @@
 #include <utility>
 #include <vector>
 
-#include "base/input_file.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/csv_comment.h"
-#include "trial/import/printed_grid.h"
-#include "trial/time_base.h"
+#include "trial/import/foreign_table.h"
+#include "trial/import/printed_times.h"
+#include "trial/import/stated_rate.h"
 
 namespace haptometer::trial {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// how a printed time is rounded: places behind the point and digits that count
-struct Digits {
-  int decimals = 0;
-  int significant = 0;
-};
-
-Digits DigitsOf(std::string_view text) {
-  Digits digits;
-  bool is_behind_point = false;
-  for (const char c : text) {
-    if (c == 'e' || c == 'E') break;
-    if (c == '.' || c == ',') is_behind_point = true;
-    if (c < '0' || c > '9') continue;
-    if (is_behind_point) ++digits.decimals;
-    if (c != '0' || digits.significant > 0) ++digits.significant;
-  }
-  const std::size_t exponent = text.find_first_of("eE");
-  if (exponent != std::string_view::npos) {
-    const auto power = ReadNumber(text.substr(exponent + 1));
-    digits.decimals -= static_cast<int>(std::clamp(power.value_or(0), -400.0, 400.0));
-  }
-  return digits;
-}
-
 // Turns lines into a record; every member function reports the line it stands at.
 class Parser {
  public:
-  Parser(std::string_view text, std::string name) : rest_(text), name_(std::move(name)) {}
+  Parser(std::string_view text, std::string name, const ImportOptions& options)
+      : rest_(text), name_(std::move(name)), options_(options) {}
 
-  Result<Record> Parse() {
+  Result<Record> Parse(std::vector<std::string>* remarks) {
     if (auto done = SkipEncodingMark(); !done) return std::unexpected(done.error());
+    whole_ = rest_;
     while (NextLine()) {
       const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
                         : columns_.empty()     ? ReadHeaderLine()
                                                : ReadRow();
       if (!done) return std::unexpected(done.error());
     }
-    return Complete();
+    auto record = Complete();
+    if (record) {
+      if (std::string remark = RateRemark(*record); !remark.empty()) {
+        remarks->push_back(std::move(remark));
+      }
+    }
+    return record;
   }
 
  private:
@@ -83,34 +67,46 @@ class Parser {
 
   [[nodiscard]] std::string Here() const { return fmt::format("{}: line {}", name_, line_number_); }
 
-  // cells of the line, without blanks and quotes
-  void SplitLine() {
-    cells_.clear();
-    std::string_view line = line_;
-    for (;;) {
-      const std::size_t end = line.find(separator_);
-      std::string_view cell = Trimmed(line.substr(0, end));
-      if (cell.size() >= 2 && cell.starts_with('"') && cell.ends_with('"')) {
-        cell = Trimmed(cell.substr(1, cell.size() - 2));
-      }
-      cells_.push_back(cell);
-      if (end == std::string_view::npos) return;
-      line.remove_prefix(end + 1);
-    }
-  }
-
   Result<void> ReadHeaderLine() {
-    if (line_.find(';') != std::string_view::npos) {
-      separator_ = ';';
-    } else if (line_.find('\t') != std::string_view::npos) {
-      separator_ = '\t';
+    separator_ = line_.find(';') != std::string_view::npos    ? ';'
+                 : line_.find('\t') != std::string_view::npos ? '\t'
+                                                              : ',';
+    cells_ = SplitCells(line_, separator_);
+    const bool is_ours = options_.columns.empty() && !options_.rate_hz && !options_.scale_m &&
+                         std::ranges::any_of(cells_, IsOurTime);
+    if (!is_ours) {
+      auto table = FindForeignTable(whole_, name_, options_);
+      if (!table) return std::unexpected(table.error());
+      if (*table) return Begin(std::move(**table));
     }
-    SplitLine();
     auto columns = ReadCsvColumns(cells_, name_);
     if (!columns) return std::unexpected(columns.error());
-    columns_ = std::move(*columns);
+    SetColumns(std::move(*columns));
+    return {};
+  }
+
+  static bool IsOurTime(std::string_view cell) {
+    const auto column = ReadCsvColumn(cell, "");
+    return column && column->kind == CsvColumnKind::kTime;
+  }
+
+  // goes on behind the head of another program's table
+  Result<void> Begin(ForeignTable table) {
+    rest_ = whole_.substr(table.offset);
+    line_number_ = table.line;
+    separator_ = table.separator;
+    for (auto& [key, value] : table.fields) comments_.metadata.fields[key] = std::move(value);
+    for (std::string& note : table.notes) comments_.metadata.notes.push_back(std::move(note));
+    is_foreign_ = true;
+    SetColumns(std::move(table.columns));
+    return {};
+  }
+
+  void SetColumns(std::vector<CsvColumn> columns) {
+    columns_ = std::move(columns);
     for (const CsvColumn& column : columns_) {
       if (column.kind == CsvColumnKind::kStatus) has_status_ = true;
+      if (column.kind == CsvColumnKind::kTime) has_times_ = true;
       if (column.kind != CsvColumnKind::kValue) continue;
       Channel channel;
       channel.name = column.name;
@@ -118,19 +114,28 @@ class Parser {
       channel.unit = column.unit;
       record_.channels.push_back(std::move(channel));
     }
-    return {};
   }
 
-  // the cell as a number; a comma is a decimal comma where it does not separate cells
-  [[nodiscard]] std::optional<double> CellNumber(std::string_view cell) const {
-    if (cell.find(',') == std::string_view::npos) return ReadNumber(cell);
-    std::string with_point(cell);
-    std::ranges::replace(with_point, ',', '.');
-    return ReadNumber(with_point);
+  // a cell as a number; a comma is a decimal comma where it does not separate cells, unless points
+  // stand in other cells and three digits behind it
+  [[nodiscard]] std::optional<double> CellNumber(std::string_view cell) {
+    const std::size_t comma = cell.find(',');
+    if (comma == std::string_view::npos) {
+      if (point_.empty() && cell.find('.') != std::string_view::npos) point_ = cell;
+      return ReadNumber(cell);
+    }
+    const std::size_t end = std::min(cell.find_first_not_of("0123456789", comma + 1), cell.size());
+    const bool may_group = end - comma == 4 && cell.find_first_of("123456789") < comma;
+    if (comma_.empty() && may_group) comma_ = fmt::format("line {}: '{}'", line_number_, cell);
+    return ReadNumberWithComma(cell);
   }
 
   Result<void> ReadRow() {
-    SplitLine();
+    cells_ = SplitCells(line_, separator_);
+    // some programs end every line with a separator
+    while (is_foreign_ && cells_.size() > columns_.size() && cells_.back().empty()) {
+      cells_.pop_back();
+    }
     if (cells_.size() != columns_.size()) {
       return CannotAnswer(
           Here(),
@@ -157,15 +162,13 @@ class Parser {
                           "every row needs a time; remove the line or write its time");
     }
     const double time_s = *printed * factor;
-    if (!times_s_.empty() && time_s <= times_s_.back()) {
+    if (!times_.times_s().empty() && time_s <= times_.times_s().back()) {
       return CannotAnswer(Here(),
                           fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
-                                      times_s_.back()),
+                                      times_.times_s().back()),
                           "sort the rows, or print the times with more digits");
     }
-    times_s_.push_back(time_s);
-    digits_.push_back(DigitsOf(cell));
-    time_factor_ = factor;
+    times_.Add(cell, time_s, factor);
     return {};
   }
 
@@ -219,8 +222,20 @@ class Parser {
     }
     record_.metadata = std::move(comments_.metadata);
     if (record_.metadata.source.empty()) record_.metadata.source = "imported";
+    if (!comma_.empty() && !point_.empty()) {
+      return CannotAnswer(
+          name_,
+          fmt::format("{} may be a decimal comma or group thousands, as '{}' has a point", comma_,
+                      point_),
+          "write all numbers with points and without grouping");
+    }
     SetChannelKeys();
-    SetTimes();
+    if (has_times_) {
+      std::move(times_).Complete(comments_.timing, std::move(comments_.stretches), &record_);
+    } else {
+      record_.stretches = {{.rows = record_.rows, .rate_hz = *options_.rate_hz}};
+    }
+    if (auto agreed = CheckRate(); !agreed) return std::unexpected(agreed.error());
     return std::move(record_);
   }
 
@@ -246,93 +261,45 @@ class Parser {
     }
   }
 
-  void SetTimes() {
-    const bool times_are_raw = comments_.timing != Timing::kUniform;
-    record_.timing = comments_.timing;
-    if (StretchesFit()) {
-      record_.stretches = std::move(comments_.stretches);
-      if (times_are_raw) record_.raw_times_s = std::move(times_s_);
-      return;
-    }
-    if (!times_are_raw) {
-      if (auto grid = PrintedGrid(times_s_, HalfDigits())) {
-        record_.stretches = std::move(*grid);
-        return;
-      }
-    }
-    // neither a grid nor explained: the mean line, beside the times as they stand
-    std::vector<std::int64_t> time_ns;
-    time_ns.reserve(times_s_.size());
-    for (const double t : times_s_) {
-      time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
-    }
-    if (!times_are_raw) record_.timing = Timing::kPolled;
-    record_.stretches = record_.timing == Timing::kArrival
-                            ? FitArrivalTimes(time_ns, record_.metadata.nominal_rate_hz)
-                            : FitPolledTimes(time_ns, time_ns, record_.metadata.nominal_rate_hz);
-    record_.raw_times_s = std::move(times_s_);
+  // two statements about the rate must be one
+  [[nodiscard]] Result<void> CheckRate() const {
+    constexpr double kTolerance = 0.01;
+    if (!options_.rate_hz) return {};
+    const double wanted_hz = *options_.rate_hz;
+    const double rate_hz = std::ranges::max_element(record_.stretches, {}, &Stretch::rows)->rate_hz;
+    if (std::abs(rate_hz - wanted_hz) <= kTolerance * wanted_hz) return {};
+    return CannotAnswer(name_,
+                        fmt::format("its times say {:.6g} rows a second and --rate says {:.6g} Hz",
+                                    rate_hz, wanted_hz),
+                        "leave out --rate, or name the time's unit in --columns (time_ms), or - to "
+                        "leave the times out");
   }
 
-  // whether the file's own stretches still describe its rows (somebody may have edited them)
-  [[nodiscard]] bool StretchesFit() const {
-    constexpr double kLargestDelayS = 1;
-    std::size_t row = 0;
-    for (const Stretch& stretch : comments_.stretches) {
-      if (stretch.first_row != row || stretch.rows > record_.rows - row) return false;
-      for (; row < stretch.first_row + stretch.rows; ++row) {
-        const double line_s =
-            stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;
-        const double bound_s =
-            comments_.timing != Timing::kUniform ? kLargestDelayS : 1e-6 / stretch.rate_hz;
-        if (!(std::abs(times_s_[row] - line_s) <= bound_s)) return false;
-      }
-    }
-    return row == record_.rows;
-  }
-
-  // half a unit of the last printed place, for each time: the file prints either a number of
-  // decimals or a number of digits, and drops zeros at the end
-  [[nodiscard]] std::vector<double> HalfDigits() const {
-    Digits most;
-    for (const Digits& digits : digits_) {
-      most.decimals = std::max(most.decimals, digits.decimals);
-      most.significant = std::max(most.significant, digits.significant);
-    }
-    std::vector<double> half;
-    for (const double time_s : times_s_) {
-      const double printed = std::abs(time_s / time_factor_);
-      const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most.decimals;
-      const double place = std::max<double>(-most.decimals, magnitude + 1 - most.significant);
-      half.push_back(0.5 * std::pow(10.0, place) * time_factor_);
-    }
-    return half;
-  }
-
+  std::string_view whole_;
   std::string_view rest_;
   std::string name_;
+  const ImportOptions& options_;
   std::string_view line_;
   std::size_t line_number_ = 0;
   char separator_ = ',';
   std::vector<std::string_view> cells_;
   std::vector<CsvColumn> columns_;
   bool has_status_ = false;
+  bool has_times_ = false;
+  bool is_foreign_ = false;
+  std::string comma_;  // the first number whose comma may group thousands, and where
+  std::string point_;  // the first number with a point
   CsvComments comments_;
-  std::vector<double> times_s_;
-  std::vector<Digits> digits_;
-  double time_factor_ = 1;
+  PrintedTimes times_;
   Record record_;
 };
 
 }  // namespace
 
-Result<Record> ReadCsv(const std::string& path) {
-  const auto text = ReadInputFile(path);
-  if (!text) return std::unexpected(text.error());
-  return ParseCsv(*text, path);
-}
-
-Result<Record> ParseCsv(std::string_view text, const std::string& name) {
-  return Parser(text, name).Parse();
+Result<Record> ParseCsv(std::string_view text, const std::string& name,
+                        const ImportOptions& options, std::vector<std::string>* remarks) {
+  std::vector<std::string> ignored;
+  return Parser(text, name, options).Parse(remarks != nullptr ? remarks : &ignored);
 }
 
 }  // namespace haptometer::trial

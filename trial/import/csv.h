@@ -2,13 +2,15 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/result.h"
+#include "trial/import/import_options.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
 
-/// A measurement from a CSV file: `# key = value` lines, a header line, rows.
+/// A measurement from the text of a CSV: `# key = value` lines, a header line, rows.
 ///
 /// Header line: `time_s`, and columns whose names carry role and unit: displacement_m, voltage_v,
 /// current_a, trigger, each also in prefixed units (displacement_mm, voltage_mv, time_ms),
@@ -26,12 +28,16 @@ namespace haptometer::trial {
 /// line. The
 /// `# stretch` lines of an export count where they still describe the rows.
 ///
-/// Errors (Cause::kCannotAnswer): missing, empty, text instead of numbers, no time column, times
-/// that do not grow or are not finite, a row with too many or too few cells (the line is named),
-/// fewer than two rows. Memory: the file's size and the record.
-[[nodiscard]] Result<Record> ReadCsv(const std::string& path);
-
-/// The same from `text`; `name` stands for the path in messages.
-[[nodiscard]] Result<Record> ParseCsv(std::string_view text, const std::string& name);
+/// A table of another program (oscilloscope, DAQ) is read as trial/import/foreign_table.h says;
+/// `options` help where its own words do not suffice. Without a time column it needs
+/// options.rate_hz. Errors name `name`; what was assumed goes to `remarks`, which may be nullptr.
+///
+/// Errors (Cause::kCannotAnswer): text instead of numbers, no time column, times that do not grow
+/// or are not finite, a row with too many or too few cells (the line is named), a comma that may be
+/// a decimal one or group thousands, times against options.rate_hz, fewer than two rows. Memory:
+/// the record.
+[[nodiscard]] Result<Record> ParseCsv(std::string_view text, const std::string& name,
+                                      const ImportOptions& options = {},
+                                      std::vector<std::string>* remarks = nullptr);
 
 }  // namespace haptometer::trial

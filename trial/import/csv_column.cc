@@ -5,30 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
 #include <optional>
+
+#include "trial/import/printed_unit.h"
 
 namespace haptometer::trial {
 namespace {
-
-struct UnitName {
-  std::string_view suffix;
-  std::string_view si_unit;
-  double factor;
-};
-
-constexpr std::array<UnitName, 13> kUnits{{{"s", "s", 1},
-                                           {"ms", "s", 1e-3},
-                                           {"us", "s", 1e-6},
-                                           {"ns", "s", 1e-9},
-                                           {"m", "m", 1},
-                                           {"mm", "m", 1e-3},
-                                           {"um", "m", 1e-6},
-                                           {"nm", "m", 1e-9},
-                                           {"v", "V", 1},
-                                           {"mv", "V", 1e-3},
-                                           {"uv", "V", 1e-6},
-                                           {"a", "A", 1},
-                                           {"ma", "A", 1e-3}}};
 
 // the quantities whose names need a unit
 struct Quantity {
@@ -71,7 +54,22 @@ std::optional<std::size_t> NumberAfter(std::string_view name, std::string_view p
   return number;
 }
 
-Result<CsvColumn> ColumnOf(std::string_view cell, const std::string& where) {
+// the name of the `number`th channel; `ordinal` counts the channels of its role from 1
+std::string ColumnName(const Channel& channel, std::size_t number, std::size_t ordinal) {
+  const std::string count = ordinal > 1 ? fmt::format("_{}", ordinal) : "";
+  if (channel.role == ChannelRole::kTrigger) return "trigger" + count;
+  const auto quantity = std::ranges::find_if(kQuantities, [&](const Quantity& q) {
+    return channel.role != ChannelRole::kOther && q.role == channel.role &&
+           q.si_unit == channel.unit;
+  });
+  if (quantity == kQuantities.end()) return fmt::format("channel_{}", number);
+  return fmt::format("{}{}_{}", quantity->name, count, Lower(quantity->si_unit));
+}
+
+}  // namespace
+
+Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where) {
+  if (cell == "-") return CsvColumn{.kind = CsvColumnKind::kLeftOut};
   const std::string name = Lower(cell);
   if (name == "status") return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = ""};
   if (const auto channel = NumberAfter(name, "status_")) {
@@ -87,8 +85,8 @@ Result<CsvColumn> ColumnOf(std::string_view cell, const std::string& where) {
   const std::size_t bar = name.rfind('_');
   const std::string_view suffix =
       bar == std::string::npos ? "" : std::string_view(name).substr(bar + 1);
-  const auto unit = std::ranges::find(kUnits, suffix, &UnitName::suffix);
-  if (unit == kUnits.end() || unit->si_unit != quantity->si_unit) {
+  const auto unit = FindUnit(suffix);
+  if (!unit || unit->si_unit != quantity->si_unit) {
     return CannotAnswer(where, fmt::format("column '{}' does not say its unit", cell),
                         fmt::format("name it {}", quantity->examples));
   }
@@ -99,13 +97,11 @@ Result<CsvColumn> ColumnOf(std::string_view cell, const std::string& where) {
                    .factor = unit->factor};
 }
 
-}  // namespace
-
 Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view>& cells,
                                               const std::string& where) {
   std::vector<CsvColumn> columns;
   for (const std::string_view cell : cells) {
-    auto column = ColumnOf(cell, where);
+    auto column = ReadCsvColumn(cell, where);
     if (!column) return std::unexpected(column.error());
     columns.push_back(std::move(*column));
   }
@@ -128,15 +124,13 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
   return columns;
 }
 
-std::string CsvColumnName(const Channel& channel, std::size_t number, std::size_t ordinal) {
-  const std::string count = ordinal > 1 ? fmt::format("_{}", ordinal) : "";
-  if (channel.role == ChannelRole::kTrigger) return "trigger" + count;
-  const auto quantity = std::ranges::find_if(kQuantities, [&](const Quantity& q) {
-    return channel.role != ChannelRole::kOther && q.role == channel.role &&
-           q.si_unit == channel.unit;
-  });
-  if (quantity == kQuantities.end()) return fmt::format("channel_{}", number);
-  return fmt::format("{}{}_{}", quantity->name, count, Lower(quantity->si_unit));
+std::vector<std::string> CsvColumnNames(const std::vector<Channel>& channels) {
+  std::vector<std::string> names;
+  std::map<ChannelRole, std::size_t> ordinals;
+  for (const Channel& channel : channels) {
+    names.push_back(ColumnName(channel, names.size() + 1, ++ordinals[channel.role]));
+  }
+  return names;
 }
 
 }  // namespace haptometer::trial

@@ -11,7 +11,7 @@
 
 namespace haptometer::trial {
 
-enum class CsvColumnKind : std::uint8_t { kTime, kValue, kStatus };
+enum class CsvColumnKind : std::uint8_t { kTime, kValue, kStatus, kLeftOut };
 
 /// What a column's name says of it.
 struct CsvColumn {
@@ -23,6 +23,9 @@ struct CsvColumn {
   std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
 };
 
+/// Reads one column's name, as below; "-" is a column to leave out.
+[[nodiscard]] Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where);
+
 /// Reads a header line's cells: `time_s` (also _ms, _us, _ns), `displacement_mm`, `voltage_v`,
 /// `current_ma`, `displacement_2_m`, `trigger`, `status`, `status_2`; any other name is a channel
 /// of role kOther without a unit. Upper and lower case are alike.
@@ -32,9 +35,9 @@ struct CsvColumn {
 [[nodiscard]] Result<std::vector<CsvColumn>> ReadCsvColumns(
     const std::vector<std::string_view>& cells, const std::string& where);
 
-/// The column name of the `number`th channel (from 1) of a record, such that ReadCsvColumns gives
-/// role and unit back; `ordinal` counts the channels of its role from 1.
-[[nodiscard]] std::string CsvColumnName(const Channel& channel, std::size_t number,
-                                        std::size_t ordinal);
+/// A column name for each of `channels`, such that ReadCsvColumns gives role and unit back:
+/// "displacement_m", "displacement_2_m", "trigger", "channel_3". No two are alike. Exports to other
+/// formats name their columns in the same way.
+[[nodiscard]] std::vector<std::string> CsvColumnNames(const std::vector<Channel>& channels);
 
 }  // namespace haptometer::trial

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -116,6 +117,13 @@ std::optional<double> ReadNumber(std::string_view text) {
   const auto parsed = std::from_chars(text.begin(), text.end(), number);
   if (parsed.ec != std::errc() || parsed.ptr != text.end()) return std::nullopt;
   return number;
+}
+
+std::optional<double> ReadNumberWithComma(std::string_view text) {
+  if (text.find(',') == std::string_view::npos) return ReadNumber(text);
+  std::string with_point(text);
+  std::ranges::replace(with_point, ',', '.');
+  return ReadNumber(with_point);
 }
 
 Result<void> ReadCsvComment(std::string_view line, const std::string& where,

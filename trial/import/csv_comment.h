@@ -42,4 +42,7 @@ struct CsvComments {
 /// The whole of `text` as a number; infinities and NaN count as numbers here.
 [[nodiscard]] std::optional<double> ReadNumber(std::string_view text);
 
+/// The same with a decimal comma or point.
+[[nodiscard]] std::optional<double> ReadNumberWithComma(std::string_view text);
+
 }  // namespace haptometer::trial

@@ -1,0 +1,237 @@
+// What other programs write: oscilloscopes, DAQs, LabVIEW.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/residual.h"
+#include "trial/import/csv.h"
+#include "trial/import/lvm.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Record Parsed(std::string_view text, const ImportOptions& options = {}) {
+  auto record = ParseCsv(text, "f.csv", options);
+  EXPECT_TRUE(record) << record.error().Text();
+  return record ? std::move(*record) : Record{};
+}
+
+std::string ErrorOf(std::string_view text, const ImportOptions& options = {}) {
+  const auto record = ParseCsv(text, "f.csv", options);
+  if (record) return "was read";
+  EXPECT_FALSE(record.error().remedy.empty());
+  return record.error().Text();
+}
+
+TEST(ForeignTable, ALineOfUnitsBelowTheNames) {
+  // the form of PicoScope's CSV
+  const Record record =
+      Parsed("Time,Channel A,Channel B\n(ms),(V),(mV)\n\n0.0,1.5,2\n0.5,2.5,-3\n");
+  ASSERT_EQ(record.channels.size(), 2);
+  EXPECT_EQ(record.channels[0].name, "Channel A");
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  EXPECT_EQ(record.channels[0].values[1], 2.5);
+  EXPECT_REL(record.channels[1].values[1], -3e-3, 1e-15, "one product");
+  EXPECT_REL(record.stretches.at(0).rate_hz, 2000, 1e-15, "printed times");
+}
+
+TEST(ForeignTable, NamesAndUnitsAsWordsAndAPreamble) {
+  // the forms of Keysight's and Tektronix's CSV
+  const Record words = Parsed("x-axis,1\nsecond,Volt\n-1e-3,1\n0,2\n1e-3,3\n");
+  EXPECT_EQ(words.Find(ChannelRole::kVoltage)->values.size(), 3);
+  EXPECT_EQ(TimeOf(words, 0), -1e-3);
+  const Record preamble = Parsed(
+      "Model,TDS2024\nSample Interval,1e-4\nsome words, with, commas\n\nTIME [s],CH1 [V]\n"
+      "0,1,\n0.0001,2,\n");
+  EXPECT_EQ(preamble.metadata.fields.at("Model"), "TDS2024");
+  EXPECT_THAT(preamble.metadata.notes, ElementsAre("some words, with, commas"));
+  EXPECT_EQ(preamble.channels.at(0).name, "CH1");
+  const Record german = Parsed("Zeit [ms];Weg [\xc2\xb5m]\n0;1,5\n1;2,5\n");
+  EXPECT_REL(german.Find(ChannelRole::kDisplacement)->values[1], 2.5e-6, 1e-15, "one product");
+}
+
+TEST(ForeignTable, ColumnsRateAndScaleOverrideWhatTheFileSays) {
+  const Record bare = Parsed("0,1,7\n1,2,8\n", {.columns = {"time_ms", "displacement_um", "-"}});
+  ASSERT_EQ(bare.channels.size(), 1);
+  EXPECT_REL(bare.channels[0].values[1], 2e-6, 1e-15, "one product");
+  EXPECT_REL(bare.stretches.at(0).rate_hz, 1000, 1e-12, "printed times");
+  const Record renamed = Parsed(
+      "t,x\n0,1\n1,2\n", {.columns = {"-", "displacement"}, .rate_hz = 10'000.0, .scale_m = 5e-3});
+  EXPECT_EQ(renamed.channels.at(0).values[1], 1e-2);
+  EXPECT_EQ(renamed.stretches.at(0).rate_hz, 10'000);
+  EXPECT_TRUE(renamed.raw_times_s.empty());
+  const Record agreeing = Parsed("time_s,voltage_v\n0,1\n0.001,2\n", {.rate_hz = 1000.0});
+  EXPECT_EQ(agreeing.rows, 2);
+}
+
+TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
+  EXPECT_EQ(
+      ErrorOf("Time,CH1\n0,1\n1,2\n"),
+      "f.csv: column 'Time' does not say its unit: in s there are 1 rows a second, in ms 1000; "
+      "name it time_s, time_ms or time_us, or say --columns");
+  EXPECT_EQ(ErrorOf("a,b\n0,001,1,5\n0,002,1,6\n"),
+            "f.csv: line 2: has 4 cells under 2 names: either cells '0' and '001', or one number "
+            "0,001; separate cells with semicolons, or write decimal points");
+  EXPECT_EQ(
+      ErrorOf("time_s;voltage_v\n0;1,234\n0.5;2\n"),
+      "f.csv: line 2: '1,234' may be a decimal comma or group thousands, as '0.5' has a point; "
+      "write all numbers with points and without grouping");
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n1,2\n", {.rate_hz = 1000.0}),
+              HasSubstr("its times say 1 rows a second and --rate says 1000 Hz"));
+}
+
+TEST(ForeignTable, WhatIsMissingIsAskedFor) {
+  EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"), HasSubstr("no column is a time; name one time_s"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s"}}),
+              HasSubstr("names 1 columns where f.csv has 2"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "voltage_v"}, .scale_m = 1.0}),
+              HasSubstr("no column is one; say --columns time_s,displacement"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time", "voltage_v"}}),
+              HasSubstr("column 'time' does not say its unit"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "-"}}),
+              HasSubstr("no column beside the time"));
+}
+
+TEST(ForeignTable, TimesAgainstAStatedRateAreRemarkedUpon) {
+  for (const char* words : {"# nominal_rate_hz = 1000", "# sampling 1 kHz", "# rate = 1000 Hz",
+                            "# sample_rate_hz = 1000"}) {
+    std::vector<std::string> remarks;
+    const auto record =
+        ParseCsv(std::string(words) + "\ntime_s,voltage_v\n0,1\n1,2\n2,3\n", "f", {}, &remarks);
+    ASSERT_TRUE(record);
+    EXPECT_EQ(record->stretches.at(0).rate_hz, 1);
+    ASSERT_EQ(remarks.size(), 1) << words;
+    EXPECT_THAT(remarks[0], HasSubstr("say 1 rows a second where the file states 1000 Hz"));
+  }
+  std::vector<std::string> remarks;
+  EXPECT_TRUE(ParseCsv("# rate = 1000 Hz\ntime_s,voltage_v\n0,1\n0.001,2\n", "f", {}, &remarks));
+  EXPECT_TRUE(ParseCsv("# drive 225 Hz\ntime_s,voltage_v\n0,1\n1,2\n", "f", {}, &remarks));
+  EXPECT_THAT(remarks, IsEmpty());
+}
+
+// --- LabVIEW ------------------------------------------------------------------------------------
+
+// a file with the given header lines, segment lines and rows
+std::string Lvm(std::string_view header, std::string_view body) {
+  return "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n" + std::string(header) +
+         "Date\t2024/05/06\nTime\t12:00:00.5\n***End_of_Header***\t\n\t\n" + std::string(body);
+}
+
+std::string Replaced(std::string text, char from, char to) {
+  std::ranges::replace(text, from, to);
+  return text;
+}
+
+Record ParsedLvm(const std::string& text) {
+  EXPECT_TRUE(IsLvm(text));
+  auto record = ParseLvm(text, "f.lvm");
+  EXPECT_TRUE(record) << record.error().Text();
+  return record ? std::move(*record) : Record{};
+}
+
+std::string LvmErrorOf(const std::string& text) {
+  const auto record = ParseLvm(text, "f.lvm");
+  if (record) return "was read";
+  EXPECT_EQ(record.error().cause, Cause::kCannotAnswer);
+  EXPECT_FALSE(record.error().remedy.empty());
+  return record.error().Text();
+}
+
+const std::string kSegment =
+    "Channels\t2\t\nSamples\t3\t3\nY_Unit_Label\tVolts\tmm\nX_Dimension\tTime\tTime\nX0\t0\t0\n"
+    "Delta_X\t0.001\t0.001\n***End_of_Header***\t\t\nX_Value\tLaser\tRef\tComment\n";
+
+TEST(Lvm, OneXColumnUnitsNamesAndComments) {
+  const Record record =
+      ParsedLvm(Lvm("Decimal_Separator\t.\r\nX_Columns\tOne\r\n",
+                    kSegment + "0.000\t1.5\t2\tbegun\r\n0.001\t2.5\t\r\n0.002\t-1\t4\t\r\n"));
+  ASSERT_EQ(record.rows, 3);
+  EXPECT_EQ(record.channels[0].name, "Laser");
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  EXPECT_EQ(record.channels[0].values[1], 2.5);
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
+  EXPECT_REL(record.channels[1].values[2], 4e-3, 1e-15, "one product");
+  EXPECT_EQ(record.channels[1].statuses[1], SampleStatus::kInvalid);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 1000, 1e-12, "printed times");
+  EXPECT_THAT(record.metadata.notes, ElementsAre("row 0: begun"));
+  EXPECT_EQ(record.metadata.fields.at("lvm.Date"), "2024/05/06");
+}
+
+TEST(Lvm, DecimalCommasAndCommasBetweenCells) {
+  const Record comma = ParsedLvm(Replaced(
+      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
+      '.', ','));
+  EXPECT_EQ(comma.channels.at(0).values.at(1), 2.5);
+  const Record cells = ParsedLvm(Replaced(
+      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
+      '\t', ','));
+  EXPECT_EQ(cells.channels.at(0).values.at(1), 2.5);
+}
+
+TEST(Lvm, WithoutXTheHeaderGivesTheTimes) {
+  for (const char* rows : {"\t1\t2\n\t3\t4\n", "1\t2\n3\t4\n"}) {
+    const Record record = ParsedLvm(Lvm("X_Columns\tNo\n", kSegment + rows));
+    ASSERT_EQ(record.rows, 2) << rows;
+    EXPECT_EQ(record.channels[0].values[1], 3);
+    EXPECT_EQ(record.stretches.at(0).rate_hz, 1000);
+  }
+}
+
+TEST(Lvm, SeveralXColumnsMustAgree) {
+  const std::string head =
+      "Channels\t2\t\n***End_of_Header***\t\nX_Value\tA\tX_Value\tB\tComment\n";
+  const Record record = ParsedLvm(Lvm("X_Columns\tMulti\n", head + "0\t1\t0\t2\n0.5\t3\t0.5\t4\n"));
+  EXPECT_EQ(record.channels.at(1).values, (std::vector<double>{2, 4}));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tMulti\n", head + "0\t1\t0.1\t2\n")),
+              HasSubstr("X values of their own (0 and 0.1)"));
+}
+
+TEST(Lvm, SegmentsBecomeStretches) {
+  const std::string rows = "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n";
+  auto dated = [](std::string segment, const std::string& time) {
+    return segment.replace(segment.find("X_Dim"), 0,
+                           "Date\t2024/05/06\t2024/05/06\nTime\t" + time + "\n");
+  };
+  // X goes on
+  const Record going = ParsedLvm(
+      Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + "0.010\t5\t6\n0.011\t7\t8\n"));
+  ASSERT_EQ(going.stretches.size(), 2);
+  EXPECT_EQ(going.stretches[1].first_row, 3);
+  EXPECT_EQ(going.stretches[1].start_s, 0.010);
+  // X begins again, and the clock on the wall tells when
+  const Record again =
+      ParsedLvm(Lvm("X_Columns\tOne\n", dated(kSegment, "12:00:00.5") + rows + "\n" +
+                                            dated(kSegment, "12:00:02.75") + rows));
+  ASSERT_EQ(again.stretches.size(), 2);
+  EXPECT_EQ(again.stretches[1].start_s, 2.25);
+  EXPECT_EQ(again.channels[0].values[3], 1);
+  // or nothing does
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + rows)),
+              HasSubstr("whose Date and Time do not tell when"));
+  EXPECT_THAT(
+      LvmErrorOf(Lvm("", kSegment + rows + "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t1\n")),
+      HasSubstr("begins a segment of 1 channels where the first has 2"));
+}
+
+TEST(Lvm, WhatCannotBeReadIsExplained) {
+  EXPECT_THAT(LvmErrorOf("LabVIEW Measurement\nX_Columns\tOne\n"),
+              HasSubstr("header does not end"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is no number"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\n")),
+              HasSubstr("has 2 cells where 3 are needed"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\t1\n0\t1\t1\n")), HasSubstr("does not grow"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", "0\t1\n")), HasSubstr("a line of names"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment)), HasSubstr("holds 0 rows"));
+  EXPECT_THAT(LvmErrorOf(Lvm("Decimal_Separator\t.\n", kSegment + "0,5\t1\t1\n")),
+              HasSubstr("'0,5' is no X value"));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", "X_Value\tA\n\t1\n\t2\n")),
+              HasSubstr("neither X values nor a Delta_X"));
+}
+
+}  // namespace
+}  // namespace haptometer::trial

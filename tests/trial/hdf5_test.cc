@@ -1,0 +1,133 @@
+#include "trial/import/hdf5.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include "tests/trial/trial_file.h"
+#include "trial/block.h"
+#include "trial/export/hdf5.h"
+#include "trial/import/csv.h"
+#include "trial/read_recording.h"
+#include "trial/trial_json.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::HasSubstr;
+
+void Write(const std::string& path, const std::vector<std::pair<std::string, Recording>>& trials) {
+  auto writer = Hdf5Writer::Create(path);
+  ASSERT_TRUE(writer) << writer.error().Text();
+  for (const auto& [name, recording] : trials) {
+    const auto done = writer->Add(name, recording, nullptr);
+    ASSERT_TRUE(done) << done.error().Text();
+  }
+  ASSERT_TRUE(writer->Close());
+}
+
+// a polled trial with bad values, events and a lost block
+Recording Polled() {
+  MemoryDisk disk;
+  ManualClock clock;
+  TrialHeader header = CountsHeader(Timing::kPolled);
+  header.metadata.labels = {{"subject", "\xc3\xa4"}};
+  header.metadata.notes = {"a", "b"};
+  header.channels[0].range_max = 0.3;
+  auto writer = WriterInto(&disk, header, clock);
+  std::size_t second_block = 0;
+  for (int i = 0; i < 30; ++i) {
+    const std::int64_t t_ns = i * std::int64_t{20'000'000};
+    const auto status = i % 7 == 3 ? SampleStatus::kLate : SampleStatus::kOk;
+    EXPECT_TRUE(
+        AppendCounts(&writer, i * i, {.time_ns = t_ns, .reply_ns = t_ns + 9'000'123}, status));
+    if (i % 10 == 9) {
+      EXPECT_TRUE(writer.Flush());
+    }
+    if (i == 9) second_block = disk.bytes.size();
+  }
+  EXPECT_TRUE(writer.AddEvent({.kind = EventKind::kReconnect, .time_ns = 77, .text = "back"}));
+  EXPECT_TRUE(writer.Finish());
+  disk.bytes[second_block + kBlockHeadBytes] ^= 1;
+  auto read = ReadBytes(disk.bytes);
+  EXPECT_TRUE(read);
+  return std::move(*read);
+}
+
+template <typename T>
+bool SameBits(const std::vector<T>& a, const std::vector<T>& b) {
+  return a.size() == b.size() &&
+         (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void ExpectSame(const Record& a, const Record& b) {
+  EXPECT_EQ(a.rows, b.rows);
+  EXPECT_TRUE(SameBits(a.raw_times_s, b.raw_times_s));
+  ASSERT_EQ(a.stretches.size(), b.stretches.size());
+  for (std::size_t i = 0; i < a.stretches.size(); ++i) {
+    EXPECT_EQ(a.stretches[i].first_row, b.stretches[i].first_row);
+    EXPECT_EQ(a.stretches[i].rows, b.stretches[i].rows);
+    EXPECT_EQ(a.stretches[i].start_s, b.stretches[i].start_s);
+    EXPECT_EQ(a.stretches[i].rate_hz, b.stretches[i].rate_hz);
+    EXPECT_EQ(a.stretches[i].time_uncertainty_s, b.stretches[i].time_uncertainty_s);
+  }
+  ASSERT_EQ(a.channels.size(), b.channels.size());
+  for (std::size_t c = 0; c < a.channels.size(); ++c) {
+    EXPECT_TRUE(SameBits(a.channels[c].values, b.channels[c].values)) << c;
+    EXPECT_EQ(a.channels[c].statuses, b.channels[c].statuses);
+  }
+  // names, units, ranges, metadata
+  EXPECT_EQ(HeaderToJson(HeaderOf(a)), HeaderToJson(HeaderOf(b)));
+}
+
+TEST(Hdf5, WhatIsExportedIsReadBackBitForBit) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  const Recording polled = Polled();
+  ASSERT_EQ(polled.report.losses.size(), 1);
+  Write(path, {{"t", polled}});
+  const auto back = ReadRecording(path);
+  ASSERT_TRUE(back) << back.error().Text();
+  ExpectSame(back->record, polled.record);
+  EXPECT_EQ(back->report.kind, FileKind::kHdf5);
+  EXPECT_TRUE(back->report.closed);
+  ASSERT_EQ(back->report.events.size(), 1);
+  EXPECT_EQ(EventToJson(back->report.events[0]), EventToJson(polled.report.events[0]));
+  EXPECT_THAT(back->report.remarks.at(0), HasSubstr("rows 10 to 19 are lost"));
+}
+
+TEST(Hdf5, SeveralTrialsAreToldApartByTheirNames) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("all.h5");
+  Recording csv;
+  csv.record = *ParseCsv("time_s,voltage_v\n0,1\n1,2\n", "f");
+  csv.report.closed = true;
+  Write(path, {{"a", Polled()}, {"b", csv}});
+  EXPECT_EQ(ReadRecording(path).error().Text(),
+            path + ": holds 2 trials: a, b; name one as " + path + "/a");
+  EXPECT_THAT(ReadRecording(path + "/c").error().Text(), HasSubstr("holds no trial 'c', but a, b"));
+  const auto b = ReadRecording(path + "/b");
+  ASSERT_TRUE(b) << b.error().Text();
+  ExpectSame(b->record, csv.record);
+}
+
+TEST(Hdf5, DamagedFilesAreRefusedOrHarmless) {
+  const ScratchDirectory directory;
+  const std::string path = directory.File("t.h5");
+  Write(path, {{"t", Polled()}});
+  std::ifstream file(path, std::ios::binary);
+  const std::string whole{std::istreambuf_iterator<char>(file), {}};
+  // cut anywhere: never a part of it as if it were the whole
+  for (std::size_t cut = 8; cut + 1 < whole.size(); cut += 97) {
+    std::ofstream(path, std::ios::binary) << whole.substr(0, cut);
+    const auto read = ReadRecording(path);
+    ASSERT_FALSE(read) << cut;
+    EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::trial

@@ -1,0 +1,220 @@
+#include "trial/export/hdf5.h"
+
+#include <hdf5.h>
+
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "trial/block.h"
+#include "trial/hdf5_id.h"
+#include "trial/import/csv_column.h"
+#include "trial/trial_json.h"
+
+namespace haptometer::trial {
+namespace {
+
+static_assert(std::is_same_v<hid_t, std::int64_t> && std::is_same_v<herr_t, int>,
+              "Hdf5Id stands for libhdf5's own types");
+
+std::unexpected<Error> NotWritten() {
+  return Failed("", "could not be written as HDF5", "is there room, and may you write there?");
+}
+
+// a dataset of `shape` with the bytes at `data`, which are of `type` already
+Result<void> WriteData(const Hdf5Id& group, const std::string& name, hid_t type,
+                       const std::vector<hsize_t>& shape, const void* data) {
+  const Hdf5Id space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr),
+                     H5Sclose);
+  Hdf5Id dataset(
+      H5Dcreate2(group.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      H5Dclose);
+  if (!dataset.ok()) return NotWritten();
+  const bool is_empty = shape.front() == 0;
+  if (!is_empty && H5Dwrite(dataset.id(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+    return NotWritten();
+  }
+  if (!dataset.Close()) return NotWritten();
+  return {};
+}
+
+template <typename T>
+hid_t TypeOf() {
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+  if constexpr (std::is_same_v<T, std::int64_t>) return H5T_STD_I64LE;
+  if constexpr (std::is_same_v<T, SampleStatus>) return H5T_STD_U8LE;
+}
+
+template <typename T>
+Result<void> WriteColumn(const Hdf5Id& group, const std::string& name,
+                         const std::vector<T>& values) {
+  return WriteData(group, name, TypeOf<T>(), {values.size()}, values.data());
+}
+
+// a scalar of UTF-8 bytes; HDF5 knows none of length 0, so an empty text is one NUL
+Result<void> WriteText(const Hdf5Id& group, const std::string& name, const std::string& text) {
+  const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  const std::string stored = text.empty() ? std::string(1, '\0') : text;
+  if (H5Tset_size(type.id(), stored.size()) < 0 || H5Tset_cset(type.id(), H5T_CSET_UTF8) < 0 ||
+      H5Tset_strpad(type.id(), H5T_STR_NULLPAD) < 0) {
+    return NotWritten();
+  }
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  Hdf5Id dataset(H5Dcreate2(group.id(), name.c_str(), type.id(), space.id(), H5P_DEFAULT,
+                            H5P_DEFAULT, H5P_DEFAULT),
+                 H5Dclose);
+  const bool is_written = dataset.ok() && H5Dwrite(dataset.id(), type.id(), H5S_ALL, H5S_ALL,
+                                                   H5P_DEFAULT, stored.data()) >= 0;
+  if (!is_written || !dataset.Close()) return NotWritten();
+  return {};
+}
+
+Result<void> WriteFlag(const Hdf5Id& group, const std::string& name, bool value) {
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Hdf5Id attribute(
+      H5Acreate2(group.id(), name.c_str(), H5T_STD_U8LE, space.id(), H5P_DEFAULT, H5P_DEFAULT),
+      H5Aclose);
+  const std::uint8_t number = value ? 1 : 0;
+  if (!attribute.ok() || H5Awrite(attribute.id(), H5T_STD_U8LE, &number) < 0) return NotWritten();
+  return {};
+}
+
+// what a trial.bin holds besides: raw values in their encoding, times in nanoseconds
+struct RawColumns {
+  std::vector<std::int64_t> index;
+  std::vector<std::int64_t> time_ns;
+  std::vector<std::int64_t> reply_ns;
+  std::vector<std::string> values;  // per channel, the bytes as they were sent
+};
+
+Result<RawColumns> ReadRaw(TrialReader* reader) {
+  const TrialHeader& header = reader->header();
+  RawColumns raw;
+  raw.values.resize(header.channels.size());
+  for (;;) {
+    const auto chunk = reader->Next();
+    if (!chunk) return std::unexpected(chunk.error());
+    if (*chunk == nullptr) return raw;
+    for (std::size_t row = 0; row < (*chunk)->rows(); ++row) {
+      raw.index.push_back((*chunk)->first_index() + static_cast<std::int64_t>(row));
+      raw.time_ns.push_back((*chunk)->TimeNs(row));
+      raw.reply_ns.push_back((*chunk)->ReplyNs(row));
+      for (std::size_t c = 0; c < raw.values.size(); ++c) {
+        const std::uint64_t bits = (*chunk)->At(row, c).raw.bits();
+        raw.values[c].append(reinterpret_cast<const char*>(&bits),
+                             BytesOf(header.channels[c].encoding));
+      }
+    }
+  }
+}
+
+Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& columns,
+                      TrialReader* reader) {
+  const auto raw = ReadRaw(reader);
+  if (!raw) return std::unexpected(raw.error());
+  const Hdf5Id group(H5Gcreate2(trial.id(), hdf5::kRaw, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                     H5Gclose);
+  if (!group.ok()) return NotWritten();
+  const TrialHeader& header = reader->header();
+  Result<void> done;
+  if (header.timing == Timing::kUniform) {
+    done = WriteColumn(group, "index", raw->index);
+  } else {
+    const bool is_polled = header.timing == Timing::kPolled;
+    done = WriteColumn(group, is_polled ? "request_ns" : "time_ns", raw->time_ns);
+    if (done && is_polled) done = WriteColumn(group, "reply_ns", raw->reply_ns);
+  }
+  const hid_t types[] = {H5T_STD_I32LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
+  for (std::size_t c = 0; done && c < columns.size(); ++c) {
+    const hid_t type = types[static_cast<std::size_t>(header.channels[c].encoding)];
+    done = WriteData(group, columns[c], type, {raw->index.size()}, raw->values[c].data());
+  }
+  return done;
+}
+
+Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
+  std::vector<double> times_s(record.rows);
+  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = TimeOf(record, row);
+  auto done = WriteColumn(group, hdf5::kTimes, times_s);
+  if (done && !record.raw_times_s.empty()) {
+    done = WriteColumn(group, hdf5::kRawTimes, record.raw_times_s);
+  }
+  std::vector<double> numbers;
+  for (const Stretch& stretch : record.stretches) {
+    numbers.insert(numbers.end(),
+                   {static_cast<double>(stretch.first_row), static_cast<double>(stretch.rows),
+                    stretch.start_s, stretch.rate_hz, stretch.time_uncertainty_s});
+  }
+  if (!done) return done;
+  return WriteData(group, hdf5::kStretches, H5T_IEEE_F64LE,
+                   {record.stretches.size(), hdf5::kStretchNumbers}, numbers.data());
+}
+
+Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& columns,
+                           const Record& record) {
+  Result<void> done;
+  for (std::size_t c = 0; done && c < columns.size(); ++c) {
+    done = WriteColumn(group, columns[c], record.channels[c].values);
+    if (!done) return done;
+    done = WriteColumn(group, hdf5::StatusName(columns[c]), record.channels[c].statuses);
+  }
+  return done;
+}
+
+// header, events and what was said when it was read
+Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHeader header) {
+  header.metadata = recording.record.metadata;  // with the labels as last given
+  auto done = WriteText(group, hdf5::kHeader, HeaderToJson(header));
+  std::string events;
+  for (const Event& event : recording.report.events) events += EventToJson(event) + "\n";
+  if (done) done = WriteText(group, hdf5::kEvents, events);
+  std::string remarks;
+  for (const Loss& loss : recording.report.losses) remarks += Describe(loss) + "\n";
+  for (const std::string& remark : recording.report.remarks) remarks += remark + "\n";
+  if (done) done = WriteText(group, hdf5::kRemarks, remarks);
+  if (done) done = WriteFlag(group, hdf5::kClosed, recording.report.closed);
+  return done;
+}
+
+}  // namespace
+
+struct Hdf5Writer::State {
+  Hdf5Id file;
+};
+
+Hdf5Writer::Hdf5Writer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Hdf5Writer::Hdf5Writer(Hdf5Writer&&) noexcept = default;
+Hdf5Writer& Hdf5Writer::operator=(Hdf5Writer&&) noexcept = default;
+Hdf5Writer::~Hdf5Writer() = default;
+
+Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
+  // errors are told by us, not by libhdf5 on stderr
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  Hdf5Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  if (!file.ok()) return NotWritten();
+  return Hdf5Writer(std::make_unique<State>(State{std::move(file)}));
+}
+
+Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording,
+                             TrialReader* raw) {
+  const Hdf5Id group(
+      H5Gcreate2(state_->file.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (!group.ok()) return NotWritten();
+  const Record& record = recording.record;
+  const std::vector<std::string> columns = CsvColumnNames(record.channels);
+  auto done = WriteTimes(group, record);
+  if (done) done = WriteChannels(group, columns, record);
+  if (done) done = WriteWords(group, recording, raw != nullptr ? raw->header() : HeaderOf(record));
+  if (done && raw != nullptr) done = WriteRaw(group, columns, raw);
+  return done;
+}
+
+Result<void> Hdf5Writer::Close() {
+  // flushed first: a close that fails leaves nothing to say
+  const bool is_flushed = H5Fflush(state_->file.id(), H5F_SCOPE_LOCAL) >= 0;
+  if (!state_->file.Close() || !is_flushed) return NotWritten();
+  return {};
+}
+
+}  // namespace haptometer::trial

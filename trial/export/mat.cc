@@ -1,0 +1,162 @@
+#include "trial/export/mat.h"
+
+#include <matio.h>
+
+#include <array>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "trial/block.h"
+#include "trial/byte_source.h"
+#include "trial/import/csv_column.h"
+#include "trial/trial_json.h"
+
+namespace haptometer::trial {
+namespace {
+
+using Variable = std::unique_ptr<matvar_t, decltype(&Mat_VarFree)>;
+
+std::unexpected<Error> NotWritten() {
+  return Failed("", "could not be written as a MATLAB file",
+                "is there room, and may you write there?");
+}
+
+// whether the file at `path` holds `variables` whole elements, by their own lengths: libmatio looks
+// at no write's outcome
+Result<void> CheckWhole(const std::string& path, std::size_t variables) {
+  constexpr std::size_t kHeadBytes = 128;
+  const auto file = OpenFileSource(path);
+  if (!file) return NotWritten();
+  std::uint64_t at = kHeadBytes;
+  std::size_t found = 0;
+  while (at < (*file)->size()) {
+    std::array<std::byte, 8> tag{};  // type and length, 32 bits each
+    const auto got = (*file)->ReadAt(at, tag);
+    if (!got || *got < tag.size()) return NotWritten();
+    at += tag.size() + LoadLittleEndian<std::uint32_t>(tag.data() + 4);
+    ++found;
+  }
+  if (found != variables || at != (*file)->size()) return NotWritten();
+  return {};
+}
+
+// a struct that is built field by field; each field's data are copied
+class Struct {
+ public:
+  explicit Struct(const std::string& name)
+      : variable_(Mat_VarCreateStruct(name.c_str(), 2, one_by_one_.data(), nullptr, 0),
+                  Mat_VarFree) {}
+
+  void Column(const std::string& name, const std::vector<double>& values, std::size_t width = 1) {
+    Add(name, MAT_C_DOUBLE, MAT_T_DOUBLE, {values.size() / width, width}, values.data());
+  }
+  void Statuses(const std::string& name, const std::vector<SampleStatus>& statuses) {
+    Add(name, MAT_C_UINT8, MAT_T_UINT8, {statuses.size(), 1}, statuses.data());
+  }
+  // `text` is ASCII: what libmatio does with more depends on the reader
+  void Text(const std::string& name, const std::string& text) {
+    Add(name, MAT_C_CHAR, MAT_T_UINT8, {text.empty() ? 0U : 1U, text.size()}, text.data());
+  }
+
+  [[nodiscard]] bool ok() const { return is_whole_; }
+  [[nodiscard]] matvar_t* get() const { return variable_.get(); }
+
+ private:
+  void Add(const std::string& name, matio_classes kind, matio_types type,
+           std::array<std::size_t, 2> shape, const void* data) {
+    // libmatio copies from the pointer and changes nothing behind it
+    matvar_t* field =
+        Mat_VarCreate(nullptr, kind, type, 2, shape.data(), const_cast<void*>(data), 0);
+    if (field == nullptr || variable_ == nullptr ||
+        Mat_VarAddStructField(variable_.get(), name.c_str()) != 0) {
+      is_whole_ = false;
+      Mat_VarFree(field);
+      return;
+    }
+    Mat_VarSetStructFieldByName(variable_.get(), name.c_str(), 0, field);
+  }
+
+  std::array<std::size_t, 2> one_by_one_{1, 1};
+  Variable variable_;
+  bool is_whole_ = true;
+};
+
+// the same JSON in ASCII
+std::string Ascii(const std::string& json) {
+  return nlohmann::ordered_json::parse(json).dump(-1, ' ', true);
+}
+
+void AddTimes(const Record& record, Struct* variable) {
+  std::vector<double> times_s(record.rows);
+  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = TimeOf(record, row);
+  variable->Column("time_s", times_s);
+  if (!record.raw_times_s.empty()) variable->Column("raw_time_s", record.raw_times_s);
+  // column by column, as MATLAB keeps a matrix
+  std::vector<double> numbers;
+  for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.first_row));
+  for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.rows));
+  for (const Stretch& s : record.stretches) numbers.push_back(s.start_s);
+  for (const Stretch& s : record.stretches) numbers.push_back(s.rate_hz);
+  for (const Stretch& s : record.stretches) numbers.push_back(s.time_uncertainty_s);
+  variable->Column("stretches", numbers, 5);
+}
+
+}  // namespace
+
+struct MatWriter::State {
+  std::string path;
+  mat_t* file = nullptr;
+  std::size_t variables = 0;
+  ~State() {
+    if (file != nullptr) Mat_Close(file);
+  }
+};
+
+MatWriter::MatWriter(std::unique_ptr<State> state) : state_(std::move(state)) {}
+MatWriter::MatWriter(MatWriter&&) noexcept = default;
+MatWriter& MatWriter::operator=(MatWriter&&) noexcept = default;
+MatWriter::~MatWriter() = default;
+
+Result<MatWriter> MatWriter::Create(const std::string& path) {
+  auto state = std::make_unique<State>();
+  state->path = path;
+  state->file =
+      Mat_CreateVer(path.c_str(), "MATLAB 5.0 MAT-file, written by haptometer", MAT_FT_MAT5);
+  if (state->file == nullptr) return NotWritten();
+  return MatWriter(std::move(state));
+}
+
+Result<void> MatWriter::Add(const std::string& name, const Recording& recording) {
+  const Record& record = recording.record;
+  // a variable's length is kept in 32 bits, and some readers take them as signed
+  constexpr double kLargestBytes = 2e9;
+  const double channels = static_cast<double>(record.channels.size());
+  if (static_cast<double>(record.rows) * (16 + 9 * channels) > kLargestBytes) {
+    return CannotAnswer("", "is larger than the 2 GiB that a MATLAB file can hold",
+                        "export it as .h5");
+  }
+  Struct variable(name);
+  AddTimes(record, &variable);
+  const std::vector<std::string> columns = CsvColumnNames(record.channels);
+  for (std::size_t c = 0; c < columns.size(); ++c) {
+    variable.Column(columns[c], record.channels[c].values);
+    variable.Statuses(columns[c] + "_status", record.channels[c].statuses);
+  }
+  variable.Text("header_json", Ascii(HeaderToJson(HeaderOf(record))));
+  std::string events;
+  for (const Event& event : recording.report.events) events += Ascii(EventToJson(event)) + "\n";
+  variable.Text("events_json", events);
+  if (!variable.ok() || Mat_VarWrite(state_->file, variable.get(), MAT_COMPRESSION_NONE) != 0) {
+    return NotWritten();
+  }
+  ++state_->variables;
+  return {};
+}
+
+Result<void> MatWriter::Close() {
+  Mat_Close(std::exchange(state_->file, nullptr));
+  return CheckWhole(state_->path, state_->variables);
+}
+
+}  // namespace haptometer::trial

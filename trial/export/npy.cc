@@ -1,0 +1,64 @@
+#include "trial/export/npy.h"
+
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "trial/block.h"
+#include "trial/import/csv_column.h"
+
+namespace haptometer::trial {
+namespace {
+
+constexpr std::size_t kPieceBytes = 1U << 16;
+
+// the Python dictionary that says what follows
+std::string Dictionary(const Record& record) {
+  std::string fields = "('time_s', '<f8'), ";
+  for (const std::string& column : CsvColumnNames(record.channels)) {
+    fields += fmt::format("('{0}', '<f8'), ('{0}_status', '|u1'), ", column);
+  }
+  return fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}", fields,
+                     record.rows);
+}
+
+// magic, version, length and dictionary; the data begin at a multiple of 64
+std::string Head(const Record& record) {
+  std::string dictionary = Dictionary(record);
+  const bool is_short = dictionary.size() + 128 < 1U << 16;
+  const std::size_t before = is_short ? 10 : 12;
+  constexpr std::size_t kAlignment = 64;
+  dictionary.append(kAlignment - 1 - (before + dictionary.size()) % kAlignment, ' ');
+  dictionary += '\n';
+  std::string head = "\x93NUMPY";
+  head += is_short ? '\x01' : '\x02';
+  head += '\0';
+  if (is_short) {
+    AppendLittleEndian(static_cast<std::uint16_t>(dictionary.size()), &head);
+  } else {
+    AppendLittleEndian(static_cast<std::uint32_t>(dictionary.size()), &head);
+  }
+  return head + dictionary;
+}
+
+}  // namespace
+
+Result<void> WriteNpy(const Record& record, const PieceSink& sink) {
+  if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
+  std::string bytes = Head(record);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    AppendLittleEndian(TimeOf(record, row), &bytes);
+    for (const Channel& channel : record.channels) {
+      AppendLittleEndian(channel.values[row], &bytes);
+      AppendLittleEndian(static_cast<std::uint8_t>(channel.statuses[row]), &bytes);
+    }
+    if (bytes.size() < kPieceBytes) continue;
+    if (auto done = sink(bytes); !done) return done;
+    bytes.clear();
+  }
+  return sink(bytes);
+}
+
+}  // namespace haptometer::trial

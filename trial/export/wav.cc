@@ -1,0 +1,152 @@
+#include "trial/export/wav.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "trial/block.h"
+#include "trial/import/csv_column.h"
+
+namespace haptometer::trial {
+namespace {
+
+constexpr std::size_t kPieceBytes = 1U << 16;
+constexpr const char* kOtherFormats = "export it as .npy, .h5 or .csv, which keep what there is";
+
+// the largest deviation of a rate from a whole number that is only stated: 0.1 Hz at 1 kHz, far
+// below what a player or an ear resolves
+constexpr double kRateTolerance = 1e-4;
+
+// a RIFF chunk; an odd length is padded
+void AppendChunk(std::string_view name, std::string_view content, std::string* bytes) {
+  *bytes += name;
+  AppendLittleEndian(static_cast<std::uint32_t>(content.size()), bytes);
+  *bytes += content;
+  if (content.size() % 2 == 1) *bytes += '\0';
+}
+
+Result<void> CheckRoom(const Record& record) {
+  if (record.rows == 0 || record.channels.empty()) return CannotAnswer("", "holds no samples");
+  constexpr double kLargestBytes = 4.2e9;
+  const double bytes =
+      8.0 * static_cast<double>(record.rows) * static_cast<double>(record.channels.size());
+  if (bytes > kLargestBytes || record.channels.size() > 0xffff / 8) {
+    return CannotAnswer("", "is larger than the 4 GiB that a WAV can hold", kOtherFormats);
+  }
+  return {};
+}
+
+// one clock without a hole, at a rate that a WAV can say
+Result<std::uint32_t> RateOf(const Record& record) {
+  if (record.stretches.size() != 1) {
+    return CannotAnswer(
+        "",
+        fmt::format("has {} gap{}, and a WAV has no place for one", record.stretches.size() - 1,
+                    record.stretches.size() == 2 ? "" : "s"),
+        kOtherFormats);
+  }
+  const double rate_hz = record.stretches[0].rate_hz;
+  const double whole_hz = std::round(rate_hz);
+  const bool is_whole =
+      whole_hz >= 1 && whole_hz < 4e9 && std::abs(rate_hz - whole_hz) <= kRateTolerance * whole_hz;
+  if (!is_whole) {
+    return CannotAnswer(
+        "", fmt::format("has {:.8g} rows a second; a WAV needs a whole number of hertz", rate_hz),
+        kOtherFormats);
+  }
+  return static_cast<std::uint32_t>(whole_hz);
+}
+
+Result<void> CheckMeasured(const Record& record) {
+  std::size_t bad = 0;
+  for (const Channel& channel : record.channels) {
+    for (std::size_t row = 0; row < record.rows; ++row) {
+      if (!IsMeasurement(channel.statuses[row]) || !std::isfinite(channel.values[row])) ++bad;
+    }
+  }
+  if (bad == 0) return {};
+  return CannotAnswer(
+      "",
+      fmt::format("holds {} value{} that {} no measurement, and a WAV cannot say so", bad,
+                  bad == 1 ? "" : "s", bad == 1 ? "is" : "are"),
+      kOtherFormats);
+}
+
+// sums of differences from the first value: a mean of 1e8 values near 30 mm keeps its nanometres
+double MeanOf(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value - values.front();
+  return values.front() + sum / static_cast<double>(values.size());
+}
+
+std::string Comment(const Record& record, const std::vector<double>& offsets,
+                    std::uint32_t rate_hz) {
+  std::string comment = "samples in SI units, offset removed:";
+  const std::vector<std::string> names = CsvColumnNames(record.channels);
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    comment += fmt::format(" {} = sample + {};", names[c], offsets[c]);
+  }
+  const double exact_hz = record.stretches[0].rate_hz;
+  comment += fmt::format(" rate {} Hz", exact_hz);
+  if (exact_hz != rate_hz) comment += fmt::format(", written as {} Hz", rate_hz);
+  return comment;
+}
+
+std::string Head(const Record& record, std::uint32_t rate_hz, const std::string& comment) {
+  const std::size_t channels = record.channels.size();
+  const auto data_bytes = static_cast<std::uint32_t>(8 * record.rows * channels);
+  std::string format;
+  constexpr std::uint16_t kIeeeFloat = 3;
+  constexpr std::uint16_t kSampleBytes = 8;
+  AppendLittleEndian(kIeeeFloat, &format);
+  AppendLittleEndian(static_cast<std::uint16_t>(channels), &format);
+  AppendLittleEndian(rate_hz, &format);
+  AppendLittleEndian(static_cast<std::uint32_t>(
+                         std::min<std::uint64_t>(rate_hz * kSampleBytes * channels, UINT32_MAX)),
+                     &format);
+  AppendLittleEndian(static_cast<std::uint16_t>(kSampleBytes * channels), &format);
+  AppendLittleEndian(static_cast<std::uint16_t>(8 * kSampleBytes), &format);
+  AppendLittleEndian(std::uint16_t{0}, &format);  // no extension
+  std::string fact;
+  AppendLittleEndian(static_cast<std::uint32_t>(record.rows), &fact);
+  std::string info = "INFO";
+  AppendChunk("ICMT", comment + '\0', &info);
+
+  std::string chunks = "WAVE";
+  AppendChunk("fmt ", format, &chunks);
+  AppendChunk("fact", fact, &chunks);
+  AppendChunk("LIST", info, &chunks);
+  chunks += "data";
+  AppendLittleEndian(data_bytes, &chunks);
+  std::string head = "RIFF";
+  AppendLittleEndian(static_cast<std::uint32_t>(chunks.size() + data_bytes), &head);
+  return head + chunks;
+}
+
+}  // namespace
+
+Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
+  if (auto fits = CheckRoom(record); !fits) return std::unexpected(fits.error());
+  const auto rate_hz = RateOf(record);
+  if (!rate_hz) return std::unexpected(rate_hz.error());
+  if (auto measured = CheckMeasured(record); !measured) return std::unexpected(measured.error());
+  std::vector<double> offsets;
+  for (const Channel& channel : record.channels) offsets.push_back(MeanOf(channel.values));
+  std::string comment = Comment(record, offsets, *rate_hz);
+  std::string bytes = Head(record, *rate_hz, comment);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    for (std::size_t c = 0; c < offsets.size(); ++c) {
+      AppendLittleEndian(record.channels[c].values[row] - offsets[c], &bytes);
+    }
+    if (bytes.size() < kPieceBytes) continue;
+    if (auto done = sink(bytes); !done) return std::unexpected(done.error());
+    bytes.clear();
+  }
+  if (auto done = sink(bytes); !done) return std::unexpected(done.error());
+  return comment;
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+
+namespace haptometer::trial {
+
+/// An open object of libhdf5 (file, group, dataset, space, type), closed with it. hid_t is an
+/// int64_t and herr_t an int, so that this header does not need hdf5.h.
+class Hdf5Id {
+ public:
+  using CloseFunction = int (*)(std::int64_t);
+
+  Hdf5Id(std::int64_t id, CloseFunction close_function) : id_(id), close_(close_function) {}
+  Hdf5Id(Hdf5Id&& other) noexcept : id_(std::exchange(other.id_, -1)), close_(other.close_) {}
+  Hdf5Id& operator=(Hdf5Id&& other) noexcept {
+    std::swap(id_, other.id_);
+    std::swap(close_, other.close_);
+    return *this;
+  }
+  ~Hdf5Id() { Close(); }
+  Hdf5Id(const Hdf5Id&) = delete;
+  Hdf5Id& operator=(const Hdf5Id&) = delete;
+
+  [[nodiscard]] bool ok() const { return id_ >= 0; }
+  [[nodiscard]] std::int64_t id() const { return id_; }
+  /// Closes it now; false where that fails, as it does when a file's last bytes find no room.
+  bool Close() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+
+ private:
+  std::int64_t id_;
+  CloseFunction close_;
+};
+
+/// The objects of one trial's group; docs/formats.md says what they hold. Beside them stand one
+/// dataset a channel, named as its CSV column, and one with its statuses.
+namespace hdf5 {
+inline constexpr const char* kTimes = "time_s";
+inline constexpr const char* kRawTimes = "raw_time_s";
+inline constexpr const char* kStretches = "stretches";
+inline constexpr const char* kHeader = "header_json";
+inline constexpr const char* kEvents = "events_json";
+inline constexpr const char* kRemarks = "remarks";
+inline constexpr const char* kRaw = "raw";
+inline constexpr const char* kClosed = "closed";
+inline constexpr std::size_t kStretchNumbers = 5;
+
+[[nodiscard]] inline std::string StatusName(const std::string& column) {
+  return column + "_status";
+}
+}  // namespace hdf5
+
+}  // namespace haptometer::trial
