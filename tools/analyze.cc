@@ -7,6 +7,7 @@
 #include "dsp/band_analysis.h"
 #include "tools/analyze_output.h"
 #include "tools/cli/band.h"
+#include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
@@ -30,6 +31,7 @@ struct Wanted {
   std::optional<std::int64_t> order;
   std::string corner = "whole";
   std::string plot;
+  cli::ImportWords import;
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
@@ -43,6 +45,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
   options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
                "Draw the trial and what was used of it");
+  cli::DeclareImport(&options, &wanted.import);
 }
 
 Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
@@ -74,13 +77,14 @@ std::vector<std::string> LossesOf(const trial::ReadReport& report) {
   std::vector<std::string> remarks;
   remarks.reserve(report.losses.size() + 1);
   for (const trial::Loss& loss : report.losses) remarks.push_back(Describe(loss));
+  for (const std::string& remark : report.remarks) remarks.push_back(remark);
   if (!report.closed) remarks.emplace_back("the file was not finished by its writer");
   return remarks;
 }
 
 // reads, analyses and, where asked, draws one file
 AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
-                     const std::string& plot) {
+                     const trial::ImportOptions& import, const std::string& plot) {
   AnalyzedFile file;
   file.path = path;
   const auto fail = [&](Error error) {
@@ -88,7 +92,7 @@ AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
     file.error = std::move(error);
     return file;
   };
-  const auto recording = trial::ReadRecording(path);
+  const auto recording = trial::ReadRecording(path, import);
   if (!recording) return fail(recording.error());
   file.source = recording->record.metadata.source;
   file.remarks = LossesOf(recording->report);
@@ -123,17 +127,19 @@ int RunAnalyze(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto question = QuestionOf(wanted);
   if (!question) return cli::ReportError(kVerb, question.error());
+  const auto import = cli::ImportOf(wanted.import);
+  if (!import) return cli::ReportError(kVerb, import.error());
 
   // one after the other: an error of one file does not keep the others from their answer
   std::vector<AnalyzedFile> files;
   for (const std::string& path : wanted.files) {
-    files.push_back(Analyze(path, *question, wanted.plot));
+    files.push_back(Analyze(path, *question, *import, wanted.plot));
     AnalyzedFile& file = files.back();
     if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
     if (!options.json()) PrintAnalysis(file);
     if (file.analysis) file.analysis->filtered_m = {};
   }
-  if (options.json()) fmt::print("{}\n", AnalysisJson(files));
+  if (options.json()) fmt::print("{}", AnalysisJson(files));
   return StatusOf(files);
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "tests/tools/captured.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -20,27 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
-struct Outcome {
-  int status = 0;
-  std::string out;
-  std::string err;
-};
-
-Outcome Trial(std::vector<std::string> words) {
-  words.insert(words.begin(), "trial");
-  std::vector<const char*> argv;
-  argv.reserve(words.size());
-  for (const std::string& word : words) argv.push_back(word.c_str());
-  ::testing::internal::CaptureStdout();
-  ::testing::internal::CaptureStderr();
-  Outcome outcome;
-  outcome.status = RunTrial(static_cast<int>(argv.size()), argv.data());
-  std::fflush(nullptr);
-  outcome.out = ::testing::internal::GetCapturedStdout();
-  outcome.err = ::testing::internal::GetCapturedStderr();
-  return outcome;
-}
+Outcome Trial(const std::vector<std::string>& words) { return Captured(RunTrial, "trial", words); }
 
 class TrialVerb : public ::testing::Test {
  protected:
@@ -127,7 +110,7 @@ TEST_F(TrialVerb, WrongLabelsChangeNothing) {
   for (const char* label : {"subject", "=3", ""}) {
     const Outcome refused = Trial({"label", trial_, label});
     EXPECT_EQ(refused.status, 2);
-    EXPECT_THAT(refused.err, HasSubstr("write it as key=value"));
+    EXPECT_THAT(refused.err, HasSubstr("is not KEY=VALUE; write e.g. subject=3"));
   }
   EXPECT_EQ(Trial({"label", trial_}).status, 2);
   EXPECT_EQ(Content(trial_), before);
@@ -147,7 +130,7 @@ TEST_F(TrialVerb, ExportsAreReadAsTheSame) {
   EXPECT_EQ(Content(csv), to_stdout.out);
   json from_csv = json::parse(Trial({"info", "--json", csv}).out);
   json from_trial = json::parse(Trial({"info", "--json", trial_}).out);
-  for (const char* key : {"file", "file_bytes"}) {
+  for (const char* key : {"file", "file_bytes", "kind", "closed"}) {
     from_csv.erase(key);
     from_trial.erase(key);
   }
@@ -167,6 +150,54 @@ TEST_F(TrialVerb, ExportsDoNotOverwriteSilently) {
   const Outcome full = Trial({"export", trial_, "-o", "/dev/full", "--overwrite"});
   EXPECT_EQ(full.status, 1);
   EXPECT_THAT(full.err, HasSubstr("No space left on device"));
+}
+
+TEST_F(TrialVerb, ACsvIsNotCalledFinishedAndItsRemarksAreShown) {
+  const std::string csv = Path("t.csv");
+  std::ofstream(csv) << "# averages = 1\n# drive_frequency_hz = 10000\n# rate = 1000 Hz\n"
+                        "# channel.1.resolution = 8.7e-23\ntime_s,displacement_m\n0,1\n1,2\n2,3\n";
+  const Outcome info = Trial({"info", csv});
+  EXPECT_EQ(info.status, 0) << info.err;
+  for (const char* text : {"imported from CSV", "1 average\n", "10000 Hz", "steps of 0 um",
+                           "say 1 rows a second where the file states 1000 Hz"}) {
+    EXPECT_THAT(info.out, HasSubstr(text));
+  }
+  EXPECT_THAT(info.out, Not(HasSubstr("finished")));
+  EXPECT_TRUE(json::parse(Trial({"info", csv, "--json"}).out)["closed"].is_null());
+}
+
+TEST_F(TrialVerb, InfoShowsAThumbnail) {
+  const Outcome info = Trial({"info", trial_});
+  // the axes of gnuplot's dumb terminal, and the title with the mean
+  EXPECT_THAT(info.out, HasSubstr("displacement about"));
+  EXPECT_THAT(info.out, HasSubstr("+------"));
+}
+
+TEST_F(TrialVerb, LabelsKeepTheirReasonAndTakeAcquiresWay) {
+  EXPECT_EQ(Trial({"label", trial_, "subject=4", "--reason", "wrong one noted"}).status, 0);
+  EXPECT_THAT(Trial({"info", trial_}).out, HasSubstr("subject: wrong one noted"));
+  EXPECT_EQ(Trial({"label", trial_, "--label", "repeat=2"}).status, 0);
+  const json document = json::parse(Trial({"info", "--json", trial_}).out);
+  EXPECT_EQ(document["labels"]["repeat"], "2");
+  EXPECT_EQ(document["events"][0]["text"], "wrong one noted");
+  EXPECT_THAT(Trial({"label", trial_}).err, HasSubstr("labels: are missing"));
+}
+
+TEST_F(TrialVerb, LabelsOfOtherKindsAreGivenElsewhere) {
+  const std::string hdf5 = Path("t.h5");
+  ASSERT_EQ(Trial({"export", trial_, "-o", hdf5}).status, 0);
+  EXPECT_THAT(Trial({"label", hdf5, "a=b"}).err,
+              HasSubstr("is a HDF5; label the trial itself and export it again"));
+}
+
+TEST_F(TrialVerb, PlotsAreDrawn) {
+  const std::string svg = Path("t.svg");
+  const Outcome drawn = Trial({"plot", trial_, "-o", svg});
+  EXPECT_EQ(drawn.status, 0) << drawn.err;
+  EXPECT_THAT(Content(svg), HasSubstr("10 bad"));
+  EXPECT_EQ(Trial({"plot", trial_, "--plot", svg}).status, 0);
+  EXPECT_EQ(Trial({"plot", trial_}).status, 2);
+  EXPECT_EQ(Trial({"plot", trial_, "-o", Path("t.gif")}).status, 2);
 }
 
 TEST_F(TrialVerb, UnknownWordsGetAProposal) {

@@ -1,13 +1,17 @@
 #include "tools/plot/gnuplot.h"
 
 #include <fmt/core.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include "base/check.h"
+#include "tools/plot/envelope.h"
 
 namespace haptometer::plot {
 namespace {
@@ -42,29 +46,14 @@ void AppendPoint(std::string& data, double x, double y) {
   data += std::isfinite(y) ? fmt::format("{:.9g} {:.9g}\n", x, y) : "\n";
 }
 
-// minimum and maximum of each slice, so that a long record keeps its envelope
-void AppendEnvelope(std::string& data, const Series& series) {
-  const std::size_t slices = kMostPoints / 2;
-  const std::size_t n = series.y.size();
-  for (std::size_t slice = 0; slice < slices; ++slice) {
-    const std::size_t begin = slice * n / slices;
-    const std::size_t end = (slice + 1) * n / slices;
-    const auto [low, high] = std::minmax_element(series.y.begin() + static_cast<long>(begin),
-                                                 series.y.begin() + static_cast<long>(end));
-    AppendPoint(data, series.x[begin], *low);
-    AppendPoint(data, series.x[begin], *high);
-  }
-}
-
 std::string DataBlock(std::size_t panel, std::size_t number, const Series& series) {
   HAPTOMETER_CHECK(series.x.size() == series.y.size(), "{} x, {} y", series.x.size(),
                    series.y.size());
   std::string data = fmt::format("$data_{}_{} << EOD\n", panel, number);
-  if (series.y.size() > kMostPoints) {
-    AppendEnvelope(data, series);
-  } else {
-    for (std::size_t i = 0; i < series.y.size(); ++i) AppendPoint(data, series.x[i], series.y[i]);
-  }
+  std::vector<double> x;
+  std::vector<double> y;
+  AppendEnvelope(series.x, series.y, kMostPoints / 2, &x, &y);
+  for (std::size_t i = 0; i < y.size(); ++i) AppendPoint(data, x[i], y[i]);
   return data + "EOD\n";
 }
 
@@ -100,7 +89,63 @@ std::string Script(const std::string& path, const Terminal& terminal,
   return script + "unset multiplot\nunset output\n";
 }
 
+// Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
+// file it left, or did not, is the evidence.
+Result<bool> RunGnuplot(const std::string& script, const std::string& where) {
+  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
+  if (gnuplot == nullptr) return Failed(where, "gnuplot does not start");
+  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  const int status = pclose(gnuplot);
+  if (status == 127 << 8) {
+    return Failed(where, "gnuplot is not installed", "apt-get install gnuplot-nox");
+  }
+  return sent && status == 0;
+}
+
+// a file that exists in memory only, as long as somebody holds it open
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(memfd_create("plot", 0)) {}
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  [[nodiscard]] std::string path() const {
+    return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
+  }
+  [[nodiscard]] std::string Content() const {
+    std::string content;
+    std::array<char, 4096> part{};
+    for (off_t at = 0;;) {
+      const ssize_t got = pread(descriptor_, part.data(), part.size(), at);
+      if (got <= 0) return content;
+      content.append(part.data(), static_cast<std::size_t>(got));
+      at += got;
+    }
+  }
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace
+
+Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
+  const MemoryFile drawing;
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal dumb size {},{} noenhanced\nset output {}\n"
+      "set key off\nset autoscale xfix\n",
+      columns, lines, Quoted(drawing.path()));
+  for (std::size_t s = 0; s < panel.series.size(); ++s) {
+    script += DataBlock(0, s, panel.series[s]);
+  }
+  const auto run = RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot");
+  if (!run) return std::unexpected(run.error());
+  std::string text = drawing.Content();
+  if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");
+  std::erase(text, '\f');  // ends a page
+  return text;
+}
 
 Result<void> CheckPlotPath(const std::string& path) {
   namespace fs = std::filesystem;
@@ -125,17 +170,11 @@ Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panel
   const std::string part = path + ".part";
   const std::string script = Script(part, *TerminalOf(path), panels);
 
-  // gnuplot's own words say nothing to a user; the file it left, or did not, is the evidence
-  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
-  if (gnuplot == nullptr) return Failed(path, "gnuplot does not start");
-  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  const int status = pclose(gnuplot);
-  if (status == 127 << 8) {
-    return Failed(path, "gnuplot is not installed", "apt-get install gnuplot-nox");
-  }
+  const auto run = RunGnuplot(script, path);
+  if (!run) return std::unexpected(run.error());
   std::error_code failure;
-  if (sent && status == 0) std::filesystem::rename(part, path, failure);
-  if (!sent || status != 0 || failure) {
+  if (*run) std::filesystem::rename(part, path, failure);
+  if (!*run || failure) {
     std::filesystem::remove(part, failure);
     return Failed(path, "the plot could not be written", "is there room, and may you write there?");
   }

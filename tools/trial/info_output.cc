@@ -1,4 +1,4 @@
-#include "tools/trial_info.h"
+#include "tools/trial/info_output.h"
 
 #include <fmt/core.h>
 
@@ -7,6 +7,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
+
+#include "tools/cli/json.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/trial/trial_panel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -82,10 +86,18 @@ void Line(std::string_view label, std::string_view text) {
   if (!text.empty()) fmt::print("  {:<16}{}\n", label, text);
 }
 
-// a value of a channel in the unit people say
+// a number in six digits and without an exponent where it has any meaning
+std::string Plain(double value) {
+  if (value == 0 || !std::isfinite(value)) return fmt::format("{}", value);
+  const double place = std::pow(10, 5 - std::floor(std::log10(std::abs(value))));
+  return fmt::format("{}", std::round(value * place) / place);
+}
+
+// a value of a channel in the unit people say; nothing measures below a picometre
 std::string InPeoplesUnit(double value, const std::string& unit) {
-  if (unit == "m") return fmt::format("{:g} um", value * 1e6);
-  return fmt::format("{:g} {}", value, unit);
+  if (unit != "m") return fmt::format("{} {}", Plain(value), unit);
+  constexpr double kPicometre = 1e-12;
+  return Plain(std::abs(value) < kPicometre ? 0 : value * 1e6) + " um";
 }
 
 void PrintChannel(const Channel& channel) {
@@ -111,10 +123,16 @@ void PrintChannel(const Channel& channel) {
 void PrintMetadata(const Metadata& metadata) {
   Line("source", metadata.source);
   Line("sensor", metadata.sensor + (metadata.head.empty() ? "" : ", head " + metadata.head));
+  if (metadata.averages) {
+    const std::string period =
+        metadata.sampling_s ? " sampled every " + Plain(*metadata.sampling_s * 1e3) + " ms" : "";
+    Line("averaging", fmt::format("{} average{}{}", *metadata.averages,
+                                  *metadata.averages == 1 ? "" : "s", period));
+  }
   Line("recorded", metadata.utc_start);
   Line("laser spot", metadata.laser_spot);
   if (metadata.drive_frequency_hz) {
-    Line("drive", fmt::format("{:g} Hz", *metadata.drive_frequency_hz));
+    Line("drive", Plain(*metadata.drive_frequency_hz) + " Hz");
   }
   for (const auto& [key, value] : metadata.labels)
     Line("label", fmt::format("{} = {}", key, value));
@@ -143,14 +161,43 @@ void PrintTimes(const Recording& recording) {
   if (gaps.size() > kShown) Line("", fmt::format("and {} more gaps", gaps.size() - kShown));
 }
 
-Json NumberOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-template <typename T>
-Json ValueOrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
+void PrintEvent(const Event& event) {
+  if (event.kind == EventKind::kTimeBase) return;
+  if (event.kind != EventKind::kLabels) {
+    Line(Name(event.kind), fmt::format("before row {}: {}", event.row, event.text));
+    return;
+  }
+  // the labels themselves stand above, as last given
+  std::string keys;
+  for (const auto& [key, value] : event.labels) keys += (keys.empty() ? "" : ", ") + key;
+  if (!event.text.empty()) Line("labelled", fmt::format("{}: {}", keys, event.text));
 }
 
-Json TextOrNull(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+// what the file says of its own end
+std::string FileText(const trial::ReadReport& report) {
+  const char* end =
+      report.closed ? "finished by its recorder" : "cut short, or still being recorded";
+  if (report.kind == trial::FileKind::kTrial) return end;
+  if (report.kind == trial::FileKind::kHdf5) return fmt::format("exported to HDF5; {}", end);
+  return fmt::format("imported from {}", Name(report.kind));
+}
+
+// the displacement, or what there is first, in characters; nothing where gnuplot is not there
+void PrintThumbnail(const Record& record) {
+  constexpr int kColumns = 79;
+  constexpr int kLines = 14;
+  if (record.rows < 2 || record.channels.empty()) return;
+  const Channel* shown = record.Find(trial::ChannelRole::kDisplacement);
+  const auto panel = PanelOf(record, shown != nullptr ? *shown : record.channels.front());
+  if (const auto text = plot::DrawText(panel, kColumns, kLines)) fmt::print("{}", *text);
+}
+
+// whether the recorder finished; null where the file cannot tell
+Json ClosedOrNull(const trial::ReadReport& report) {
+  const bool can_tell =
+      report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
+  return can_tell ? Json(report.closed) : Json(nullptr);
+}
 
 Json ToJson(const StatusCounts& counts) {
   Json json = Json::object();
@@ -164,8 +211,8 @@ Json ToJson(const Channel& channel) {
   return {{"name", channel.name},
           {"role", Name(channel.role)},
           {"unit", channel.unit},
-          {"range_min", NumberOrNull(channel.range_min)},
-          {"range_max", NumberOrNull(channel.range_max)},
+          {"range_min", cli::NumberOrNull(channel.range_min)},
+          {"range_max", cli::NumberOrNull(channel.range_max)},
           {"resolution", channel.resolution > 0 ? Json(channel.resolution) : Json(nullptr)},
           {"statuses", ToJson(CountStatuses(channel))}};
 }
@@ -174,7 +221,7 @@ Json ToJson(const Stretch& stretch) {
   return {{"first_row", stretch.first_row},
           {"rows", stretch.rows},
           {"start_s", stretch.start_s},
-          {"rate_hz", NumberOrNull(stretch.rate_hz)},
+          {"rate_hz", cli::NumberOrNull(stretch.rate_hz)},
           {"time_uncertainty_s", stretch.time_uncertainty_s}};
 }
 
@@ -191,24 +238,24 @@ Json ToJson(const trial::Loss& loss) {
           {"offset", loss.offset},
           {"bytes", loss.bytes},
           {"first_row", loss.first_row},
-          {"rows", ValueOrNull(loss.rows)}};
+          {"rows", cli::CountOrNull(loss.rows)}};
 }
 
 Json ToJson(const Metadata& metadata) {
-  return {{"source", TextOrNull(metadata.source)},
-          {"sensor", TextOrNull(metadata.sensor)},
-          {"head", TextOrNull(metadata.head)},
-          {"sampling_s", ValueOrNull(metadata.sampling_s)},
-          {"averages", ValueOrNull(metadata.averages)},
-          {"hold", TextOrNull(metadata.hold)},
-          {"nominal_rate_hz", ValueOrNull(metadata.nominal_rate_hz)},
-          {"laser_spot", TextOrNull(metadata.laser_spot)},
-          {"drive_frequency_hz", ValueOrNull(metadata.drive_frequency_hz)},
-          {"drive_amplitude_v", ValueOrNull(metadata.drive_amplitude_v)},
+  return {{"source", cli::TextOrNull(metadata.source)},
+          {"sensor", cli::TextOrNull(metadata.sensor)},
+          {"head", cli::TextOrNull(metadata.head)},
+          {"sampling_s", cli::NumberOrNull(metadata.sampling_s)},
+          {"averages", metadata.averages ? Json(*metadata.averages) : Json(nullptr)},
+          {"hold", cli::TextOrNull(metadata.hold)},
+          {"nominal_rate_hz", cli::NumberOrNull(metadata.nominal_rate_hz)},
+          {"laser_spot", cli::TextOrNull(metadata.laser_spot)},
+          {"drive_frequency_hz", cli::NumberOrNull(metadata.drive_frequency_hz)},
+          {"drive_amplitude_v", cli::NumberOrNull(metadata.drive_amplitude_v)},
           {"tare_m", metadata.tare_m},
-          {"utc_start", TextOrNull(metadata.utc_start)},
-          {"host", TextOrNull(metadata.host)},
-          {"command_line", TextOrNull(metadata.command_line)},
+          {"utc_start", cli::TextOrNull(metadata.utc_start)},
+          {"host", cli::TextOrNull(metadata.host)},
+          {"command_line", cli::TextOrNull(metadata.command_line)},
           {"labels", metadata.labels},
           {"fields", metadata.fields},
           {"notes", metadata.notes}};
@@ -228,13 +275,11 @@ void PrintTrialInfo(const std::string& path, const Recording& recording) {
   PrintMetadata(recording.record.metadata);
   for (const Channel& channel : recording.record.channels) PrintChannel(channel);
   PrintTimes(recording);
-  for (const Event& event : recording.report.events) {
-    if (event.kind == EventKind::kLabels || event.kind == EventKind::kTimeBase) continue;
-    Line(Name(event.kind), fmt::format("before row {}: {}", event.row, event.text));
-  }
-  Line("file",
-       recording.report.closed ? "finished by its recorder" : "cut short, or still being recorded");
+  for (const Event& event : recording.report.events) PrintEvent(event);
+  Line("file", FileText(recording.report));
   for (const trial::Loss& loss : recording.report.losses) Line("loss", Describe(loss));
+  for (const std::string& remark : recording.report.remarks) Line("remark", remark);
+  PrintThumbnail(recording.record);
 }
 
 void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
@@ -242,8 +287,8 @@ void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
   Json gaps = Json::array();
   for (const Gap& gap : GapsOf(record)) {
     gaps.push_back({{"row", gap.row},
-                    {"at_s", NumberOrNull(gap.at_s)},
-                    {"length_s", NumberOrNull(gap.length_s)}});
+                    {"at_s", cli::NumberOrNull(gap.at_s)},
+                    {"length_s", cli::NumberOrNull(gap.length_s)}});
   }
   StatusCounts statuses{};
   for (const Channel& channel : record.channels) {
@@ -251,10 +296,11 @@ void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
     for (std::size_t i = 0; i < own.size(); ++i) statuses[i] += own[i];
   }
   Json json{{"file", path},
-            {"closed", recording.report.closed},
+            {"kind", Name(recording.report.kind)},
+            {"closed", ClosedOrNull(recording.report)},
             {"rows", record.rows},
-            {"duration_s", ValueOrNull(Duration(record))},
-            {"rate_hz", ValueOrNull(MeanRate(record))},
+            {"duration_s", cli::NumberOrNull(Duration(record))},
+            {"rate_hz", cli::NumberOrNull(MeanRate(record))},
             {"timing", Name(recording.record.timing)},
             {"time_uncertainty_s", WorstUncertainty(record)},
             {"channels", ListOf(record.channels)},
@@ -263,10 +309,11 @@ void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
             {"stretches", ListOf(record.stretches)},
             {"events", ListOf(recording.report.events)},
             {"losses", ListOf(recording.report.losses)},
-            {"rows_lost", ValueOrNull(recording.report.RowsLost())},
+            {"rows_lost", cli::CountOrNull(recording.report.RowsLost())},
+            {"remarks", recording.report.remarks},
             {"file_bytes", recording.report.file_bytes}};
   json.update(ToJson(record.metadata));
-  fmt::print("{}\n", json.dump(2, ' ', false, Json::error_handler_t::replace));
+  fmt::print("{}", cli::JsonText(json));
 }
 
 }  // namespace haptometer::tools

@@ -1,0 +1,284 @@
+// trial export: recordings as CSV, HDF5, NPY, WAV and MAT.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/cli/import_words.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/trial/whole_file.h"
+#include "tools/trial/words.h"
+#include "trial/block.h"
+#include "trial/byte_sink.h"
+#include "trial/export/csv.h"
+#include "trial/export/hdf5.h"
+#include "trial/export/mat.h"
+#include "trial/export/npy.h"
+#include "trial/export/wav.h"
+#include "trial/read_recording.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr cli::VerbText kText{
+    .name = "trial export",
+    .summary = "Write recordings as CSV, HDF5, NumPy, WAV or MATLAB files, in SI units.",
+    .examples = {"haptometer trial export trial.bin | head",
+                 "haptometer trial export trial.bin -o trial.npy",
+                 "haptometer trial export recordings/ -o all.h5"}};
+
+enum class Format : std::uint8_t { kCsv, kHdf5, kNpy, kWav, kMat };
+
+std::optional<Format> FormatOf(const std::string& path) {
+  const std::string ending = fs::path(path).extension();
+  if (ending == ".h5" || ending == ".hdf5") return Format::kHdf5;
+  if (ending == ".npy") return Format::kNpy;
+  if (ending == ".wav") return Format::kWav;
+  if (ending == ".mat") return Format::kMat;
+  if (ending == ".csv" || ending == ".txt") return Format::kCsv;
+  return std::nullopt;
+}
+
+struct Wanted {
+  std::vector<std::string> files;
+  std::string output;
+  bool overwrite = false;
+  cli::ImportWords import;
+};
+
+// a recording of a folder's, told by its ending
+bool IsRecording(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  const std::string ending = entry.path().extension();
+  return entry.is_regular_file(ignored) &&
+         (ending == ".bin" || ending == ".csv" || ending == ".lvm");
+}
+
+// folders stand for the recordings in them, by name
+Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) {
+  std::vector<std::string> files;
+  for (const std::string& word : words) {
+    std::error_code error;
+    if (!fs::is_directory(word, error)) {
+      files.push_back(word);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : fs::directory_iterator(word, error)) {
+      if (IsRecording(entry)) inside.push_back(entry.path());
+    }
+    if (inside.empty()) {
+      return CannotAnswer(word, "holds no recording", "recordings end in .bin, .csv or .lvm");
+    }
+    std::ranges::sort(inside);
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+Result<trial::Recording> Read(const std::string& path, const trial::ImportOptions& import) {
+  auto recording = trial::ReadRecording(path, import);
+  if (!recording) return recording;
+  // what most formats cannot say
+  for (const trial::Loss& loss : recording->report.losses) {
+    cli::Remark(kText.name, path + ": " + Describe(loss));
+  }
+  for (const std::string& remark : recording->report.remarks) {
+    cli::Remark(kText.name, path + ": " + remark);
+  }
+  return recording;
+}
+
+// a sink that writes to stdout
+Result<void> ToStdout(std::string_view bytes) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size() &&
+      std::fflush(stdout) == 0) {
+    return {};
+  }
+  return Failed("stdout", std::string("could not be written: ") + std::strerror(errno),
+                "say -o FILE to write to a file");
+}
+
+// what goes out as one run of bytes
+Result<void> WriteBytes(Format format, const trial::Record& record, const trial::PieceSink& sink) {
+  if (format == Format::kCsv) return trial::WriteCsv(record, sink);
+  if (format == Format::kNpy) return trial::WriteNpy(record, sink);
+  const auto left_out = trial::WriteWav(record, sink);
+  if (!left_out) return std::unexpected(left_out.error());
+  cli::Remark(kText.name, *left_out);
+  return {};
+}
+
+Result<void> WriteBytesTo(const std::string& path, Format format, const trial::Record& record,
+                          bool overwrite) {
+  auto sink =
+      trial::CreateFileSink(path, overwrite ? trial::IfExists::kReplace : trial::IfExists::kRefuse);
+  if (!sink) return std::unexpected(sink.error());
+  auto done = WriteBytes(format, record, [&](std::string_view bytes) {
+    return trial::WriteAll(sink->get(), trial::BytesOfText(bytes));
+  });
+  if (done) done = (*sink)->Sync();
+  return done;
+}
+
+// `error` with the export's own words where the disk failed
+Error Explained(Error error, const std::string& input, const std::string& output) {
+  if (error.cause != Cause::kFailed) {
+    if (error.where.empty()) error.where = input;
+    return error;
+  }
+  return {Cause::kFailed, output, "could not be written whole: " + error.what,
+          "make room and export again; the recording itself is unchanged"};
+}
+
+// a device takes the bytes as they come; a file gets its name when it is whole
+Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& input,
+                       const trial::ImportOptions& import) {
+  const auto recording = Read(input, import);
+  if (!recording) return std::unexpected(recording.error());
+  if (wanted.output.empty()) {
+    const auto done = WriteBytes(format, recording->record, ToStdout);
+    if (!done && done.error().where != "stdout") {
+      return std::unexpected(Explained(done.error(), input, "stdout"));
+    }
+    return done;
+  }
+  std::error_code ignored;
+  const bool is_device = fs::exists(wanted.output, ignored) &&
+                         !fs::is_regular_file(wanted.output, ignored) &&
+                         !fs::is_directory(wanted.output, ignored);
+  if (is_device && wanted.overwrite) {
+    const auto done = WriteBytesTo(wanted.output, format, recording->record, true);
+    if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
+    return {};
+  }
+  auto file = WholeFile::Begin(wanted.output, wanted.overwrite);
+  if (!file) return std::unexpected(file.error());
+  auto done = WriteBytesTo(file->part(), format, recording->record, true);
+  if (done) done = file->Finish();
+  if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
+  return {};
+}
+
+// names of groups and structs: the file's, made an identifier, no two alike
+class Names {
+ public:
+  std::string Of(const std::string& path) {
+    std::string stem = fs::path(path).stem();
+    for (char& c : stem) {
+      const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+      const bool is_other = (c >= '0' && c <= '9') || c == '_';
+      if (!is_letter && !is_other) c = '_';
+    }
+    constexpr std::size_t kMostLetters = 50;  // MATLAB takes 63
+    const bool begins_well = !stem.empty() && (stem[0] < '0' || stem[0] > '9') && stem[0] != '_';
+    if (!begins_well) stem = "trial_" + stem;
+    stem.resize(std::min(stem.size(), kMostLetters));
+    std::string name = stem;
+    for (int n = 2; !taken_.insert(name).second; ++n) name = fmt::format("{}_{}", stem, n);
+    return name;
+  }
+
+ private:
+  std::set<std::string> taken_;
+};
+
+Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std::string& input,
+                   const trial::Recording& recording) {
+  if (recording.report.kind != trial::FileKind::kTrial) {
+    return writer->Add(name, recording, nullptr);
+  }
+  auto raw = trial::TrialReader::Open(input);
+  if (!raw) return std::unexpected(raw.error());
+  return writer->Add(name, recording, &*raw);
+}
+
+Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std::string& /*input*/,
+                   const trial::Recording& recording) {
+  return writer->Add(name, recording);
+}
+
+// all `inputs` into one file; what cannot be read is reported and the others are exported still.
+// Returns the exit status.
+template <typename Writer>
+Result<int> ExportAll(const Wanted& wanted, const std::vector<std::string>& inputs,
+                      const trial::ImportOptions& import) {
+  auto file = WholeFile::Begin(wanted.output, wanted.overwrite);
+  if (!file) return std::unexpected(file.error());
+  auto writer = Writer::Create(file->part());
+  if (!writer) return std::unexpected(Explained(writer.error(), "", wanted.output));
+  Names names;
+  int status = 0;
+  std::size_t added = 0;
+  for (const std::string& input : inputs) {
+    const auto recording = Read(input, import);
+    if (!recording) {
+      if (inputs.size() == 1) return std::unexpected(recording.error());
+      status = cli::ReportError(kText.name, recording.error());
+      continue;
+    }
+    auto done = AddTo(&*writer, names.Of(input), input, *recording);
+    if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
+    ++added;
+  }
+  if (added == 0) return CannotAnswer(wanted.output, "is not written: no file could be read");
+  auto done = writer->Close();
+  if (done) done = file->Finish();
+  if (!done) return std::unexpected(Explained(done.error(), "", wanted.output));
+  return status;
+}
+
+Result<int> Export(const Wanted& wanted) {
+  const auto format = wanted.output.empty() ? Format::kCsv : FormatOf(wanted.output);
+  std::error_code ignored;
+  const bool is_device = fs::is_character_file(wanted.output, ignored);
+  if (!format && !is_device) {
+    return Usage(wanted.output, "has an ending that no export writes",
+                 "use .csv, .h5, .npy, .wav or .mat");
+  }
+  const auto import = cli::ImportOf(wanted.import);
+  if (!import) return std::unexpected(import.error());
+  const auto inputs = FilesOf(wanted.files);
+  if (!inputs) return std::unexpected(inputs.error());
+  if (format == Format::kHdf5) return ExportAll<trial::Hdf5Writer>(wanted, *inputs, *import);
+  if (format == Format::kMat) return ExportAll<trial::MatWriter>(wanted, *inputs, *import);
+  if (inputs->size() > 1) {
+    return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs->size()),
+                 "give one, or write all into one .h5 or .mat");
+  }
+  auto done = ExportOne(wanted, format.value_or(Format::kCsv), inputs->front(), *import);
+  if (!done) return std::unexpected(done.error());
+  return 0;
+}
+
+}  // namespace
+
+int RunTrialExport(int argc, const char* const* argv) {
+  Wanted wanted;
+  cli::Options options(kText);
+  options.Positionals("files", &wanted.files,
+                      "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, or a folder of them");
+  options.Text("-o,--output", &wanted.output, "FILE",
+               "The file to write, .csv, .h5, .npy, .wav or .mat (CSV to stdout)");
+  options.Flag("--overwrite,--force", &wanted.overwrite, "Replace FILE where it exists");
+  cli::DeclareImport(&options, &wanted.import);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (options.json()) {
+    return cli::ReportError(kText.name, {Cause::kUsage, "--json", "does not go with an export",
+                                         "say haptometer trial info FILE --json"});
+  }
+  const auto status = Export(wanted);
+  return status ? *status : cli::ReportError(kText.name, status.error());
+}
+
+}  // namespace haptometer::tools
