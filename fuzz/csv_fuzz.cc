@@ -1,5 +1,6 @@
-// Any text as a CSV, of this program or another, with and without the user's word about its columns:
-// no crash, and what is read is written and read back as the same. The first byte chooses the word.
+// Any text as a CSV, of this program or another, with and without the user's word about its
+// columns: no crash, and what is read is written and read back as the same. The first byte chooses
+// the word.
 #include <cstddef>
 #include <cstdint>
 #include <string>
