@@ -120,6 +120,9 @@ Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& o
                                     std::vector<std::string>* remarks) {
   auto recording = trial::ReadRecording(source.path);
   if (!recording) return std::unexpected(recording.error());
+  for (const std::string& remark : recording->report.remarks) {
+    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+  }
   auto file = fit::ImpulseFromRecord(recording->record, source.path);
   if (!file) return std::unexpected(file.error());
   auto& record = file->record;

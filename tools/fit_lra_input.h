@@ -30,7 +30,7 @@ struct FitLraOptions {
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
   fit::ActuatorKnowns knowns;
-  std::vector<std::string> remarks;  ///< statements that replaced others, one sentence each
+  std::vector<std::string> remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
   std::vector<Error> left_out;       ///< files that cannot be fitted; the others still are
 };
 

@@ -189,7 +189,12 @@ void PrintThumbnail(const Record& record) {
   if (record.rows < 2 || record.channels.empty()) return;
   const Channel* shown = record.Find(trial::ChannelRole::kDisplacement);
   const auto panel = PanelOf(record, shown != nullptr ? *shown : record.channels.front());
-  if (const auto text = plot::DrawText(panel, kColumns, kLines)) fmt::print("{}", *text);
+  const auto text = plot::DrawText(panel, kColumns, kLines);
+  if (!text) return;
+  // gnuplot leaves room above the title
+  const std::size_t first = std::min(text->find_first_not_of(" \n"), text->size());
+  const std::size_t line_end = text->rfind('\n', first);
+  fmt::print("{}", text->substr(line_end == std::string::npos ? 0 : line_end + 1));
 }
 
 // whether the recorder finished; null where the file cannot tell
