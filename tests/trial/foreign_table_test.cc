@@ -48,7 +48,7 @@ TEST(ForeignTable, NamesAndUnitsAsWordsAndAPreamble) {
   const Record preamble = Parsed(
       "Model,TDS2024\nSample Interval,1e-4\nsome words, with, commas\n\nTIME [s],CH1 [V]\n"
       "0,1,\n0.0001,2,\n");
-  EXPECT_EQ(preamble.metadata.fields.at("Model"), "TDS2024");
+  EXPECT_EQ(preamble.metadata.fields.at("table.Model"), "TDS2024");
   EXPECT_THAT(preamble.metadata.notes, ElementsAre("some words, with, commas"));
   EXPECT_EQ(preamble.channels.at(0).name, "CH1");
   const Record german = Parsed("Zeit [ms];Weg [\xc2\xb5m]\n0;1,5\n1;2,5\n");

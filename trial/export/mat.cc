@@ -94,6 +94,7 @@ void AddTimes(const Record& record, Struct* variable) {
   if (!record.raw_times_s.empty()) variable->Column("raw_time_s", record.raw_times_s);
   // column by column, as MATLAB keeps a matrix
   std::vector<double> numbers;
+  numbers.reserve(5 * record.stretches.size());
   for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.first_row));
   for (const Stretch& s : record.stretches) numbers.push_back(static_cast<double>(s.rows));
   for (const Stretch& s : record.stretches) numbers.push_back(s.start_s);

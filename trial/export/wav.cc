@@ -104,8 +104,8 @@ std::string Head(const Record& record, std::uint32_t rate_hz, const std::string&
   AppendLittleEndian(kIeeeFloat, &format);
   AppendLittleEndian(static_cast<std::uint16_t>(channels), &format);
   AppendLittleEndian(rate_hz, &format);
-  AppendLittleEndian(static_cast<std::uint32_t>(
-                         std::min<std::uint64_t>(rate_hz * kSampleBytes * channels, UINT32_MAX)),
+  AppendLittleEndian(static_cast<std::uint32_t>(std::min<std::uint64_t>(
+                         std::uint64_t{rate_hz} * kSampleBytes * channels, UINT32_MAX)),
                      &format);
   AppendLittleEndian(static_cast<std::uint16_t>(kSampleBytes * channels), &format);
   AppendLittleEndian(static_cast<std::uint16_t>(8 * kSampleBytes), &format);
@@ -134,6 +134,7 @@ Result<std::string> WriteWav(const Record& record, const PieceSink& sink) {
   if (!rate_hz) return std::unexpected(rate_hz.error());
   if (auto measured = CheckMeasured(record); !measured) return std::unexpected(measured.error());
   std::vector<double> offsets;
+  offsets.reserve(record.channels.size());
   for (const Channel& channel : record.channels) offsets.push_back(MeanOf(channel.values));
   std::string comment = Comment(record, offsets, *rate_hz);
   std::string bytes = Head(record, *rate_hz, comment);

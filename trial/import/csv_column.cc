@@ -126,6 +126,7 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
 
 std::vector<std::string> CsvColumnNames(const std::vector<Channel>& channels) {
   std::vector<std::string> names;
+  names.reserve(channels.size());
   std::map<ChannelRole, std::size_t> ordinals;
   for (const Channel& channel : channels) {
     names.push_back(ColumnName(channel, names.size() + 1, ++ordinals[channel.role]));

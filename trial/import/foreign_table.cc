@@ -128,8 +128,10 @@ class Head {
     for (std::size_t i = 0; i + lines_used_ < beginning_.above.size(); ++i) {
       const std::string_view text = beginning_.above[i].text;
       const Cells cells = CellsOf(text);
-      if (cells.cells.size() == 2 && !cells.cells[0].empty()) {
-        table.fields[std::string(cells.cells[0])] = cells.cells[1];
+      // under a prefix, because a key of our own means something else
+      const std::string_view key = cells.cells[0];
+      if (cells.cells.size() == 2 && !key.empty() && key.find('=') == std::string_view::npos) {
+        table.fields["table." + std::string(key)] = cells.cells[1];
       } else {
         table.notes.emplace_back(text);
       }

@@ -19,7 +19,7 @@ struct ForeignTable {
   std::size_t line = 0;    ///< lines before it
   char separator = ',';
   std::vector<CsvColumn> columns{};
-  std::map<std::string, std::string> fields{};  ///< lines "key, value" above the table
+  std::map<std::string, std::string> fields{};  ///< "table.KEY" of lines "KEY,value" above it
   std::vector<std::string> notes{};             ///< other lines above it
 };
 
