@@ -7,6 +7,7 @@
 
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
+#include "tools/cli/json.h"
 
 namespace haptometer::tools {
 namespace {
@@ -15,15 +16,6 @@ using acquire::PortInfo;
 using nlohmann::ordered_json;
 
 constexpr int kFastestBaud = 38400;
-
-ordered_json TextOrNull(const std::string& text) {
-  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
-}
-
-template <typename T>
-ordered_json NumberOrNull(const std::optional<T>& number) {
-  return number ? ordered_json(*number) : ordered_json(nullptr);
-}
 
 // what the fastest DL-RS1A gives behind this adapter
 std::optional<double> FastestPollHz(const PortInfo& port) {
@@ -67,18 +59,17 @@ std::string PortListJson(const std::vector<PortInfo>& ports) {
     std::optional<double> latency_s;
     if (port.latency_ns) latency_s = SecondsFromNs(*port.latency_ns);
     list.push_back({{"port", port.path},
-                    {"by_id", TextOrNull(port.by_id)},
-                    {"description", TextOrNull(port.description)},
-                    {"driver", TextOrNull(port.driver)},
-                    {"usb_vendor", NumberOrNull(port.usb_vendor)},
-                    {"usb_product", NumberOrNull(port.usb_product)},
-                    {"usb_serial", TextOrNull(port.usb_serial)},
-                    {"latency_s", NumberOrNull(latency_s)},
-                    {"dl_rs1a_38400_baud_rate_hz", NumberOrNull(FastestPollHz(port))},
-                    {"in_use_by", TextOrNull(port.held_by)}});
+                    {"by_id", cli::TextOrNull(port.by_id)},
+                    {"description", cli::TextOrNull(port.description)},
+                    {"driver", cli::TextOrNull(port.driver)},
+                    {"usb_vendor", cli::CountOrNull(port.usb_vendor)},
+                    {"usb_product", cli::CountOrNull(port.usb_product)},
+                    {"usb_serial", cli::TextOrNull(port.usb_serial)},
+                    {"latency_s", cli::NumberOrNull(latency_s)},
+                    {"dl_rs1a_38400_baud_rate_hz", cli::NumberOrNull(FastestPollHz(port))},
+                    {"in_use_by", cli::TextOrNull(port.held_by)}});
   }
-  const ordered_json document{{"ports", list}};
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return cli::JsonText({{"ports", list}});
 }
 
 }  // namespace haptometer::tools

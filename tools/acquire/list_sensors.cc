@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/band.h"
+#include "tools/cli/json.h"
 
 namespace haptometer::tools {
 namespace {
@@ -12,10 +13,6 @@ namespace {
 using acquire::Capability;
 using acquire::CapabilityQuestion;
 using nlohmann::ordered_json;
-
-ordered_json NumberOrNull(const std::optional<double>& number) {
-  return number ? ordered_json(*number) : ordered_json(nullptr);
-}
 
 ordered_json ToJson(const Capability& capability) {
   const acquire::SensorAbility& sensor = capability.sensor;
@@ -27,13 +24,13 @@ ordered_json ToJson(const Capability& capability) {
           {"highest_observable_hz", capability.highest_hz},
           {"gain_at_lower", capability.gain_lower},
           {"gain_at_upper", capability.gain_upper},
-          {"resolution_m", NumberOrNull(sensor.resolution_m)},
-          {"noise_rms_m", NumberOrNull(sensor.noise_rms_m)},
-          {"noise_in_band_m", NumberOrNull(capability.noise_in_band_m)},
-          {"smallest_rms_10_percent_m", NumberOrNull(capability.smallest_rms_10_percent_m)},
-          {"smallest_rms_1_percent_m", NumberOrNull(capability.smallest_rms_1_percent_m)},
-          {"range_min_m", NumberOrNull(sensor.range_min_m)},
-          {"range_max_m", NumberOrNull(sensor.range_max_m)}};
+          {"resolution_m", cli::NumberOrNull(sensor.resolution_m)},
+          {"noise_rms_m", cli::NumberOrNull(sensor.noise_rms_m)},
+          {"noise_in_band_m", cli::NumberOrNull(capability.noise_in_band_m)},
+          {"smallest_rms_10_percent_m", cli::NumberOrNull(capability.smallest_rms_10_percent_m)},
+          {"smallest_rms_1_percent_m", cli::NumberOrNull(capability.smallest_rms_1_percent_m)},
+          {"range_min_m", cli::NumberOrNull(sensor.range_min_m)},
+          {"range_max_m", cli::NumberOrNull(sensor.range_max_m)}};
 }
 
 }  // namespace
@@ -73,7 +70,7 @@ std::string SensorListJson(const CapabilityQuestion& question) {
                               {"wanted_resolution_m", question.resolution_m},
                               {"record_s", question.record_s},
                               {"sensors", sensors}};
-  return document.dump(2) + "\n";
+  return cli::JsonText(document);
 }
 
 }  // namespace haptometer::tools
