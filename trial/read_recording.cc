@@ -31,7 +31,13 @@ Result<Recording> ReadRecording(const std::string& path) {
   const auto got = (*source)->ReadAt(0, start);
   if (!got) return std::unexpected(got.error());
   const bool is_text = *got == 0 || IsText(std::span(start).first(*got));
-  if (!is_text) return ReadRecordFrom(std::move(*source), path);
+  if (!is_text) {
+    auto recording = ReadRecordFrom(std::move(*source), path);
+    if (!recording && recording.error().remedy == kGiveATrial) {
+      recording.error().remedy += ", or a CSV whose header line begins with time_s";
+    }
+    return recording;
+  }
   auto record = ReadCsv(path);
   if (!record) return std::unexpected(record.error());
   Recording recording;
