@@ -1,8 +1,11 @@
 #include "tools/plot/gnuplot.h"
 
 #include <fmt/core.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -100,7 +103,63 @@ std::string Script(const std::string& path, const Terminal& terminal,
   return script + "unset multiplot\nunset output\n";
 }
 
+// Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
+// file it left, or did not, is the evidence.
+Result<bool> RunGnuplot(const std::string& script, const std::string& where) {
+  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
+  if (gnuplot == nullptr) return Failed(where, "gnuplot does not start");
+  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
+  const int status = pclose(gnuplot);
+  if (status == 127 << 8) {
+    return Failed(where, "gnuplot is not installed", "apt-get install gnuplot-nox");
+  }
+  return sent && status == 0;
+}
+
+// a file that exists in memory only, as long as somebody holds it open
+class MemoryFile {
+ public:
+  MemoryFile() : descriptor_(memfd_create("plot", 0)) {}
+  ~MemoryFile() { close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  [[nodiscard]] std::string path() const {
+    return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
+  }
+  [[nodiscard]] std::string Content() const {
+    std::string content;
+    std::array<char, 4096> part{};
+    for (off_t at = 0;;) {
+      const ssize_t got = pread(descriptor_, part.data(), part.size(), at);
+      if (got <= 0) return content;
+      content.append(part.data(), static_cast<std::size_t>(got));
+      at += got;
+    }
+  }
+
+ private:
+  int descriptor_;
+};
+
 }  // namespace
+
+Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
+  const MemoryFile drawing;
+  std::string script = fmt::format(
+      "set encoding utf8\nset terminal dumb size {},{} noenhanced\nset output {}\n"
+      "set key off\nset autoscale xfix\n",
+      columns, lines, Quoted(drawing.path()));
+  for (std::size_t s = 0; s < panel.series.size(); ++s) {
+    script += DataBlock(0, s, panel.series[s]);
+  }
+  const auto run = RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot");
+  if (!run) return std::unexpected(run.error());
+  std::string text = drawing.Content();
+  if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");
+  std::erase(text, '\f');  // ends a page
+  return text;
+}
 
 Result<void> CheckPlotPath(const std::string& path) {
   namespace fs = std::filesystem;
@@ -125,17 +184,11 @@ Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panel
   const std::string part = path + ".part";
   const std::string script = Script(part, *TerminalOf(path), panels);
 
-  // gnuplot's own words say nothing to a user; the file it left, or did not, is the evidence
-  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
-  if (gnuplot == nullptr) return Failed(path, "gnuplot does not start");
-  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  const int status = pclose(gnuplot);
-  if (status == 127 << 8) {
-    return Failed(path, "gnuplot is not installed", "apt-get install gnuplot-nox");
-  }
+  const auto run = RunGnuplot(script, path);
+  if (!run) return std::unexpected(run.error());
   std::error_code failure;
-  if (sent && status == 0) std::filesystem::rename(part, path, failure);
-  if (!sent || status != 0 || failure) {
+  if (*run) std::filesystem::rename(part, path, failure);
+  if (!*run || failure) {
     std::filesystem::remove(part, failure);
     return Failed(path, "the plot could not be written", "is there room, and may you write there?");
   }

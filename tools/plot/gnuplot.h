@@ -38,6 +38,11 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// for it.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
+/// Draws `panel` with characters, `columns` wide and `lines` high, for a terminal: its lines with
+/// their ends. Errors (Cause::kFailed): gnuplot absent or failing. Starts one gnuplot process and
+/// waits for it, some 30 ms.
+[[nodiscard]] Result<std::string> DrawText(const Panel& panel, int columns, int lines);
+
 /// Whether DrawPanels can write `path`: its ending, its directory, and no directory or device in
 /// its place; to be asked before long work.
 [[nodiscard]] Result<void> CheckPlotPath(const std::string& path);
