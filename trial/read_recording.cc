@@ -73,7 +73,10 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
   } else if (!name.empty()) {
     return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
   } else if (*got > 0 && !IsText(start)) {
-    return ReadRecordFrom(std::move(*source), path);
+    recording = ReadRecordFrom(std::move(*source), path);
+    if (!recording && recording.error().remedy == kGiveATrial) {
+      recording.error().remedy += ", or a CSV whose header line begins with time_s";
+    }
   } else {
     recording = ReadTextRecording(path, options);
   }

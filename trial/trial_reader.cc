@@ -16,10 +16,6 @@
 namespace haptometer::trial {
 namespace {
 
-constexpr const char* kWhatIsRead =
-    "give a trial.bin recorded by acquire or simulate, or a CSV whose header line begins with "
-    "time_s";
-
 // a place on the grid beyond this has no exact time
 constexpr std::int64_t kMaxIndex = 1LL << 53;
 
@@ -70,7 +66,7 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
     return CannotAnswer(name, "was changed on its way here, as a text-mode transfer does",
                         "copy it again in binary mode");
   }
-  return CannotAnswer(name, "is no trial", kWhatIsRead);
+  return CannotAnswer(name, "is no trial", std::string(kGiveATrial));
 }
 
 }  // namespace

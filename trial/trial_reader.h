@@ -17,6 +17,10 @@ namespace haptometer::trial {
 
 struct RowLayout;
 
+/// The remedy for bytes that are no trial; who reads other forms too adds them
+/// (trial/read_recording.h).
+inline constexpr std::string_view kGiveATrial = "give a trial.bin recorded by acquire or simulate";
+
 /// A part of a file that could not be read.
 struct Loss {
   std::uint64_t offset = 0;             ///< first byte of the part

@@ -4,22 +4,29 @@
 #include <unistd.h>
 
 #include <array>
-#include <filesystem>
+#include <csignal>
+#include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "acquire/recorder/recorder.h"
+#include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
+#include "tools/acquire/acquire_options.h"
+#include "tools/acquire/keep_nothing.h"
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"
+#include "tools/acquire/live_meter.h"
+#include "tools/acquire/live_view.h"
 #include "tools/acquire/open_sensor.h"
 #include "tools/acquire/recording_output.h"
-#include "tools/acquire/sensor_options.h"
+#include "tools/acquire/sensor_check.h"
+#include "tools/acquire/tare.h"
+#include "tools/acquire/trial_name.h"
 #include "tools/cli/interrupt.h"
-#include "tools/cli/key_values.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/verbs.h"
@@ -28,7 +35,6 @@
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using acquire::Sensor;
 
 constexpr std::string_view kVerb = "acquire";
@@ -42,66 +48,17 @@ constexpr cli::VerbText kText{
                  "acquire --port /dev/ttyUSB1 --sensor stream --baud 921600 "
                  "--format +00.0000,mm,CR --samples 30000 -o trial.bin"}};
 
-struct AcquireOptions {
-  SensorOptions sensor;
-  std::string output;
-  std::vector<std::string> labels;
-  std::optional<std::int64_t> samples;
-  std::optional<Quantity> duration_s;
-  bool overwrite = false;
-  bool list_ports = false;
-  bool list_sensors = false;
-  std::string band = "20-500Hz";
-  std::optional<Quantity> resolution_m;
-};
-
-void Declare(cli::Options& options, AcquireOptions& wanted) {
-  DeclareSensor(options, wanted.sensor);
-  options.Text("-o,--output", &wanted.output, "FILE", "The trial to write");
-  options.Number("--duration", &wanted.duration_s, Dimension::kTime, "Stop after this time");
-  options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
-                "Stop after this many readings");
-  options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
-  options.Flag("--overwrite", &wanted.overwrite, "Replace an existing trial");
-  options.Flag("--list-ports", &wanted.list_ports, "List the serial ports, and record nothing");
-  options.Flag("--list-sensors", &wanted.list_sensors,
-               "Say which sensors can answer --band and --resolution, and record nothing");
-  options.Text("--band", &wanted.band, "LOWER-UPPERHz", "What --list-sensors is asked; 20-500Hz");
-  options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
-                 "Largest step that is fine enough; 1um");
+// a sensor that is opened again when it is lost, where that is wanted
+Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const RecordingPlan& plan,
+                                     Clock& clock) {
+  if (!plan.reconnects) return OpenSensor(wanted, clock);
+  return std::make_unique<acquire::ReconnectingSensor>(
+      [&wanted, &clock] { return OpenSensor(wanted, clock); }, plan.longest_away_ns, clock);
 }
 
-// what is wrong with the command line, before anything is touched
-Result<void> Check(const AcquireOptions& wanted) {
-  if (auto checked = CheckSensor(wanted.sensor); !checked) return checked;
-  if (wanted.output.empty()) {
-    return Usage("-o", "is missing", "name the trial to write, e.g. -o trial.bin");
-  }
-  if (wanted.duration_s && !(wanted.duration_s->value > 0)) {
-    return Usage("--duration", "must be above 0", "write e.g. 10s");
-  }
-  std::error_code error;
-  if (wanted.sensor.sensor == "replay" &&
-      fs::equivalent(wanted.sensor.port, wanted.output, error)) {
-    return Usage(wanted.output, "is the trial that is played", "give another file to -o");
-  }
-  if (!wanted.overwrite && fs::exists(fs::symlink_status(wanted.output, error))) {
-    return Usage(wanted.output, "already exists", "name another file, or say --overwrite");
-  }
-  const fs::path directory = fs::path(wanted.output).parent_path();
-  if (!directory.empty() && !fs::is_directory(directory, error)) {
-    return Usage(wanted.output, "lies in a directory that does not exist",
-                 "make it, or name another");
-  }
-  return {};
-}
-
-// what the sensor says, and who recorded it when
-trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted,
-                              const std::map<std::string, std::string>& labels,
-                              std::string command_line) {
-  trial::TrialHeader header = sensor.header();
-  trial::Metadata& metadata = header.metadata;
+// beside what the sensor says: who recorded it when
+void CompleteHeader(const AcquireOptions& wanted, const RecordingPlan& plan,
+                    std::string command_line, trial::Metadata& metadata) {
   if (wanted.sensor.sensor != "replay") {
     std::array<char, 256> host{};
     gethostname(host.data(), host.size() - 1);
@@ -109,16 +66,48 @@ trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted
     metadata.utc_start = UtcNow();
   }
   metadata.command_line = std::move(command_line);
-  for (const auto& [key, value] : labels) metadata.labels[key] = value;
-  return header;
+  for (const auto& [key, value] : plan.labels) metadata.labels[key] = value;
 }
 
-// one line that is written over and over, for people only
-std::function<void(const acquire::RecordingSummary&)> Progress() {
-  if (isatty(STDERR_FILENO) == 0) return {};
-  return [](const acquire::RecordingSummary& summary) {
-    fmt::print(stderr, "\r{}\x1b[K", ProgressLine(summary));
-  };
+// what the zero is, where it is wanted
+Result<void> Tare(Sensor& sensor, const AcquireOptions& wanted, Clock& clock,
+                  trial::Metadata& metadata) {
+  if (!wanted.recording.tare) return {};
+  const auto tare_m = MeasureTare(sensor, clock, cli::Interrupted(), PortName(wanted.sensor));
+  if (!tare_m) return std::unexpected(tare_m.error());
+  metadata.tare_m = *tare_m;
+  cli::Remark(kVerb, fmt::format("zero: {:.6g} mm, the mean of the second before the recording",
+                                 *tare_m * 1e3));
+  return {};
+}
+
+std::string FileName(const std::string& output, const trial::Metadata& metadata) {
+  if (output.empty() || !IsDirectoryName(output)) return output;
+  return NewTrialName(output, UtcNow(), metadata.sensor, metadata.labels);
+}
+
+// how the live figures are shown: over and over for people, line by line for programs
+LiveStyle StyleOf(const cli::Options& options, bool live) {
+  const bool err_is_terminal = isatty(STDERR_FILENO) != 0;
+  if (!live) return err_is_terminal ? LiveStyle::kProgressLine : LiveStyle::kNone;
+  if (err_is_terminal && isatty(STDOUT_FILENO) != 0) return LiveStyle::kPlot;
+  return options.json() ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
+}
+
+// the recording with those who look on
+Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& sink, Clock& clock,
+                                              const acquire::RecordingLimits& limits,
+                                              const trial::TrialHeader& header,
+                                              const dsp::BandPass& band, LiveStyle style) {
+  if (style == LiveStyle::kNone) {
+    return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits);
+  }
+  LiveMeter meter(header, band);
+  LiveView view(meter, band, style);
+  return acquire::Record(
+      sensor, sink, clock, cli::Interrupted(), limits,
+      {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
+       .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); }});
 }
 
 int Report(const cli::Options& options, const std::string& file, const trial::Metadata& metadata,
@@ -130,9 +119,11 @@ int Report(const cli::Options& options, const std::string& file, const trial::Me
   }
   if (summary.connection_lost) {
     return cli::ReportError(kVerb, {Cause::kFailed, port, "the connection was lost",
-                                    fmt::format("{} holds everything up to then; check cable and "
-                                                "power, and record again",
-                                                file)});
+                                    fmt::format("{}check cable and power, or let --reconnect TIME "
+                                                "wait for it",
+                                                file.empty() ? std::string()
+                                                             : file + " holds everything up to "
+                                                                      "then; ")});
   }
   const int status = cli::InterruptedStatus(0);
   if (status == 0 && summary.bad() == summary.readings) {
@@ -144,49 +135,55 @@ int Report(const cli::Options& options, const std::string& file, const trial::Me
   return status;
 }
 
-Result<acquire::RecordingLimits> Limits(const AcquireOptions& wanted) {
-  constexpr double kLongest_s = 1e9;  // 30 years still fit in nanoseconds
-  acquire::RecordingLimits limits;
-  if (wanted.duration_s) {
-    if (wanted.duration_s->value > kLongest_s) {
-      return Usage("--duration", "is beyond 30 years", "leave it out to record until Ctrl-C");
-    }
-    limits.duration_ns = NsFromSeconds(wanted.duration_s->value);
+// into a trial, or, where none is named, past the eyes only
+Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwrite, Sensor& sensor,
+                                           Clock& clock, const acquire::RecordingLimits& limits,
+                                           const trial::TrialHeader& header,
+                                           const dsp::BandPass& band, LiveStyle style) {
+  if (file.empty()) {
+    // a reader of the lines that has seen enough ends the program: nothing is lost with it
+    if (style == LiveStyle::kOutputLines) std::signal(SIGPIPE, SIG_DFL);
+    KeepNothing nothing;
+    return RecordShown(sensor, nothing, clock, limits, header, band, style);
   }
-  if (wanted.samples) limits.readings = static_cast<std::uint64_t>(*wanted.samples);
-  return limits;
+  auto writer = trial::TrialWriter::Create(file, header,
+                                           {.flush_interval_s = 1, .overwrite = overwrite}, clock);
+  if (!writer) return std::unexpected(writer.error());
+  acquire::SingleTrial sink(*writer);
+  return RecordShown(sensor, sink, clock, limits, header, band, style);
 }
 
 // everything between the command line and the report
-int Run(const cli::Options& options, const AcquireOptions& wanted, std::string command_line) {
-  const auto labels = cli::ReadKeyValues(wanted.labels, "--label");
-  if (!labels) return cli::ReportError(kVerb, labels.error());
-  const auto limits = Limits(wanted);
-  if (!limits) return cli::ReportError(kVerb, limits.error());
-  cli::CatchInterrupts();
+int Run(const cli::Options& options, const AcquireOptions& wanted, const RecordingPlan& plan,
+        const dsp::BandPass& band, const std::vector<std::string>& words) {
+  const auto fail = [](const Error& error) {
+    return cli::InterruptedStatus(cli::ReportError(kVerb, error));
+  };
 
   // the sensor answers, and what it can observe is said before anything is recorded
   SystemClock clock;
-  const auto sensor = OpenSensor(wanted.sensor, clock);
-  if (!sensor) return cli::ReportError(kVerb, sensor.error());
-  if (auto started = (*sensor)->Start(cli::Interrupted()); !started) {
-    return cli::InterruptedStatus(cli::ReportError(kVerb, started.error()));
-  }
-  const trial::TrialHeader header = MakeHeader(**sensor, wanted, *labels, std::move(command_line));
-  cli::Remark(kVerb, "source: " + header.metadata.source);
+  const auto sensor = Open(wanted.sensor, plan, clock);
+  if (!sensor) return fail(sensor.error());
+  if (auto started = (*sensor)->Start(cli::Interrupted()); !started) return fail(started.error());
+  cli::Remark(kVerb, "source: " + (*sensor)->header().metadata.source);
   for (const std::string& remark : (*sensor)->Remarks()) cli::Remark(kVerb, remark);
+  if (wanted.check) return RunSensorCheck(options, wanted, band, words, **sensor, clock);
+
+  // the recording's zero, head and end
+  trial::TrialHeader header = (*sensor)->header();
+  if (auto tared = Tare(**sensor, wanted, clock, header.metadata); !tared) {
+    return fail(tared.error());
+  }
+  CompleteHeader(wanted, plan, fmt::format("{}", fmt::join(words, " ")), header.metadata);
+  const auto limits = LimitsOf(plan, header, clock);
+  if (!limits) return fail(limits.error());
 
   // the recording
-  auto writer = trial::TrialWriter::Create(
-      wanted.output, header, {.flush_interval_s = 1, .overwrite = wanted.overwrite}, clock);
-  if (!writer) return cli::ReportError(kVerb, writer.error());
-  const auto progress = Progress();
-  acquire::SingleTrial sink(*writer);
-  const auto summary =
-      acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits, {.progress = progress});
-  if (progress) fmt::print(stderr, "\r\x1b[K");
-  if (!summary) return cli::ReportError(kVerb, summary.error());
-  return Report(options, wanted.output, header.metadata, *summary, PortName(wanted.sensor));
+  const std::string file = FileName(wanted.recording.output, header.metadata);
+  const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
+                                band, StyleOf(options, wanted.live));
+  if (!summary) return fail(summary.error());
+  return Report(options, file, header.metadata, *summary, PortName(wanted.sensor));
 }
 
 int ListPorts(const cli::Options& options) {
@@ -208,13 +205,19 @@ int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
 int RunAcquire(int argc, const char* const* argv) {
   cli::Options options(kText);
   AcquireOptions wanted;
-  Declare(options, wanted);
+  DeclareAcquire(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (wanted.list_ports) return ListPorts(options);
   if (wanted.list_sensors) return ListSensors(options, wanted);
-  if (auto checked = Check(wanted); !checked) return cli::ReportError(kVerb, checked.error());
+  if (auto checked = CheckAcquire(wanted); !checked)
+    return cli::ReportError(kVerb, checked.error());
+  const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));
+  if (!plan) return cli::ReportError(kVerb, plan.error());
+  const auto band = BandOf(wanted);
+  if (!band) return cli::ReportError(kVerb, band.error());
+  cli::CatchInterrupts();
   const std::vector<std::string> words(argv, argv + argc);
-  return Run(options, wanted, fmt::format("{}", fmt::join(words, " ")));
+  return Run(options, wanted, *plan, *band, words);
 }
 
 }  // namespace haptometer::tools

@@ -35,12 +35,17 @@ std::string Rate(const RecordingSummary& summary) {
 }  // namespace
 
 std::string SummaryLine(const std::string& file, const RecordingSummary& summary) {
-  std::string line = fmt::format("{}: {} readings in {:.3f} s ({}", file, summary.readings,
-                                 summary.elapsed_s, Rate(summary));
+  std::string line =
+      fmt::format("{}: {} readings in {:.3f} s ({}", file.empty() ? "nothing kept" : file,
+                  summary.readings, summary.elapsed_s, Rate(summary));
   if (summary.interval_sd_s)
     line += fmt::format(", jitter {:.3f} ms", *summary.interval_sd_s * 1e3);
   line += fmt::format("), {} bad{}, {} repeated, {} gaps", summary.bad(), BadByKind(summary),
                       summary.repeated(), summary.gaps);
+  if (summary.lost > 0) line += fmt::format(", {} lost to a slow disk", summary.lost);
+  if (summary.reconnects > 0) line += fmt::format(", {} reconnections", summary.reconnects);
+  if (summary.triggers > 0) line += fmt::format(", {} triggers", summary.triggers);
+  if (summary.interrupted) line += ", interrupted before its end";
   if (summary.discarded_bytes > 0) {
     line += fmt::format(", {} bytes formed no reading", summary.discarded_bytes);
   }
@@ -48,8 +53,8 @@ std::string SummaryLine(const std::string& file, const RecordingSummary& summary
 }
 
 std::string ProgressLine(const RecordingSummary& summary) {
-  return fmt::format("{:.1f} s  {} readings  {}  {} bad", summary.elapsed_s, summary.readings,
-                     Rate(summary), summary.bad());
+  return fmt::format("{:.1f} s  {} readings  {}", summary.elapsed_s, summary.readings,
+                     Rate(summary));
 }
 
 std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
@@ -60,7 +65,7 @@ std::string SummaryJson(const std::string& file, const trial::Metadata& metadata
   }
   std::optional<double> observable_hz;
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
-  const ordered_json document{{"file", file},
+  const ordered_json document{{"file", file.empty() ? ordered_json(nullptr) : ordered_json(file)},
                               {"sensor", metadata.sensor},
                               {"source", metadata.source},
                               {"readings", summary.readings},
@@ -69,12 +74,16 @@ std::string SummaryJson(const std::string& file, const trial::Metadata& metadata
                               {"repeated", summary.repeated()},
                               {"distinct", summary.distinct()},
                               {"gaps", summary.gaps},
+                              {"lost", summary.lost},
+                              {"reconnects", summary.reconnects},
+                              {"triggers", summary.triggers},
                               {"discarded_bytes", summary.discarded_bytes},
                               {"elapsed_s", summary.elapsed_s},
                               {"rate_hz", cli::NumberOrNull(summary.rate_hz)},
                               {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
                               {"highest_observable_hz", cli::NumberOrNull(observable_hz)},
-                              {"connection_lost", summary.connection_lost}};
+                              {"connection_lost", summary.connection_lost},
+                              {"interrupted", summary.interrupted}};
   return cli::JsonText(document);
 }
 
