@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -16,12 +15,14 @@
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"
 #include "tools/acquire/open_sensor.h"
+#include "tools/acquire/recording_header.h"
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/key_values.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/daemon/daemon_options.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -29,7 +30,6 @@ namespace haptometer::tools {
 namespace {
 
 namespace fs = std::filesystem;
-using acquire::Sensor;
 
 constexpr std::string_view kVerb = "acquire";
 
@@ -53,6 +53,7 @@ struct AcquireOptions {
   bool list_sensors = false;
   std::string band = "20-500Hz";
   std::optional<Quantity> resolution_m;
+  DaemonOptions daemon;
 };
 
 void Declare(cli::Options& options, AcquireOptions& wanted) {
@@ -69,6 +70,7 @@ void Declare(cli::Options& options, AcquireOptions& wanted) {
   options.Text("--band", &wanted.band, "LOWER-UPPERHz", "What --list-sensors is asked; 20-500Hz");
   options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
                  "Largest step that is fine enough; 1um");
+  DeclareDaemon(options, wanted.daemon);
 }
 
 // what is wrong with the command line, before anything is touched
@@ -94,23 +96,6 @@ Result<void> Check(const AcquireOptions& wanted) {
                  "make it, or name another");
   }
   return {};
-}
-
-// what the sensor says, and who recorded it when
-trial::TrialHeader MakeHeader(const Sensor& sensor, const AcquireOptions& wanted,
-                              const std::map<std::string, std::string>& labels,
-                              std::string command_line) {
-  trial::TrialHeader header = sensor.header();
-  trial::Metadata& metadata = header.metadata;
-  if (wanted.sensor.sensor != "replay") {
-    std::array<char, 256> host{};
-    gethostname(host.data(), host.size() - 1);
-    metadata.host = host.data();
-    metadata.utc_start = UtcNow();
-  }
-  metadata.command_line = std::move(command_line);
-  for (const auto& [key, value] : labels) metadata.labels[key] = value;
-  return header;
 }
 
 // one line that is written over and over, for people only
@@ -172,7 +157,8 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
   if (auto started = (*sensor)->Start(cli::Interrupted()); !started) {
     return cli::InterruptedStatus(cli::ReportError(kVerb, started.error()));
   }
-  const trial::TrialHeader header = MakeHeader(**sensor, wanted, *labels, std::move(command_line));
+  const trial::TrialHeader header =
+      RecordingHeader(**sensor, wanted.sensor.sensor == "replay", *labels, std::move(command_line));
   cli::Remark(kVerb, "source: " + header.metadata.source);
   for (const std::string& remark : (*sensor)->Remarks()) cli::Remark(kVerb, remark);
 
@@ -212,6 +198,7 @@ int RunAcquire(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (wanted.list_ports) return ListPorts(options);
   if (wanted.list_sensors) return ListSensors(options, wanted);
+  if (const auto status = RunDaemonOptions(options, wanted.daemon, argc, argv)) return *status;
   if (auto checked = Check(wanted); !checked) return cli::ReportError(kVerb, checked.error());
   const std::vector<std::string> words(argv, argv + argc);
   return Run(options, wanted, fmt::format("{}", fmt::join(words, " ")));
