@@ -81,6 +81,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"ceres/", {"fit/"}},
     {"toml++/", {"base/toml_table.cc"}},
     {"CLI/", {"tools/cli/options.cc"}},
+    {"systemd/", {"tools/daemon/service_notice.cc"}},
     {"libserialport.h", {"acquire/transport/"}},
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
     {"hdf5", {"trial/"}},

@@ -143,6 +143,7 @@ void SensorLoop::RecordTrials(acquire::ReconnectingSensor& sensor) {
 
 Result<void> SensorLoop::RecordInto(acquire::TrialRotation& trials,
                                     acquire::ReconnectingSensor& sensor) {
+  SetFile(trials.file());
   Enter(LoopState::kRecording);
   Say(fmt::format("records {} into {}", sensor.header().metadata.source, trials.file()));
   GuardedTrials sink(trials,
@@ -173,14 +174,17 @@ void SensorLoop::ShowProgress(const acquire::RecordingSummary& summary, const st
   const SensorStatus shown = Status();
   if (summary.is_away && shown.state == LoopState::kRecording) Say("the connection was lost");
   Count(summary);
-  const SensorStatus counted = Status();
-  if (counted.reconnects > shown.reconnects) Say("is back");
+  if (Status().reconnects > shown.reconnects) Say("is back");
   Enter(summary.is_away ? LoopState::kAway : LoopState::kRecording);
-  const std::lock_guard lock(mutex_);
-  status_.file = file;
-  if (summary.is_away && !refusal.empty()) status_.last_error = refusal;
+  SetFile(file);
+  if (summary.is_away && !refusal.empty()) (void)SetLastError(refusal);
+  MeasureRate(now_ns);
+}
+
+// of the last seconds: the mean over days hides what happens now
+void SensorLoop::MeasureRate(MonotonicNs now_ns) {
   if (now_ns - rate_since_ns_ < kRateOverNs) return;
-  // of the last seconds: the mean over days hides what happens now
+  const std::lock_guard lock(mutex_);
   const double seconds = SecondsFromNs(now_ns - rate_since_ns_);
   const std::uint64_t came = status_.readings - rate_readings_;
   status_.rate_hz.reset();
@@ -214,14 +218,20 @@ void SensorLoop::Enter(LoopState state) {
   status_.since_utc = UtcNow();
 }
 
+void SensorLoop::SetFile(const std::string& file) {
+  const std::lock_guard lock(mutex_);
+  status_.file = file;
+}
+
 void SensorLoop::NoteError(const Error& error) {
-  const std::string text = error.Text();
-  {
-    const std::lock_guard lock(mutex_);
-    if (status_.last_error == text) return;
-    status_.last_error = text;
-  }
-  Say(text);
+  if (SetLastError(error.Text())) Say(error.Text());
+}
+
+bool SensorLoop::SetLastError(const std::string& text) {
+  const std::lock_guard lock(mutex_);
+  if (status_.last_error == text) return false;
+  status_.last_error = text;
+  return true;
 }
 
 void SensorLoop::Say(std::string_view text) const {

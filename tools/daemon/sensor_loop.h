@@ -52,7 +52,10 @@ class SensorLoop {
   void Count(const acquire::RecordingSummary& summary);
   void CloseCounts();
   void Enter(LoopState state);
+  void SetFile(const std::string& file);
+  void MeasureRate(MonotonicNs now_ns);
   void NoteError(const Error& error);
+  [[nodiscard]] bool SetLastError(const std::string& text);  ///< false: it was that already
   void Say(std::string_view text) const;
   void Nap(MonotonicNs ns);
 
