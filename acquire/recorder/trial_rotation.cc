@@ -52,8 +52,9 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   return {};
 }
 
-bool TrialRotation::IsDue(const trial::Row& row) const {
+bool TrialRotation::IsDue(const trial::Row& row) {
   if (rows_ == 0) return false;
+  if (is_asked_.exchange(false)) return true;
   if (limits_.bytes && (rows_ + 1) * row_bytes_ > *limits_.bytes) return true;
   if (!limits_.duration_ns) return false;
   const MonotonicNs time_ns =

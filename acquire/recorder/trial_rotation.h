@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -38,6 +39,9 @@ class TrialRotation final : public RowSink {
   [[nodiscard]] Result<void> FlushIfDue() override { return writer_->FlushIfDue(); }
   [[nodiscard]] Result<void> Finish() override;
 
+  /// Begins the next part with the next row, whatever the limits say. Any thread.
+  void RotateAtNextRow() { is_asked_.store(true); }
+
   /// The file that is being written. Any thread.
   [[nodiscard]] std::string file() const;
 
@@ -45,7 +49,7 @@ class TrialRotation final : public RowSink {
   TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits, Clock& clock,
                 trial::WriterOptions options);
   [[nodiscard]] Result<void> BeginPart(const trial::Row* first);
-  [[nodiscard]] bool IsDue(const trial::Row& row) const;
+  [[nodiscard]] bool IsDue(const trial::Row& row);
 
   NamePart name_;
   trial::TrialHeader header_;
@@ -54,6 +58,7 @@ class TrialRotation final : public RowSink {
   trial::WriterOptions options_;
   std::uint64_t row_bytes_;
   std::optional<trial::TrialWriter> writer_;
+  std::atomic<bool> is_asked_{false};  ///< to rotate
   mutable std::mutex file_mutex_;
   std::string file_;
   std::uint64_t part_ = 0;

@@ -81,12 +81,11 @@ const std::vector<HeavyPart> kHeavyParts{
     {"ceres/", {"fit/"}},
     {"toml++/", {"base/toml_table.cc"}},
     {"CLI/", {"tools/cli/options.cc"}},
-    {"systemd/", {"tools/daemon/service_notice.cc"}},
     {"libserialport.h", {"acquire/transport/"}},
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
-    {"systemd/", {"tools/acquire/"}},
+    {"systemd/", {"tools/daemon/service_notice.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/matrix_exponential.cc"}},
 };
 

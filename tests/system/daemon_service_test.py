@@ -2,6 +2,7 @@
 status socket, rotation."""
 import ctypes
 import os
+import signal
 import socket
 import subprocess
 import sys
@@ -147,6 +148,29 @@ def status(directory):
             other.kill()
 
 
+def default_socket(directory):
+    """Without the key `socket`: below $XDG_RUNTIME_DIR, found by the file and without a name."""
+    config = os.path.join(directory, "rig.toml")
+    with open(config, "w") as file:
+        file.write(f"directory = '{directory}'\n[[sensor]]\nname = 'a'\nport = '/dev/none'\n")
+    environment = {**os.environ, "XDG_RUNTIME_DIR": directory}
+
+    def ask(*words):
+        return subprocess.run([PROGRAM, "acquire", "--status", *words], env=environment,
+                              capture_output=True, text=True)
+    check(ask(config).returncode == 3, "a daemon that does not run has a status")
+    with subprocess.Popen([PROGRAM, "acquire", "--daemon", config], env=environment,
+                          stderr=subprocess.DEVNULL) as daemon:
+        try:
+            wait_for("a socket", lambda: os.path.exists(f"{directory}/haptometer/rig.sock"))
+            check(ask(config).stdout.startswith("a: "), "the file does not lead to the socket")
+            if not os.path.isdir("/run/haptometer"):
+                check(ask().stdout.startswith("a: "), "the only daemon is not found")
+        finally:
+            daemon.send_signal(signal.SIGTERM)
+    check(daemon.returncode == 0, f"ends with {daemon.returncode}")
+
+
 def refused(directory):
     """What the sensor does not have is said once, with status 2."""
     daemon = Daemon(directory, "/dev/null", "")
@@ -158,24 +182,46 @@ def refused(directory):
     check(ended.returncode == 2 and "has no 1234 baud" in ended.stderr, str(ended))
 
 
+def check_chain(files):
+    """Every line is in one of the files, and each names the one before."""
+    check_consecutive([number for path in files for _, number in rows(path)], "all files")
+    for before, after in zip(files, files[1:]):
+        check(info(before)["closed"], f"{before} is not closed")
+        check(before in str(info(after)), f"{after} does not name {before}")
+
+
 def rotation(directory):
-    """No line is lost between the files."""
+    """By size: no line is lost between the files."""
     head = Head(Terminal(directory), lines_per_s=4000)
     head.plug()
     daemon = Daemon(directory, head.plug_point.port, "rotate_bytes = 65536\nflush_s = 0.1")
     try:
-        wait_for("three files", lambda: daemon.status() and len(daemon.files()) >= 4)
+        wait_for("four files", lambda: daemon.status() and len(daemon.files()) >= 4)
         daemon.end()
     finally:
         daemon.kill()
-    files = daemon.files()
-    check_consecutive([number for path in files for _, number in rows(path)], "all files")
-    for before, after in zip(files, files[1:]):
-        fields = str(info(after))
-        check(info(before)["closed"] and before in fields, f"{after} does not name {before}")
+    check_chain(daemon.files())
+
+
+def hang_up(directory):
+    """SIGHUP begins a new file; no line is lost between them."""
+    head = Head(Terminal(directory))
+    head.plug()
+    daemon = Daemon(directory, head.plug_point.port, "flush_s = 0.1")
+    try:
+        for files in (1, 2, 3):
+            daemon.wait_for_state("recording")
+            daemon.wait_for_readings(200)
+            check(len(daemon.files()) == files, f"{daemon.files()}")
+            daemon.process.send_signal(signal.SIGHUP)
+            wait_for("a new file", lambda: len(daemon.files()) == files + 1)
+        daemon.end()
+    finally:
+        daemon.kill()
+    check_chain(daemon.files())
 
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        {"notify": notify, "status": status, "refused": refused,
-         "rotation": rotation}[sys.argv[1]](scratch)
+        {"default_socket": default_socket, "hang_up": hang_up, "notify": notify,
+         "refused": refused, "rotation": rotation, "status": status}[sys.argv[1]](scratch)

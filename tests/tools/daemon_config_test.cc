@@ -109,6 +109,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[[sensor]]\nname = '../x'\nport = 'p'", "name: is no plain name"},
         Wrong{"[[sensor]]\nname = 'a'\nport = 'p'\n[[sensor]]\nname = 'a'\nport = 'q'",
               "sensor a: is there twice"},
+        Wrong{"[[sensor]]\nname = 'a'\nport = 'p'\n[[sensor]]\nname = 'b'\nport = 'p'",
+              "sensor b: p is another sensor's port too"},
         Wrong{"[[sensor]]\nname = 'a'\nport = 'p'\nsensor = 'replay'", "a replay ends"},
         Wrong{"[[sensor]]\nname = 'a'\nport = 'p'\nsensor = 'steam'", "use one of keyence-il"},
         Wrong{"[[sensor]]\nname = 'a'\nport = 'p'\nformat = '+0,mm,CR'", "--format: is for lines"},

@@ -1,8 +1,8 @@
 #include "tools/daemon/daemon.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
+#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,6 +24,17 @@ constexpr MonotonicNs kWaitNs = kNsPerS / 10;  // for somebody who asks, and bet
 constexpr MonotonicNs kTellEveryNs = kNsPerS;
 
 using Loops = std::vector<std::unique_ptr<SensorLoop>>;
+
+std::atomic<bool> rotation_asked{false};
+
+extern "C" void OnHangUp(int /*signal*/) { rotation_asked.store(true); }
+
+// SIGHUP begins new files, as services do: what is closed may be taken away
+void CatchHangUp() {
+  struct sigaction action{};
+  action.sa_handler = OnHangUp;
+  sigaction(SIGHUP, &action, nullptr);
+}
 
 // what systemd hears
 class Notices {
@@ -90,6 +101,9 @@ std::optional<Error> Serve(const std::string& config_path, const StatusSocket& s
   Notices notices(loops, clock);
   while (!cli::Interrupted().load()) {
     if (auto refused = Refusal(loops)) return refused;
+    if (rotation_asked.exchange(false)) {
+      for (const auto& loop : loops) loop->Rotate();
+    }
     notices.Tell(StatusOf(config_path, loops));
     socket.AnswerOne(kWaitNs, [&] { return StatusJson(StatusOf(config_path, loops)); });
   }
@@ -112,6 +126,7 @@ int RunDaemon(const std::string& config_path, const std::string& command_line) {
     return cli::ReportError(kVerb, checked.error());
   }
   cli::CatchInterrupts();
+  CatchHangUp();
   const auto socket = StatusSocket::Listen(
       config->socket.empty() ? DefaultStatusSockets(config_path).front() : config->socket);
   if (!socket) return cli::ReportError(kVerb, socket.error());

@@ -74,10 +74,15 @@ Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) 
     return Usage(where, "names no sensor", "write a table [[sensor]] with name and port");
   }
   std::set<std::string_view> names;
+  std::set<std::string_view> ports;
   for (const DaemonSensor& sensor : config.sensors) {
     const std::string place = fmt::format("{}: sensor {}", where, sensor.name);
     if (!names.insert(sensor.name).second) {
       return Usage(place, "is there twice", "give each [[sensor]] its own name");
+    }
+    if (!ports.insert(sensor.options.port).second) {
+      return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),
+                   "give each [[sensor]] its own port");
     }
     if (sensor.options.sensor == "replay") {
       return Usage(place, "a replay ends", "play it with acquire --sensor replay");

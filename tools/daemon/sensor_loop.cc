@@ -49,7 +49,14 @@ void SensorLoop::Stop() {
 
 SensorStatus SensorLoop::Status() const {
   const std::lock_guard lock(mutex_);
-  return status_;
+  SensorStatus status = status_;
+  if (trials_ != nullptr) status.file = trials_->file();
+  return status;
+}
+
+void SensorLoop::Rotate() {
+  const std::lock_guard lock(mutex_);
+  if (trials_ != nullptr) trials_->RotateAtNextRow();
 }
 
 bool SensorLoop::IsAlive(MonotonicNs longest_ns) const {
@@ -143,7 +150,7 @@ void SensorLoop::RecordTrials(acquire::ReconnectingSensor& sensor) {
 
 Result<void> SensorLoop::RecordInto(acquire::TrialRotation& trials,
                                     acquire::ReconnectingSensor& sensor) {
-  SetFile(trials.file());
+  WriteTo(&trials);
   Enter(LoopState::kRecording);
   Say(fmt::format("records {} into {}", sensor.header().metadata.source, trials.file()));
   GuardedTrials sink(trials,
@@ -153,11 +160,12 @@ Result<void> SensorLoop::RecordInto(acquire::TrialRotation& trials,
                       .pulse = writing_},
                      clock_);
   const auto progress = [&](const acquire::RecordingSummary& so_far) {
-    ShowProgress(so_far, trials.file(), sensor.last_refusal());
+    ShowProgress(so_far, sensor.last_refusal());
   };
   const auto summary = acquire::Record(sensor, sink, clock_, stop_recording_, {},
                                        {.reading = {}, .progress = progress});
   writing_.Rest();
+  WriteTo(nullptr);
   last_file_ = trials.file();
   if (!summary) return std::unexpected(summary.error());
   Count(*summary);
@@ -167,7 +175,7 @@ Result<void> SensorLoop::RecordInto(acquire::TrialRotation& trials,
 
 // --- what is told ---
 
-void SensorLoop::ShowProgress(const acquire::RecordingSummary& summary, const std::string& file,
+void SensorLoop::ShowProgress(const acquire::RecordingSummary& summary,
                               const std::string& refusal) {
   const MonotonicNs now_ns = clock_.Now();
   reading_.Beat(now_ns);
@@ -176,7 +184,6 @@ void SensorLoop::ShowProgress(const acquire::RecordingSummary& summary, const st
   Count(summary);
   if (Status().reconnects > shown.reconnects) Say("is back");
   Enter(summary.is_away ? LoopState::kAway : LoopState::kRecording);
-  SetFile(file);
   if (summary.is_away && !refusal.empty()) (void)SetLastError(refusal);
   MeasureRate(now_ns);
 }
@@ -206,7 +213,6 @@ void SensorLoop::Count(const acquire::RecordingSummary& summary) {
 void SensorLoop::CloseCounts() {
   const std::lock_guard lock(mutex_);
   before_ = status_;
-  status_.file.clear();
   status_.rate_hz.reset();
   rate_since_ns_ = 0;
 }
@@ -218,9 +224,9 @@ void SensorLoop::Enter(LoopState state) {
   status_.since_utc = UtcNow();
 }
 
-void SensorLoop::SetFile(const std::string& file) {
+void SensorLoop::WriteTo(acquire::TrialRotation* trials) {
   const std::lock_guard lock(mutex_);
-  status_.file = file;
+  trials_ = trials;
 }
 
 void SensorLoop::NoteError(const Error& error) {

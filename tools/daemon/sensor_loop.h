@@ -33,6 +33,9 @@ class SensorLoop {
   /// Asks it to end; returns at once.
   void Stop();
 
+  /// Begins the next file with the next reading; nothing where none is written.
+  void Rotate();
+
   [[nodiscard]] SensorStatus Status() const;
   /// Whether both of its threads got on within the last `longest_ns`.
   [[nodiscard]] bool IsAlive(MonotonicNs longest_ns) const;
@@ -47,12 +50,11 @@ class SensorLoop {
   [[nodiscard]] Result<void> RecordInto(acquire::TrialRotation& trials,
                                         acquire::ReconnectingSensor& sensor);
   [[nodiscard]] trial::TrialHeader Header(const acquire::Sensor& sensor);
-  void ShowProgress(const acquire::RecordingSummary& summary, const std::string& file,
-                    const std::string& refusal);
+  void ShowProgress(const acquire::RecordingSummary& summary, const std::string& refusal);
   void Count(const acquire::RecordingSummary& summary);
   void CloseCounts();
   void Enter(LoopState state);
-  void SetFile(const std::string& file);
+  void WriteTo(acquire::TrialRotation* trials);
   void MeasureRate(MonotonicNs now_ns);
   void NoteError(const Error& error);
   [[nodiscard]] bool SetLastError(const std::string& text);  ///< false: it was that already
@@ -76,7 +78,8 @@ class SensorLoop {
   MonotonicNs rate_since_ns_ = 0;
   std::uint64_t rate_readings_ = 0;
 
-  mutable std::mutex mutex_;  ///< for what follows
+  mutable std::mutex mutex_;                  ///< for what follows
+  acquire::TrialRotation* trials_ = nullptr;  ///< while they are written
   SensorStatus status_;
   SensorStatus before_;  ///< counts of the recordings that are over
   std::optional<Error> refused_;
