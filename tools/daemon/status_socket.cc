@@ -48,6 +48,7 @@ const sockaddr* General(const sockaddr_un& address) {
 
 // 0, or the errno
 int Connect(const OwnedDescriptor& descriptor, const sockaddr_un& address) {
+  if (descriptor.get() < 0) return EMFILE;
   return connect(descriptor.get(), General(address), sizeof address) == 0 ? 0 : errno;
 }
 
@@ -78,7 +79,7 @@ Result<StatusSocket> StatusSocket::Listen(std::string path) {
   const auto address = AddressOf(path);
   if (!address) return std::unexpected(address.error());
   std::error_code error;
-  fs::create_directory(fs::path(path).parent_path(), error);  // bind says what is wrong
+  (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind says what is wrong
   if (auto cleared = ClearPlace(path, *address); !cleared) return std::unexpected(cleared.error());
   OwnedDescriptor listener = NewSocket();
   if (listener.get() < 0 || bind(listener.get(), General(*address), sizeof *address) != 0 ||
