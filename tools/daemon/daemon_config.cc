@@ -68,6 +68,11 @@ DaemonSensor ReadSensor(TomlTable& table, const std::map<std::string, std::strin
   return sensor;
 }
 
+// nothing to wait for once it is over
+bool EndsByItself(const SensorOptions& options) {
+  return options.sensor == "pipe" || options.sensor == "replay" || options.is_scene();
+}
+
 // what the keys alone do not show, once all are read
 Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) {
   if (config.sensors.empty()) {
@@ -84,8 +89,9 @@ Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) 
       return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),
                    "give each [[sensor]] its own port");
     }
-    if (sensor.options.sensor == "replay") {
-      return Usage(place, "a replay ends", "play it with acquire --sensor replay");
+    if (EndsByItself(sensor.options)) {
+      return Usage(place, fmt::format("{} ends by itself", sensor.options.sensor),
+                   "record it with acquire, without --daemon");
     }
     if (auto checked = CheckSensor(sensor.options); !checked) {
       Error error = checked.error();
