@@ -175,7 +175,7 @@ def refused(directory):
     """What the sensor does not have is said once, with status 2."""
     daemon = Daemon(directory, "/dev/null", "")
     with open(daemon.config, "a") as file:
-        file.write("[[sensor]]\nname = 'il'\nport = '/dev/null'\nbaud = 1234\n")
+        file.write("[[sensor]]\nname = 'il'\nport = '/dev/zero'\nbaud = 1234\n")
     daemon.kill()
     ended = subprocess.run([PROGRAM, "acquire", "--daemon", daemon.config], capture_output=True,
                            text=True, timeout=DEADLINE_S)
