@@ -6,6 +6,8 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "tools/cli/json.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -15,25 +17,21 @@ constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForD
                              LoopState::kRecording,      LoopState::kAway,
                              LoopState::kWaitingForDisk, LoopState::kStopped};
 
-ordered_json TextOrNull(const std::string& text) {
-  return text.empty() ? ordered_json(nullptr) : ordered_json(text);
-}
-
 ordered_json ToJson(const SensorStatus& sensor) {
   return {{"name", sensor.name},
           {"port", sensor.port},
           {"sensor", sensor.sensor},
           {"state", Name(sensor.state)},
-          {"since_utc", TextOrNull(sensor.since_utc)},
-          {"file", TextOrNull(sensor.file)},
+          {"since_utc", cli::TextOrNull(sensor.since_utc)},
+          {"file", cli::TextOrNull(sensor.file)},
           {"readings", sensor.readings},
-          {"rate_hz", sensor.rate_hz ? ordered_json(*sensor.rate_hz) : ordered_json(nullptr)},
+          {"rate_hz", cli::NumberOrNull(sensor.rate_hz)},
           {"bad", sensor.bad},
           {"gaps", sensor.gaps},
           {"lost", sensor.lost},
           {"reconnects", sensor.reconnects},
           {"disk_waits", sensor.disk_waits},
-          {"last_error", TextOrNull(sensor.last_error)}};
+          {"last_error", cli::TextOrNull(sensor.last_error)}};
 }
 
 // what stands under a key, where it is of the wanted kind; else the default, which says nothing
@@ -98,8 +96,7 @@ std::string StatusJson(const DaemonStatus& status) {
   for (const SensorStatus& sensor : status.sensors) sensors.push_back(ToJson(sensor));
   const ordered_json document{
       {"config", status.config}, {"utc", status.utc}, {"sensors", std::move(sensors)}};
-  // paths may hold bytes that are no UTF-8
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  return cli::JsonText(document);
 }
 
 Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
