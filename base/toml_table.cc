@@ -24,6 +24,16 @@ struct TomlTable::State {
     asked.emplace(key);
     return table->get(key);
   }
+  TomlTable& Child(const std::string& place, const toml::table& content) {
+    auto found = children.find(place);
+    if (found == children.end()) {
+      auto child = std::make_unique<State>();
+      child->table = &content;
+      child->where = fmt::format("{}: {}", where, place);
+      found = children.emplace(place, TomlTable(std::move(child))).first;
+    }
+    return found->second;
+  }
   void Fail(std::string_view key, std::string what, std::string remedy = {}) {
     if (first_error) return;
     first_error =
@@ -90,14 +100,36 @@ TomlTable* TomlTable::Table(std::string_view key) {
     state_->Fail(key, "is not a table", fmt::format("write [{}]", key));
     return nullptr;
   }
-  auto found = state_->children.find(key);
-  if (found == state_->children.end()) {
-    auto child = std::make_unique<State>();
-    child->table = table;
-    child->where = fmt::format("{}: [{}]", state_->where, key);
-    found = state_->children.emplace(std::string(key), TomlTable(std::move(child))).first;
+  return &state_->Child(fmt::format("[{}]", key), *table);
+}
+
+std::vector<TomlTable*> TomlTable::Tables(std::string_view key) {
+  std::vector<TomlTable*> tables;
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return tables;
+  const toml::array* list = node->as_array();
+  const bool are_tables = list != nullptr && std::ranges::all_of(*list, [](const toml::node& n) {
+                            return n.is_table();
+                          });
+  if (!are_tables) {
+    state_->Fail(key, "is not a list of tables", fmt::format("write [[{}]]", key));
+    return tables;
   }
-  return &found->second;
+  for (const toml::node& element : *list) {
+    const std::string place = fmt::format("[[{}]] {}", key, tables.size() + 1);
+    tables.push_back(&state_->Child(place, *element.as_table()));
+  }
+  return tables;
+}
+
+std::map<std::string, std::string> TomlTable::Texts(std::string_view key) {
+  std::map<std::string, std::string> texts;
+  TomlTable* table = Table(key);
+  if (table == nullptr) return texts;
+  for (const auto& [name, node] : *table->state_->table) {
+    if (auto text = table->Text(name.str())) texts.emplace(name.str(), std::move(*text));
+  }
+  return texts;
 }
 
 namespace {

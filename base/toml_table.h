@@ -48,6 +48,11 @@ class TomlTable {
 
   /// The sub-table `key`, or nullptr where it is absent. Its errors show in the root's Finish().
   [[nodiscard]] TomlTable* Table(std::string_view key);
+  /// The tables of the list `[[key]]`, in order; empty where it is absent. Their errors show in the
+  /// root's Finish().
+  [[nodiscard]] std::vector<TomlTable*> Tables(std::string_view key);
+  /// A table whose keys are the user's own and whose values are texts; empty where it is absent.
+  [[nodiscard]] std::map<std::string, std::string> Texts(std::string_view key);
 
   /// A number with its uncertainty; a missing key is an error and gives 0.
   [[nodiscard]] Quantity RequireQuantity(std::string_view key, Dimension dimension);

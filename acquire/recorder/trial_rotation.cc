@@ -9,18 +9,20 @@
 namespace haptometer::acquire {
 
 TrialRotation::TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits,
-                             Clock& clock)
+                             Clock& clock, trial::WriterOptions options)
     : name_(std::move(name)),
       header_(std::move(header)),
       limits_(limits),
       clock_(clock),
+      options_(options),
       row_bytes_(trial::LayoutOf(header_).row_bytes) {}
 
 Result<std::unique_ptr<TrialRotation>> TrialRotation::Begin(NamePart name,
                                                             trial::TrialHeader header,
-                                                            RotationLimits limits, Clock& clock) {
+                                                            RotationLimits limits, Clock& clock,
+                                                            trial::WriterOptions options) {
   std::unique_ptr<TrialRotation> rotation(
-      new TrialRotation(std::move(name), std::move(header), limits, clock));
+      new TrialRotation(std::move(name), std::move(header), limits, clock, options));
   if (auto begun = rotation->BeginPart(nullptr); !begun) return std::unexpected(begun.error());
   return rotation;
 }
@@ -42,7 +44,7 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   }
   rows_ = 0;
   const std::string file = name_(part_);
-  auto writer = trial::TrialWriter::Create(file, std::move(header), {}, clock_);
+  auto writer = trial::TrialWriter::Create(file, std::move(header), options_, clock_);
   if (!writer) return std::unexpected(writer.error());
   writer_ = std::move(*writer);
   const std::lock_guard lock(file_mutex_);
@@ -50,8 +52,9 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   return {};
 }
 
-bool TrialRotation::IsDue(const trial::Row& row) const {
+bool TrialRotation::IsDue(const trial::Row& row) {
   if (rows_ == 0) return false;
+  if (is_asked_.exchange(false)) return true;
   if (limits_.bytes && (rows_ + 1) * row_bytes_ > *limits_.bytes) return true;
   if (!limits_.duration_ns) return false;
   const MonotonicNs time_ns =

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -14,7 +15,7 @@
 
 namespace haptometer::acquire {
 
-/// When a trial is closed and the next one begun; at least one is set.
+/// When a trial is closed and the next one begun; where neither is set, never.
 struct RotationLimits {
   std::optional<MonotonicNs> duration_ns{};  ///< by the rows' own times
   std::optional<std::uint64_t> bytes{};      ///< of rows, as stored
@@ -29,30 +30,35 @@ class TrialRotation final : public RowSink {
   using NamePart = std::function<std::string(std::uint64_t part)>;
 
   /// Begins part 1. `clock` must outlive the rotation. Errors: those of TrialWriter::Create.
-  [[nodiscard]] static Result<std::unique_ptr<TrialRotation>> Begin(NamePart name,
-                                                                    trial::TrialHeader header,
-                                                                    RotationLimits limits,
-                                                                    Clock& clock);
+  [[nodiscard]] static Result<std::unique_ptr<TrialRotation>> Begin(
+      NamePart name, trial::TrialHeader header, RotationLimits limits, Clock& clock,
+      trial::WriterOptions options = {});
 
   [[nodiscard]] Result<void> Append(const trial::Row& row) override;
   [[nodiscard]] Result<void> AddEvent(trial::Event event) override;
   [[nodiscard]] Result<void> FlushIfDue() override { return writer_->FlushIfDue(); }
   [[nodiscard]] Result<void> Finish() override;
 
+  /// Begins the next part with the next row, whatever the limits say. Any thread.
+  void RotateAtNextRow() { is_asked_.store(true); }
+
   /// The file that is being written. Any thread.
   [[nodiscard]] std::string file() const;
 
  private:
-  TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits, Clock& clock);
+  TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits, Clock& clock,
+                trial::WriterOptions options);
   [[nodiscard]] Result<void> BeginPart(const trial::Row* first);
-  [[nodiscard]] bool IsDue(const trial::Row& row) const;
+  [[nodiscard]] bool IsDue(const trial::Row& row);
 
   NamePart name_;
   trial::TrialHeader header_;
   RotationLimits limits_;
   Clock& clock_;
+  trial::WriterOptions options_;
   std::uint64_t row_bytes_;
   std::optional<trial::TrialWriter> writer_;
+  std::atomic<bool> is_asked_{false};  ///< to rotate
   mutable std::mutex file_mutex_;
   std::string file_;
   std::uint64_t part_ = 0;

@@ -47,6 +47,24 @@ TEST_F(RotationTest, NoRowIsLostOrDoubledBetweenParts) {
   }
 }
 
+TEST_F(RotationTest, APartBeginsWhenItIsAskedFor) {
+  const CountingSensor sensor(clock_, Timing::kArrival, 0, Outcome::kEnd);
+  auto rotation = TrialRotation::Begin([this](std::uint64_t part) { return Part(part); },
+                                       sensor.header(), {}, writer_clock_);
+  ASSERT_TRUE(rotation);
+  (*rotation)->RotateAtNextRow();  // not before the part has a row
+  for (std::int32_t i = 0; i < 5; ++i) {
+    const std::vector<trial::Sample> samples(sensor.header().channels.size(),
+                                             {trial::RawValue::Counts(i), {}});
+    if (i == 3) (*rotation)->RotateAtNextRow();
+    ASSERT_TRUE((*rotation)->Append({.time_ns = i * kMs, .samples = samples}));
+  }
+  ASSERT_TRUE((*rotation)->Finish());
+  EXPECT_EQ(Counts(Part(1)), (std::vector<std::int32_t>{0}));
+  EXPECT_EQ(Counts(Part(2)), (std::vector<std::int32_t>{1, 2}));
+  EXPECT_EQ(Counts(Part(3)), (std::vector<std::int32_t>{3, 4}));
+}
+
 TEST_F(RotationTest, EachPartCountsItsOwnTimeAndNamesTheOneBefore) {
   clock_.Advance(77 * kMs);
   CountingSensor sensor(clock_, Timing::kArrival, 1000, Outcome::kEnd);

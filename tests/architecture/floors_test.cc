@@ -85,7 +85,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
-    {"systemd/", {"tools/acquire/"}},
+    {"systemd/", {"tools/daemon/service_notice.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/matrix_exponential.cc"}},
 };
 

@@ -47,6 +47,37 @@ TEST(TomlTable, AnUnknownKeyIsNamedWithTheNearestKnownOne) {
   EXPECT_EQ(root.Finish().error().cause, Cause::kUsage);
 }
 
+TEST(TomlTable, AListOfTablesIsReadInOrderAndStrictly) {
+  TomlTable root = Parsed("[[sensor]]\nname = 'a'\n[[sensor]]\nname = 'b'\nprot = 'x'\n");
+  const auto sensors = root.Tables("sensor");
+  ASSERT_EQ(sensors.size(), 2U);
+  EXPECT_EQ(sensors[0]->Text("name"), "a");
+  EXPECT_EQ(sensors[1]->Text("name"), "b");
+  (void)sensors[1]->Text("port");
+  EXPECT_EQ(root.Finish().error().Text(),
+            "x.toml: [[sensor]] 2: key prot is not known; did you mean port?");
+  EXPECT_TRUE(Parsed("").Tables("sensor").empty());
+}
+
+TEST(TomlTable, ATableIsNoListOfTables) {
+  TomlTable root = Parsed("[sensor]\nname = 'a'\n");
+  EXPECT_TRUE(root.Tables("sensor").empty());
+  EXPECT_EQ(root.Finish().error().Text(),
+            "x.toml: sensor: is not a list of tables; write [[sensor]]");
+}
+
+TEST(TomlTable, TextsUnderTheUsersOwnKeys) {
+  TomlTable root = Parsed("[labels]\nrig = 'A'\n'any thing' = 'b'\n");
+  EXPECT_EQ(root.Texts("labels"),
+            (std::map<std::string, std::string>{{"any thing", "b"}, {"rig", "A"}}));
+  EXPECT_TRUE(root.Finish());
+  EXPECT_TRUE(Parsed("").Texts("labels").empty());
+  TomlTable number = Parsed("[labels]\nsubject = 3\n");
+  (void)number.Texts("labels");
+  EXPECT_EQ(number.Finish().error().Text(),
+            "x.toml: [labels]: subject: is not a text; put it in quotes");
+}
+
 struct Fault {
   const char* toml;
   const char* text;  // of the error

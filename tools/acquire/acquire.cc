@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <array>
 #include <csignal>
 #include <ctime>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "tools/acquire/live_meter.h"
 #include "tools/acquire/live_view.h"
 #include "tools/acquire/open_sensor.h"
+#include "tools/acquire/recording_header.h"
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_check.h"
 #include "tools/acquire/tare.h"
@@ -29,6 +29,7 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/daemon/daemon_options.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -56,29 +57,14 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
       [&wanted, &clock] { return OpenSensor(wanted, clock); }, plan.longest_away_ns, clock);
 }
 
-// beside what the sensor says: who recorded it when
-void CompleteHeader(const AcquireOptions& wanted, const RecordingPlan& plan,
-                    std::string command_line, trial::Metadata& metadata) {
-  if (wanted.sensor.sensor != "replay") {
-    std::array<char, 256> host{};
-    gethostname(host.data(), host.size() - 1);
-    metadata.host = host.data();
-    metadata.utc_start = UtcNow();
-  }
-  metadata.command_line = std::move(command_line);
-  for (const auto& [key, value] : plan.labels) metadata.labels[key] = value;
-}
-
 // what the zero is, where it is wanted
-Result<void> Tare(Sensor& sensor, const AcquireOptions& wanted, Clock& clock,
-                  trial::Metadata& metadata) {
-  if (!wanted.recording.tare) return {};
+Result<std::optional<double>> Tare(Sensor& sensor, const AcquireOptions& wanted, Clock& clock) {
+  if (!wanted.recording.tare) return std::nullopt;
   const auto tare_m = MeasureTare(sensor, clock, cli::Interrupted(), PortName(wanted.sensor));
   if (!tare_m) return std::unexpected(tare_m.error());
-  metadata.tare_m = *tare_m;
   cli::Remark(kVerb, fmt::format("zero: {:.6g} mm, the mean of the second before the recording",
                                  *tare_m * 1e3));
-  return {};
+  return *tare_m;
 }
 
 std::string FileName(const std::string& output, const trial::Metadata& metadata) {
@@ -170,11 +156,12 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   if (wanted.check) return RunSensorCheck(options, wanted, band, words, **sensor, clock);
 
   // the recording's zero, head and end
-  trial::TrialHeader header = (*sensor)->header();
-  if (auto tared = Tare(**sensor, wanted, clock, header.metadata); !tared) {
-    return fail(tared.error());
-  }
-  CompleteHeader(wanted, plan, fmt::format("{}", fmt::join(words, " ")), header.metadata);
+  const auto tare_m = Tare(**sensor, wanted, clock);
+  if (!tare_m) return fail(tare_m.error());
+  trial::TrialHeader header =
+      RecordingHeader(**sensor, wanted.sensor.sensor == "replay", plan.labels,
+                      fmt::format("{}", fmt::join(words, " ")));
+  if (*tare_m) header.metadata.tare_m = **tare_m;
   const auto limits = LimitsOf(plan, header, clock);
   if (!limits) return fail(limits.error());
 
@@ -209,6 +196,7 @@ int RunAcquire(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (wanted.list_ports) return ListPorts(options);
   if (wanted.list_sensors) return ListSensors(options, wanted);
+  if (const auto status = RunDaemonOptions(options, wanted.daemon, argc, argv)) return *status;
   if (auto checked = CheckAcquire(wanted); !checked)
     return cli::ReportError(kVerb, checked.error());
   const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));

@@ -41,6 +41,7 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
                "What --live, --check and --list-sensors ask about; 20-500Hz");
   options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
                  "For --list-sensors: largest step that is fine enough; 1um");
+  DeclareDaemon(options, wanted.daemon);
 }
 
 Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {

@@ -9,6 +9,7 @@
 #include "tools/acquire/recording_options.h"
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/options.h"
+#include "tools/daemon/daemon_options.h"
 
 namespace haptometer::tools {
 
@@ -23,6 +24,7 @@ struct AcquireOptions {
   bool list_ports = false;
   bool list_sensors = false;
   std::optional<Quantity> resolution_m;
+  DaemonOptions daemon;
 };
 
 /// Declares all its options.

@@ -134,6 +134,15 @@ void Options::Text(std::string_view name, std::string* value, std::string_view p
       shown);
 }
 
+void Options::OptionalText(std::string_view name, bool* given, std::string* value,
+                           std::string_view placeholder, std::string_view help, Shown shown) {
+  auto* option = state_->Add(name, placeholder, help, [given, value](const std::string& text) {
+    *given = true;
+    *value = text;
+  });
+  state_->Show(option->expected(0, 1), shown);
+}
+
 void Options::Choice(std::string_view name, std::string* value,
                      const std::vector<std::string>& choices, std::string_view help, Shown shown) {
   const std::string placeholder = Joined(choices, "|");

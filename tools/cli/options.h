@@ -43,6 +43,10 @@ class Options {
   void Flag(std::string_view name, bool* value, std::string_view help, Shown shown = Shown::kHelp);
   void Text(std::string_view name, std::string* value, std::string_view placeholder,
             std::string_view help, Shown shown = Shown::kHelp);
+  /// An option whose value may be left out; `given` says whether it is there.
+  void OptionalText(std::string_view name, bool* given, std::string* value,
+                    std::string_view placeholder, std::string_view help,
+                    Shown shown = Shown::kHelp);
   /// One of `choices`; anything else is refused with the list.
   void Choice(std::string_view name, std::string* value, const std::vector<std::string>& choices,
               std::string_view help, Shown shown = Shown::kHelp);

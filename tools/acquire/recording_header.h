@@ -1,0 +1,17 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "acquire/sensor/sensor.h"
+#include "trial/trial_format.h"
+
+namespace haptometer::tools {
+
+/// What a recording begins with: what the sensor (started) says, on which host and when it was made
+/// and by which command, and its labels. A replay keeps the host and time of its trial.
+[[nodiscard]] trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,
+                                                 const std::map<std::string, std::string>& labels,
+                                                 std::string command_line);
+
+}  // namespace haptometer::tools

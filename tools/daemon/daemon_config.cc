@@ -1,0 +1,142 @@
+#include "tools/daemon/daemon_config.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <set>
+
+#include "base/toml_table.h"
+#include "tools/daemon/sensor_keys.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr double kLongest_s = 1e9;  // 30 years still fit in nanoseconds
+constexpr long long kSmallestTrial = 65536;
+constexpr long long kSmallestReserve = 1 << 20;
+constexpr MonotonicNs kDefaultRotationNs = 3600 * kNsPerS;
+
+bool IsPlainName(std::string_view name) {
+  const auto is_plain = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' ||
+           c == '-' || c == '.';
+  };
+  return !name.empty() && name.size() <= 64 && name.front() != '.' &&
+         std::ranges::all_of(name, is_plain);
+}
+
+// a time within [least_s, 30 years]
+std::optional<double> Seconds(TomlTable& table, std::string_view key, double least_s) {
+  const auto seconds = table.Number(key, Dimension::kTime);
+  if (seconds && !(*seconds >= least_s && *seconds <= kLongest_s)) {
+    table.Refuse(key, fmt::format("is not from {:g} s to 30 years", least_s));
+    return std::nullopt;
+  }
+  return seconds;
+}
+
+std::optional<std::uint64_t> Bytes(TomlTable& table, std::string_view key, long long least) {
+  const auto bytes = table.Integer(key);
+  if (!bytes) return std::nullopt;
+  if (*bytes < least) table.Refuse(key, fmt::format("must be {} or more", least));
+  return static_cast<std::uint64_t>(*bytes);
+}
+
+acquire::RotationLimits ReadRotation(TomlTable& table) {
+  acquire::RotationLimits limits;
+  if (const auto every_s = Seconds(table, "rotate_every_s", 1)) {
+    limits.duration_ns = NsFromSeconds(*every_s);
+  }
+  limits.bytes = Bytes(table, "rotate_bytes", kSmallestTrial);
+  if (!limits.duration_ns && !limits.bytes) limits.duration_ns = kDefaultRotationNs;
+  return limits;
+}
+
+DaemonSensor ReadSensor(TomlTable& table, const std::map<std::string, std::string>& labels) {
+  DaemonSensor sensor;
+  sensor.name = table.Text("name").value_or("");
+  if (!IsPlainName(sensor.name)) {
+    table.Refuse("name", table.Has("name") ? "is no plain name" : "is missing",
+                 "write letters, digits, '_', '-' and '.', e.g. \"left\"");
+  }
+  sensor.options = ReadSensorKeys(table);
+  if (sensor.options.port.empty()) {
+    table.Refuse("port", "is missing", "name the sensor's port, e.g. \"/dev/ttyUSB0\"");
+  }
+  sensor.labels = table.Texts("labels");
+  sensor.labels.insert(labels.begin(), labels.end());
+  return sensor;
+}
+
+// nothing to wait for once it is over
+bool EndsByItself(const SensorOptions& options) {
+  return options.sensor == "pipe" || options.sensor == "replay" || options.is_scene();
+}
+
+// what the keys alone do not show, once all are read
+Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) {
+  if (config.sensors.empty()) {
+    return Usage(where, "names no sensor", "write a table [[sensor]] with name and port");
+  }
+  std::set<std::string_view> names;
+  std::set<std::string_view> ports;
+  for (const DaemonSensor& sensor : config.sensors) {
+    const std::string place = fmt::format("{}: sensor {}", where, sensor.name);
+    if (!names.insert(sensor.name).second) {
+      return Usage(place, "is there twice", "give each [[sensor]] its own name");
+    }
+    if (!ports.insert(sensor.options.port).second) {
+      return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),
+                   "give each [[sensor]] its own port");
+    }
+    if (EndsByItself(sensor.options)) {
+      return Usage(place, fmt::format("{} ends by itself", sensor.options.sensor),
+                   "record it with acquire, without --daemon");
+    }
+    if (auto checked = CheckSensor(sensor.options); !checked) {
+      Error error = checked.error();
+      error.where = fmt::format("{}: {}", place, error.where);
+      return std::unexpected(error);
+    }
+  }
+  return {};
+}
+
+Result<DaemonConfig> Read(TomlTable table) {
+  DaemonConfig config;
+  config.trials.directory = table.Text("directory").value_or(".");
+  if (auto file = table.Text("file")) config.trials.file = *file;
+  config.socket = table.Text("socket").value_or("");
+  config.rotation = ReadRotation(table);
+  config.flush_s = Seconds(table, "flush_s", 0.01).value_or(config.flush_s);
+  config.reserve_bytes =
+      Bytes(table, "reserve_bytes", kSmallestReserve).value_or(config.reserve_bytes);
+  const auto labels = table.Texts("labels");
+  for (TomlTable* sensor : table.Tables("sensor")) {
+    config.sensors.push_back(ReadSensor(*sensor, labels));
+  }
+  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  if (auto checked = CheckPattern(config.trials.file, table.where() + ": file"); !checked) {
+    return std::unexpected(checked.error());
+  }
+  if (auto checked = CheckSensors(config, table.where()); !checked) {
+    return std::unexpected(checked.error());
+  }
+  return config;
+}
+
+}  // namespace
+
+Result<DaemonConfig> ReadDaemonConfig(const std::string& path) {
+  auto table = TomlTable::ParseFile(path);
+  if (!table) return std::unexpected(table.error());
+  return Read(std::move(*table));
+}
+
+Result<DaemonConfig> ParseDaemonConfig(std::string_view text, const std::string& where) {
+  auto table = TomlTable::ParseText(text, where);
+  if (!table) return std::unexpected(table.error());
+  return Read(std::move(*table));
+}
+
+}  // namespace haptometer::tools

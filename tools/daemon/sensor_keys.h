@@ -1,0 +1,13 @@
+#pragma once
+
+#include "base/toml_table.h"
+#include "tools/acquire/sensor_options.h"
+
+namespace haptometer::tools {
+
+/// Reads the keys of a file that say the same of a sensor as acquire's options: `--refresh 7ms` is
+/// `refresh_s = "7ms"`. What is wrong shows in the table's Finish(); what the sensor does not have,
+/// in CheckSensor().
+[[nodiscard]] SensorOptions ReadSensorKeys(TomlTable& table);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,163 @@
+#include "tools/daemon/status_socket.h"
+
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using acquire::OwnedDescriptor;
+
+constexpr MonotonicNs kTakenWithinNs = kNsPerS;
+constexpr std::size_t kLongestStatus = 1 << 20;
+constexpr int kWaiting = 8;  // who may queue while one is answered
+
+Result<sockaddr_un> AddressOf(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) {
+    return Usage(path, fmt::format("is no path of 1 to {} bytes", sizeof address.sun_path - 1),
+                 "name a shorter one under `socket`");
+  }
+  std::ranges::copy(path, address.sun_path);
+  return address;
+}
+
+OwnedDescriptor NewSocket() {
+  return OwnedDescriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
+
+// the system's calls want addresses under the general type
+const sockaddr* General(const sockaddr_un& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+// 0, or the errno
+int Connect(const OwnedDescriptor& descriptor, const sockaddr_un& address) {
+  if (descriptor.get() < 0) return EMFILE;
+  return connect(descriptor.get(), General(address), sizeof address) == 0 ? 0 : errno;
+}
+
+std::unexpected<Error> NoSocket(const std::string& path, int error_number) {
+  return Failed(path,
+                fmt::format("no status socket: {}", std::generic_category().message(error_number)),
+                "name another place under `socket`, in a directory that you may write to");
+}
+
+// takes a dead daemon's socket out of the way, and nothing else
+Result<void> ClearPlace(const std::string& path, const sockaddr_un& address) {
+  struct stat found{};
+  if (lstat(path.c_str(), &found) != 0) return {};
+  if (!S_ISSOCK(found.st_mode)) {
+    return Usage(path, "is there and no socket", "name another place under `socket`");
+  }
+  if (Connect(NewSocket(), address) != ECONNREFUSED) {
+    return Failed(path, "another daemon answers there",
+                  "end it, or name another place under `socket`");
+  }
+  if (unlink(path.c_str()) != 0) return NoSocket(path, errno);
+  return {};
+}
+
+}  // namespace
+
+Result<StatusSocket> StatusSocket::Listen(std::string path) {
+  const auto address = AddressOf(path);
+  if (!address) return std::unexpected(address.error());
+  std::error_code error;
+  (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind says what is wrong
+  if (auto cleared = ClearPlace(path, *address); !cleared) return std::unexpected(cleared.error());
+  OwnedDescriptor listener = NewSocket();
+  if (listener.get() < 0 || bind(listener.get(), General(*address), sizeof *address) != 0 ||
+      listen(listener.get(), kWaiting) != 0) {
+    return NoSocket(path, errno);
+  }
+  // who may look at the directory may ask: a status gives no power
+  chmod(path.c_str(), 0666);
+  return StatusSocket(std::move(listener), std::move(path));
+}
+
+StatusSocket::~StatusSocket() {
+  if (listener_.get() >= 0) unlink(path_.c_str());
+}
+
+void StatusSocket::AnswerOne(MonotonicNs longest_ns,
+                             const std::function<std::string()>& text) const {
+  pollfd watched{.fd = listener_.get(), .events = POLLIN, .revents = 0};
+  const timespec longest{.tv_sec = longest_ns / kNsPerS, .tv_nsec = longest_ns % kNsPerS};
+  if (ppoll(&watched, 1, &longest, nullptr) <= 0) return;
+  const OwnedDescriptor asker(
+      accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (asker.get() < 0) return;
+  SystemClock clock;
+  (void)acquire::WriteDescriptor(asker.get(), text(), clock.Now() + kTakenWithinNs, path_);
+}
+
+Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
+  const auto address = AddressOf(path);
+  if (!address) return std::unexpected(address.error());
+  SystemClock clock;
+  const MonotonicNs deadline = clock.Now() + longest_ns;
+  const OwnedDescriptor descriptor = NewSocket();
+  if (const int failure = Connect(descriptor, *address); failure != 0) {
+    return CannotAnswer(
+        path, fmt::format("no daemon answers: {}", std::generic_category().message(failure)),
+        "start one with: acquire --daemon CONFIG.toml");
+  }
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (clock.Now() < deadline && text.size() <= kLongestStatus) {
+    const auto read = acquire::ReadDescriptor(descriptor.get(), buffer, deadline);
+    if (read.state == acquire::ReadState::kGone) return text;
+    text.append(buffer.data(), read.bytes);
+  }
+  return CannotAnswer(path, "gives no status in time", "is it haptometer's daemon? try again");
+}
+
+namespace {
+
+std::vector<fs::path> SocketDirectories() {
+  std::vector<fs::path> directories;
+  // read before any thread is started
+  const char* own = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
+  if (own != nullptr && *own != '\0') directories.push_back(fs::path(own) / "haptometer");
+  directories.emplace_back("/run/haptometer");
+  return directories;
+}
+
+}  // namespace
+
+std::vector<std::string> DefaultStatusSockets(const std::string& config_path) {
+  std::vector<std::string> paths;
+  for (const fs::path& directory : SocketDirectories()) {
+    paths.push_back(directory / (fs::path(config_path).stem().string() + ".sock"));
+  }
+  return paths;
+}
+
+std::vector<std::string> StatusSockets() {
+  std::vector<std::string> paths;
+  for (const fs::path& directory : SocketDirectories()) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(directory, error)) {
+      if (entry.is_socket(error)) paths.push_back(entry.path());
+    }
+  }
+  return paths;
+}
+
+}  // namespace haptometer::tools
