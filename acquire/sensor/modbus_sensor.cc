@@ -1,0 +1,464 @@
+#include "acquire/sensor/modbus_sensor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "acquire/protocol/value.h"
+#include "acquire/protocol/wire.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr MonotonicNs kSliceNs = 80'000'000;  // with the link's 20 ms: a tenth of a second
+constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
+constexpr int kTries = 3;
+constexpr int kMostChecks = 2;
+constexpr int kMostBadRows = 8;
+
+trial::Encoding EncodingOf(RegisterType type) {
+  switch (type) {
+    case RegisterType::kF32:
+      return trial::Encoding::kF32;
+    case RegisterType::kU32:  // beyond the counts of i32; exact
+      return trial::Encoding::kF64;
+    default:
+      return trial::Encoding::kI32;
+  }
+}
+
+trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::Bits(bits);
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(NumberOf(bits, type));
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
+}
+
+trial::RawValue NoValue(RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::F32(std::numeric_limits<float>::quiet_NaN());
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(std::numeric_limits<double>::quiet_NaN());
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(kNoCounts);
+}
+
+std::string ErrorsInWords(const ModbusErrors& errors) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, std::string what) {
+    if (count == 0) return;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  };
+  for (std::size_t fault = 0; fault < kModbusFaultCount; ++fault) {
+    add(errors.faults[fault], std::string(Name(static_cast<ModbusFault>(fault))));
+  }
+  for (std::size_t code = 0; code < errors.exceptions.size(); ++code) {
+    add(errors.exceptions[code], fmt::format("exception {:02} ({})", code,
+                                             ModbusExceptionText(static_cast<int>(code))));
+  }
+  return text;
+}
+
+}  // namespace
+
+ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, Clock& clock)
+    : profile_(std::move(setup.profile)),
+      rate_hz_(setup.rate_hz),
+      link_(std::move(link)),
+      clock_(clock) {
+  frame_.reserve(kLongestModbusAdu);
+  timestamp_.reserve(kLongestModbusAdu);
+}
+
+// --- before the recording ---
+
+Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, const std::atomic<bool>& stop) {
+  ReadReply answer{.fault = ModbusFault::kTimeout};
+  for (int attempt = 0; attempt < kTries; ++attempt) {
+    clock_.SleepUntil(free_from_ns_);
+    if (!Send(request, Phase::kFree)) {
+      return Failed(link_->name(), "the connection was lost", "check cable and power");
+    }
+    const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+    while (clock_.Now() < deadline) {
+      if (stop.load()) {
+        return Failed(link_->name(), "was not recorded: interrupted before the first reading");
+      }
+      const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+      if (reply.arrival == ModbusArrival::kGone) {
+        return Failed(link_->name(), "the connection was lost", "check cable and power");
+      }
+      if (reply.arrival == ModbusArrival::kNothing) continue;
+      answer = Parse(reply);
+      if (answer.fault == ModbusFault::kNone) return answer;
+      discarded_bytes_ += reply.bytes.size();
+    }
+    start_was_silent_ = true;
+  }
+  return answer;
+}
+
+// the registers, or why there are none
+Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
+  const auto answer = Exchange(request, stop);
+  if (!answer) return std::unexpected(answer.error());
+  if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
+    return std::string(answer->registers);
+  }
+  const std::string asked = fmt::format("slave {}, function {:02}, {} registers from {}",
+                                        request.unit, request.function, request.count,
+                                        request.address + profile_.address_base);
+  if (answer->exception != 0) {
+    return CannotAnswer(
+        link_->name(),
+        fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
+                    ModbusExceptionText(answer->exception)),
+        profile_.advice.empty() ? "give the --profile of this sensor" : profile_.advice);
+  }
+  const std::string settings = fmt::format("{} baud, parity {}", profile_.wire.baud,
+                                           Name(profile_.wire.parity));
+  std::string remedy = fmt::format("check that the sensor is on, --slave{}",
+                                   is_rtu() ? ", baud rate and parity in the profile, and A and B "
+                                              "of the cable"
+                                            : " and the --profile");
+  if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
+  return CannotAnswer(link_->name(),
+                      answer->fault == ModbusFault::kTimeout
+                          ? fmt::format("nothing answers to {}{}", asked,
+                                        is_rtu() ? " at " + settings : "")
+                          : fmt::format("answers to {} come damaged ({})", asked,
+                                        Name(answer->fault)),
+                      remedy);
+}
+
+Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
+  double register_scale = 1;
+  if (profile_.scale_address) {
+    ReadRequest request = ReadingRequest(profile_);
+    request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
+    request.count = 1;
+    const auto registers = Ask(request, stop);
+    if (!registers) return std::unexpected(registers.error());
+    register_scale = RegisterAt(*registers, 0);
+    if (register_scale == 0) {
+      return CannotAnswer(link_->name(),
+                          fmt::format("register {}, which scales its values, holds 0",
+                                      *profile_.scale_address),
+                          profile_.advice.empty() ? "check the --profile" : profile_.advice);
+    }
+  }
+  const auto registers = Ask(ReadingRequest(profile_), stop);
+  if (!registers) return std::unexpected(registers.error());
+  MakeHeader(register_scale);
+  return {};
+}
+
+void ModbusSensor::MakeHeader(double register_scale) {
+  trial::ChannelFormat channel;
+  channel.name = "displacement";
+  channel.role = trial::ChannelRole::kDisplacement;
+  channel.unit = "m";
+  channel.encoding = EncodingOf(profile_.type);
+  channel.scale = profile_.scale * register_scale * profile_.unit_m;
+  channel.offset = profile_.offset * profile_.unit_m;
+  const bool is_whole = profile_.type != RegisterType::kF32;
+  channel.resolution = profile_.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
+  // the ends, whichever way the scale goes
+  const auto end_m = [&](const std::optional<double>& number, double otherwise) {
+    return number ? *number * channel.scale + channel.offset : otherwise;
+  };
+  const double least_m = end_m(profile_.least_number, channel.range_min);
+  const double most_m = end_m(profile_.most_number, channel.range_max);
+  if (channel.scale > 0) {
+    channel.range_min = profile_.range_min_m.value_or(least_m);
+    channel.range_max = profile_.range_max_m.value_or(most_m);
+  }
+  header_.timing = trial::Timing::kPolled;
+  header_.channels = {channel};
+  Describe(header_.metadata);
+  if (!profile_.timestamp_address && profile_.fastest_rate_hz) {
+    repeats_.emplace(NsFromSeconds(1.0 / *profile_.fastest_rate_hz));
+  }
+}
+
+void ModbusSensor::Describe(trial::Metadata& metadata) const {
+  metadata.sensor = "modbus";
+  metadata.source = link_->Source();
+  metadata.head = profile_.model.empty() ? profile_.name : profile_.maker + " " + profile_.model;
+  double highest_hz = profile_.fastest_rate_hz.value_or(std::numeric_limits<double>::infinity());
+  if (is_rtu()) highest_hz = HighestRateHz(profile_);
+  highest_hz = std::min(highest_hz, rate_hz_.value_or(highest_hz));
+  if (highest_hz < std::numeric_limits<double>::infinity()) metadata.nominal_rate_hz = highest_hz;
+  const ReadRequest request = ReadingRequest(profile_);
+  metadata.fields["modbus_profile"] = profile_.name;
+  metadata.fields["modbus_slave"] = std::to_string(request.unit);
+  metadata.fields["modbus_function"] = std::to_string(request.function);
+  metadata.fields["modbus_address_on_the_wire"] = std::to_string(request.address);
+  metadata.fields["modbus_count"] = std::to_string(request.count);
+  metadata.fields["modbus_value"] =
+      fmt::format("{} {} at {}", Name(profile_.type), Name(profile_.order), profile_.value_address);
+}
+
+std::vector<std::string> ModbusSensor::Remarks() const {
+  std::vector<std::string> remarks;
+  const double highest_hz = HighestRateHz(profile_);
+  const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile_));
+  const double sensor_hz = profile_.fastest_rate_hz.value_or(wire_hz);
+  if (profile_.transport == ModbusFraming::kRtu) {
+    remarks.push_back(fmt::format(
+        "{} at {} baud: {} registers take {:.2f} ms on the wire, at most {:.0f} readings/s{}: "
+        "motion up to {:.1f} Hz can be observed (rate / 2.56)",
+        profile_.name, profile_.wire.baud, profile_.count, 1e3 / wire_hz, wire_hz,
+        sensor_hz < wire_hz ? fmt::format(", {:.0f} of them new", sensor_hz) : "",
+        HighestObservableHz(highest_hz)));
+    remarks.emplace_back(
+        "20-500 Hz vibration cannot be observed over Modbus RTU at any baud rate (two silent "
+        "intervals of 1.75 ms leave 286 readings/s, 1280 are needed): use the sensor's own stream "
+        "(--sensor stream) or its analog output with a DAQ");
+  } else if (profile_.fastest_rate_hz) {
+    remarks.push_back(fmt::format(
+        "{} measures {:.0f} times a second: motion up to {:.1f} Hz can be observed (rate / 2.56)",
+        profile_.name, sensor_hz, HighestObservableHz(sensor_hz)));
+  } else {
+    remarks.push_back(fmt::format(
+        "how often {} measures is not known: motion can be observed up to its rate / 2.56, and "
+        "the rate of replies says nothing of it",
+        profile_.name));
+  }
+  if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
+    remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
+  }
+  if (const std::string errors = ErrorsInWords(errors_); !errors.empty()) {
+    remarks.push_back("errors on the wire: " + errors);
+  }
+  return remarks;
+}
+
+// --- the wire ---
+
+bool ModbusSensor::Send(ReadRequest request, Phase next) {
+  discarded_bytes_ += link_->Flush();  // whatever is there now answers nothing that is still asked
+  request.transaction = next_transaction_++;
+  frame_.clear();
+  AppendReadRequest(link_->framing(), request, frame_);
+  request_ = request;
+  request_ns_ = clock_.Now();
+  other_transaction_ = false;
+  phase_ = next;
+  return link_->Send(frame_);
+}
+
+ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
+  const ModbusReply reply =
+      link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
+    const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
+    free_from_ns_ = clock_.Now() + std::max(silent_ns, profile_.least_gap_ns);
+  }
+  return reply;
+}
+
+ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
+  ReadReply parsed{.fault = reply.fault};
+  if (reply.arrival == ModbusArrival::kFrame) {
+    parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
+  }
+  if (parsed.fault != ModbusFault::kNone) ++errors_.faults[static_cast<std::size_t>(parsed.fault)];
+  if (parsed.exception != 0) ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
+  return parsed;
+}
+
+// --- the recording ---
+
+MonotonicNs ModbusSensor::Begin() {
+  const MonotonicNs now = clock_.Now();
+  next_poll_ns_ = now;
+  drain_until_ns_ = now + kQuietNs;
+  phase_ = start_was_silent_ ? Phase::kDraining : Phase::kFree;
+  return now;
+}
+
+Outcome ModbusSensor::Next(Reading& reading) {
+  switch (phase_) {
+    case Phase::kDraining:
+      return Drain();
+    case Phase::kChecking:
+      return WaitForCheck(reading);
+    case Phase::kFree: {
+      const Outcome asked = AskForReading();
+      if (phase_ != Phase::kWaiting || asked == Outcome::kGone) return asked;
+      break;
+    }
+    case Phase::kWaiting:
+      break;
+  }
+  return Wait(reading);
+}
+
+// sends the request when its time has come
+Outcome ModbusSensor::AskForReading() {
+  const MonotonicNs due_ns = std::max(free_from_ns_, next_poll_ns_);
+  const MonotonicNs latest_ns = clock_.Now() + kSliceNs;
+  if (due_ns > clock_.Now()) clock_.SleepUntil(std::min(due_ns, latest_ns));
+  if (clock_.Now() < due_ns) return Outcome::kNothing;
+  if (!Send(ReadingRequest(profile_), Phase::kWaiting)) return Outcome::kGone;
+  if (rate_hz_) {
+    // on a grid; polls that could not be made are not made up for
+    const MonotonicNs period_ns = NsFromSeconds(1.0 / *rate_hz_);
+    next_poll_ns_ = std::max(next_poll_ns_ + period_ns, request_ns_);
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::Wait(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + profile_.response_timeout_ns;
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  switch (reply.arrival) {
+    case ModbusArrival::kGone:
+      return Outcome::kGone;
+    case ModbusArrival::kFrame:
+    case ModbusArrival::kDamaged:
+      return TakeReply(Parse(reply), reading);
+    case ModbusArrival::kNothing:
+      break;
+  }
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  if (!other_transaction_) ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveFault(reading, ModbusFault::kTimeout);
+}
+
+Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
+  if (reply.fault == ModbusFault::kTransaction) {
+    // an older request's reply; ours may still come
+    discarded_bytes_ += ReplyBytes(ModbusFraming::kTcp, request_.count);
+    other_transaction_ = true;
+    return Outcome::kNothing;
+  }
+  if (reply.fault != ModbusFault::kNone) return GiveFault(reading, reply.fault);
+  bad_rows_ = 0;
+  if (reply.exception != 0) {
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError}, Phase::kFree, 0);
+  }
+  const Outcome given = GiveRow(reading, Decode(reply.registers), Phase::kFree, 0);
+  MarkRepeated(reply.registers, reading);
+  return given;
+}
+
+// A row without a reading. What may still come of it is waited for before the next question, but
+// over TCP a missing reply can be told from the next by its identifier.
+Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
+  const bool is_late = fault == ModbusFault::kTimeout;
+  if (!is_rtu() && ++bad_rows_ > kMostBadRows) return Outcome::kGone;
+  const SampleStatus status =
+      is_late && !other_transaction_ ? SampleStatus::kLate : SampleStatus::kBadFrame;
+  const MonotonicNs until_ns =
+      is_late ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
+  const Phase next = is_late && !is_rtu() ? Phase::kFree : Phase::kDraining;
+  return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
+}
+
+Outcome ModbusSensor::Drain() {
+  const MonotonicNs now = clock_.Now();
+  if (now >= drain_until_ns_) {
+    return Send(CheckRequest(profile_), Phase::kChecking) ? Outcome::kNothing : Outcome::kGone;
+  }
+  const ModbusReply reply = Receive(std::min(drain_until_ns_, now + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  if (reply.arrival != ModbusArrival::kNothing) {
+    // what was missing is here, or a part of it: nothing more once the wire is silent
+    discarded_bytes_ += reply.bytes.size();
+    drain_until_ns_ = clock_.Now() + kQuietNs;
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::WaitForCheck(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  if (reply.arrival == ModbusArrival::kFrame &&
+      ParseReadReply(link_->framing(), request_, reply.bytes).fault == ModbusFault::kNone) {
+    unanswered_checks_ = 0;
+    phase_ = Phase::kFree;
+    return Outcome::kNothing;
+  }
+  discarded_bytes_ += reply.bytes.size();
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  // a device that never answers checks is asked for readings again, after seconds of silence
+  const bool again = ++unanswered_checks_ < kMostChecks;
+  if (!again) unanswered_checks_ = 0;
+  ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate},
+                 again ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
+}
+
+// --- what the registers say ---
+
+std::size_t ModbusSensor::Offset(int address) const {
+  return static_cast<std::size_t>(address - profile_.address);
+}
+
+trial::Sample ModbusSensor::Decode(std::string_view registers) const {
+  std::array<std::uint16_t, 2> words{};
+  const std::size_t count = RegistersOf(profile_.type);
+  const std::size_t first = Offset(profile_.value_address);
+  for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
+  const std::uint32_t bits =
+      BitsFrom(std::span(words).first(count), profile_.type, profile_.order);
+  return {RawOf(bits, profile_.type), StatusOf(registers, bits)};
+}
+
+SampleStatus ModbusSensor::StatusOf(std::string_view registers, std::uint32_t bits) const {
+  if (profile_.status_address) {
+    const std::uint16_t flags = RegisterAt(registers, Offset(*profile_.status_address));
+    if ((flags & profile_.status_mask) != 0) {
+      return profile_.status_meaning == StatusMeaning::kInvalid ? SampleStatus::kInvalid
+                                                                : SampleStatus::kDeviceError;
+    }
+  }
+  const double number = NumberOf(bits, profile_.type);
+  const bool is_listed = std::ranges::find(profile_.invalid_bits, bits) !=
+                         profile_.invalid_bits.end();
+  if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
+  if (profile_.least_number && number < *profile_.least_number) return SampleStatus::kUnder;
+  if (profile_.most_number && number > *profile_.most_number) return SampleStatus::kOver;
+  return SampleStatus::kOk;
+}
+
+void ModbusSensor::MarkRepeated(std::string_view registers, Reading& reading) {
+  if (repeats_) repeats_->Mark(reading);
+  if (!profile_.timestamp_address) return;
+  const std::string_view stamp =
+      registers.substr(2 * Offset(*profile_.timestamp_address),
+                       2 * static_cast<std::size_t>(profile_.timestamp_count));
+  trial::Sample& sample = reading.samples.front();
+  if (stamp == timestamp_ && sample.status == SampleStatus::kOk) {
+    sample.status = SampleStatus::kRepeated;
+  }
+  timestamp_.assign(stamp);
+}
+
+Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next,
+                              MonotonicNs drain_until_ns) {
+  reading.time_ns = request_ns_;
+  reading.reply_ns = clock_.Now();
+  reading.samples.assign(1, sample);
+  phase_ = next;
+  drain_until_ns_ = drain_until_ns;
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire
