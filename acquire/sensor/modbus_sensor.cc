@@ -18,7 +18,6 @@ using trial::SampleStatus;
 constexpr MonotonicNs kSliceNs = 80'000'000;  // with the link's 20 ms: a tenth of a second
 constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
 constexpr int kTries = 3;
-constexpr int kMostChecks = 2;
 constexpr int kMostBadRows = 8;
 
 trial::Encoding EncodingOf(RegisterType type) {
@@ -85,9 +84,10 @@ ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, 
 
 // --- before the recording ---
 
-Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, const std::atomic<bool>& stop) {
+Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
+                                         const std::atomic<bool>& stop) {
   ReadReply answer{.fault = ModbusFault::kTimeout};
-  for (int attempt = 0; attempt < kTries; ++attempt) {
+  for (int attempt = 0; attempt < tries; ++attempt) {
     clock_.SleepUntil(free_from_ns_);
     if (!Send(request, Phase::kFree)) {
       return Failed(link_->name(), "the connection was lost", "check cable and power");
@@ -113,7 +113,7 @@ Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, const std::atomic<
 
 // the registers, or why there are none
 Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
-  const auto answer = Exchange(request, stop);
+  const auto answer = Exchange(request, kTries, stop);
   if (!answer) return std::unexpected(answer.error());
   if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
     return std::string(answer->registers);
@@ -163,6 +163,19 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
   const auto registers = Ask(ReadingRequest(profile_), stop);
   if (!registers) return std::unexpected(registers.error());
   MakeHeader(register_scale);
+  return LearnCheck(stop);
+}
+
+// TCP needs no checks: there replies are told apart by their identifiers
+Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
+  if (!is_rtu()) return {};
+  const bool was_silent = std::exchange(start_was_silent_, false);
+  const auto answer = Exchange(CheckRequest(profile_), 1, stop);
+  if (!answer) return std::unexpected(answer.error());
+  has_checks_ = answer->fault == ModbusFault::kNone && answer->exception == 0;
+  // registers of a check are behind everything older
+  start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
+  errors_ = {};
   return {};
 }
 
@@ -241,6 +254,12 @@ std::vector<std::string> ModbusSensor::Remarks() const {
   if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
     remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
   }
+  if (is_rtu() && !has_checks_) {
+    remarks.push_back(fmt::format(
+        "{} does not answer the check request of its profile with registers: replies later than "
+        "{:g} s cannot be told from the next (longest_reply_s, check_address and check_count)",
+        profile_.name, SecondsFromNs(profile_.longest_reply_ns)));
+  }
   if (const std::string errors = ErrorsInWords(errors_); !errors.empty()) {
     remarks.push_back("errors on the wire: " + errors);
   }
@@ -286,17 +305,18 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
 MonotonicNs ModbusSensor::Begin() {
   const MonotonicNs now = clock_.Now();
   next_poll_ns_ = now;
-  drain_until_ns_ = now + kQuietNs;
-  phase_ = start_was_silent_ ? Phase::kDraining : Phase::kFree;
+  drain_until_ns_ = now + profile_.longest_reply_ns;
+  phase_ = start_was_silent_ && is_rtu() ? Phase::kSettling : Phase::kFree;
   return now;
 }
 
 Outcome ModbusSensor::Next(Reading& reading) {
   switch (phase_) {
     case Phase::kDraining:
+    case Phase::kSettling:
       return Drain();
-    case Phase::kChecking:
-      return WaitForCheck(reading);
+    case Phase::kStepping:
+      return WaitForStep(reading);
     case Phase::kFree: {
       const Outcome asked = AskForReading();
       if (phase_ != Phase::kWaiting || asked == Outcome::kGone) return asked;
@@ -350,7 +370,9 @@ Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
   if (reply.fault != ModbusFault::kNone) return GiveFault(reading, reply.fault);
   bad_rows_ = 0;
   if (reply.exception != 0) {
-    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError}, Phase::kFree, 0);
+    // an exception has no length: it may be one in reply to an older check
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                   has_checks_ ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
   }
   const Outcome given = GiveRow(reading, Decode(reply.registers), Phase::kFree, 0);
   MarkRepeated(reply.registers, reading);
@@ -364,45 +386,67 @@ Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
   if (!is_rtu() && ++bad_rows_ > kMostBadRows) return Outcome::kGone;
   const SampleStatus status =
       is_late && !other_transaction_ ? SampleStatus::kLate : SampleStatus::kBadFrame;
+  const bool wait_long = is_late || (is_rtu() && !has_checks_);
   const MonotonicNs until_ns =
-      is_late ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
-  const Phase next = is_late && !is_rtu() ? Phase::kFree : Phase::kDraining;
+      wait_long ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
+  Phase next = has_checks_ ? Phase::kDraining : Phase::kSettling;
+  if (!is_rtu() && is_late) next = Phase::kFree;
   return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
 }
 
 Outcome ModbusSensor::Drain() {
   const MonotonicNs now = clock_.Now();
   if (now >= drain_until_ns_) {
-    return Send(CheckRequest(profile_), Phase::kChecking) ? Outcome::kNothing : Outcome::kGone;
+    if (phase_ == Phase::kSettling) {
+      phase_ = Phase::kFree;
+      return Outcome::kNothing;
+    }
+    const ReadRequest step =
+        next_step_is_check_ ? CheckRequest(profile_) : ReadingRequest(profile_);
+    return Send(step, Phase::kStepping) ? Outcome::kNothing : Outcome::kGone;
   }
   const ModbusReply reply = Receive(std::min(drain_until_ns_, now + kSliceNs));
   if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
-  if (reply.arrival != ModbusArrival::kNothing) {
-    // what was missing is here, or a part of it: nothing more once the wire is silent
-    discarded_bytes_ += reply.bytes.size();
-    drain_until_ns_ = clock_.Now() + kQuietNs;
+  if (reply.arrival == ModbusArrival::kNothing) return Outcome::kNothing;
+  discarded_bytes_ += reply.bytes.size();
+  if (phase_ == Phase::kSettling) {
+    drain_until_ns_ = std::max(drain_until_ns_, clock_.Now() + kQuietNs);
+  } else {
+    // the late reply may be the one that a step would wait for
+    const ReadReply late =
+        ParseReadReply(link_->framing(), ReadingRequest(profile_), reply.bytes);
+    const bool is_sound = reply.arrival == ModbusArrival::kFrame && late.exception == 0 &&
+                          late.fault == ModbusFault::kNone;
+    next_step_is_check_ = next_step_is_check_ || is_sound;
+    drain_until_ns_ = is_sound ? free_from_ns_ : clock_.Now() + kQuietNs;
   }
   return Outcome::kNothing;
 }
 
-Outcome ModbusSensor::WaitForCheck(Reading& reading) {
+Outcome ModbusSensor::WaitForStep(Reading& reading) {
   const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
   const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
   if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
-  if (reply.arrival == ModbusArrival::kFrame &&
-      ParseReadReply(link_->framing(), request_, reply.bytes).fault == ModbusFault::kNone) {
-    unanswered_checks_ = 0;
-    phase_ = Phase::kFree;
-    return Outcome::kNothing;
+  ReadReply parsed{.fault = ModbusFault::kTimeout};
+  if (reply.arrival == ModbusArrival::kFrame) {
+    parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
   }
   discarded_bytes_ += reply.bytes.size();
+  if (parsed.fault == ModbusFault::kNone && parsed.exception == 0) {
+    const bool is_over = std::exchange(next_step_is_check_, !next_step_is_check_);
+    phase_ = is_over ? Phase::kFree : Phase::kDraining;
+    drain_until_ns_ = free_from_ns_;
+    return Outcome::kNothing;
+  }
+  if (parsed.exception != 0 && !next_step_is_check_) {
+    ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                   Phase::kDraining, clock_.Now() + kQuietNs);
+  }
   if (clock_.Now() < deadline) return Outcome::kNothing;
-  // a device that never answers checks is asked for readings again, after seconds of silence
-  const bool again = ++unanswered_checks_ < kMostChecks;
-  if (!again) unanswered_checks_ = 0;
   ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
-  return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate},
-                 again ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
+  return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate}, Phase::kDraining,
+                 free_from_ns_);
 }
 
 // --- what the registers say ---

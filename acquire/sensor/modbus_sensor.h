@@ -40,19 +40,23 @@ struct ModbusErrors {
 /// counts as lost, since a peer that is off by one never comes back into step. RTU has no
 /// identifier: a late reply to the same question passes every check of the next one. So the port is
 /// flushed before each request; after a missed deadline nothing is asked until the late reply has
-/// come (and was thrown away) or `longest_reply_ns` has passed; after damaged bytes, until the wire
-/// was silent for 20 ms. Then a request whose reply has another length is sent (CheckRequest). The
-/// device answers in order, so when the reply to that is there, every older one is behind us, however
-/// late. What remains: a device that answers twice, or out of order; one that answers check requests
-/// with silence (after two of them readings are asked for again, on the waits' word alone); and an
-/// exception in reply to a reading that comes later than `longest_reply_ns`, which is taken for one
-/// in reply to the check.
+/// come (and was thrown away) or `longest_reply_ns` has passed, after damage until the wire was
+/// silent for 20 ms. Then two kinds of question with replies of different length alternate, as in
+/// the alternating bit protocol: the reading is asked for until some reply of its length has come
+/// (thrown away: whose it is cannot be known), then a check (CheckRequest) until one of the other
+/// length has come. A device that answers in order has then sent everything that is older, however
+/// late it was, and the next reply of a reading's length is that of the next reading.
+///
+/// What remains: a device that answers twice or out of order; and one of which Start() found that
+/// it does not answer the check with registers. There only `longest_reply_ns` of waiting stands
+/// between a late reply and the next request, and Remarks() says so.
 class ModbusSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor and be the one of the link's deadlines.
   ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, Clock& clock);
 
-  /// Reads the scale register where the profile has one, then one reading; three tries each.
+  /// Reads the scale register where the profile has one, then one reading, three tries each; then
+  /// learns how the device answers a check, in one try.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   /// Also tells the errors so far, so that it may be asked again after a recording.
@@ -68,12 +72,14 @@ class ModbusSensor final : public Sensor {
   enum class Phase : std::uint8_t {
     kFree,      ///< nothing is outstanding
     kWaiting,   ///< a reading is
-    kDraining,  ///< a late or damaged reply may still come
-    kChecking,  ///< a check is outstanding; behind its reply nothing old can come
+    kSettling,  ///< a late or damaged reply may still come, and then readings
+    kDraining,  ///< the same, and then a step
+    kStepping,  ///< a reading whose reply is thrown away, or a check, is outstanding
   };
 
   Result<std::string> Ask(ReadRequest request, const std::atomic<bool>& stop);
-  Result<ReadReply> Exchange(ReadRequest request, const std::atomic<bool>& stop);
+  Result<ReadReply> Exchange(ReadRequest request, int tries, const std::atomic<bool>& stop);
+  Result<void> LearnCheck(const std::atomic<bool>& stop);
   void MakeHeader(double register_scale);
   void Describe(trial::Metadata& metadata) const;
 
@@ -84,7 +90,7 @@ class ModbusSensor final : public Sensor {
   Outcome Wait(Reading& reading);
   Outcome TakeReply(const ReadReply& reply, Reading& reading);
   Outcome Drain();
-  Outcome WaitForCheck(Reading& reading);
+  Outcome WaitForStep(Reading& reading);
   trial::Sample Decode(std::string_view registers) const;
   [[nodiscard]] trial::SampleStatus StatusOf(std::string_view registers, std::uint32_t bits) const;
   void MarkRepeated(std::string_view registers, Reading& reading);
@@ -112,7 +118,8 @@ class ModbusSensor final : public Sensor {
   MonotonicNs drain_until_ns_ = 0;
   bool other_transaction_ = false;  ///< a reply to another request came while waiting
   int bad_rows_ = 0;                ///< in a row
-  int unanswered_checks_ = 0;       ///< in a row
+  bool has_checks_ = false;         ///< the device answers checks with registers
+  bool next_step_is_check_ = false; ///< else a reading's reply is still owed
   bool start_was_silent_ = false;   ///< a reply to Start() may still come
   std::uint64_t discarded_bytes_ = 0;
 };
