@@ -14,6 +14,9 @@ struct SensorOptions {
   std::string port;
   std::string sensor = "keyence-il";
   std::string format;
+  std::string profile;
+  std::optional<std::int64_t> slave;
+  std::optional<Quantity> poll_rate_hz;
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
 };
