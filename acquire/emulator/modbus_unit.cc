@@ -211,8 +211,8 @@ std::vector<std::uint16_t> ModbusUnit::Window(MonotonicNs at_ns, const Fault* fa
     if (value.size() == 2) std::swap(value[0], value[1]);
     else value[0] = std::rotl(value[0], 8);
   }
-  const bool is_reading = fault == nullptr || fault->status == SampleStatus::kOk;
-  if (profile.status_address && !is_reading) {
+  const bool is_invalid = fault != nullptr && fault->status == SampleStatus::kInvalid;
+  if (profile.status_address && is_invalid) {
     window[offset(*profile.status_address)] = profile.status_mask;
   }
   // the reading's number, its lowest part in the last register
@@ -226,16 +226,15 @@ std::vector<std::uint16_t> ModbusUnit::Window(MonotonicNs at_ns, const Fault* fa
 
 std::uint32_t ModbusUnit::BitsAt(std::int64_t sample, const Fault* fault) const {
   const SensorProfile& profile = setup_.profile;
-  if (fault != nullptr && fault->status == SampleStatus::kInvalid) return InvalidBits();
-  const bool is_over = fault != nullptr && fault->status == SampleStatus::kOver;
+  const SampleStatus forced = fault != nullptr ? fault->status : SampleStatus::kOk;
+  if (forced == SampleStatus::kOver && profile.most_number) {
+    return BitsOf(*profile.most_number + 1, profile.type).value_or(InvalidBits());
+  }
+  if (forced != SampleStatus::kOk) return InvalidBits();
   const double distance_m = setup_.standoff_m + setup_.head.Reading(sample).value_m;
   const double scale = profile.scale * (profile.scale_address ? setup_.scale_number : 1);
-  const double number =
-      is_over && profile.most_number
-          ? *profile.most_number + 1
-          : (distance_m / profile.unit_m - profile.offset) / scale;
-  const auto bits = BitsOf(number, profile.type);
-  return bits && !is_over ? *bits : bits && profile.most_number ? *bits : InvalidBits();
+  const double number = (distance_m / profile.unit_m - profile.offset) / scale;
+  return BitsOf(number, profile.type).value_or(InvalidBits());
 }
 
 std::uint32_t ModbusUnit::InvalidBits() const {

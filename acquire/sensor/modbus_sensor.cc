@@ -55,6 +55,14 @@ trial::RawValue NoValue(RegisterType type) {
   return trial::RawValue::Counts(kNoCounts);
 }
 
+// a sound one with registers, as many as were asked for
+bool IsReplyTo(const ReadRequest& request, const ModbusReply& reply) {
+  if (reply.arrival != ModbusArrival::kFrame) return false;
+  // lengths are told apart on RTU alone
+  const ReadReply parsed = ParseReadReply(ModbusFraming::kRtu, request, reply.bytes);
+  return parsed.fault == ModbusFault::kNone && parsed.exception == 0;
+}
+
 std::string ErrorsInWords(const ModbusErrors& errors) {
   std::string text;
   const auto add = [&](std::uint64_t count, std::string what) {
@@ -350,6 +358,12 @@ Outcome ModbusSensor::Wait(Reading& reading) {
     case ModbusArrival::kGone:
       return Outcome::kGone;
     case ModbusArrival::kFrame:
+      if (has_checks_ && IsReplyTo(CheckRequest(profile_), reply)) {
+        // to one of several that were sent; all of them are older than this reading
+        discarded_bytes_ += reply.bytes.size();
+        return Outcome::kNothing;
+      }
+      return TakeReply(Parse(reply), reading);
     case ModbusArrival::kDamaged:
       return TakeReply(Parse(reply), reading);
     case ModbusArrival::kNothing:
@@ -413,10 +427,7 @@ Outcome ModbusSensor::Drain() {
     drain_until_ns_ = std::max(drain_until_ns_, clock_.Now() + kQuietNs);
   } else {
     // the late reply may be the one that a step would wait for
-    const ReadReply late =
-        ParseReadReply(link_->framing(), ReadingRequest(profile_), reply.bytes);
-    const bool is_sound = reply.arrival == ModbusArrival::kFrame && late.exception == 0 &&
-                          late.fault == ModbusFault::kNone;
+    const bool is_sound = IsReplyTo(ReadingRequest(profile_), reply);
     next_step_is_check_ = next_step_is_check_ || is_sound;
     drain_until_ns_ = is_sound ? free_from_ns_ : clock_.Now() + kQuietNs;
   }
@@ -427,21 +438,20 @@ Outcome ModbusSensor::WaitForStep(Reading& reading) {
   const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
   const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
   if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
-  ReadReply parsed{.fault = ModbusFault::kTimeout};
-  if (reply.arrival == ModbusArrival::kFrame) {
-    parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
-  }
   discarded_bytes_ += reply.bytes.size();
-  if (parsed.fault == ModbusFault::kNone && parsed.exception == 0) {
+  if (IsReplyTo(request_, reply)) {
     const bool is_over = std::exchange(next_step_is_check_, !next_step_is_check_);
     phase_ = is_over ? Phase::kFree : Phase::kDraining;
     drain_until_ns_ = free_from_ns_;
     return Outcome::kNothing;
   }
-  if (parsed.exception != 0 && !next_step_is_check_) {
-    ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
-    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
-                   Phase::kDraining, clock_.Now() + kQuietNs);
+  if (reply.arrival == ModbusArrival::kFrame && !next_step_is_check_) {
+    const ReadReply refused = ParseReadReply(link_->framing(), request_, reply.bytes);
+    if (refused.exception != 0) {
+      ++errors_.exceptions[static_cast<std::size_t>(refused.exception)];
+      return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                     Phase::kDraining, clock_.Now() + kQuietNs);
+    }
   }
   if (clock_.Now() < deadline) return Outcome::kNothing;
   ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
