@@ -89,7 +89,7 @@ double NumberOf(std::uint32_t bits, RegisterType type) {
     case RegisterType::kI32:
       return static_cast<std::int32_t>(bits);
     case RegisterType::kF32:
-      return double{std::bit_cast<float>(bits)};
+      return static_cast<double>(std::bit_cast<float>(bits));
     case RegisterType::kU16:
     case RegisterType::kU32:
       break;

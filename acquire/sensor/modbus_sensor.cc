@@ -277,7 +277,9 @@ std::vector<std::string> ModbusSensor::Remarks() const {
 // --- the wire ---
 
 bool ModbusSensor::Send(ReadRequest request, Phase next) {
-  discarded_bytes_ += link_->Flush();  // whatever is there now answers nothing that is still asked
+  // whatever is there now answers nothing that is still asked; over TCP its identifier says so, and
+  // a call is saved while all is well
+  if (is_rtu() || bad_rows_ > 0) discarded_bytes_ += link_->Flush();
   request.transaction = next_transaction_++;
   frame_.clear();
   AppendReadRequest(link_->framing(), request, frame_);

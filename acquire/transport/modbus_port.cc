@@ -58,11 +58,14 @@ class ModbusPort final : public ModbusLink {
   ModbusReply Receive(std::size_t expected_bytes, MonotonicNs deadline) override {
     const int events = WaitFor(descriptor_, POLLIN, deadline);
     if (events == 0) return {.arrival = ModbusArrival::kNothing};
+    // TCP brings whole replies; libmodbus finds a closed connection by itself
+    if (framing() == ModbusFraming::kTcp) return Take(kGraceNs);
     const int waiting = WaitingBytes();
     if (waiting <= 0) return {.arrival = ModbusArrival::kGone};
     // a reply whose rest is still on the wire at the deadline stays in the port, unless it has
     // stopped growing since the last look
-    const auto missing = std::max<std::int64_t>(static_cast<std::int64_t>(expected_bytes) - waiting, 0);
+    const auto missing =
+        std::max<std::int64_t>(static_cast<std::int64_t>(expected_bytes) - waiting, 0);
     const MonotonicNs rest_ns = missing * byte_ns_;
     const bool has_grown = waiting != std::exchange(seen_bytes_, waiting);
     if (has_grown && clock_.Now() + rest_ns > deadline) {
