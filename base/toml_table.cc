@@ -174,8 +174,8 @@ std::vector<long long> TomlTable::Integers(std::string_view key) {
   if (node == nullptr) return numbers;
   const toml::array* list = node->as_array();
   const bool is_list = list != nullptr && std::ranges::all_of(*list, [](const toml::node& element) {
-    return element.is_integer();
-  });
+                         return element.is_integer();
+                       });
   if (!is_list) {
     state_->Fail(key, "is not a list of whole numbers", "write it as [0, 65535]");
     return numbers;

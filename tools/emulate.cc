@@ -65,7 +65,8 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "The scene to play: steady, unless it starts at rest");
   options.Text("--trial", &wanted.trial, "FILE",
                "The trial to play: straight lines between its rows, then its last value for ever");
-  options.Choice("--protocol", &wanted.protocol, {std::string(kUnit), std::string(kStream), std::string(kModbus)},
+  options.Choice("--protocol", &wanted.protocol,
+                 {std::string(kUnit), std::string(kStream), std::string(kModbus)},
                  "Keyence DL-RS1A, asked for each reading, lines that come unasked, or registers");
   options.Text("--profile", &wanted.profile, "NAME|FILE",
                "Which Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
@@ -107,7 +108,8 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
     return Usage("--profile", "belongs to --protocol modbus, and that needs it",
                  "give both, e.g. --protocol modbus --profile baumer-om20");
   }
-  if (wanted.modbus() && (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
+  if (wanted.modbus() &&
+      (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
     return Usage("--profile", "says baud rate and sampling itself",
                  "leave --baud, --sampling, --averages and --refresh out");
   }

@@ -27,8 +27,8 @@ Result<ModbusEmulation> EmulateModbus(const std::string& profile, bool over_tcp,
     remark += fmt::format("; at {} baud at most {:.1f} readings/s", setup.profile.wire.baud,
                           1 / SecondsFromNs(acquire::RtuPeriodNs(setup.profile)));
   }
-  return ModbusEmulation{
-      std::make_unique<acquire::emulator::ModbusUnit>(std::move(setup)), std::move(remark)};
+  return ModbusEmulation{std::make_unique<acquire::emulator::ModbusUnit>(std::move(setup)),
+                         std::move(remark)};
 }
 
 }  // namespace haptometer::tools

@@ -16,9 +16,7 @@ using trial::SampleStatus;
 constexpr std::size_t kLongestRtuFrame = 256;
 constexpr std::uint32_t kQuietNan = 0x7FC00000;
 
-std::string ExceptionData(ModbusException exception) {
-  return {static_cast<char>(exception)};
-}
+std::string ExceptionData(ModbusException exception) { return {static_cast<char>(exception)}; }
 
 // the address, slave or identifier that the fault makes of it
 ModbusAdu Misaddressed(ModbusAdu adu, const Fault* fault) {
@@ -68,7 +66,9 @@ void ModbusUnit::Advance(MonotonicNs now, std::string& out) {
 
 std::optional<MonotonicNs> ModbusUnit::NextDue() const {
   std::optional<MonotonicNs> due;
-  const auto consider = [&](MonotonicNs time_ns) { due = std::min(due.value_or(time_ns), time_ns); };
+  const auto consider = [&](MonotonicNs time_ns) {
+    due = std::min(due.value_or(time_ns), time_ns);
+  };
   if (!outgoing_.empty()) consider(outgoing_.front().time_ns);
   if (!incoming_.empty()) {
     consider(incoming_.front().time_ns);
@@ -147,8 +147,7 @@ void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
   }
   const std::string data = refusal != 0 ? ExceptionData(static_cast<ModbusException>(refusal))
                                         : DataOf(asked, at_ns, fault);
-  const auto function =
-      static_cast<std::uint8_t>(request.function | (refusal != 0 ? 0x80U : 0U));
+  const auto function = static_cast<std::uint8_t>(request.function | (refusal != 0 ? 0x80U : 0U));
   std::string answer;
   AppendAdu(setup_.framing,
             Misaddressed({.transaction = request.transaction,
@@ -181,7 +180,7 @@ int ModbusUnit::RefusalOf(const ReadRequest& request) const {
 }
 
 std::string ModbusUnit::DataOf(const ReadRequest& request, MonotonicNs at_ns,
-                                    const Fault* fault) const {
+                               const Fault* fault) const {
   const SensorProfile& profile = setup_.profile;
   const std::vector<std::uint16_t> window = Window(at_ns, fault);
   std::string data(1, static_cast<char>(2 * request.count));
@@ -204,12 +203,14 @@ std::vector<std::uint16_t> ModbusUnit::Window(MonotonicNs at_ns, const Fault* fa
   };
   std::vector<std::uint16_t> window(static_cast<std::size_t>(profile.count));
   const std::int64_t sample = setup_.head.LastSample(at_ns);
-  const auto value = std::span(window).subspan(offset(profile.value_address),
-                                               RegistersOf(profile.type));
+  const auto value =
+      std::span(window).subspan(offset(profile.value_address), RegistersOf(profile.type));
   BitsTo(BitsAt(sample, fault), profile.type, profile.order, value);
   if (fault != nullptr && fault->damage == Damage::kSwappedWords) {
-    if (value.size() == 2) std::swap(value[0], value[1]);
-    else value[0] = std::rotl(value[0], 8);
+    if (value.size() == 2)
+      std::swap(value[0], value[1]);
+    else
+      value[0] = std::rotl(value[0], 8);
   }
   const bool is_invalid = fault != nullptr && fault->status == SampleStatus::kInvalid;
   if (profile.status_address && is_invalid) {

@@ -20,9 +20,9 @@ struct ModbusUnitSetup {
   SensorProfile profile;
   ModbusFraming framing = ModbusFraming::kRtu;
   MovingHead head{};
-  double standoff_m = 0.025;       ///< distance at displacement 0
-  std::uint16_t scale_number = 50; ///< what the profile's scale register holds
-  MonotonicNs turnaround_ns = 0;   ///< from the end of a request to its answer
+  double standoff_m = 0.025;        ///< distance at displacement 0
+  std::uint16_t scale_number = 50;  ///< what the profile's scale register holds
+  MonotonicNs turnaround_ns = 0;    ///< from the end of a request to its answer
   FaultPlan faults{};
 };
 
@@ -67,7 +67,7 @@ class ModbusUnit final : public Device {
   void EndFrame(MonotonicNs end_ns);
   void AnswerTo(const ModbusAdu& request, MonotonicNs end_ns);
   [[nodiscard]] std::string DataOf(const ReadRequest& request, MonotonicNs at_ns,
-                                        const Fault* fault) const;
+                                   const Fault* fault) const;
   [[nodiscard]] int RefusalOf(const ReadRequest& request) const;
   [[nodiscard]] std::vector<std::uint16_t> Window(MonotonicNs at_ns, const Fault* fault) const;
   [[nodiscard]] std::uint32_t BitsAt(std::int64_t sample, const Fault* fault) const;

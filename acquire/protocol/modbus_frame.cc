@@ -62,10 +62,18 @@ std::string_view Name(ModbusFraming framing) {
 }
 
 std::string_view ModbusExceptionText(int code) {
-  constexpr std::array<std::string_view, 12> kTexts{
-      "unknown", "illegal function", "illegal data address", "illegal data value",
-      "device failure", "acknowledge", "device busy", "negative acknowledge",
-      "memory parity error", "unknown", "gateway path unavailable", "gateway target silent"};
+  constexpr std::array<std::string_view, 12> kTexts{"unknown",
+                                                    "illegal function",
+                                                    "illegal data address",
+                                                    "illegal data value",
+                                                    "device failure",
+                                                    "acknowledge",
+                                                    "device busy",
+                                                    "negative acknowledge",
+                                                    "memory parity error",
+                                                    "unknown",
+                                                    "gateway path unavailable",
+                                                    "gateway target silent"};
   return code > 0 && static_cast<std::size_t>(code) < kTexts.size()
              ? kTexts[static_cast<std::size_t>(code)]
              : kTexts[0];

@@ -38,8 +38,8 @@ struct ModbusWire {
 /// The silent interval that ends an RTU frame: 3.5 characters, 1.75 ms above 19200 baud, in ns.
 [[nodiscard]] MonotonicNs SilentIntervalNs(const ModbusWire& wire);
 
-inline constexpr int kMostModbusRegisters = 125;      ///< that one request may ask for
-inline constexpr std::size_t kLongestModbusAdu = 260; ///< bytes; an RTU frame has 256 at most
+inline constexpr int kMostModbusRegisters = 125;       ///< that one request may ask for
+inline constexpr std::size_t kLongestModbusAdu = 260;  ///< bytes; an RTU frame has 256 at most
 
 /// What an exception reply says.
 enum class ModbusException : std::uint8_t {

@@ -24,7 +24,7 @@ SensorProfile BaumerOm20() {
   profile.type = RegisterType::kF32;
   profile.order = WordOrder::kCdab;
   profile.status_address = 201;
-  profile.status_mask = 0x0002;  // alarm; bit 0 is the switching output
+  profile.status_mask = 0x0002;     // alarm; bit 0 is the switching output
   profile.timestamp_address = 209;  // seconds and microseconds, two registers each
   profile.timestamp_count = 4;
   return profile;
@@ -38,9 +38,10 @@ SensorProfile Triangulator(std::string name, std::string maker, std::string mode
                         .maker = std::move(maker),
                         .model = std::move(model),
                         .manual = std::move(manual),
-                        .advice = "set its protocol to Modbus RTU first (parameter 39 = 2; it is "
-                                  "delivered with the maker's own), and where it answers with an "
-                                  "exception write a profile with address_base = 1"};
+                        .advice =
+                            "set its protocol to Modbus RTU first (parameter 39 = 2; it is "
+                            "delivered with the maker's own), and where it answers with an "
+                            "exception write a profile with address_base = 1"};
   profile.fastest_rate_hz = 200;  // sampling period as delivered, 5 ms
   profile.function = 4;
   profile.address = 6;

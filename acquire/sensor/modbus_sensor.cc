@@ -73,8 +73,8 @@ std::string ErrorsInWords(const ModbusErrors& errors) {
     add(errors.faults[fault], std::string(Name(static_cast<ModbusFault>(fault))));
   }
   for (std::size_t code = 0; code < errors.exceptions.size(); ++code) {
-    add(errors.exceptions[code], fmt::format("exception {:02} ({})", code,
-                                             ModbusExceptionText(static_cast<int>(code))));
+    add(errors.exceptions[code],
+        fmt::format("exception {:02} ({})", code, ModbusExceptionText(static_cast<int>(code))));
   }
   return text;
 }
@@ -126,9 +126,9 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
   if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
     return std::string(answer->registers);
   }
-  const std::string asked = fmt::format("slave {}, function {:02}, {} registers from {}",
-                                        request.unit, request.function, request.count,
-                                        request.address + profile_.address_base);
+  const std::string asked =
+      fmt::format("slave {}, function {:02}, {} registers from {}", request.unit, request.function,
+                  request.count, request.address + profile_.address_base);
   if (answer->exception != 0) {
     return CannotAnswer(
         link_->name(),
@@ -136,20 +136,19 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
                     ModbusExceptionText(answer->exception)),
         profile_.advice.empty() ? "give the --profile of this sensor" : profile_.advice);
   }
-  const std::string settings = fmt::format("{} baud, parity {}", profile_.wire.baud,
-                                           Name(profile_.wire.parity));
+  const std::string settings =
+      fmt::format("{} baud, parity {}", profile_.wire.baud, Name(profile_.wire.parity));
   std::string remedy = fmt::format("check that the sensor is on, --slave{}",
                                    is_rtu() ? ", baud rate and parity in the profile, and A and B "
                                               "of the cable"
                                             : " and the --profile");
   if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
-  return CannotAnswer(link_->name(),
-                      answer->fault == ModbusFault::kTimeout
-                          ? fmt::format("nothing answers to {}{}", asked,
-                                        is_rtu() ? " at " + settings : "")
-                          : fmt::format("answers to {} come damaged ({})", asked,
-                                        Name(answer->fault)),
-                      remedy);
+  return CannotAnswer(
+      link_->name(),
+      answer->fault == ModbusFault::kTimeout
+          ? fmt::format("nothing answers to {}{}", asked, is_rtu() ? " at " + settings : "")
+          : fmt::format("answers to {} come damaged ({})", asked, Name(answer->fault)),
+      remedy);
 }
 
 Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
@@ -162,10 +161,10 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
     if (!registers) return std::unexpected(registers.error());
     register_scale = RegisterAt(*registers, 0);
     if (register_scale == 0) {
-      return CannotAnswer(link_->name(),
-                          fmt::format("register {}, which scales its values, holds 0",
-                                      *profile_.scale_address),
-                          profile_.advice.empty() ? "check the --profile" : profile_.advice);
+      return CannotAnswer(
+          link_->name(),
+          fmt::format("register {}, which scales its values, holds 0", *profile_.scale_address),
+          profile_.advice.empty() ? "check the --profile" : profile_.advice);
     }
   }
   const auto registers = Ask(ReadingRequest(profile_), stop);
@@ -291,8 +290,7 @@ bool ModbusSensor::Send(ReadRequest request, Phase next) {
 }
 
 ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
-  const ModbusReply reply =
-      link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  const ModbusReply reply = link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
   if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
     const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
     free_from_ns_ = clock_.Now() + std::max(silent_ns, profile_.least_gap_ns);
@@ -472,8 +470,7 @@ trial::Sample ModbusSensor::Decode(std::string_view registers) const {
   const std::size_t count = RegistersOf(profile_.type);
   const std::size_t first = Offset(profile_.value_address);
   for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
-  const std::uint32_t bits =
-      BitsFrom(std::span(words).first(count), profile_.type, profile_.order);
+  const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile_.type, profile_.order);
   return {RawOf(bits, profile_.type), StatusOf(registers, bits)};
 }
 
@@ -486,8 +483,8 @@ SampleStatus ModbusSensor::StatusOf(std::string_view registers, std::uint32_t bi
     }
   }
   const double number = NumberOf(bits, profile_.type);
-  const bool is_listed = std::ranges::find(profile_.invalid_bits, bits) !=
-                         profile_.invalid_bits.end();
+  const bool is_listed =
+      std::ranges::find(profile_.invalid_bits, bits) != profile_.invalid_bits.end();
   if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
   if (profile_.least_number && number < *profile_.least_number) return SampleStatus::kUnder;
   if (profile_.most_number && number > *profile_.most_number) return SampleStatus::kOver;

@@ -109,18 +109,18 @@ class ModbusSensor final : public Sensor {
   std::optional<RepeatMarker> repeats_;
   std::string timestamp_;  ///< registers as last sent
   Phase phase_ = Phase::kFree;
-  ReadRequest request_;     ///< the last one sent
-  std::string frame_;       ///< its bytes
+  ReadRequest request_;  ///< the last one sent
+  std::string frame_;    ///< its bytes
   std::uint16_t next_transaction_ = 1;
   MonotonicNs request_ns_ = 0;
-  MonotonicNs free_from_ns_ = 0;    ///< the wire's silent interval is over
-  MonotonicNs next_poll_ns_ = 0;    ///< by rate_hz
+  MonotonicNs free_from_ns_ = 0;  ///< the wire's silent interval is over
+  MonotonicNs next_poll_ns_ = 0;  ///< by rate_hz
   MonotonicNs drain_until_ns_ = 0;
-  bool other_transaction_ = false;  ///< a reply to another request came while waiting
-  int bad_rows_ = 0;                ///< in a row
-  bool has_checks_ = false;         ///< the device answers checks with registers
-  bool next_step_is_check_ = false; ///< else a reading's reply is still owed
-  bool start_was_silent_ = false;   ///< a reply to Start() may still come
+  bool other_transaction_ = false;   ///< a reply to another request came while waiting
+  int bad_rows_ = 0;                 ///< in a row
+  bool has_checks_ = false;          ///< the device answers checks with registers
+  bool next_step_is_check_ = false;  ///< else a reading's reply is still owed
+  bool start_was_silent_ = false;    ///< a reply to Start() may still come
   std::uint64_t discarded_bytes_ = 0;
 };
 

@@ -48,7 +48,8 @@ void ReadWire(TomlTable& table, SensorProfile& profile) {
 void ReadRequestKeys(TomlTable& table, SensorProfile& profile) {
   ReadInt(table, "function", profile.function);
   ReadInt(table, "address_base", profile.address_base);
-  if (!table.Has("address")) table.Refuse("address", "is missing", "add the first register to read");
+  if (!table.Has("address"))
+    table.Refuse("address", "is missing", "add the first register to read");
   ReadInt(table, "address", profile.address);
   ReadInt(table, "count", profile.count);
   profile.is_exact = table.Flag("exact").value_or(false);

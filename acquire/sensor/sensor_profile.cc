@@ -15,10 +15,9 @@ namespace haptometer::acquire {
 namespace {
 
 // libmodbus 3.1.6, modbus-rtu.c, as far as Linux has them
-constexpr std::array kBauds{110,     300,     600,     1200,    2400,    4800,    9600,
-                            19200,   38400,   57600,   115200,  230400,  460800,  500000,
-                            576000,  921600,  1000000, 1152000, 1500000, 2000000, 2500000,
-                            3000000, 3500000, 4000000};
+constexpr std::array kBauds{110,     300,     600,     1200,    2400,    4800,    9600,    19200,
+                            38400,   57600,   115200,  230400,  460800,  500000,  576000,  921600,
+                            1000000, 1152000, 1500000, 2000000, 2500000, 3000000, 3500000, 4000000};
 
 constexpr MonotonicNs kLongestWaitNs = 60 * kNsPerS;
 constexpr int kMostAddresses = 65536;
@@ -36,11 +35,13 @@ bool CanBeAsked(const SensorProfile& profile, int address, int count) {
 
 std::string WrongWire(const SensorProfile& profile) {
   if (std::ranges::find(kBauds, profile.wire.baud) == kBauds.end()) {
-    return fmt::format("baud: {} cannot be set; have {}", profile.wire.baud, fmt::join(kBauds, ", "));
+    return fmt::format("baud: {} cannot be set; have {}", profile.wire.baud,
+                       fmt::join(kBauds, ", "));
   }
-  if (profile.wire.stop_bits != 1 && profile.wire.stop_bits != 2) return "stop_bits: must be 1 or 2";
-  const bool whole_device =
-      profile.transport == ModbusFraming::kTcp && (profile.wire.slave == 0 || profile.wire.slave == 255);
+  if (profile.wire.stop_bits != 1 && profile.wire.stop_bits != 2)
+    return "stop_bits: must be 1 or 2";
+  const bool whole_device = profile.transport == ModbusFraming::kTcp &&
+                            (profile.wire.slave == 0 || profile.wire.slave == 255);
   if (!whole_device && (profile.wire.slave < 1 || profile.wire.slave > 247)) {
     return "slave: must be 1 to 247, over TCP also 0 or 255";
   }
@@ -138,10 +139,10 @@ Result<SensorProfile> FindProfile(const std::string& name_or_file) {
   std::error_code error;
   if (std::filesystem::exists(name_or_file, error)) return ReadProfileFile(name_or_file);
   const std::string nearest = Nearest(name_or_file, names);
-  return Usage("--profile",
-               fmt::format("'{}' is neither a built-in profile nor a file", name_or_file),
-               nearest.empty() ? fmt::format("give a TOML file or one of {}", fmt::join(names, ", "))
-                               : fmt::format("did you mean {}?", nearest));
+  return Usage(
+      "--profile", fmt::format("'{}' is neither a built-in profile nor a file", name_or_file),
+      nearest.empty() ? fmt::format("give a TOML file or one of {}", fmt::join(names, ", "))
+                      : fmt::format("did you mean {}?", nearest));
 }
 
 ReadRequest ReadingRequest(const SensorProfile& profile) {
@@ -167,8 +168,7 @@ ReadRequest CheckRequest(const SensorProfile& profile) {
 MonotonicNs RtuPeriodNs(const SensorProfile& profile) {
   constexpr std::size_t kRequestBytes = 8;
   const std::size_t characters =
-      kRequestBytes +
-      ReplyBytes(ModbusFraming::kRtu, static_cast<std::size_t>(profile.count));
+      kRequestBytes + ReplyBytes(ModbusFraming::kRtu, static_cast<std::size_t>(profile.count));
   const int bits = BitsPerCharacter(profile.wire);
   const MonotonicNs silent_ns = SilentIntervalNs(profile.wire);
   return WireTimeNs(characters, profile.wire.baud, bits) + silent_ns +

@@ -28,7 +28,8 @@ class OwnedDescriptor {
   int descriptor_;
 };
 
-/// Waits for `events` of poll(2) until `deadline`; 0 after the deadline or a signal, else what came.
+/// Waits for `events` of poll(2) until `deadline`; 0 after the deadline or a signal, else what
+/// came.
 [[nodiscard]] int WaitFor(int descriptor, int events, MonotonicNs deadline);
 
 /// Waits for bytes until `deadline` and takes what is there.

@@ -146,8 +146,7 @@ Result<void> CheckDescriptor(modbus_t* context, const std::string& name) {
   return Failed(name, "too many files are open in this program", "record fewer sensors at once");
 }
 
-Result<std::unique_ptr<ModbusLink>> OpenTcp(const std::string& name,
-                                            const ModbusWire& wire) {
+Result<std::unique_ptr<ModbusLink>> OpenTcp(const std::string& name, const ModbusWire& wire) {
   const NetworkName parts = SplitNetworkName(name);
   Context context(modbus_new_tcp_pi(parts.host.c_str(), parts.service.c_str()));
   if (auto ready = SetUp(context.get(), wire, name); !ready) {
@@ -178,8 +177,8 @@ Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const Modbu
   if (auto locked = LockPort(lock.get(), name); !locked) return std::unexpected(locked.error());
 
   const char parity = is_virtual ? 'N' : ParityLetter(wire.parity);
-  Context context(modbus_new_rtu(name.c_str(), wire.baud, parity, 8,
-                                 is_virtual ? 1 : wire.stop_bits));
+  Context context(
+      modbus_new_rtu(name.c_str(), wire.baud, parity, 8, is_virtual ? 1 : wire.stop_bits));
   if (auto ready = SetUp(context.get(), wire, name); !ready) {
     return std::unexpected(ready.error());
   }
@@ -187,14 +186,13 @@ Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const Modbu
   if (auto fits = CheckDescriptor(context.get(), name); !fits) {
     return std::unexpected(fits.error());
   }
-  std::string source =
-      fmt::format("virtual terminal {}, Modbus RTU (not a hardware port)", name);
+  std::string source = fmt::format("virtual terminal {}, Modbus RTU (not a hardware port)", name);
   if (!is_virtual) {
     const int descriptor = modbus_get_socket(context.get());
     ioctl(descriptor, TIOCEXCL);
-    source = fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud,
-                         parity, wire.stop_bits,
-                         AskForLowLatency(descriptor) ? ", low latency" : "");
+    source =
+        fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud, parity,
+                    wire.stop_bits, AskForLowLatency(descriptor) ? ", low latency" : "");
   }
   const MonotonicNs byte_ns = WireTimeNs(1, wire.baud, BitsPerCharacter(wire));
   auto port = std::make_unique<ModbusPort>(std::move(context), std::move(lock), name,

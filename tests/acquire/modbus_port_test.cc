@@ -153,8 +153,8 @@ TEST_P(ModbusFaults, AreSeenAndNoOtherRowSuffers) {
     } else {
       ++hits;
       // while the unit still sends the rest of a damaged answer, the next question may get none
-      const bool is_expected = status == fault.status ||
-                               (fault.kind == ModbusFault::kLength && status == SampleStatus::kLate);
+      const bool is_expected = status == fault.status || (fault.kind == ModbusFault::kLength &&
+                                                          status == SampleStatus::kLate);
       EXPECT_TRUE(is_expected) << "row " << row << ": " << trial::Name(status);
     }
   }
@@ -176,30 +176,29 @@ constexpr auto kTcp = ModbusFraming::kTcp;
 
 INSTANTIATE_TEST_SUITE_P(
     Rtu, ModbusFaults,
-    ::testing::Values(
-        FaultCase{"silent", kRtu, SampleStatus::kLate, ModbusFault::kTimeout},
-        FaultCase{"late", kRtu, SampleStatus::kLate, ModbusFault::kTimeout, 14},
-        FaultCase{"truncate", kRtu, SampleStatus::kBadFrame, ModbusFault::kLength},
-        FaultCase{"garbage", kRtu, SampleStatus::kBadFrame, ModbusFault::kNone},
-        FaultCase{"byte-gap", kRtu, SampleStatus::kBadFrame, ModbusFault::kLength},
-        FaultCase{"crc", kRtu, SampleStatus::kBadFrame, ModbusFault::kCrc},
-        FaultCase{"slave", kRtu, SampleStatus::kBadFrame, ModbusFault::kUnit},
-        FaultCase{"error", kRtu, SampleStatus::kDeviceError, ModbusFault::kNone},
-        FaultCase{"invalid", kRtu, SampleStatus::kInvalid, ModbusFault::kNone},
-        FaultCase{"over", kRtu, SampleStatus::kOver, ModbusFault::kNone},
-        // a float whose words are swapped is some other number: here 2.7e23
-        FaultCase{"word-order", kRtu, SampleStatus::kOver, ModbusFault::kNone}),
+    ::testing::Values(FaultCase{"silent", kRtu, SampleStatus::kLate, ModbusFault::kTimeout},
+                      FaultCase{"late", kRtu, SampleStatus::kLate, ModbusFault::kTimeout, 14},
+                      FaultCase{"truncate", kRtu, SampleStatus::kBadFrame, ModbusFault::kLength},
+                      FaultCase{"garbage", kRtu, SampleStatus::kBadFrame, ModbusFault::kNone},
+                      FaultCase{"byte-gap", kRtu, SampleStatus::kBadFrame, ModbusFault::kLength},
+                      FaultCase{"crc", kRtu, SampleStatus::kBadFrame, ModbusFault::kCrc},
+                      FaultCase{"slave", kRtu, SampleStatus::kBadFrame, ModbusFault::kUnit},
+                      FaultCase{"error", kRtu, SampleStatus::kDeviceError, ModbusFault::kNone},
+                      FaultCase{"invalid", kRtu, SampleStatus::kInvalid, ModbusFault::kNone},
+                      FaultCase{"over", kRtu, SampleStatus::kOver, ModbusFault::kNone},
+                      // a float whose words are swapped is some other number: here 2.7e23
+                      FaultCase{"word-order", kRtu, SampleStatus::kOver, ModbusFault::kNone}),
     NameOf);
 
 INSTANTIATE_TEST_SUITE_P(
     Tcp, ModbusFaults,
-    ::testing::Values(
-        FaultCase{"silent", kTcp, SampleStatus::kLate, ModbusFault::kTimeout},
-        FaultCase{"truncate", kTcp, SampleStatus::kBadFrame, ModbusFault::kLength},
-        FaultCase{"slave", kTcp, SampleStatus::kBadFrame, ModbusFault::kUnit},
-        FaultCase{"transaction", kTcp, SampleStatus::kBadFrame, ModbusFault::kTransaction},
-        FaultCase{"error", kTcp, SampleStatus::kDeviceError, ModbusFault::kNone},
-        FaultCase{"invalid", kTcp, SampleStatus::kInvalid, ModbusFault::kNone}),
+    ::testing::Values(FaultCase{"silent", kTcp, SampleStatus::kLate, ModbusFault::kTimeout},
+                      FaultCase{"truncate", kTcp, SampleStatus::kBadFrame, ModbusFault::kLength},
+                      FaultCase{"slave", kTcp, SampleStatus::kBadFrame, ModbusFault::kUnit},
+                      FaultCase{"transaction", kTcp, SampleStatus::kBadFrame,
+                                ModbusFault::kTransaction},
+                      FaultCase{"error", kTcp, SampleStatus::kDeviceError, ModbusFault::kNone},
+                      FaultCase{"invalid", kTcp, SampleStatus::kInvalid, ModbusFault::kNone}),
     NameOf);
 
 TEST(ModbusPort, EveryBuiltInSensorIsReadExactly) {

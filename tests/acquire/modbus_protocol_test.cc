@@ -27,8 +27,7 @@ std::string Bytes(std::initializer_list<unsigned> bytes) {
 
 TEST(ModbusValue, ReadsBaumersFloatLowWordFirst) {
   // Baumer OM20/OM30 manual, p. 34: 202 = 0x7C37, 203 = 0x428B
-  const std::uint32_t bits =
-      BitsFrom(Words{0x7C37, 0x428B}, RegisterType::kF32, WordOrder::kCdab);
+  const std::uint32_t bits = BitsFrom(Words{0x7C37, 0x428B}, RegisterType::kF32, WordOrder::kCdab);
   EXPECT_EQ(bits, 0x428B7C37U);
   EXPECT_ABS(NumberOf(bits, RegisterType::kF32), 69.7426, 5e-5, "the manual prints 4 decimals");
 }

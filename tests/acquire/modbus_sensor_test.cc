@@ -99,8 +99,8 @@ class ModbusSensorTest : public ::testing::Test {
     device_ = std::make_unique<Device>(clock_, framing, profile.count);
     device_->registers = registers_;
     if (script_) device_->script = script_;
-    sensor_ = std::make_unique<ModbusSensor>(device_->Link(),
-                                             ModbusSetup{profile, rate_hz}, clock_);
+    sensor_ =
+        std::make_unique<ModbusSensor>(device_->Link(), ModbusSetup{profile, rate_hz}, clock_);
     const auto started = sensor_->Start(kNeverStop);
     EXPECT_TRUE(started) << started.error().Text();
     begin_ns_ = sensor_->Begin();

@@ -87,9 +87,10 @@ class ParrotModbusLink final : public ModbusLink {
     const std::size_t bytes = 2U * RegisterAt(request.data, 1);
     data_[0] = static_cast<char>(bytes);
     reply_.clear();
-    AppendAdu(ModbusFraming::kRtu,
-              {.unit = request.unit, .function = request.function, .data = {data_.data(), bytes + 1}},
-              reply_);
+    AppendAdu(
+        ModbusFraming::kRtu,
+        {.unit = request.unit, .function = request.function, .data = {data_.data(), bytes + 1}},
+        reply_);
     return true;
   }
   ModbusReply Receive(std::size_t /*expected_bytes*/, MonotonicNs /*deadline*/) override {
@@ -158,8 +159,8 @@ TEST(RecorderAllocation, ARunningModbusPollAllocatesNothing) {
   ManualClock clock;
   // with a timestamp and with a rate that marks repetitions
   for (const char* name : {"baumer-om20", "benewake-tf-i"}) {
-    ModbusSensor sensor(std::make_unique<ParrotModbusLink>(clock),
-                        {.profile = *FindProfile(name)}, clock);
+    ModbusSensor sensor(std::make_unique<ParrotModbusLink>(clock), {.profile = *FindProfile(name)},
+                        clock);
     ASSERT_TRUE(sensor.Start(kNeverStop));
     EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0) << name;
   }

@@ -87,7 +87,8 @@ TEST(ProfileFile, TheDocumentedExampleIsRead) {
   const std::size_t modbus = page->find("## Modbus");
   const std::size_t begin = page->find("```toml\n", modbus) + 8;
   ASSERT_NE(modbus, std::string::npos);
-  const auto profile = ReadProfileText(page->substr(begin, page->find("```", begin) - begin), "doc");
+  const auto profile =
+      ReadProfileText(page->substr(begin, page->find("```", begin) - begin), "doc");
   ASSERT_TRUE(profile) << profile.error().Text();
   EXPECT_EQ(profile->name, "my-sensor");
   EXPECT_EQ(profile->wire.baud, 9600);
@@ -109,8 +110,8 @@ TEST(ProfileFile, TheDocumentedExampleIsRead) {
 }
 
 TEST(ProfileFile, TheShortestIsEnough) {
-  const auto profile = ReadProfileText(
-      "name = \"s\"\n[request]\naddress = 0\n[value]\nunit = \"cm\"\n", "short");
+  const auto profile =
+      ReadProfileText("name = \"s\"\n[request]\naddress = 0\n[value]\nunit = \"cm\"\n", "short");
   ASSERT_TRUE(profile) << profile.error().Text();
   EXPECT_EQ(profile->unit_m, 1e-2);
   EXPECT_EQ(Frame(ReadingRequest(*profile)), Bytes({1, 3, 0, 0, 0, 1}));

@@ -26,9 +26,8 @@ class ModbusSystem : public ::testing::TestWithParam<bool> {
 
 TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
   const bool over_tcp = GetParam();
-  std::vector<std::string> words{"haptometer", "emulate",   "--scene",    kScene,
-                                 "--protocol", "modbus",    "--profile",  "baumer-om20",
-                                 "--fault",    "invalid:10"};
+  std::vector<std::string> words{"haptometer", "emulate",   "--scene",     kScene,    "--protocol",
+                                 "modbus",     "--profile", "baumer-om20", "--fault", "invalid:10"};
   if (over_tcp) words.insert(words.end(), {"--tcp", "127.0.0.1:0"});
   Process emulator(words);
   const auto port = emulator.WaitForLine("ready ", 20);

@@ -5,9 +5,10 @@ namespace haptometer::tools {
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
   options.Text("--port", &wanted.port, "PORT",
                "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
-  options.Choice("--sensor", &wanted.sensor, {"keyence-il", "modbus", "stream", "replay"},
-                 "keyence-il: a DL-RS1A that is asked (default); modbus: a sensor with registers, asked "
-                 "as its --profile says; stream: lines that come unasked");
+  options.Choice(
+      "--sensor", &wanted.sensor, {"keyence-il", "modbus", "stream", "replay"},
+      "keyence-il: a DL-RS1A that is asked (default); modbus: a sensor with registers, asked "
+      "as its --profile says; stream: lines that come unasked");
   options.Count("--baud", &wanted.baud, 50, 4'000'000,
                 "Bits per second (keyence-il: 9600; modbus: the profile's; stream: 921600)");
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
@@ -39,7 +40,8 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
                  "give both, e.g. --sensor modbus --profile baumer-om20");
   }
   if (!is_modbus && (wanted.slave || wanted.poll_rate_hz)) {
-    return Usage(wanted.slave ? "--slave" : "--poll-rate", "is for --sensor modbus", "leave it out");
+    return Usage(wanted.slave ? "--slave" : "--poll-rate", "is for --sensor modbus",
+                 "leave it out");
   }
   if (wanted.poll_rate_hz && !(wanted.poll_rate_hz->value >= 1e-3)) {
     return Usage("--poll-rate", "must be at least 1 mHz", "write e.g. 50Hz");
