@@ -3,12 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 
-#include "acquire/protocol/value.h"
-#include "acquire/protocol/wire.h"
+#include "acquire/sensor/modbus_reading.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -20,63 +18,12 @@ constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing cam
 constexpr int kTries = 3;
 constexpr int kMostBadRows = 8;
 
-trial::Encoding EncodingOf(RegisterType type) {
-  switch (type) {
-    case RegisterType::kF32:
-      return trial::Encoding::kF32;
-    case RegisterType::kU32:  // beyond the counts of i32; exact
-      return trial::Encoding::kF64;
-    default:
-      return trial::Encoding::kI32;
-  }
-}
-
-trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
-  switch (EncodingOf(type)) {
-    case trial::Encoding::kF32:
-      return trial::RawValue::Bits(bits);
-    case trial::Encoding::kF64:
-      return trial::RawValue::F64(NumberOf(bits, type));
-    case trial::Encoding::kI32:
-      break;
-  }
-  return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
-}
-
-trial::RawValue NoValue(RegisterType type) {
-  switch (EncodingOf(type)) {
-    case trial::Encoding::kF32:
-      return trial::RawValue::F32(std::numeric_limits<float>::quiet_NaN());
-    case trial::Encoding::kF64:
-      return trial::RawValue::F64(std::numeric_limits<double>::quiet_NaN());
-    case trial::Encoding::kI32:
-      break;
-  }
-  return trial::RawValue::Counts(kNoCounts);
-}
-
 // a sound one with registers, as many as were asked for
 bool IsReplyTo(const ReadRequest& request, const ModbusReply& reply) {
   if (reply.arrival != ModbusArrival::kFrame) return false;
   // lengths are told apart on RTU alone
   const ReadReply parsed = ParseReadReply(ModbusFraming::kRtu, request, reply.bytes);
   return parsed.fault == ModbusFault::kNone && parsed.exception == 0;
-}
-
-std::string ErrorsInWords(const ModbusErrors& errors) {
-  std::string text;
-  const auto add = [&](std::uint64_t count, std::string what) {
-    if (count == 0) return;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
-  };
-  for (std::size_t fault = 0; fault < kModbusFaultCount; ++fault) {
-    add(errors.faults[fault], std::string(Name(static_cast<ModbusFault>(fault))));
-  }
-  for (std::size_t code = 0; code < errors.exceptions.size(); ++code) {
-    add(errors.exceptions[code],
-        fmt::format("exception {:02} ({})", code, ModbusExceptionText(static_cast<int>(code))));
-  }
-  return text;
 }
 
 }  // namespace
@@ -187,27 +134,8 @@ Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
 }
 
 void ModbusSensor::MakeHeader(double register_scale) {
-  trial::ChannelFormat channel;
-  channel.name = "displacement";
-  channel.role = trial::ChannelRole::kDisplacement;
-  channel.unit = "m";
-  channel.encoding = EncodingOf(profile_.type);
-  channel.scale = profile_.scale * register_scale * profile_.unit_m;
-  channel.offset = profile_.offset * profile_.unit_m;
-  const bool is_whole = profile_.type != RegisterType::kF32;
-  channel.resolution = profile_.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
-  // the ends, whichever way the scale goes
-  const auto end_m = [&](const std::optional<double>& number, double otherwise) {
-    return number ? *number * channel.scale + channel.offset : otherwise;
-  };
-  const double least_m = end_m(profile_.least_number, channel.range_min);
-  const double most_m = end_m(profile_.most_number, channel.range_max);
-  if (channel.scale > 0) {
-    channel.range_min = profile_.range_min_m.value_or(least_m);
-    channel.range_max = profile_.range_max_m.value_or(most_m);
-  }
   header_.timing = trial::Timing::kPolled;
-  header_.channels = {channel};
+  header_.channels = {ChannelOf(profile_, register_scale)};
   Describe(header_.metadata);
   if (!profile_.timestamp_address && profile_.fastest_rate_hz) {
     repeats_.emplace(NsFromSeconds(1.0 / *profile_.fastest_rate_hz));
@@ -233,31 +161,7 @@ void ModbusSensor::Describe(trial::Metadata& metadata) const {
 }
 
 std::vector<std::string> ModbusSensor::Remarks() const {
-  std::vector<std::string> remarks;
-  const double highest_hz = HighestRateHz(profile_);
-  const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile_));
-  const double sensor_hz = profile_.fastest_rate_hz.value_or(wire_hz);
-  if (profile_.transport == ModbusFraming::kRtu) {
-    remarks.push_back(fmt::format(
-        "{} at {} baud: {} registers take {:.2f} ms on the wire, at most {:.0f} readings/s{}: "
-        "motion up to {:.1f} Hz can be observed (rate / 2.56)",
-        profile_.name, profile_.wire.baud, profile_.count, 1e3 / wire_hz, wire_hz,
-        sensor_hz < wire_hz ? fmt::format(", {:.0f} of them new", sensor_hz) : "",
-        HighestObservableHz(highest_hz)));
-    remarks.emplace_back(
-        "20-500 Hz vibration cannot be observed over Modbus RTU at any baud rate (two silent "
-        "intervals of 1.75 ms leave 286 readings/s, 1280 are needed): use the sensor's own stream "
-        "(--sensor stream) or its analog output with a DAQ");
-  } else if (profile_.fastest_rate_hz) {
-    remarks.push_back(fmt::format(
-        "{} measures {:.0f} times a second: motion up to {:.1f} Hz can be observed (rate / 2.56)",
-        profile_.name, sensor_hz, HighestObservableHz(sensor_hz)));
-  } else {
-    remarks.push_back(fmt::format(
-        "how often {} measures is not known: motion can be observed up to its rate / 2.56, and "
-        "the rate of replies says nothing of it",
-        profile_.name));
-  }
+  std::vector<std::string> remarks{WireRemarks(profile_)};
   if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
     remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
   }
@@ -267,7 +171,7 @@ std::vector<std::string> ModbusSensor::Remarks() const {
         "{:g} s cannot be told from the next (longest_reply_s, check_address and check_count)",
         profile_.name, SecondsFromNs(profile_.longest_reply_ns)));
   }
-  if (const std::string errors = ErrorsInWords(errors_); !errors.empty()) {
+  if (const std::string errors = InWords(errors_); !errors.empty()) {
     remarks.push_back("errors on the wire: " + errors);
   }
   return remarks;
@@ -388,7 +292,7 @@ Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
     return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
                    has_checks_ ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
   }
-  const Outcome given = GiveRow(reading, Decode(reply.registers), Phase::kFree, 0);
+  const Outcome given = GiveRow(reading, DecodeReading(profile_, reply.registers), Phase::kFree, 0);
   MarkRepeated(reply.registers, reading);
   return given;
 }
@@ -459,44 +363,12 @@ Outcome ModbusSensor::WaitForStep(Reading& reading) {
                  free_from_ns_);
 }
 
-// --- what the registers say ---
-
-std::size_t ModbusSensor::Offset(int address) const {
-  return static_cast<std::size_t>(address - profile_.address);
-}
-
-trial::Sample ModbusSensor::Decode(std::string_view registers) const {
-  std::array<std::uint16_t, 2> words{};
-  const std::size_t count = RegistersOf(profile_.type);
-  const std::size_t first = Offset(profile_.value_address);
-  for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
-  const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile_.type, profile_.order);
-  return {RawOf(bits, profile_.type), StatusOf(registers, bits)};
-}
-
-SampleStatus ModbusSensor::StatusOf(std::string_view registers, std::uint32_t bits) const {
-  if (profile_.status_address) {
-    const std::uint16_t flags = RegisterAt(registers, Offset(*profile_.status_address));
-    if ((flags & profile_.status_mask) != 0) {
-      return profile_.status_meaning == StatusMeaning::kInvalid ? SampleStatus::kInvalid
-                                                                : SampleStatus::kDeviceError;
-    }
-  }
-  const double number = NumberOf(bits, profile_.type);
-  const bool is_listed =
-      std::ranges::find(profile_.invalid_bits, bits) != profile_.invalid_bits.end();
-  if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
-  if (profile_.least_number && number < *profile_.least_number) return SampleStatus::kUnder;
-  if (profile_.most_number && number > *profile_.most_number) return SampleStatus::kOver;
-  return SampleStatus::kOk;
-}
+// --- rows ---
 
 void ModbusSensor::MarkRepeated(std::string_view registers, Reading& reading) {
   if (repeats_) repeats_->Mark(reading);
   if (!profile_.timestamp_address) return;
-  const std::string_view stamp =
-      registers.substr(2 * Offset(*profile_.timestamp_address),
-                       2 * static_cast<std::size_t>(profile_.timestamp_count));
+  const std::string_view stamp = TimestampOf(profile_, registers);
   trial::Sample& sample = reading.samples.front();
   if (stamp == timestamp_ && sample.status == SampleStatus::kOk) {
     sample.status = SampleStatus::kRepeated;

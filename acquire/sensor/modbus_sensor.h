@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "acquire/sensor/modbus_errors.h"
 #include "acquire/sensor/repeat_marker.h"
 #include "acquire/sensor/sensor.h"
 #include "acquire/sensor/sensor_profile.h"
@@ -19,12 +18,6 @@ namespace haptometer::acquire {
 struct ModbusSetup {
   SensorProfile profile;
   std::optional<double> rate_hz{};  ///< polls a second at most; empty: as fast as it answers
-};
-
-/// What went wrong on the wire so far, by kind.
-struct ModbusErrors {
-  std::array<std::uint64_t, kModbusFaultCount> faults{};  ///< by ModbusFault
-  std::array<std::uint64_t, 256> exceptions{};            ///< by exception code
 };
 
 /// A distance sensor that is polled for registers over Modbus RTU or TCP, as its profile says.
@@ -91,13 +84,10 @@ class ModbusSensor final : public Sensor {
   Outcome TakeReply(const ReadReply& reply, Reading& reading);
   Outcome Drain();
   Outcome WaitForStep(Reading& reading);
-  trial::Sample Decode(std::string_view registers) const;
-  [[nodiscard]] trial::SampleStatus StatusOf(std::string_view registers, std::uint32_t bits) const;
   void MarkRepeated(std::string_view registers, Reading& reading);
   Outcome GiveRow(Reading& reading, trial::Sample sample, Phase next, MonotonicNs drain_until_ns);
   Outcome GiveFault(Reading& reading, ModbusFault fault);
 
-  [[nodiscard]] std::size_t Offset(int address) const;
   [[nodiscard]] bool is_rtu() const { return link_->framing() == ModbusFraming::kRtu; }
 
   SensorProfile profile_;

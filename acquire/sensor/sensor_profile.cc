@@ -180,4 +180,33 @@ double HighestRateHz(const SensorProfile& profile) {
   return std::min(wire_hz, profile.fastest_rate_hz.value_or(wire_hz));
 }
 
+std::vector<std::string> WireRemarks(const SensorProfile& profile) {
+  std::vector<std::string> remarks;
+  const double highest_hz = HighestRateHz(profile);
+  const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile));
+  const double sensor_hz = profile.fastest_rate_hz.value_or(wire_hz);
+  if (profile.transport == ModbusFraming::kRtu) {
+    remarks.push_back(fmt::format(
+        "{} at {} baud: {} registers take {:.2f} ms on the wire, at most {:.0f} readings/s{}: "
+        "motion up to {:.1f} Hz can be observed (rate / 2.56)",
+        profile.name, profile.wire.baud, profile.count, 1e3 / wire_hz, wire_hz,
+        sensor_hz < wire_hz ? fmt::format(", {:.0f} of them new", sensor_hz) : "",
+        HighestObservableHz(highest_hz)));
+    remarks.emplace_back(
+        "20-500 Hz vibration cannot be observed over Modbus RTU at any baud rate (two silent "
+        "intervals of 1.75 ms leave 286 readings/s, 1280 are needed): use the sensor's own stream "
+        "(--sensor stream) or its analog output with a DAQ");
+  } else if (profile.fastest_rate_hz) {
+    remarks.push_back(fmt::format(
+        "{} measures {:.0f} times a second: motion up to {:.1f} Hz can be observed (rate / 2.56)",
+        profile.name, sensor_hz, HighestObservableHz(sensor_hz)));
+  } else {
+    remarks.push_back(fmt::format(
+        "how often {} measures is not known: motion can be observed up to its rate / 2.56, and "
+        "the rate of replies says nothing of it",
+        profile.name));
+  }
+  return remarks;
+}
+
 }  // namespace haptometer::acquire
