@@ -174,6 +174,9 @@ std::vector<std::string> KeyenceIl::Remarks() const {
           "({:.0f} readings/s at most, 1280 are needed): record the amplifier's analog output "
           "with a DAQ, or a head that sends lines by itself (--sensor stream)",
           best_hz)};
+  const std::string latency =
+      link_.transport().LatencyCost(dl_rs1a::PollPeriodNs(setup_.baud, units));
+  if (!latency.empty()) remarks.push_back(latency);
   const std::vector<std::string> settings = settings_.Remarks();
   remarks.insert(remarks.end(), settings.begin(), settings.end());
   return remarks;

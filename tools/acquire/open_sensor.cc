@@ -8,11 +8,16 @@
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/keyence_il.h"
 #include "acquire/sensor/modbus_sensor.h"
+#include "acquire/sensor/paced_sensor.h"
+#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/replay.h"
 #include "acquire/sensor/sensor_profile.h"
 #include "acquire/sensor/stream_sensor.h"
+#include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
+#include "tools/acquire/scene_sensor.h"
 
 namespace haptometer::tools {
 namespace {
@@ -64,10 +69,37 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
   return std::make_unique<acquire::ModbusSensor>(std::move(*port), std::move(setup), clock);
 }
 
+Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clock) {
+  const auto format = acquire::SampleFormatFromName(wanted.format);
+  if (!format) {
+    return Usage("--format", fmt::format("'{}' is no form of samples", wanted.format),
+                 "use f64, f32, i16 or text");
+  }
+  auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);
+  if (!channels) return std::unexpected(channels.error());
+  auto pipe = acquire::InputPipe::Open(wanted.port);
+  if (!pipe) return std::unexpected(pipe.error());
+  acquire::PipeSetup setup{
+      .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(*channels)};
+  return std::make_unique<acquire::PipeSensor>(std::move(*pipe), std::move(setup), clock);
+}
+
+// a trial or a scene at its speed
+Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& clock) {
+  const bool is_scene = wanted.is_scene();
+  auto played = is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port);
+  if (!played) return played;
+  // a trial is copied, a scene is watched
+  const auto speed = ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed);
+  if (!speed) return std::unexpected(speed.error());
+  return std::make_unique<acquire::PacedSensor>(std::move(*played), *speed, clock);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
-  if (wanted.sensor == "replay") return acquire::Replay::Open(wanted.port);
+  if (wanted.sensor == "replay" || wanted.is_scene()) return OpenPlayed(wanted, clock);
+  if (wanted.sensor == "pipe") return OpenPipe(wanted, clock);
   if (wanted.sensor == "modbus") return OpenModbus(wanted, clock);
   return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
 }

@@ -1,39 +1,57 @@
 #include "tools/acquire/sensor_options.h"
 
-namespace haptometer::tools {
+#include <fmt/core.h>
+#include <fmt/ranges.h>
 
-void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
-  options.Text("--port", &wanted.port, "PORT",
-               "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
-  options.Choice(
-      "--sensor", &wanted.sensor, {"keyence-il", "modbus", "stream", "replay"},
-      "keyence-il: a DL-RS1A that is asked (default); modbus: a sensor with registers, asked "
-      "as its --profile says; stream: lines that come unasked");
-  options.Count("--baud", &wanted.baud, 50, 4'000'000,
-                "Bits per second (keyence-il: 9600; modbus: the profile's; stream: 921600)");
-  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
-               "Form of a stream's lines (+00.0000,mm,CR); END is CR, LF or CRLF");
-  options.Text("--profile", &wanted.profile, "NAME|FILE",
-               "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
-  options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
-  options.Number("--poll-rate", &wanted.poll_rate_hz, Dimension::kFrequency,
-                 "Ask a Modbus sensor at most so often (as fast as it answers)",
-                 cli::Shown::kHelpAll);
-  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
-                 cli::Shown::kHelpAll);
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "trial/import/csv_comment.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::array<std::string_view, 5> kSensors{"keyence-il", "modbus", "pipe", "replay",
+                                                   "stream"};
+
+// options that only some sensors have, given to one that has not
+Result<void> CheckBelonging(const SensorOptions& wanted) {
+  const bool is_pipe = wanted.sensor == "pipe";
+  const bool is_played = wanted.sensor == "replay" || wanted.is_scene();
+  if (!wanted.format.empty() && wanted.sensor != "stream" && !is_pipe) {
+    return Usage("--format", "is for lines that come unasked and for samples",
+                 "add --sensor stream or --sensor pipe");
+  }
+  for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
+                                       std::pair("--calibration", !wanted.calibration.empty()),
+                                       std::pair("--rate", wanted.rate_hz.has_value())}) {
+    if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
+  }
+  if (!wanted.speed.empty() && !is_played) {
+    return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
+  }
+  return {};
 }
 
-Result<void> CheckSensor(const SensorOptions& wanted) {
-  if (wanted.port.empty()) {
-    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
+Result<void> CheckPipe(const SensorOptions& wanted) {
+  if (wanted.channels.empty()) {
+    return Usage("--channels", "is missing",
+                 "name what is piped in, e.g. --channels displacement:m,voltage:V");
   }
-  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
-    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
+  if (!wanted.rate_hz) {
+    return Usage("--rate", "is missing", "give the rows a second, e.g. --rate 10kHz");
   }
-  if (!wanted.format.empty() && wanted.sensor != "stream") {
-    return Usage("--format", "is for lines that come unasked", "add --sensor stream");
+  if (!(wanted.rate_hz->value > 0)) return Usage("--rate", "must be above 0", "write e.g. 10kHz");
+  if (wanted.format.empty()) {
+    return Usage("--format", "is missing", "say how the samples come: f64, f32, i16 or text");
   }
+  return {};
+}
+
+Result<void> CheckModbus(const SensorOptions& wanted) {
   const bool is_modbus = wanted.sensor == "modbus";
   if (is_modbus == wanted.profile.empty()) {
     return Usage("--profile", "belongs to --sensor modbus, and that needs it",
@@ -47,6 +65,77 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
     return Usage("--poll-rate", "must be at least 1 mHz", "write e.g. 50Hz");
   }
   return {};
+}
+
+}  // namespace
+
+void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
+  options.Text(
+      "--port", &wanted.port, "PORT",
+      "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
+      "pipe (standard input)");
+  options.Text("--sensor", &wanted.sensor, "NAME",
+               "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked; "
+               "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
+  options.Count("--baud", &wanted.baud, 50, 4'000'000,
+                "Bits per second (keyence-il: 9600; modbus: the profile's; stream: 921600)");
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
+               "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
+  options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
+               "What is piped in, e.g. displacement:um,voltage:V,trigger");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+                 "Rows a second that are piped in");
+  options.Text("--calibration", &wanted.calibration, "FILE",
+               "What the volts or counts of a piped channel mean (docs/formats.md)");
+  options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
+               "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
+  options.Text("--profile", &wanted.profile, "NAME|FILE",
+               "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
+  options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
+  options.Number("--poll-rate", &wanted.poll_rate_hz, Dimension::kFrequency,
+                 "Ask a Modbus sensor at most so often (as fast as it answers)",
+                 cli::Shown::kHelpAll);
+  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+                 "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
+                 cli::Shown::kHelpAll);
+}
+
+Result<void> CheckSensor(const SensorOptions& wanted) {
+  if (!wanted.is_scene() && std::ranges::find(kSensors, wanted.sensor) == kSensors.end()) {
+    return Usage("--sensor", fmt::format("'{}' is not known", wanted.sensor),
+                 fmt::format("use one of {}, scene:FILE", fmt::join(kSensors, ", ")));
+  }
+  if (wanted.is_scene() && !wanted.port.empty()) {
+    return Usage("--port", "a scene has none", "leave it out");
+  }
+  if (auto belongs = CheckBelonging(wanted); !belongs) return belongs;
+  if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
+  if (auto fits = CheckModbus(wanted); !fits) return fits;
+  if (wanted.sensor == "pipe") return CheckPipe(wanted);
+  if (wanted.port.empty() && !wanted.is_scene()) {
+    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
+  }
+  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
+    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
+  }
+  return {};
+}
+
+Result<double> ReadSpeed(const std::string& speed) {
+  if (speed == "max") return std::numeric_limits<double>::infinity();
+  if (speed == "recorded" || speed.empty()) return 1.0;
+  const auto factor = trial::ReadNumber(speed);
+  if (!factor || !std::isfinite(*factor) || !(*factor > 0)) {
+    return Usage("--speed", fmt::format("'{}' is no speed", speed),
+                 "write recorded, max, or a factor such as 10");
+  }
+  return *factor;
+}
+
+std::string PortName(const SensorOptions& wanted) {
+  if (wanted.is_scene()) return wanted.sensor.substr(kScenePrefix.size());
+  return wanted.port.empty() ? "standard input" : wanted.port;
 }
 
 }  // namespace haptometer::tools

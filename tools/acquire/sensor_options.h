@@ -2,12 +2,16 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/quantity.h"
 #include "base/result.h"
 #include "tools/cli/options.h"
 
 namespace haptometer::tools {
+
+/// What `--sensor` begins with for a simulated scene: scene:FILE.
+inline constexpr std::string_view kScenePrefix = "scene:";
 
 /// Which sensor, and how it is spoken to: what the command line or a daemon's file says of it.
 struct SensorOptions {
@@ -17,8 +21,14 @@ struct SensorOptions {
   std::string profile;
   std::optional<std::int64_t> slave;
   std::optional<Quantity> poll_rate_hz;
+  std::string channels;     ///< pipe
+  std::string calibration;  ///< pipe: a file
+  std::string speed;        ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
+  std::optional<Quantity> rate_hz;  ///< pipe
+
+  [[nodiscard]] bool is_scene() const { return sensor.starts_with(kScenePrefix); }
 };
 
 /// Declares the options that name a sensor.
@@ -26,5 +36,12 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted);
 
 /// What is wrong with them, before anything is touched. Errors (Cause::kUsage).
 [[nodiscard]] Result<void> CheckSensor(const SensorOptions& wanted);
+
+/// Rows of one recorded second a second: `speed` as a number above 0, infinite for "max".
+/// Errors (Cause::kUsage).
+[[nodiscard]] Result<double> ReadSpeed(const std::string& speed);
+
+/// Where its readings come from, in messages: the port, or what stands for one.
+[[nodiscard]] std::string PortName(const SensorOptions& wanted);
 
 }  // namespace haptometer::tools
