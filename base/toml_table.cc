@@ -200,6 +200,22 @@ std::optional<long long> TomlTable::Integer(std::string_view key) {
   return std::nullopt;
 }
 
+std::vector<long long> TomlTable::Integers(std::string_view key) {
+  std::vector<long long> numbers;
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return numbers;
+  const toml::array* list = node->as_array();
+  const bool is_list = list != nullptr && std::ranges::all_of(*list, [](const toml::node& element) {
+                         return element.is_integer();
+                       });
+  if (!is_list) {
+    state_->Fail(key, "is not a list of whole numbers", "write it as [0, 65535]");
+    return numbers;
+  }
+  for (const toml::node& element : *list) numbers.push_back(element.as_integer()->get());
+  return numbers;
+}
+
 std::optional<std::string> TomlTable::Choice(std::string_view key,
                                              const std::vector<std::string>& choices) {
   auto text = Text(key);

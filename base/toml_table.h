@@ -63,6 +63,8 @@ class TomlTable {
   [[nodiscard]] std::optional<std::string> Text(std::string_view key);
   [[nodiscard]] std::optional<bool> Flag(std::string_view key);
   [[nodiscard]] std::optional<long long> Integer(std::string_view key);
+  /// A list of whole numbers, `[0, 65535]`; empty where the key is absent.
+  [[nodiscard]] std::vector<long long> Integers(std::string_view key);
   /// `key` must be one of `choices`; absent gives nothing.
   [[nodiscard]] std::optional<std::string> Choice(std::string_view key,
                                                   const std::vector<std::string>& choices);

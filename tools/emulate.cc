@@ -14,6 +14,7 @@
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/emulate_modbus.h"
 #include "tools/played_scene.h"
 #include "tools/recorded_motion.h"
 #include "tools/verbs.h"
@@ -27,6 +28,7 @@ namespace emulator = acquire::emulator;
 constexpr std::string_view kVerb = "emulate";
 constexpr std::string_view kUnit = "dl-rs1a";
 constexpr std::string_view kStream = "stream";
+constexpr std::string_view kModbus = "modbus";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -43,6 +45,7 @@ struct Wanted {
   std::string trial;
   std::string protocol{kUnit};
   std::optional<std::int64_t> baud;
+  std::string profile;
   std::string link;
   std::string tcp;
   std::string fault;
@@ -54,6 +57,7 @@ struct Wanted {
   std::optional<Quantity> refresh_s;
 
   [[nodiscard]] bool stream() const { return protocol == kStream; }
+  [[nodiscard]] bool modbus() const { return protocol == kModbus; }
 };
 
 void Declare(cli::Options& options, Wanted& wanted) {
@@ -61,8 +65,11 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "The scene to play: steady, unless it starts at rest");
   options.Text("--trial", &wanted.trial, "FILE",
                "The trial to play: straight lines between its rows, then its last value for ever");
-  options.Choice("--protocol", &wanted.protocol, {std::string(kUnit), std::string(kStream)},
-                 "Keyence DL-RS1A, asked for each reading, or lines that come unasked");
+  options.Choice("--protocol", &wanted.protocol,
+                 {std::string(kUnit), std::string(kStream), std::string(kModbus)},
+                 "Keyence DL-RS1A, asked for each reading, lines that come unasked, or registers");
+  options.Text("--profile", &wanted.profile, "NAME|FILE",
+               "Which Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
   options.Count("--baud", &wanted.baud, 300, 20'000'000, "The wire's (9600; stream: 921600)");
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
                "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
@@ -98,6 +105,15 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   }
   if (wanted.stream() && wanted.refresh_s) {
     return Usage("--refresh", "is the buffer of a DL-RS1A", "leave it out with --protocol stream");
+  }
+  if (wanted.modbus() == wanted.profile.empty()) {
+    return Usage("--profile", "belongs to --protocol modbus, and that needs it",
+                 "give both, e.g. --protocol modbus --profile baumer-om20");
+  }
+  if (wanted.modbus() &&
+      (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
+    return Usage("--profile", "says baud rate and sampling itself",
+                 "leave --baud, --sampling, --averages and --refresh out");
   }
   if (!wanted.stream() && !wanted.format.empty()) {
     return Usage("--format", "is for lines that come unasked", "add --protocol stream");
@@ -191,12 +207,23 @@ Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
   return Played{std::make_unique<emulator::StreamHead>(std::move(setup)), std::move(remark)};
 }
 
+Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
+                          const emulator::FaultPlan& faults) {
+  auto made = EmulateModbus(wanted.profile, !wanted.tcp.empty(), std::move(head), faults);
+  if (!made) return std::unexpected(made.error());
+  return Played{std::move(made->device), std::move(made->remark)};
+}
+
 Result<Played> MakeDevice(const Wanted& wanted) {
   emulator::FaultPlan faults;
   if (!wanted.fault.empty()) {
     const auto plan = emulator::ParseFaultPlan(wanted.fault);
     if (!plan) return std::unexpected(plan.error());
     faults = *plan;
+    if (faults.fault->is_modbus && !wanted.modbus()) {
+      return Usage("--fault", fmt::format("'{}' is for --protocol modbus", faults.fault->name),
+                   "give another, or that protocol");
+    }
   }
   emulator::MovingHead head;
   head.head = wanted.stream() ? trial::Stream10kHz() : trial::Il030();
@@ -214,8 +241,8 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
   if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
   if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
-  auto made = wanted.stream() ? MakeStream(wanted, std::move(head), faults)
-                              : MakeUnit(wanted, std::move(head), faults);
+  const auto make = wanted.modbus() ? MakeModbus : wanted.stream() ? MakeStream : MakeUnit;
+  auto made = make(wanted, std::move(head), faults);
   if (made) made->remark = source_remark + made->remark;
   return made;
 }

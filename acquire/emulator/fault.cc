@@ -14,10 +14,32 @@ constexpr std::array kFaults = {
     Fault{.name = "late", .summary = "the answer comes after 1.5 s", .delay_ns = 3 * kNsPerS / 2},
     Fault{.name = "truncate", .summary = "half an answer", .damage = Damage::kTruncated},
     Fault{.name = "garbage", .summary = "noise for an answer", .damage = Damage::kGarbled},
-    Fault{.name = "error", .summary = "the unit answers ER,..,29", .refuses = true},
+    Fault{.name = "error",
+          .summary = "the unit answers ER,..,29, or Modbus exception 04",
+          .refuses = true},
     Fault{.name = "invalid", .summary = "no target", .status = trial::SampleStatus::kInvalid},
     Fault{.name = "over", .summary = "beyond the range", .status = trial::SampleStatus::kOver},
     Fault{.name = "disconnect", .summary = "the line drops", .hangs_up = true},
+    Fault{.name = "byte-gap",
+          .summary = "Modbus: 0.1 s of silence within an answer",
+          .pause_ns = kNsPerS / 10,
+          .is_modbus = true},
+    Fault{.name = "crc",
+          .summary = "Modbus RTU: a wrong CRC",
+          .damage = Damage::kWrongCrc,
+          .is_modbus = true},
+    Fault{.name = "slave",
+          .summary = "Modbus: the answer of another slave",
+          .damage = Damage::kWrongSlave,
+          .is_modbus = true},
+    Fault{.name = "transaction",
+          .summary = "Modbus TCP: an identifier that is off by one",
+          .damage = Damage::kWrongTransaction,
+          .is_modbus = true},
+    Fault{.name = "word-order",
+          .summary = "Modbus: the value's words swapped",
+          .damage = Damage::kSwappedWords,
+          .is_modbus = true},
 };
 
 std::string KnownNames() {
@@ -68,6 +90,10 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
 std::string Damaged(std::string answer, Damage damage, std::int64_t number) {
   switch (damage) {
     case Damage::kNone:
+    case Damage::kWrongCrc:
+    case Damage::kWrongSlave:
+    case Damage::kWrongTransaction:
+    case Damage::kSwappedWords:
       break;
     case Damage::kMissing:
       answer.clear();

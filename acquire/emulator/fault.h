@@ -17,6 +17,11 @@ enum class Damage : std::uint8_t {
   kMissing,    ///< nothing is sent
   kTruncated,  ///< the first half is sent, without the line's end
   kGarbled,    ///< every byte but the line's end is replaced
+  // of Modbus, whose unit knows what a frame holds
+  kWrongCrc,
+  kWrongSlave,
+  kWrongTransaction,
+  kSwappedWords,
 };
 
 /// One way in which a device fails; a row of the table in fault.cc.
@@ -28,9 +33,12 @@ struct Fault {
   bool refuses = false;      ///< a polled unit answers `ER`
   MonotonicNs delay_ns = 0;  ///< a polled unit answers this much later
   bool hangs_up = false;     ///< the device drops off the line instead of answering
+  MonotonicNs pause_ns = 0;  ///< Modbus: the answer's second half comes this much later
+  bool is_modbus = false;    ///< only a Modbus device fails so
 };
 
-/// All faults: silent, late, truncate, garbage, error, invalid, over, disconnect.
+/// All faults: silent, late, truncate, garbage, error, invalid, over, disconnect; of Modbus alone:
+/// byte-gap, crc, slave, transaction, word-order.
 [[nodiscard]] std::span<const Fault> Faults();
 
 /// A fault and how often it strikes.

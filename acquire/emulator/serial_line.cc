@@ -1,7 +1,5 @@
 #include "acquire/emulator/serial_line.h"
 
-#include "acquire/protocol/wire.h"
-
 namespace haptometer::acquire::emulator {
 
 MonotonicNs SerialLine::Send(MonotonicNs ready) {
@@ -11,7 +9,7 @@ MonotonicNs SerialLine::Send(MonotonicNs ready) {
     burst_bytes_ = 0;
   }
   ++burst_bytes_;
-  burst_end_ = burst_start_ + WireTimeNs(burst_bytes_, baud_);
+  burst_end_ = burst_start_ + WireTimeNs(burst_bytes_, baud_, bits_per_character_);
   return burst_end_;
 }
 

@@ -13,8 +13,9 @@ inline constexpr int kBitsPerCharacter = 10;
 /// room for an anti-alias filter's slope; this is the customary factor of vibration analysers.
 inline constexpr double kReadingsPerPeriod = 2.56;
 
-/// How long `bytes` characters occupy the wire: 10 bytes / baud, in nanoseconds, rounded down.
-[[nodiscard]] MonotonicNs WireTimeNs(std::size_t bytes, int baud);
+/// How long `bytes` characters occupy the wire: bits x bytes / baud, in nanoseconds, rounded down.
+[[nodiscard]] MonotonicNs WireTimeNs(std::size_t bytes, int baud,
+                                     int bits_per_character = kBitsPerCharacter);
 
 /// Highest frequency that a reading rate can show: rate / 2.56, in Hz.
 [[nodiscard]] double HighestObservableHz(double rate_hz);

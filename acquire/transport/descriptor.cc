@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/core.h>
+#include <linux/serial.h>
 #include <poll.h>
 #include <sys/file.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -19,15 +21,6 @@ namespace {
 
 std::string Reason(int error_number) { return std::generic_category().message(error_number); }
 
-// poll until the deadline; 0 after the deadline or a signal, else the events that came
-int WaitFor(int descriptor, int events, MonotonicNs deadline) {
-  SystemClock clock;
-  const MonotonicNs wait_ns = std::max<MonotonicNs>(deadline - clock.Now(), 0);
-  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
-  pollfd watched{.fd = descriptor, .events = static_cast<short>(events), .revents = 0};
-  return ppoll(&watched, 1, &timeout, nullptr) > 0 ? watched.revents : 0;
-}
-
 }  // namespace
 
 OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
@@ -37,6 +30,14 @@ OwnedDescriptor& OwnedDescriptor::operator=(OwnedDescriptor&& other) noexcept {
 
 OwnedDescriptor::~OwnedDescriptor() {
   if (descriptor_ >= 0) close(descriptor_);
+}
+
+int WaitFor(int descriptor, int events, MonotonicNs deadline) {
+  SystemClock clock;
+  const MonotonicNs wait_ns = std::max<MonotonicNs>(deadline - clock.Now(), 0);
+  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
+  pollfd watched{.fd = descriptor, .events = static_cast<short>(events), .revents = 0};
+  return ppoll(&watched, 1, &timeout, nullptr) > 0 ? watched.revents : 0;
 }
 
 ReadOutcome ReadDescriptor(int descriptor, std::span<char> buffer, MonotonicNs deadline) {
@@ -76,6 +77,13 @@ Result<void> LockPort(int descriptor, const std::string& name) {
   if (flock(descriptor, LOCK_EX | LOCK_NB) == 0) return {};
   if (errno == EWOULDBLOCK) return std::unexpected(BusyPort(name));
   return Failed(name, fmt::format("cannot be locked: {}", Reason(errno)));
+}
+
+bool AskForLowLatency(int descriptor) {
+  serial_struct settings{};
+  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return false;
+  settings.flags |= ASYNC_LOW_LATENCY;
+  return ioctl(descriptor, TIOCSSERIAL, &settings) == 0;
 }
 
 Error BusyPort(const std::string& name) {

@@ -28,6 +28,10 @@ class OwnedDescriptor {
   int descriptor_;
 };
 
+/// Waits for `events` of poll(2) until `deadline`; 0 after the deadline or a signal, else what
+/// came.
+[[nodiscard]] int WaitFor(int descriptor, int events, MonotonicNs deadline);
+
 /// Waits for bytes until `deadline` and takes what is there.
 ///
 /// The other end is gone when poll reports a hang-up or an error with nothing left to read, when it
@@ -44,6 +48,11 @@ class OwnedDescriptor {
 /// Takes the port for this process alone: flock, which other programs with manners respect.
 /// Errors: Cause::kCannotAnswer, "is busy", naming the process that holds it where /proc tells.
 [[nodiscard]] Result<void> LockPort(int descriptor, const std::string& name);
+
+/// Asks a serial port's driver to hand bytes over at once (ASYNC_LOW_LATENCY: FTDI adapters then
+/// answer within 1 ms and not 16 ms); whether it now does. Most drivers but not all know the
+/// setting.
+[[nodiscard]] bool AskForLowLatency(int descriptor);
 
 /// The error of a port that is in use: "is busy (held by minicom, process 123)".
 [[nodiscard]] Error BusyPort(const std::string& name);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <utility>
 
 #include "acquire/transport/descriptor.h"
 #include "acquire/transport/serial_port.h"
@@ -25,27 +26,37 @@ bool IsNetworkName(const std::string& name) {
   return !port.empty() && std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
 }
 
-Result<std::unique_ptr<Transport>> ConnectTo(const std::string& name) {
-  const std::size_t colon = name.rfind(':');
-  std::string host = name.substr(0, colon);
-  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
-  return TcpStream::Connect(host, name.substr(colon + 1), kConnectTimeoutNs);
-}
-
 // the slaves of pseudo-terminals have the device numbers 136 to 143 (Linux,
 // admin-guide/devices.txt)
 bool IsPseudoTerminal(dev_t device) { return major(device) >= 136 && major(device) <= 143; }
 
 }  // namespace
 
-Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
-  if (IsNetworkName(name)) return ConnectTo(name);
+NetworkName SplitNetworkName(const std::string& name) {
+  const std::size_t colon = name.rfind(':');
+  std::string host = name.substr(0, colon);
+  if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
+  return {std::move(host), name.substr(colon + 1)};
+}
+
+Result<PortKind> KindOfPort(const std::string& name) {
+  if (IsNetworkName(name)) return PortKind::kNetwork;
   struct stat status{};
   if (stat(name.c_str(), &status) != 0) return std::unexpected(PortDoesNotOpen(name, errno));
   if (!S_ISCHR(status.st_mode)) {
     return CannotAnswer(name, "is not a port", "give a serial port such as /dev/ttyUSB0");
   }
-  if (IsPseudoTerminal(status.st_rdev)) return VirtualTerminal::Open(name);
+  return IsPseudoTerminal(status.st_rdev) ? PortKind::kVirtualTerminal : PortKind::kSerial;
+}
+
+Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
+  const auto kind = KindOfPort(name);
+  if (!kind) return std::unexpected(kind.error());
+  if (*kind == PortKind::kNetwork) {
+    const NetworkName parts = SplitNetworkName(name);
+    return TcpStream::Connect(parts.host, parts.service, kConnectTimeoutNs);
+  }
+  if (*kind == PortKind::kVirtualTerminal) return VirtualTerminal::Open(name);
   // libserialport knows ports by the kernel's names only, so links are followed first
   const std::unique_ptr<char, decltype(&std::free)> path(realpath(name.c_str(), nullptr),
                                                          &std::free);

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <libserialport.h>
-#include <linux/serial.h>
 #include <sys/ioctl.h>
 
 #include <cerrno>
@@ -14,14 +13,6 @@
 
 namespace haptometer::acquire {
 namespace {
-
-// whether the driver now hands over bytes at once; most drivers but not all know the setting
-bool AskForLowLatency(int descriptor) {
-  serial_struct settings{};
-  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return false;
-  settings.flags |= ASYNC_LOW_LATENCY;
-  return ioctl(descriptor, TIOCSSERIAL, &settings) == 0;
-}
 
 // 8N1 without flow control
 sp_return Configure(sp_port* port, int baud) {

@@ -335,7 +335,7 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
   EXPECT_EQ(name.error().cause, Cause::kUsage);
   EXPECT_EQ(name.error().Text(),
             "--fault: 'sulking' is no fault; give one of silent, late, truncate, garbage, error, "
-            "invalid, over, disconnect");
+            "invalid, over, disconnect, byte-gap, crc, slave, transaction, word-order");
   for (const char* text :
        {"silent:", "silent:0", "silent:-1", "silent:1.5", "silent:99999999999999999999"}) {
     const auto every = ParseFaultPlan(text);

@@ -1,6 +1,7 @@
 // Recording allocates nothing once it runs: counted in every thread of this program.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <new>
@@ -9,6 +10,7 @@
 
 #include "acquire/recorder/recorder.h"
 #include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "tests/acquire/counting_sensor.h"
@@ -79,6 +81,37 @@ class ParrotTransport final : public Transport {
   std::string name_ = "parrot";
 };
 
+/// Answers each request with as many zeros as were asked for, 1 ms later.
+class ParrotModbusLink final : public ModbusLink {
+ public:
+  explicit ParrotModbusLink(Clock& clock) : clock_(clock) { reply_.reserve(kLongestModbusAdu); }
+  bool Send(std::string_view frame) override {
+    const ModbusAdu request = ParseAdu(ModbusFraming::kRtu, frame).adu;
+    const std::size_t bytes = 2U * RegisterAt(request.data, 1);
+    data_[0] = static_cast<char>(bytes);
+    reply_.clear();
+    AppendAdu(
+        ModbusFraming::kRtu,
+        {.unit = request.unit, .function = request.function, .data = {data_.data(), bytes + 1}},
+        reply_);
+    return true;
+  }
+  ModbusReply Receive(std::size_t /*expected_bytes*/, MonotonicNs /*deadline*/) override {
+    clock_.SleepUntil(clock_.Now() + kMs);
+    return {.arrival = ModbusArrival::kFrame, .bytes = reply_};
+  }
+  std::size_t Flush() override { return 0; }
+  ModbusFraming framing() const override { return ModbusFraming::kRtu; }
+  std::string Source() const override { return "device: a parrot"; }
+  const std::string& name() const override { return name_; }
+
+ private:
+  Clock& clock_;
+  std::array<char, kLongestModbusAdu> data_{};
+  std::string reply_;
+  std::string name_ = "parrot";
+};
+
 // allocations between reading 1000 and reading 20000 of a recording
 int AllocationsWhileRecording(Sensor& sensor, Clock& clock) {
   ManualClock writer_clock;
@@ -137,6 +170,17 @@ TEST(RecorderAllocation, ARunningPollAllocatesNothing) {
                    clock);
   ASSERT_TRUE(sensor.Start(kNeverStop));
   EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
+}
+
+TEST(RecorderAllocation, ARunningModbusPollAllocatesNothing) {
+  ManualClock clock;
+  // with a timestamp and with a rate that marks repetitions
+  for (const char* name : {"baumer-om20", "benewake-tf-i"}) {
+    ModbusSensor sensor(std::make_unique<ParrotModbusLink>(clock), {.profile = *FindProfile(name)},
+                        clock);
+    ASSERT_TRUE(sensor.Start(kNeverStop));
+    EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0) << name;
+  }
 }
 
 }  // namespace

@@ -7,12 +7,15 @@
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/paced_sensor.h"
 #include "acquire/sensor/pipe_channels.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/replay.h"
+#include "acquire/sensor/sensor_profile.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "acquire/transport/input_pipe.h"
+#include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
 #include "tools/acquire/scene_sensor.h"
 
@@ -50,6 +53,22 @@ Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& c
   return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
 }
 
+// options beat the profile
+Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& clock) {
+  auto profile = acquire::FindProfile(wanted.profile);
+  if (!profile) return std::unexpected(profile.error());
+  if (wanted.baud) profile->wire.baud = static_cast<int>(*wanted.baud);
+  if (wanted.slave) profile->wire.slave = static_cast<int>(*wanted.slave);
+  if (const std::string wrong = acquire::WhatIsWrong(*profile); !wrong.empty()) {
+    return Usage("--profile " + wanted.profile, wrong, "give another --baud or --slave");
+  }
+  auto port = acquire::OpenModbusPort(wanted.port, profile->wire);
+  if (!port) return std::unexpected(port.error());
+  acquire::ModbusSetup setup{.profile = std::move(*profile)};
+  if (wanted.poll_rate_hz) setup.rate_hz = wanted.poll_rate_hz->value;
+  return std::make_unique<acquire::ModbusSensor>(std::move(*port), std::move(setup), clock);
+}
+
 Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clock) {
   const auto format = acquire::SampleFormatFromName(wanted.format);
   if (!format) {
@@ -81,6 +100,7 @@ Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& c
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
   if (wanted.sensor == "replay" || wanted.is_scene()) return OpenPlayed(wanted, clock);
   if (wanted.sensor == "pipe") return OpenPipe(wanted, clock);
+  if (wanted.sensor == "modbus") return OpenModbus(wanted, clock);
   return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
 }
 

@@ -14,7 +14,8 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr std::array<std::string_view, 4> kSensors{"keyence-il", "pipe", "replay", "stream"};
+constexpr std::array<std::string_view, 5> kSensors{"keyence-il", "modbus", "pipe", "replay",
+                                                   "stream"};
 
 // options that only some sensors have, given to one that has not
 Result<void> CheckBelonging(const SensorOptions& wanted) {
@@ -50,6 +51,22 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
   return {};
 }
 
+Result<void> CheckModbus(const SensorOptions& wanted) {
+  const bool is_modbus = wanted.sensor == "modbus";
+  if (is_modbus == wanted.profile.empty()) {
+    return Usage("--profile", "belongs to --sensor modbus, and that needs it",
+                 "give both, e.g. --sensor modbus --profile baumer-om20");
+  }
+  if (!is_modbus && (wanted.slave || wanted.poll_rate_hz)) {
+    return Usage(wanted.slave ? "--slave" : "--poll-rate", "is for --sensor modbus",
+                 "leave it out");
+  }
+  if (wanted.poll_rate_hz && !(wanted.poll_rate_hz->value >= 1e-3)) {
+    return Usage("--poll-rate", "must be at least 1 mHz", "write e.g. 50Hz");
+  }
+  return {};
+}
+
 }  // namespace
 
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
@@ -61,7 +78,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
                "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked; "
                "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
   options.Count("--baud", &wanted.baud, 50, 4'000'000,
-                "Bits per second (keyence-il: 9600; stream: 921600)");
+                "Bits per second (keyence-il: 9600; modbus: the profile's; stream: 921600)");
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
                "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
                "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
@@ -73,6 +90,12 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
                "What the volts or counts of a piped channel mean (docs/formats.md)");
   options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
                "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
+  options.Text("--profile", &wanted.profile, "NAME|FILE",
+               "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
+  options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
+  options.Number("--poll-rate", &wanted.poll_rate_hz, Dimension::kFrequency,
+                 "Ask a Modbus sensor at most so often (as fast as it answers)",
+                 cli::Shown::kHelpAll);
   options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
                  "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
                  cli::Shown::kHelpAll);
@@ -88,6 +111,7 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
   }
   if (auto belongs = CheckBelonging(wanted); !belongs) return belongs;
   if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
+  if (auto fits = CheckModbus(wanted); !fits) return fits;
   if (wanted.sensor == "pipe") return CheckPipe(wanted);
   if (wanted.port.empty() && !wanted.is_scene()) {
     return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");

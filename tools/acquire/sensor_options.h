@@ -18,6 +18,9 @@ struct SensorOptions {
   std::string port;
   std::string sensor = "keyence-il";
   std::string format;
+  std::string profile;
+  std::optional<std::int64_t> slave;
+  std::optional<Quantity> poll_rate_hz;
   std::string channels;     ///< pipe
   std::string calibration;  ///< pipe: a file
   std::string speed;        ///< replay, scene: "recorded", "max" or a factor

@@ -1,0 +1,265 @@
+#include "acquire/emulator/modbus_unit.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "base/check.h"
+
+namespace haptometer::acquire::emulator {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr std::size_t kLongestRtuFrame = 256;
+constexpr std::uint32_t kQuietNan = 0x7FC00000;
+
+std::string ExceptionData(ModbusException exception) { return {static_cast<char>(exception)}; }
+
+// the address, slave or identifier that the fault makes of it
+ModbusAdu Misaddressed(ModbusAdu adu, const Fault* fault) {
+  if (fault == nullptr) return adu;
+  if (fault->damage == Damage::kWrongSlave) ++adu.unit;
+  if (fault->damage == Damage::kWrongTransaction) ++adu.transaction;
+  return adu;
+}
+
+}  // namespace
+
+trial::SensorHead HeadOf(const SensorProfile& profile) {
+  constexpr double kSamplingS = 1e-3;
+  trial::SensorHead head;
+  head.name = profile.name;
+  head.sampling_s = profile.fastest_rate_hz ? 1.0 / *profile.fastest_rate_hz : kSamplingS;
+  head.noise_rms_m = profile.noise_rms_m.value_or(0);
+  head.range_min_m = -std::numeric_limits<double>::max();
+  head.range_max_m = std::numeric_limits<double>::max();
+  return head;
+}
+
+ModbusUnit::ModbusUnit(ModbusUnitSetup setup)
+    : setup_(std::move(setup)),
+      host_to_unit_(setup_.profile.wire.baud, BitsPerCharacter(setup_.profile.wire)),
+      unit_to_host_(setup_.profile.wire.baud, BitsPerCharacter(setup_.profile.wire)) {
+  HAPTOMETER_CHECK(WhatIsWrong(setup_.profile).empty(), "{}", WhatIsWrong(setup_.profile));
+}
+
+void ModbusUnit::Receive(std::string_view bytes, MonotonicNs now) {
+  if (setup_.framing == ModbusFraming::kTcp) {
+    frame_ += bytes;
+    TakeTcp(now);
+    return;
+  }
+  RunTo(now);
+  for (const char byte : bytes) incoming_.push_back({byte, host_to_unit_.Send(now)});
+}
+
+void ModbusUnit::Advance(MonotonicNs now, std::string& out) {
+  RunTo(now);
+  while (!outgoing_.empty() && outgoing_.front().time_ns <= now) {
+    out += outgoing_.front().byte;
+    outgoing_.pop_front();
+  }
+}
+
+std::optional<MonotonicNs> ModbusUnit::NextDue() const {
+  std::optional<MonotonicNs> due;
+  const auto consider = [&](MonotonicNs time_ns) {
+    due = std::min(due.value_or(time_ns), time_ns);
+  };
+  if (!outgoing_.empty()) consider(outgoing_.front().time_ns);
+  if (!incoming_.empty()) {
+    consider(incoming_.front().time_ns);
+  } else if (setup_.framing == ModbusFraming::kRtu && !frame_.empty()) {
+    consider(last_arrival_ns_ + SilentIntervalNs(setup_.profile.wire));
+  }
+  return due;
+}
+
+bool ModbusUnit::TakeHangUp() { return std::exchange(hang_up_, false); }
+
+// RTU: takes in what has arrived; silence ends a request
+void ModbusUnit::RunTo(MonotonicNs now) {
+  if (setup_.framing == ModbusFraming::kTcp) return;
+  const MonotonicNs silent_ns = SilentIntervalNs(setup_.profile.wire);
+  while (true) {
+    const bool arrives = !incoming_.empty() && incoming_.front().time_ns <= now;
+    const MonotonicNs next_ns = arrives ? incoming_.front().time_ns : now;
+    const MonotonicNs end_ns = last_arrival_ns_ + silent_ns;
+    if (!frame_.empty() && end_ns <= next_ns) {
+      EndFrame(end_ns);
+      continue;
+    }
+    if (!arrives) return;
+    // one byte too many is kept, so that an overlong request is known for one
+    if (frame_.size() <= kLongestRtuFrame) frame_ += incoming_.front().byte;
+    last_arrival_ns_ = next_ns;
+    incoming_.pop_front();
+  }
+}
+
+void ModbusUnit::TakeTcp(MonotonicNs now) {
+  while (true) {
+    const ParsedAdu parsed = ParseAdu(ModbusFraming::kTcp, frame_);
+    if (parsed.state == AduState::kNeedMore) return;
+    if (parsed.state != AduState::kWhole) {
+      frame_.clear();
+      hang_up_ = true;
+      return;
+    }
+    AnswerTo(parsed.adu, now);
+    frame_.erase(0, parsed.bytes);
+  }
+}
+
+void ModbusUnit::EndFrame(MonotonicNs end_ns) {
+  const std::string frame = std::exchange(frame_, {});
+  const ParsedAdu parsed = ParseAdu(ModbusFraming::kRtu, frame);
+  if (parsed.state != AduState::kWhole) return;
+  if (parsed.adu.unit == setup_.profile.wire.slave) AnswerTo(parsed.adu, end_ns);
+}
+
+void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
+  const Fault* fault = setup_.faults.At(++answers_);
+  if (fault != nullptr && fault->hangs_up) {
+    hang_up_ = true;
+    return;
+  }
+  const MonotonicNs at_ns = std::max(end_ns, busy_until_ns_) + setup_.turnaround_ns;
+  busy_until_ns_ = at_ns + (fault != nullptr ? fault->delay_ns : 0);
+
+  // the reading, or a refusal
+  int refusal = 0;
+  ReadRequest asked;
+  if (request.function != setup_.profile.function) {
+    refusal = static_cast<int>(ModbusException::kIllegalFunction);
+  } else if (request.data.size() != 4) {
+    refusal = static_cast<int>(ModbusException::kIllegalValue);
+  } else {
+    asked.address = RegisterAt(request.data, 0);
+    asked.count = RegisterAt(request.data, 1);
+    refusal = RefusalOf(asked);
+  }
+  if (fault != nullptr && fault->refuses) {
+    refusal = static_cast<int>(ModbusException::kDeviceFailure);
+  }
+  const std::string data = refusal != 0 ? ExceptionData(static_cast<ModbusException>(refusal))
+                                        : DataOf(asked, at_ns, fault);
+  const auto function = static_cast<std::uint8_t>(request.function | (refusal != 0 ? 0x80U : 0U));
+  std::string answer;
+  AppendAdu(setup_.framing,
+            Misaddressed({.transaction = request.transaction,
+                          .unit = request.unit,
+                          .function = function,
+                          .data = data},
+                         fault),
+            answer);
+  Queue(answer, busy_until_ns_, fault);
+}
+
+// exception code, or 0
+int ModbusUnit::RefusalOf(const ReadRequest& request) const {
+  const SensorProfile& profile = setup_.profile;
+  if (request.count < 1 || request.count > kMostModbusRegisters) {
+    return static_cast<int>(ModbusException::kIllegalValue);
+  }
+  for (int i = 0; i < request.count; ++i) {
+    const int address = request.address + i + profile.address_base;
+    const bool is_read = address >= profile.address && address < profile.address + profile.count;
+    if (!is_read && address != profile.scale_address) {
+      return static_cast<int>(ModbusException::kIllegalAddress);
+    }
+  }
+  const auto asks = [&](const ReadRequest& known) {
+    return request.address == known.address && request.count == known.count;
+  };
+  const bool is_whole = asks(ReadingRequest(profile)) || asks(CheckRequest(profile));
+  return profile.is_exact && !is_whole ? static_cast<int>(ModbusException::kIllegalValue) : 0;
+}
+
+std::string ModbusUnit::DataOf(const ReadRequest& request, MonotonicNs at_ns,
+                               const Fault* fault) const {
+  const SensorProfile& profile = setup_.profile;
+  const std::vector<std::uint16_t> window = Window(at_ns, fault);
+  std::string data(1, static_cast<char>(2 * request.count));
+  for (int i = 0; i < request.count; ++i) {
+    const int address = request.address + i + profile.address_base;
+    const std::uint16_t word = address == profile.scale_address
+                                   ? setup_.scale_number
+                                   : window[static_cast<std::size_t>(address - profile.address)];
+    data += static_cast<char>(word >> 8U);
+    data += static_cast<char>(word & 0xFFU);
+  }
+  return data;
+}
+
+// what one request reads, at the head's last sample
+std::vector<std::uint16_t> ModbusUnit::Window(MonotonicNs at_ns, const Fault* fault) const {
+  const SensorProfile& profile = setup_.profile;
+  const auto offset = [&](int address) {
+    return static_cast<std::size_t>(address - profile.address);
+  };
+  std::vector<std::uint16_t> window(static_cast<std::size_t>(profile.count));
+  const std::int64_t sample = setup_.head.LastSample(at_ns);
+  const auto value =
+      std::span(window).subspan(offset(profile.value_address), RegistersOf(profile.type));
+  BitsTo(BitsAt(sample, fault), profile.type, profile.order, value);
+  if (fault != nullptr && fault->damage == Damage::kSwappedWords) {
+    if (value.size() == 2)
+      std::swap(value[0], value[1]);
+    else
+      value[0] = std::rotl(value[0], 8);
+  }
+  const bool is_invalid = fault != nullptr && fault->status == SampleStatus::kInvalid;
+  if (profile.status_address && is_invalid) {
+    window[offset(*profile.status_address)] = profile.status_mask;
+  }
+  // the reading's number, its lowest part in the last register
+  auto number = static_cast<std::uint64_t>(sample);
+  for (int i = profile.timestamp_address ? profile.timestamp_count : 0; i > 0; --i) {
+    window[offset(*profile.timestamp_address + i - 1)] = static_cast<std::uint16_t>(number);
+    number >>= 16U;
+  }
+  return window;
+}
+
+std::uint32_t ModbusUnit::BitsAt(std::int64_t sample, const Fault* fault) const {
+  const SensorProfile& profile = setup_.profile;
+  const SampleStatus forced = fault != nullptr ? fault->status : SampleStatus::kOk;
+  if (forced == SampleStatus::kOver && profile.most_number) {
+    return BitsOf(*profile.most_number + 1, profile.type).value_or(InvalidBits());
+  }
+  if (forced != SampleStatus::kOk) return InvalidBits();
+  const double distance_m = setup_.standoff_m + setup_.head.Reading(sample).value_m;
+  const double scale = profile.scale * (profile.scale_address ? setup_.scale_number : 1);
+  const double number = (distance_m / profile.unit_m - profile.offset) / scale;
+  return BitsOf(number, profile.type).value_or(InvalidBits());
+}
+
+std::uint32_t ModbusUnit::InvalidBits() const {
+  const SensorProfile& profile = setup_.profile;
+  if (!profile.invalid_bits.empty()) return profile.invalid_bits.front();
+  if (profile.type == RegisterType::kF32) return kQuietNan;
+  return RegistersOf(profile.type) == 1 ? 0xFFFF : 0xFFFFFFFF;
+}
+
+void ModbusUnit::Queue(const std::string& answer, MonotonicNs ready_ns, const Fault* fault) {
+  std::string bytes = answer;
+  if (fault != nullptr) {
+    bytes = Damaged(std::move(bytes), fault->damage, answers_);
+    if (fault->damage == Damage::kWrongCrc && setup_.framing == ModbusFraming::kRtu) {
+      bytes.back() = static_cast<char>(static_cast<unsigned char>(bytes.back()) ^ 0x55U);
+    }
+  }
+  const MonotonicNs pause_ns = fault != nullptr ? fault->pause_ns : 0;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    const MonotonicNs from_ns = ready_ns + (2 * i >= bytes.size() ? pause_ns : 0);
+    const bool is_rtu = setup_.framing == ModbusFraming::kRtu;
+    outgoing_.push_back({bytes[i], is_rtu ? unit_to_host_.Send(from_ns) : from_ns});
+  }
+  busy_until_ns_ = std::max(busy_until_ns_, ready_ns + pause_ns);
+}
+
+}  // namespace haptometer::acquire::emulator

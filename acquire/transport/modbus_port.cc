@@ -1,0 +1,219 @@
+#include "acquire/transport/modbus_port.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <modbus.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/select.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <filesystem>
+#include <utility>
+
+#include "acquire/protocol/wire.h"
+#include "acquire/transport/descriptor.h"
+#include "acquire/transport/open_port.h"
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr std::uint32_t kConnectTimeoutS = 5;
+constexpr MonotonicNs kWriteTimeNs = kNsPerS;
+constexpr MonotonicNs kGraceNs = 20'000'000;  // an FTDI adapter hands bytes over every 16 ms
+
+struct CloseAndFree {
+  void operator()(modbus_t* context) const {
+    modbus_close(context);
+    modbus_free(context);
+  }
+};
+using Context = std::unique_ptr<modbus_t, CloseAndFree>;
+
+ModbusFault FaultOf(int error_number) {
+  return error_number == EMBBADCRC ? ModbusFault::kCrc : ModbusFault::kLength;
+}
+
+class ModbusPort final : public ModbusLink {
+ public:
+  ModbusPort(Context context, OwnedDescriptor lock, std::string name, std::string source,
+             MonotonicNs byte_ns)
+      : lock_(std::move(lock)),
+        context_(std::move(context)),
+        descriptor_(modbus_get_socket(context_.get())),
+        name_(std::move(name)),
+        source_(std::move(source)),
+        byte_ns_(byte_ns) {}
+  ModbusPort(const ModbusPort&) = delete;
+  ModbusPort& operator=(const ModbusPort&) = delete;
+  ~ModbusPort() override { ioctl(descriptor_, TIOCNXCL); }
+
+  bool Send(std::string_view frame) override {
+    seen_bytes_ = 0;
+    return WriteDescriptor(descriptor_, frame, clock_.Now() + kWriteTimeNs, name_).has_value();
+  }
+
+  ModbusReply Receive(std::size_t expected_bytes, MonotonicNs deadline) override {
+    const int events = WaitFor(descriptor_, POLLIN, deadline);
+    if (events == 0) return {.arrival = ModbusArrival::kNothing};
+    // TCP brings whole replies; libmodbus finds a closed connection by itself
+    if (framing() == ModbusFraming::kTcp) return Take(kGraceNs);
+    const int waiting = WaitingBytes();
+    if (waiting <= 0) return {.arrival = ModbusArrival::kGone};
+    // a reply whose rest is still on the wire at the deadline stays in the port, unless it has
+    // stopped growing since the last look
+    const auto missing =
+        std::max<std::int64_t>(static_cast<std::int64_t>(expected_bytes) - waiting, 0);
+    const MonotonicNs rest_ns = missing * byte_ns_;
+    const bool has_grown = waiting != std::exchange(seen_bytes_, waiting);
+    if (has_grown && clock_.Now() + rest_ns > deadline) {
+      clock_.SleepUntil(deadline);
+      return {.arrival = ModbusArrival::kNothing};
+    }
+    return Take(std::min(rest_ns, std::max<MonotonicNs>(deadline - clock_.Now(), 0)) + kGraceNs);
+  }
+
+  std::size_t Flush() override {
+    seen_bytes_ = 0;
+    // libmodbus does not count what it throws away on a serial port
+    const bool is_rtu = framing() == ModbusFraming::kRtu;
+    const int waiting = is_rtu ? WaitingBytes() : 0;
+    if (is_rtu && waiting == 0) return 0;
+    const int flushed = modbus_flush(context_.get());
+    return static_cast<std::size_t>(std::max({waiting, flushed, 0}));
+  }
+
+  ModbusFraming framing() const override {
+    return byte_ns_ > 0 ? ModbusFraming::kRtu : ModbusFraming::kTcp;
+  }
+  std::string Source() const override { return source_; }
+  const std::string& name() const override { return name_; }
+
+ private:
+  // below 0 where the port is gone
+  int WaitingBytes() const {
+    int waiting = 0;
+    return ioctl(descriptor_, FIONREAD, &waiting) == 0 ? waiting : -1;
+  }
+
+  // the reply that has begun to come in, within `longest_ns`
+  ModbusReply Take(MonotonicNs longest_ns) {
+    seen_bytes_ = 0;
+    const auto longest_us = static_cast<std::uint32_t>(longest_ns / 1000);
+    modbus_set_response_timeout(context_.get(), longest_us / 1'000'000, longest_us % 1'000'000);
+    const int bytes = modbus_receive_confirmation(context_.get(), buffer_.data());
+    if (bytes > 0) {
+      return {.arrival = ModbusArrival::kFrame,
+              .bytes = {reinterpret_cast<const char*>(buffer_.data()),
+                        static_cast<std::size_t>(bytes)}};
+    }
+    // libmodbus leaves RTU frames of other slaves out
+    if (bytes == 0) return {.arrival = ModbusArrival::kDamaged, .fault = ModbusFault::kUnit};
+    const bool is_about_frame =
+        errno == ETIMEDOUT || errno == EMBBADCRC || errno == EMBBADDATA || errno == EINTR;
+    if (!is_about_frame) return {.arrival = ModbusArrival::kGone};
+    return {.arrival = ModbusArrival::kDamaged, .fault = FaultOf(errno)};
+  }
+
+  SystemClock clock_;
+  OwnedDescriptor lock_;
+  Context context_;
+  int descriptor_;
+  std::string name_;
+  std::string source_;
+  MonotonicNs byte_ns_;  ///< of one character on the wire; 0: TCP
+  int seen_bytes_ = 0;   ///< of a reply that has begun, at the last look
+  std::array<std::uint8_t, kLongestModbusAdu> buffer_{};
+};
+
+Result<void> SetUp(modbus_t* context, const ModbusWire& wire, const std::string& name) {
+  if (context == nullptr) return Failed(name, fmt::format("no Modbus: {}", modbus_strerror(errno)));
+  modbus_set_error_recovery(context, MODBUS_ERROR_RECOVERY_NONE);
+  modbus_set_response_timeout(context, kConnectTimeoutS, 0);
+  modbus_set_byte_timeout(context, 0, 0);  // the response timeout is for the whole reply
+  if (modbus_set_slave(context, wire.slave) != 0) {
+    return Usage("--slave", fmt::format("{} is no address on this wire", wire.slave),
+                 "give 1 to 247");
+  }
+  return {};
+}
+
+// libmodbus waits with select(), which writes beyond its sets for large descriptors
+Result<void> CheckDescriptor(modbus_t* context, const std::string& name) {
+  if (modbus_get_socket(context) < FD_SETSIZE) return {};
+  return Failed(name, "too many files are open in this program", "record fewer sensors at once");
+}
+
+Result<std::unique_ptr<ModbusLink>> OpenTcp(const std::string& name, const ModbusWire& wire) {
+  const NetworkName parts = SplitNetworkName(name);
+  Context context(modbus_new_tcp_pi(parts.host.c_str(), parts.service.c_str()));
+  if (auto ready = SetUp(context.get(), wire, name); !ready) {
+    return std::unexpected(ready.error());
+  }
+  if (modbus_connect(context.get()) != 0) {
+    return CannotAnswer(name, fmt::format("does not connect: {}", modbus_strerror(errno)),
+                        "check that the device is on and that address and port are right");
+  }
+  if (auto fits = CheckDescriptor(context.get(), name); !fits) {
+    return std::unexpected(fits.error());
+  }
+  return std::make_unique<ModbusPort>(
+      std::move(context), OwnedDescriptor(-1), name,
+      fmt::format("Modbus TCP {} (what is behind it is not known)", name), 0);
+}
+
+char ParityLetter(Parity parity) {
+  constexpr std::string_view kLetters = "NEO";
+  return kLetters[static_cast<std::size_t>(parity)];
+}
+
+Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const ModbusWire& wire,
+                                            bool is_virtual) {
+  // taken for us alone before its settings change, so that another user is not disturbed
+  OwnedDescriptor lock(open(name.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (auto locked = LockPort(lock.get(), name); !locked) return std::unexpected(locked.error());
+
+  const char parity = is_virtual ? 'N' : ParityLetter(wire.parity);
+  Context context(
+      modbus_new_rtu(name.c_str(), wire.baud, parity, 8, is_virtual ? 1 : wire.stop_bits));
+  if (auto ready = SetUp(context.get(), wire, name); !ready) {
+    return std::unexpected(ready.error());
+  }
+  if (modbus_connect(context.get()) != 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (auto fits = CheckDescriptor(context.get(), name); !fits) {
+    return std::unexpected(fits.error());
+  }
+  std::string source = fmt::format("virtual terminal {}, Modbus RTU (not a hardware port)", name);
+  if (!is_virtual) {
+    const int descriptor = modbus_get_socket(context.get());
+    ioctl(descriptor, TIOCEXCL);
+    source =
+        fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud, parity,
+                    wire.stop_bits, AskForLowLatency(descriptor) ? ", low latency" : "");
+  }
+  const MonotonicNs byte_ns = WireTimeNs(1, wire.baud, BitsPerCharacter(wire));
+  auto port = std::make_unique<ModbusPort>(std::move(context), std::move(lock), name,
+                                           std::move(source), byte_ns);
+  port->Flush();
+  return port;
+}
+
+}  // namespace
+
+Result<std::unique_ptr<ModbusLink>> OpenModbusPort(const std::string& name,
+                                                   const ModbusWire& wire) {
+  // a host alone, which no path and no port is
+  std::error_code error;
+  const bool is_host = !name.empty() && name.find_first_of(":/") == std::string::npos &&
+                       !std::filesystem::exists(name, error);
+  if (is_host) return OpenTcp(name + ":502", wire);
+  const auto kind = KindOfPort(name);
+  if (!kind) return std::unexpected(kind.error());
+  if (*kind == PortKind::kNetwork) return OpenTcp(name, wire);
+  return OpenRtu(name, wire, *kind == PortKind::kVirtualTerminal);
+}
+
+}  // namespace haptometer::acquire

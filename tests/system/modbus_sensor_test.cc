@@ -1,0 +1,67 @@
+// A Modbus sensor through real processes: emulate, acquire, and what the trial then says.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/system/process.h"
+
+namespace haptometer::tests {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
+
+class ModbusSystem : public ::testing::TestWithParam<bool> {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("modbus_system_test_" + std::to_string(::getpid()));
+};
+
+TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
+  const bool over_tcp = GetParam();
+  std::vector<std::string> words{"haptometer", "emulate",   "--scene",     kScene,    "--protocol",
+                                 "modbus",     "--profile", "baumer-om20", "--fault", "invalid:10"};
+  if (over_tcp) words.insert(words.end(), {"--tcp", "127.0.0.1:0"});
+  Process emulator(words);
+  const auto port = emulator.WaitForLine("ready ", 20);
+  ASSERT_TRUE(port);
+
+  const std::string trial = directory_ / "trial.bin";
+  const Outcome acquired =
+      RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20", "--port", *port,
+                  "--samples", "100", "--poll-rate", "50Hz", "-o", trial, "--json"});
+  ASSERT_EQ(acquired.status, 0) << acquired.err;
+  EXPECT_THAT(acquired.err, ::testing::HasSubstr("at most 91 readings/s"));
+  const json summary = json::parse(acquired.out);
+  EXPECT_EQ(summary["readings"], 100);
+  // one answer in ten; a reading that a busy machine delays by half a second may shift the count
+  const int invalid = summary["bad_by_kind"]["invalid"];
+  EXPECT_GE(invalid, 8);
+  EXPECT_LE(invalid, 12);
+
+  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial, "--json"}).out);
+  EXPECT_EQ(info["statuses"]["invalid"], invalid);
+  EXPECT_THAT(info.dump(), ::testing::HasSubstr(over_tcp ? "Modbus TCP" : "Modbus RTU"));
+  EXPECT_THAT(info.dump(), ::testing::HasSubstr("modbus_profile"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Wires, ModbusSystem, ::testing::Bool());
+
+TEST(ModbusCommand, SaysWhatIsMissing) {
+  const Outcome bare = RunProgram({"acquire", "--sensor", "modbus", "--port", "x", "-o", "/x"});
+  EXPECT_EQ(bare.status, 2);
+  EXPECT_THAT(bare.err, ::testing::HasSubstr("--profile"));
+  const Outcome fault = RunProgram({"haptometer", "emulate", "--scene", kScene, "--fault", "crc"});
+  EXPECT_EQ(fault.status, 2);
+  EXPECT_THAT(fault.err, ::testing::HasSubstr("'crc' is for --protocol modbus"));
+}
+
+}  // namespace
+}  // namespace haptometer::tests
