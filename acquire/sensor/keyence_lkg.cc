@@ -18,7 +18,6 @@ using lkg::Reply;
 using lkg::ReplyKind;
 
 constexpr int kProbes = 3;
-constexpr int kMostDecimals = 5;
 
 // `value` in steps of `decimals`; nothing where that would lose a digit
 std::optional<std::int32_t> CountsAt(const Value& value, int decimals) {
@@ -105,7 +104,7 @@ Result<void> KeyenceLkg::Start(const std::atomic<bool>& stop) {
     if (last->kind == ReplyKind::kError) continue;
     const std::optional<int> decimals = setup_.decimals ? setup_.decimals : DecimalsOf(*last);
     if (!decimals) continue;
-    MakeHeader(std::clamp(*decimals, 0, kMostDecimals));
+    MakeHeader(*decimals);
     return {};
   }
   return std::unexpected(NoNumber(last));
