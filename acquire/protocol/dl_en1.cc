@@ -38,6 +38,16 @@ constexpr std::int32_t kIlMost = 99'999;
 
 }  // namespace
 
+std::string WithPort(std::string_view host) {
+  const std::size_t colon = host.find(':');
+  const bool is_bare_ipv6 = colon != std::string_view::npos && host.front() != '[' &&
+                            host.find(':', colon + 1) != std::string_view::npos;
+  if (is_bare_ipv6) return fmt::format("[{}]:{}", host, kPort);
+  const bool has_port = host.front() == '[' ? !host.ends_with(']') : colon != host.npos;
+  const bool is_path = host.find('/') != std::string_view::npos;
+  return has_port || is_path ? std::string(host) : fmt::format("{}:{}", host, kPort);
+}
+
 std::string_view ErrorText(int number) {
   switch (number) {
     case kOutOfRange:

@@ -36,6 +36,10 @@ inline constexpr int kMode = 31;
 inline constexpr int kStarting = 254;
 inline constexpr int kFormat = 255;
 
+/// `host` with the unit's port where it names none: "192.168.0.10" -> "192.168.0.10:64000", "::1"
+/// -> "[::1]:64000". A path is left alone.
+[[nodiscard]] std::string WithPort(std::string_view host);
+
 /// What an error number means, in words a user can act on; "unknown error" for others.
 [[nodiscard]] std::string_view ErrorText(int number);
 

@@ -1,36 +1,17 @@
 #include "tools/acquire/open_sensor.h"
 
-#include <fmt/core.h>
-
-#include <algorithm>
-
-#include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/stream_line.h"
-#include "acquire/sensor/keyence_il.h"
 #include "acquire/sensor/replay.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "acquire/transport/open_port.h"
+#include "tools/acquire/open_keyence.h"
 
 namespace haptometer::tools {
 namespace {
 
 using acquire::Sensor;
 
-constexpr int kDefaultKeyenceBaud = 9600;
 constexpr int kDefaultStreamBaud = 921600;
-
-Result<std::unique_ptr<Sensor>> OpenKeyence(const SensorOptions& wanted, Clock& clock) {
-  const int baud = static_cast<int>(wanted.baud.value_or(kDefaultKeyenceBaud));
-  if (std::ranges::find(acquire::dl_rs1a::kBauds, baud) == acquire::dl_rs1a::kBauds.end()) {
-    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", baud),
-                 "use 2400, 4800, 9600, 19200 or 38400");
-  }
-  auto port = acquire::OpenPort(wanted.port, baud);
-  if (!port) return std::unexpected(port.error());
-  acquire::KeyenceIlSetup setup{.baud = baud, .refresh_ns = std::nullopt};
-  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
-  return std::make_unique<acquire::KeyenceIl>(std::move(*port), setup, clock);
-}
 
 Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& clock) {
   acquire::StreamSetup setup;
@@ -49,7 +30,8 @@ Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& c
 
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
   if (wanted.sensor == "replay") return acquire::Replay::Open(wanted.port);
-  return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
+  if (IsKeyence(wanted.sensor)) return OpenKeyence(wanted, clock);
+  return OpenStream(wanted, clock);
 }
 
 }  // namespace haptometer::tools

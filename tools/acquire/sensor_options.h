@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/quantity.h"
 #include "base/result.h"
@@ -16,7 +17,15 @@ struct SensorOptions {
   std::string format;
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
+  std::string command;                   ///< keyence-*: "m0", "m1", "m2", "ms"; "": the usual
+  std::optional<std::int64_t> decimals;  ///< keyence-en1, keyence-lkg
+  bool device_zero = false;              ///< keyence-il, keyence-en1: changes the device
+  std::optional<Quantity> rate_hz;       ///< of polls
+  std::vector<std::string> settings;     ///< keyence-il, keyence-en1: KEY=VALUE; change the device
 };
+
+/// `wanted` without what would change the device once more: for a reconnection.
+[[nodiscard]] SensorOptions WithoutChanges(SensorOptions wanted);
 
 /// Declares the options that name a sensor.
 void DeclareSensor(cli::Options& options, SensorOptions& wanted);
