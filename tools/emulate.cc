@@ -69,11 +69,13 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "The scene to play: steady, unless it starts at rest");
   options.Text("--trial", &wanted.trial, "FILE",
                "The trial to play: straight lines between its rows, then its last value for ever");
-  options.Choice("--protocol", &wanted.protocol,
-                 {std::string(kUnit), std::string(kEn1), std::string(kLkg), std::string(kStream)},
-                 "Keyence's DL-RS1A, DL-EN1 or LK-G3001, asked for each reading, or lines that come "
-                 "unasked");
-  options.Count("--baud", &wanted.baud, 300, 20'000'000, "The wire's (9600; stream: 921600; en1: none)");
+  options.Choice(
+      "--protocol", &wanted.protocol,
+      {std::string(kUnit), std::string(kEn1), std::string(kLkg), std::string(kStream)},
+      "Keyence's DL-RS1A, DL-EN1 or LK-G3001, asked for each reading, or lines that come "
+      "unasked");
+  options.Count("--baud", &wanted.baud, 300, 20'000'000,
+                "The wire's (9600; stream: 921600; en1: none)");
   options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
   options.Text("--tcp", &wanted.tcp, "HOST:PORT",
                "TCP instead of a terminal; port 0: any free one");
@@ -271,7 +273,7 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
   if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
   if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
-  auto made = wanted.stream()              ? MakeStream(wanted, std::move(head), faults)
+  auto made = wanted.stream()           ? MakeStream(wanted, std::move(head), faults)
               : wanted.protocol == kEn1 ? MakeEn1(wanted, head, faults)
               : wanted.protocol == kLkg ? MakeLkg(wanted, head, faults)
                                         : MakeUnit(wanted, head, faults);

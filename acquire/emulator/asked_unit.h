@@ -77,8 +77,8 @@ class AskedUnit : public Device {
   std::string answer_;
   std::string held_back_;  ///< answers that wait for the next (a fault)
   std::size_t sent_ = 0;
-  std::size_t pause_before_ = 0;    ///< byte of answer_ that the pause of a fault lies before
-  MonotonicNs ready_ = 0;           ///< when answer_[sent_] is handed to the wire
+  std::size_t pause_before_ = 0;  ///< byte of answer_ that the pause of a fault lies before
+  MonotonicNs ready_ = 0;         ///< when answer_[sent_] is handed to the wire
   MonotonicNs pause_ns_ = 0;
   MonotonicNs next_departure_ = 0;  ///< when answer_[sent_] has crossed the wire
   std::string crossed_;             ///< has crossed the wire and waits for Advance()

@@ -18,8 +18,8 @@ struct DlModel {
   int first_unit;  ///< identification number of the first amplifier
   std::size_t longest_line;
   int no_such_unit, no_such_number, out_of_range, read_only, write_locked;  ///< error numbers
-  int too_long;      ///< of a line
-  int faulty;        ///< of the fault `error`
+  int too_long;                                                             ///< of a line
+  int faulty;                                            ///< of the fault `error`
   std::string (*format_number)(int number, int digits);  ///< as SR carries it
   std::string (*format_data_value)(const Value& value);  ///< as SR carries it
 };

@@ -42,16 +42,16 @@ struct Fault {
 
 /// A fault and how often it strikes.
 struct FaultPlan {
-  const Fault* fault = nullptr;  ///< nullptr: the device is sound
-  std::int64_t every = 1;        ///< answers every, 2 every, 3 every, ... are hit
+  const Fault* fault = nullptr;       ///< nullptr: the device is sound
+  std::int64_t every = 1;             ///< answers every, 2 every, 3 every, ... are hit
   std::optional<int> error_number{};  ///< of a refusal; empty: what the device takes for such a one
 
   /// The fault that strikes answer `number` (1 is the first), or nullptr.
   [[nodiscard]] const Fault* At(std::int64_t number) const;
 };
 
-/// Reads "NAME", "NAME:EVERY", and for `error` also "error-NUMBER", "error-NUMBER:EVERY". Errors (Cause::kUsage): an unknown name, EVERY not a whole number
-/// from 1; both list what is known.
+/// Reads "NAME", "NAME:EVERY", and for `error` also "error-NUMBER", "error-NUMBER:EVERY". Errors
+/// (Cause::kUsage): an unknown name, EVERY not a whole number from 1; both list what is known.
 [[nodiscard]] Result<FaultPlan> ParseFaultPlan(std::string_view text);
 
 /// `answer` after `damage`; garbling depends only on `number`, so that a run can be repeated.

@@ -59,8 +59,8 @@ Result<void> ValidateIlHead(const trial::SensorHead& head) {
 
 IlAmplifier::IlAmplifier(MovingHead head, bool is_main)
     : head_(std::move(head)), type_(TypeOf(head_.head.name)), is_main_(is_main) {
-  for (const int number : {dl_rs1a::kBank, dl_rs1a::kHold, dl_rs1a::kZeroShiftMemory,
-                           dl_rs1a::kHighPassCutoff}) {
+  for (const int number :
+       {dl_rs1a::kBank, dl_rs1a::kHold, dl_rs1a::kZeroShiftMemory, dl_rs1a::kHighPassCutoff}) {
     codes_[number] = 0;
   }
   codes_[dl_rs1a::kSamplingCycle] = dl_rs1a::SamplingCode(head_.head.sampling_s).value_or(0);
@@ -129,8 +129,7 @@ IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
   if (code < 0 || code > *highest) return IlWriteOutcome::kOutOfRange;
   codes_[number] = code;
   // "default" is 1 ms; the filters average nothing here
-  head_.head.sampling_s =
-      dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
+  head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
   head_.head.averages = dl_rs1a::Averages(codes_[dl_rs1a::kAveraging]).value_or(1);
   const bool unsettles = number == dl_rs1a::kSamplingCycle || number == dl_rs1a::kAveraging ||
                          number == dl_rs1a::kHold;

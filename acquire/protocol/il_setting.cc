@@ -17,10 +17,9 @@ struct Key {
   int codes;  // 0 to codes - 1
 };
 
-constexpr std::array kKeys = {Key{"sampling", dl_rs1a::kSamplingCycle, 5},
-                              Key{"averaging", dl_rs1a::kAveraging, 15},
-                              Key{"hold", dl_rs1a::kHold, 6},
-                              Key{"high-pass", dl_rs1a::kHighPassCutoff, 10}};
+constexpr std::array kKeys = {
+    Key{"sampling", dl_rs1a::kSamplingCycle, 5}, Key{"averaging", dl_rs1a::kAveraging, 15},
+    Key{"hold", dl_rs1a::kHold, 6}, Key{"high-pass", dl_rs1a::kHighPassCutoff, 10}};
 constexpr std::string_view kOff = "off";
 
 // the name of a code; "" where there is none
@@ -69,8 +68,7 @@ Result<std::vector<Write>> Parse(std::string_view text) {
   std::ranges::replace(value, ' ', '-');
   const bool is_high_pass = key->number == dl_rs1a::kHighPassCutoff;
   if (is_high_pass && value == kOff) {
-    return std::vector{
-        Write{std::string(name), dl_rs1a::kAveraging, 0, dl_rs1a::kHighPassFilter}};
+    return std::vector{Write{std::string(name), dl_rs1a::kAveraging, 0, dl_rs1a::kHighPassFilter}};
   }
   for (int code = 0; code < key->codes; ++code) {
     if (CodeName(key->number, code) != value) continue;

@@ -25,7 +25,8 @@ struct Write {
 ///   averaging=1|2|4|...|4096|difference|high-pass    data 133
 ///   hold=sample|peak|bottom|peak-to-peak|auto-peak|auto-bottom    data 136
 ///   high-pass=0.1Hz|0.2Hz|...|100Hz                  data 159, and 133 to the high-pass filter
-///   high-pass=off                                    data 133 to no averaging, where it is the filter
+///   high-pass=off                                    data 133 to no averaging, where it is the
+///   filter
 /// A space and a dash are the same. Errors (Cause::kUsage): no such key or value, with those that
 /// exist.
 [[nodiscard]] Result<std::vector<Write>> Parse(std::string_view text);

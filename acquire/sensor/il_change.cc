@@ -39,11 +39,11 @@ Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_settin
   const auto after = talk.Read(unit, write.number);
   if (!after) return std::unexpected(after.error());
   if (!*after || dl::NumberOf(**after) != write.code) {
-    return CannotAnswer(talk.name(),
-                        fmt::format("amplifier {:02} took {} = {} but says {}", unit, write.key,
-                                    il_setting::Describe(write.number, write.code),
-                                    TextOf(write.number, *after)),
-                        "set it at the amplifier");
+    return CannotAnswer(
+        talk.name(),
+        fmt::format("amplifier {:02} took {} = {} but says {}", unit, write.key,
+                    il_setting::Describe(write.number, write.code), TextOf(write.number, *after)),
+        "set it at the amplifier");
   }
   return IlChange{unit, write.key, TextOf(write.number, *before), TextOf(write.number, *after)};
 }
@@ -75,9 +75,12 @@ Result<void> WaitForShift(IlTalk& talk, int unit, Clock& clock) {
 Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
   const auto before = talk.Read(unit, dl_rs1a::kPresentValue);
   if (!before) return std::unexpected(before.error());
-  for (const int request : {0, 1, 0}) {
-    const std::string data = talk.traits().format_number(request);
+  const std::string off = talk.traits().format_number(0);
+  for (const std::string& data : {off, talk.traits().format_number(1), off}) {
     if (auto done = talk.Write(unit, dl_rs1a::kZeroShift, data); !done) {
+      // an amplifier that acts on the level must not be left shifting: an interruption ends the
+      // waiting, and this request still goes out
+      if (data != off) (void)talk.Write(unit, dl_rs1a::kZeroShift, off);
       return std::unexpected(done.error());
     }
   }

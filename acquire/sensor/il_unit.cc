@@ -35,17 +35,16 @@ const IlUnitTraits& TraitsOf(IlUnit unit) {
       .format_number = [](int number) { return fmt::to_string(number); },
       .write_locked = dl_rs1a::kWriteControl,
       .write_remedy = "slide the R/W switch of the DL-RS1A to W, and back to R afterwards"};
-  static const IlUnitTraits kDlEn1{
-      .sensor = "keyence-en1",
-      .name = "DL-EN1",
-      .spelling = dl_en1::Spelling(),
-      .first_unit = dl_en1::kFirstUnit,
-      .longest_line = dl_en1::kLongestLine,
-      .error_text = dl_en1::ErrorText,
-      .refresh_ns = dl_en1::RefreshNs,
-      .format_number = dl_en1::FormatNumber,
-      .write_locked = dl_en1::kWriteProtected,
-      .write_remedy = "allow writing in the DL-EN1's own settings"};
+  static const IlUnitTraits kDlEn1{.sensor = "keyence-en1",
+                                   .name = "DL-EN1",
+                                   .spelling = dl_en1::Spelling(),
+                                   .first_unit = dl_en1::kFirstUnit,
+                                   .longest_line = dl_en1::kLongestLine,
+                                   .error_text = dl_en1::ErrorText,
+                                   .refresh_ns = dl_en1::RefreshNs,
+                                   .format_number = dl_en1::FormatNumber,
+                                   .write_locked = dl_en1::kWriteProtected,
+                                   .write_remedy = "allow writing in the DL-EN1's own settings"};
   return unit == IlUnit::kDlRs1a ? kDlRs1a : kDlEn1;
 }
 
@@ -74,10 +73,10 @@ Result<void> IlTalk::Write(int unit, int number, std::string_view data) {
       Ask({.command = dl::Command::kSw, .unit = unit, .number = number, .data = data});
   if (!reply) return std::unexpected(reply.error());
   if (!*reply) {
-    return CannotAnswer(name(),
-                        fmt::format("the {} does not answer the writing of data {:03}",
-                                    traits_.name, number),
-                        "check cable and power");
+    return CannotAnswer(
+        name(),
+        fmt::format("the {} does not answer the writing of data {:03}", traits_.name, number),
+        "check cable and power");
   }
   if ((*reply)->kind == dl::ReplyKind::kSw) return {};
   const int error = (*reply)->number;

@@ -30,8 +30,8 @@ struct IlUnitTraits {
   std::string_view (*error_text)(int number);
   MonotonicNs (*refresh_ns)(std::size_t amplifiers);
   std::string (*format_number)(int number);  ///< as SW's data, where the width is not known
-  int write_locked;               ///< the error number of a write that is locked
-  std::string_view write_remedy;  ///< what the user can do then
+  int write_locked;                          ///< the error number of a write that is locked
+  std::string_view write_remedy;             ///< what the user can do then
 };
 
 [[nodiscard]] const IlUnitTraits& TraitsOf(IlUnit unit);

@@ -76,11 +76,10 @@ Result<void> KeyenceIl::Probe(IlTalk& talk) {
     return {};
   }
   if (refusal) {
-    return CannotAnswer(
-        line_.name(),
-        fmt::format("the unit refuses M0 with error {:0{}}: {}", *refusal,
-                    traits_.spelling.error_digits, traits_.error_text(*refusal)),
-        fmt::format("see the error list of the {}'s manual", traits_.name));
+    return CannotAnswer(line_.name(),
+                        fmt::format("the unit refuses M0 with error {:0{}}: {}", *refusal,
+                                    traits_.spelling.error_digits, traits_.error_text(*refusal)),
+                        fmt::format("see the error list of the {}'s manual", traits_.name));
   }
   return std::unexpected(NoAnswer());
 }
@@ -98,10 +97,10 @@ Error KeyenceIl::NoAnswer() const {
   error.what = heard_bytes
                    ? fmt::format("bytes come at {} baud, but no reply of a DL-RS1A", setup_.baud)
                    : fmt::format("nothing answers at {} baud", setup_.baud);
-  error.remedy =
-      fmt::format("try --baud {}, and check that the amplifier is on, the unit set to 8 data bits "
-                  "without parity, and the cable the maker's",
-                  OtherBauds(setup_.baud));
+  error.remedy = fmt::format(
+      "try --baud {}, and check that the amplifier is on, the unit set to 8 data bits "
+      "without parity, and the cable the maker's",
+      OtherBauds(setup_.baud));
   return error;
 }
 
@@ -141,8 +140,8 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
   for (std::size_t i = 0; i < units.size(); ++i) {
     std::optional<int> told = setup_.decimals;
     if (!told && talk.silences() < kMostSilences) {
-      const auto reply = talk.Ask(
-          {.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue});
+      const auto reply =
+          talk.Ask({.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue});
       if (!reply) return std::unexpected(reply.error());
       if (*reply && (*reply)->kind == ReplyKind::kFr) told = dl::NumberOf((*reply)->data);
     }
@@ -241,9 +240,8 @@ std::vector<std::string> KeyenceIl::Remarks() const {
   const double best_hz = setup_.unit == IlUnit::kDlEn1
                              ? 1.0 / SecondsFromNs(traits_.refresh_ns(1))
                              : 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(38400, 1));
-  const std::string wire = setup_.unit == IlUnit::kDlRs1a
-                               ? fmt::format(" at {} baud", setup_.baud)
-                               : std::string();
+  const std::string wire =
+      setup_.unit == IlUnit::kDlRs1a ? fmt::format(" at {} baud", setup_.baud) : std::string();
   const std::string repeats =
       fresh_hz < poll_hz ? fmt::format(", {:.1f} of them fresh", fresh_hz) : "";
   std::vector<std::string> remarks{
@@ -270,9 +268,8 @@ std::vector<std::string> KeyenceIl::Remarks() const {
 }
 
 MonotonicNs KeyenceIl::Begin() {
-  return line_.Begin(poll_, {.channels = poll_.samples(),
-                             .refresh_ns = RefreshNs(),
-                             .rate_hz = setup_.rate_hz});
+  return line_.Begin(
+      poll_, {.channels = poll_.samples(), .refresh_ns = RefreshNs(), .rate_hz = setup_.rate_hz});
 }
 
 }  // namespace haptometer::acquire

@@ -24,11 +24,11 @@ struct KeyenceIlSetup {
   /// amplifiers.
   std::optional<MonotonicNs> refresh_ns{};
   IlUnit unit = IlUnit::kDlRs1a;
-  dl::Command command = dl::Command::kM0;      ///< kM0, or kMs: outputs are recorded too
-  std::optional<double> rate_hz{};             ///< polls on the grid k / rate_hz; empty: no pause
-  std::vector<il_setting::Write> writes{};     ///< to every amplifier; each is read back
-  bool device_zero = false;                    ///< shifts the zero of every amplifier
-  std::optional<int> decimals{};               ///< DL-EN1: where the unit does not tell them (0 to 6)
+  dl::Command command = dl::Command::kM0;   ///< kM0, or kMs: outputs are recorded too
+  std::optional<double> rate_hz{};          ///< polls on the grid k / rate_hz; empty: no pause
+  std::vector<il_setting::Write> writes{};  ///< to every amplifier; each is read back
+  bool device_zero = false;                 ///< shifts the zero of every amplifier
+  std::optional<int> decimals{};            ///< DL-EN1: where the unit does not tell them (0 to 6)
 };
 
 /// Keyence IL amplifiers, one to fifteen, behind a DL-RS1A (`keyence-il`) or a DL-EN1
@@ -71,7 +71,7 @@ class KeyenceIl final : public Sensor {
   PolledLine line_;
   IlPoll poll_;
   trial::TrialHeader header_;
-  std::vector<int> decimals_;          ///< of each amplifier's values in mm
+  std::vector<int> decimals_;           ///< of each amplifier's values in mm
   std::vector<UnitSettings> settings_;  ///< of each amplifier
   std::vector<IlChange> changes_;
   bool is_unsettled_ = false;  ///< values stayed invalid after a change

@@ -23,8 +23,7 @@ constexpr int kProbes = 3;
 std::optional<std::int32_t> CountsAt(const Value& value, int decimals) {
   if (value.counts == kNoCounts) return kNoCounts;
   if (value.decimals > decimals) return std::nullopt;
-  const std::int64_t counts =
-      std::int64_t{value.counts} * PowerOfTen(decimals - value.decimals);
+  const std::int64_t counts = std::int64_t{value.counts} * PowerOfTen(decimals - value.decimals);
   if (std::abs(counts) > PowerOfTen(9)) return std::nullopt;
   return static_cast<std::int32_t>(counts);
 }
@@ -84,8 +83,8 @@ Result<std::optional<Reply>> KeyenceLkg::Ask(const std::atomic<bool>& stop) {
   const auto take = [&](std::string_view line) {
     reply = lkg::ParseReply(line);
     // an error may name half a command that somebody else left behind
-    const bool answers = reply && (reply->kind == ReplyKind::kError ||
-                                   lkg::Answers(*reply, setup_.command));
+    const bool answers =
+        reply && (reply->kind == ReplyKind::kError || lkg::Answers(*reply, setup_.command));
     if (!answers) reply.reset();
     return answers;
   };
@@ -153,8 +152,7 @@ void KeyenceLkg::MakeHeader(int decimals) {
 
 std::vector<std::string> KeyenceLkg::Remarks() const {
   // request and reply on the wire; what the controller needs comes on top
-  const std::size_t bytes =
-      poll_.PollRequest().size() + 3 + 9 * lkg::ValuesOf(setup_.command);
+  const std::size_t bytes = poll_.PollRequest().size() + 3 + 9 * lkg::ValuesOf(setup_.command);
   const double wire_hz = 1.0 / SecondsFromNs(WireTimeNs(bytes, setup_.baud));
   const double most_hz = setup_.rate_hz ? std::min(*setup_.rate_hz, wire_hz) : wire_hz;
   return {

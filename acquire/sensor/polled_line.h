@@ -55,8 +55,8 @@ struct PollPlan {
 /// A device that answers one line to one line, polled for a recording: each poll is one row.
 ///
 /// One command at a time. What was polled and not answered becomes a row too: kLate without an
-/// answer, kBadFrame for bytes that are no reply, kDeviceError for a refusal. Repetitions are marked
-/// (sensor/repeat_marker.h).
+/// answer, kBadFrame for bytes that are no reply, kDeviceError for a refusal. Repetitions are
+/// marked (sensor/repeat_marker.h).
 ///
 /// A reply carries no mark of its request: one late reply taken for the next would put every later
 /// reading one poll behind. So after a missed deadline nothing is asked until the late reply has

@@ -17,9 +17,7 @@ std::string UnitSettings::Text(int number) const {
   return found == data_.end() ? std::string{} : found->second;
 }
 
-std::optional<int> UnitSettings::Code(int number) const {
-  return dl::NumberOf(Text(number));
-}
+std::optional<int> UnitSettings::Code(int number) const { return dl::NumberOf(Text(number)); }
 
 std::optional<double> UnitSettings::SamplingSeconds() const {
   const auto code = Code(dl_rs1a::kSamplingCycle);

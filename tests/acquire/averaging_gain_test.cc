@@ -67,19 +67,20 @@ TEST_P(AveragingGain, IsDeliveredWithinNoiseAndSteps) {
   constexpr int kSamples = 4000;
   const MovingHead head = HeadOf(GetParam(), 1e-3);
   const double gain = DeliveredAmplitude(head, GetParam().tone_hz, kSamples) / 1e-3;
-  // an amplitude fitted to N readings has the deviation sigma sqrt(2 / N); n readings in a row share
-  // raw samples, so the noise of a reading, 11 um / sqrt(n), counts n-fold at most; steps of 1 um
+  // an amplitude fitted to N readings has the deviation sigma sqrt(2 / N); n readings in a row
+  // share raw samples, so the noise of a reading, 11 um / sqrt(n), counts n-fold at most; steps of
+  // 1 um
   const double sigma_m = std::hypot(11e-6, 1e-6 / std::sqrt(12.0));
   EXPECT_ABS(gain, StatedGain(GetParam()), 5 * sigma_m * std::sqrt(2.0 / kSamples) / 1e-3,
              "five standard deviations of the fitted amplitude");
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Tones, AveragingGain,
-    ::testing::Values(Averaged{1, 1e-3, 175}, Averaged{16, 1e-3, 175}, Averaged{16, 1e-3, 225},
-                      Averaged{4, 0.33e-3, 175}, Averaged{4, 0.33e-3, 225},
-                      Averaged{16, 0.33e-3, 225}, Averaged{128, 1e-3, 3.5}, Averaged{64, 2e-3, 20},
-                      Averaged{16, 1e-3, 50}, Averaged{2, 0.33e-3, 500}));
+INSTANTIATE_TEST_SUITE_P(Tones, AveragingGain,
+                         ::testing::Values(Averaged{1, 1e-3, 175}, Averaged{16, 1e-3, 175},
+                                           Averaged{16, 1e-3, 225}, Averaged{4, 0.33e-3, 175},
+                                           Averaged{4, 0.33e-3, 225}, Averaged{16, 0.33e-3, 225},
+                                           Averaged{128, 1e-3, 3.5}, Averaged{64, 2e-3, 20},
+                                           Averaged{16, 1e-3, 50}, Averaged{2, 0.33e-3, 500}));
 
 TEST(AveragingGain, OfTheFactorySettingByHand) {
   // 16 x 1 ms: sin(16 x) / (16 sin x) with x = pi f / 1000; its first null lies at 62.5 Hz

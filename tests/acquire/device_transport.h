@@ -8,8 +8,8 @@
 
 namespace haptometer::tests {
 
-/// A transport whose other end is an emulated device on the same clock: a sensor and its emulator in
-/// one thread, without sleeping. Give it a ManualClock that stands at 0.
+/// A transport whose other end is an emulated device on the same clock: a sensor and its emulator
+/// in one thread, without sleeping. Give it a ManualClock that stands at 0.
 class DeviceTransport final : public acquire::Transport {
  public:
   DeviceTransport(acquire::emulator::Device& device, Clock& clock)

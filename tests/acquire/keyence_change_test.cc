@@ -18,6 +18,7 @@ namespace haptometer::acquire {
 namespace {
 
 using emulator::StillHead;
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
@@ -45,9 +46,8 @@ class KeyenceChange : public ::testing::Test {
   }
   Result<void> StartEn1(KeyenceIlSetup setup, bool is_writable = true) {
     setup.unit = IlUnit::kDlEn1;
-    device_ = std::make_unique<emulator::DlEn1Unit>(
-        emulator::DlEn1Setup{.heads = {StillHead(1.234e-3), StillHead(3e-3, "IL-300")},
-                             .is_writable = is_writable});
+    device_ = std::make_unique<emulator::DlEn1Unit>(emulator::DlEn1Setup{
+        .heads = {StillHead(1.234e-3), StillHead(3e-3, "IL-300")}, .is_writable = is_writable});
     return Start(setup);
   }
   Result<void> Start(const KeyenceIlSetup& setup) {
@@ -137,6 +137,22 @@ TEST_F(KeyenceChange, ASettingIsWrittenToEveryAmplifierAndReadBack) {
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
 }
 
+TEST_F(KeyenceChange, TheLongestAveragingIsWaitedFor) {
+  // 4096 x 1 ms, of which the emulated amplifier needs two
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"averaging=4096"})}));
+  EXPECT_GE(clock_.Now(), NsFromSeconds(8.192));
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
+}
+
+TEST_F(KeyenceChange, WithoutATargetTheWaitEndsAndIsSaid) {
+  device_ = std::make_unique<emulator::DlRs1aUnit>(emulator::DlRs1aSetup{
+      .head = StillHead(0), .faults = *emulator::ParseFaultPlan("invalid"), .is_writable = true});
+  ASSERT_TRUE(Start({.writes = Writes({"averaging=2"})}));
+  EXPECT_LE(clock_.Now(), 4 * kNsPerS);
+  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("shows no value since its settings were "
+                                                     "changed: is there a target?")));
+}
+
 TEST_F(KeyenceChange, WhatIsSetAlreadyIsNotWritten) {
   ASSERT_TRUE(StartRs1a({.writes = Writes({"sampling=1ms", "high-pass=off"})}, false));
   EXPECT_FALSE(metadata().fields.contains("changed_sampling"));
@@ -167,6 +183,19 @@ TEST_F(KeyenceChange, TheDevicesZeroIsShifted) {
   EXPECT_EQ(metadata().fields.at("changed_zero_02"), "+003.00 -> +000.00");
   const Reading row = NextRow();
   for (const trial::Sample& sample : row.samples) EXPECT_EQ(Counts(sample), 0);
+}
+
+TEST_F(KeyenceChange, ARefusalInTheMiddleNamesWhatWasChanged) {
+  // the answers are a probe, 27 settings, then SR, SW, SR for each write: the second SW is the 33rd
+  emulator::DlRs1aSetup unit{.baud = 38400, .head = StillHead(1.234e-3)};
+  unit.expansions = {StillHead(-2.5e-3), StillHead(3e-3, "IL-300")};
+  unit.is_writable = true;
+  unit.faults = *emulator::ParseFaultPlan("error-22:33");
+  device_ = std::make_unique<emulator::DlRs1aUnit>(unit);
+  EXPECT_THAT(
+      Start({.baud = 38400, .writes = Writes({"sampling=0.33ms", "averaging=4"})}).error().Text(),
+      AllOf(HasSubstr("refuses to write data 133 with error 22"),
+            HasSubstr("; already changed: amplifier 00: sampling 1ms -> 0.33ms; see the")));
 }
 
 TEST_F(KeyenceChange, TheEn1WritesInItsOwnSpelling) {

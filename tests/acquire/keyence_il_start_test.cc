@@ -1,9 +1,8 @@
 // What a DL-RS1A is asked before a recording, and what is said when it does not answer.
-#include "acquire/sensor/keyence_il.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "acquire/sensor/keyence_il.h"
 #include "tests/acquire/scripted_il_unit.h"
 #include "tests/residual.h"
 

@@ -33,9 +33,8 @@ class KeyenceLkgTest : public ::testing::Test {
   // a controller that gives these answers in turn, the last one for ever
   Result<void> StartScripted(std::vector<std::string> answers, const KeyenceLkgSetup& setup) {
     auto transport = std::make_unique<tests::ScriptedTransport>(
-        clock_,
-        [answers, next = std::size_t{0}](tests::ScriptedTransport& to,
-                                         const std::string& request) mutable {
+        clock_, [answers, next = std::size_t{0}](tests::ScriptedTransport& to,
+                                                 const std::string& request) mutable {
           requests_.push_back(request);
           const std::string& answer = answers[std::min(next++, answers.size() - 1)];
           if (!answer.empty()) to.Send(answer, 5'000'000);
@@ -81,8 +80,7 @@ TEST_F(KeyenceLkgTest, BothOutputsAreChannels) {
 }
 
 TEST_F(KeyenceLkgTest, ItsModeIsLeftAsItIsFound) {
-  const auto started =
-      StartEmulated({.heads = {StillHead(0)}, .in_communication_mode = true}, {});
+  const auto started = StartEmulated({.heads = {StillHead(0)}, .in_communication_mode = true}, {});
   ASSERT_FALSE(started);
   EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
   EXPECT_THAT(started.error().Text(),
@@ -107,8 +105,8 @@ TEST_F(KeyenceLkgTest, SpecialValuesAreStatuses) {
 }
 
 TEST_F(KeyenceLkgTest, APointThatMovesIsFollowedWhereNoDigitIsLost) {
-  ASSERT_TRUE(StartScripted({"M1,+01.2345\r", "M1,+012.345\r", "M1,-00001.2\r", "M1,+1.23456\r"},
-                            {}));
+  ASSERT_TRUE(
+      StartScripted({"M1,+01.2345\r", "M1,+012.345\r", "M1,-00001.2\r", "M1,+1.23456\r"}, {}));
   EXPECT_EQ(Counts(NextRow().samples[0]), 123'450);
   EXPECT_EQ(Counts(NextRow().samples[0]), -12'000);
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kBadFrame);

@@ -1,5 +1,6 @@
 // A reply that comes too late must never be taken for the next reading, whatever the protocol: a
-// peer that answers in order, each value the number of its own request, with late replies strewn in.
+// peer that answers in order, each value the number of its own request, with late replies strewn
+// in.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -80,9 +81,7 @@ Maker DlRs1a() {
           .step = "MS\r\n",
           .step_answer = "MS,04,+88.888\r\n",
           .reading =
-              [](int number) {
-                return dl_rs1a::FormatM0Reply(std::array{Value{number, 3, {}}});
-              },
+              [](int number) { return dl_rs1a::FormatM0Reply(std::array{Value{number, 3, {}}}); },
           .other = [](const std::string&) { return "ER,SR,22\r\n"; },
           .sensor =
               [](std::unique_ptr<Transport> transport, Clock& clock) {
@@ -136,12 +135,10 @@ struct Count {
 Count RunLate(const Maker& maker, unsigned seed, int wanted) {
   ManualClock clock;
   NumberingPeer peer(maker, clock, seed);
-  auto sensor = maker.sensor(
-      std::make_unique<tests::ScriptedTransport>(
-          clock, [&](tests::ScriptedTransport& to, const std::string& bytes) {
-            peer.Answer(to, bytes);
-          }),
-      clock);
+  auto sensor = maker.sensor(std::make_unique<tests::ScriptedTransport>(
+                                 clock, [&](tests::ScriptedTransport& to,
+                                            const std::string& bytes) { peer.Answer(to, bytes); }),
+                             clock);
   const std::atomic<bool> stop{false};
   const auto started = sensor->Start(stop);
   EXPECT_TRUE(started) << started.error().Text();
@@ -185,8 +182,8 @@ TEST_P(LateReplies, AreNeverTakenForTheNextReading) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Makers, LateReplies,
-                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a},
-                                           std::pair{"DlEn1", &DlEn1}, std::pair{"Lkg", &Lkg}),
+                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a}, std::pair{"DlEn1", &DlEn1},
+                                           std::pair{"Lkg", &Lkg}),
                          [](const auto& made) { return std::string(made.param.first); });
 
 }  // namespace

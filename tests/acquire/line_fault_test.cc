@@ -1,5 +1,6 @@
-// Every fault of the emulators against every line protocol: the status that a reading gets, and that
-// the readings after it are sound and its own. Sensor and emulator in one thread on a manual clock.
+// Every fault of the emulators against every line protocol: the status that a reading gets, and
+// that the readings after it are sound and its own. Sensor and emulator in one thread on a manual
+// clock.
 #include <gtest/gtest.h>
 
 #include <atomic>

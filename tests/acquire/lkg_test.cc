@@ -17,14 +17,13 @@ struct Shown {
 };
 
 TEST(LkgValue, TheManualsTableBothWays) {
-  for (const auto& [text, value] :
-       {Shown{"+01.2345", {12'345, 4, SampleStatus::kOk}},
-        Shown{"-00.0120", {-120, 4, SampleStatus::kOk}},
-        Shown{"+1234.56", {123'456, 2, SampleStatus::kOk}},
-        Shown{"-00001.2", {-12, 1, SampleStatus::kOk}},
-        Shown{"XXXXXXXX", {kNoCounts, 0, SampleStatus::kInvalid}},
-        Shown{"+FFFFFFF", {kNoCounts, 0, SampleStatus::kOver}},
-        Shown{"-FFFFFFF", {kNoCounts, 0, SampleStatus::kUnder}}}) {
+  for (const auto& [text, value] : {Shown{"+01.2345", {12'345, 4, SampleStatus::kOk}},
+                                    Shown{"-00.0120", {-120, 4, SampleStatus::kOk}},
+                                    Shown{"+1234.56", {123'456, 2, SampleStatus::kOk}},
+                                    Shown{"-00001.2", {-12, 1, SampleStatus::kOk}},
+                                    Shown{"XXXXXXXX", {kNoCounts, 0, SampleStatus::kInvalid}},
+                                    Shown{"+FFFFFFF", {kNoCounts, 0, SampleStatus::kOver}},
+                                    Shown{"-FFFFFFF", {kNoCounts, 0, SampleStatus::kUnder}}}) {
     EXPECT_EQ(ParseValue(text), value) << text;
     EXPECT_EQ(FormatValue(value), text);
   }

@@ -127,9 +127,9 @@ TEST(RecorderAllocation, ARunningPollAllocatesNothing) {
 
 TEST(RecorderAllocation, ARunningDlEn1AllocatesNothing) {
   ManualClock clock;
-  KeyenceIl sensor(std::make_unique<ParrotTransport>("M0,+000000018\r\n", clock, false,
-                                                     "ER,SR,016\r\n"),
-                   {.unit = IlUnit::kDlEn1, .rate_hz = 100, .decimals = 3}, clock);
+  KeyenceIl sensor(
+      std::make_unique<ParrotTransport>("M0,+000000018\r\n", clock, false, "ER,SR,016\r\n"),
+      {.unit = IlUnit::kDlEn1, .rate_hz = 100, .decimals = 3}, clock);
   ASSERT_TRUE(sensor.Start(kNeverStop));
   EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
 }

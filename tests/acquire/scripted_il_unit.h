@@ -32,7 +32,8 @@ class ScriptedIlUnit {
 
   explicit ScriptedIlUnit(Clock& clock) : clock_(clock) {
     auto transport = std::make_unique<tests::ScriptedTransport>(
-        clock, [this](tests::ScriptedTransport& to, const std::string& request) { Reply(to, request); });
+        clock,
+        [this](tests::ScriptedTransport& to, const std::string& request) { Reply(to, request); });
     wire = transport.get();
     transport_ = std::move(transport);
   }
@@ -55,7 +56,8 @@ class ScriptedIlUnit {
     if (request == "M0\r\n") {
       std::vector<Answer> answers;
       if (to_m0.empty()) {
-        answers = {{dl_rs1a::FormatM0Reply(std::array{Value{next_um++, 3, trial::SampleStatus::kOk}})}};
+        answers = {
+            {dl_rs1a::FormatM0Reply(std::array{Value{next_um++, 3, trial::SampleStatus::kOk}})}};
       } else {
         answers = to_m0.front();
         to_m0.pop_front();

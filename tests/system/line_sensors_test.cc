@@ -37,7 +37,8 @@ class LineSensors : public ::testing::Test {
     port_ = *port;
   }
   Outcome Acquire(const std::vector<std::string>& options) const {
-    std::vector<std::string> arguments{"acquire", "--port", port_, "--json", "-o", trial_, "--overwrite"};
+    std::vector<std::string> arguments{"acquire", "--port", port_,        "--json",
+                                       "-o",      trial_,   "--overwrite"};
     arguments.insert(arguments.end(), options.begin(), options.end());
     if (std::ranges::find(options, "--samples") == options.end()) {
       arguments.insert(arguments.end(), {"--samples", "150"});
@@ -133,9 +134,9 @@ TEST_F(LineSensors, LateAnswersAreNotTakenForOthersByTheRunningProgram) {
   }
   for (const std::string fault : {"slow:100", "late:100"}) {
     SCOPED_TRACE(fault);
-    emulator_ = std::make_unique<Process>(std::vector<std::string>{
-        "haptometer", "emulate", "--trial", ramp, "--baud", "38400", "--averages", "1", "--fault",
-        fault});
+    emulator_ = std::make_unique<Process>(
+        std::vector<std::string>{"haptometer", "emulate", "--trial", ramp, "--baud", "38400",
+                                 "--averages", "1", "--fault", fault});
     const auto port = emulator_->WaitForLine("ready ", 20);
     ASSERT_TRUE(port);
     port_ = *port;

@@ -90,7 +90,8 @@ Result<void> CheckCommand(const SensorOptions& wanted) {
   if (wanted.command.empty() || wanted.command == "m0") return {};
   const bool is_ms = wanted.command == "ms";
   if (IsLkg(wanted) && is_ms) {
-    return Usage("--command", "ms is a command of the IL series", "use m1, m2 or m0 (both outputs)");
+    return Usage("--command", "ms is a command of the IL series",
+                 "use m1, m2 or m0 (both outputs)");
   }
   if (!IsLkg(wanted) && !is_ms) {
     return Usage("--command", wanted.command + " is a command of the LK-G series",
@@ -120,8 +121,7 @@ Result<void> CheckKeyence(const SensorOptions& wanted) {
     return Usage("--command", "is for keyence-en1, keyence-il and keyence-lkg", "leave it out");
   }
   const auto& bauds = acquire::dl_rs1a::kBauds;
-  if (wanted.sensor == "keyence-il" &&
-      std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
+  if (wanted.sensor == "keyence-il" && std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
     return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", BaudOf(wanted)),
                  "use 2400, 4800, 9600, 19200 or 38400");
   }

@@ -12,8 +12,8 @@ namespace haptometer::tools {
 /// Whether `sensor` is one of keyence-en1, keyence-il, keyence-lkg.
 [[nodiscard]] bool IsKeyence(const std::string& sensor);
 
-/// What is wrong with --command, --decimals, --device-zero and --set for the sensor, before anything
-/// is touched. Errors (Cause::kUsage).
+/// What is wrong with --command, --decimals, --device-zero and --set for the sensor, before
+/// anything is touched. Errors (Cause::kUsage).
 [[nodiscard]] Result<void> CheckKeyence(const SensorOptions& wanted);
 
 /// As OpenSensor(), for a sensor that IsKeyence().

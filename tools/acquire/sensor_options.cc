@@ -11,7 +11,8 @@ namespace haptometer::tools {
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
   options.Text("--port", &wanted.port, "PORT",
                "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
-  options.Choice("--sensor", &wanted.sensor, {"keyence-en1", "keyence-il", "keyence-lkg", "stream", "replay"},
+  options.Choice("--sensor", &wanted.sensor,
+                 {"keyence-en1", "keyence-il", "keyence-lkg", "stream", "replay"},
                  "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
                  "keyence-lkg: an LK-G3001; stream: lines that come unasked");
   options.Count("--baud", &wanted.baud, 50, 4'000'000,
@@ -51,8 +52,8 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
     return Usage("--rate", "must be above 0", "write e.g. 50Hz");
   }
   if (wanted.rate_hz && (wanted.sensor == "stream" || wanted.sensor == "replay")) {
-    return Usage("--rate", fmt::format("{} is not asked, so it cannot be asked less often",
-                                       wanted.sensor),
+    return Usage("--rate",
+                 fmt::format("{} is not asked, so it cannot be asked less often", wanted.sensor),
                  "leave it out");
   }
   if (auto checked = CheckKeyence(wanted); !checked) return checked;
