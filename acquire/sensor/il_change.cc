@@ -77,12 +77,15 @@ Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
   if (!before) return std::unexpected(before.error());
   const std::string off = talk.traits().format_number(0);
   for (const std::string& data : {off, talk.traits().format_number(1), off}) {
-    if (auto done = talk.Write(unit, dl_rs1a::kZeroShift, data); !done) {
-      // an amplifier that acts on the level must not be left shifting: an interruption ends the
-      // waiting, and this request still goes out
-      if (data != off) (void)talk.Write(unit, dl_rs1a::kZeroShift, off);
-      return std::unexpected(done.error());
+    auto done = talk.Write(unit, dl_rs1a::kZeroShift, data);
+    if (done) continue;
+    // an amplifier that acts on the level must not be left shifting: an interruption ends the
+    // waiting, and this request still goes out
+    Error error = done.error();
+    if (data != off && !talk.Write(unit, dl_rs1a::kZeroShift, off)) {
+      error.what += fmt::format("; data 001 of amplifier {:02} may still be 1", unit);
     }
+    return std::unexpected(std::move(error));
   }
   if (auto shifted = WaitForShift(talk, unit, clock); !shifted) {
     return std::unexpected(shifted.error());

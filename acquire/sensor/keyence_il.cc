@@ -128,6 +128,7 @@ Result<void> KeyenceIl::ReadSettings(IlTalk& talk) {
 // where a line's values have no point: FR tells, else the head, else the user
 Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
   std::vector<IlChannel> channels;
+  channels.reserve(decimals_.size());
   for (std::size_t i = 0; i < decimals_.size(); ++i) {
     const dl_rs1a::Head* head = settings_[i].head();
     channels.push_back({.sent_decimals = decimals_[i],
