@@ -89,6 +89,22 @@ Maker DlRs1a() {
               }};
 }
 
+// the other way round: MS is polled and M0 is the step
+Maker DlRs1aByMs() {
+  Maker maker = DlRs1a();
+  maker.poll = "MS\r\n";
+  maker.step = "M0\r\n";
+  maker.step_answer = "M0,+88.888\r\n";
+  maker.reading = [](int number) {
+    return dl_rs1a::FormatMsReply(std::array{4}, std::array{Value{number, 3, {}}});
+  };
+  maker.sensor = [](std::unique_ptr<Transport> transport, Clock& clock) {
+    return std::make_unique<KeyenceIl>(std::move(transport),
+                                       KeyenceIlSetup{.command = dl::Command::kMs}, clock);
+  };
+  return maker;
+}
+
 Maker DlEn1() {
   return {.poll = "M0\r\n",
           .step = "MS\r\n",
@@ -182,8 +198,9 @@ TEST_P(LateReplies, AreNeverTakenForTheNextReading) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Makers, LateReplies,
-                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a}, std::pair{"DlEn1", &DlEn1},
-                                           std::pair{"Lkg", &Lkg}),
+                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a},
+                                           std::pair{"DlRs1aByMs", &DlRs1aByMs},
+                                           std::pair{"DlEn1", &DlEn1}, std::pair{"Lkg", &Lkg}),
                          [](const auto& made) { return std::string(made.param.first); });
 
 }  // namespace

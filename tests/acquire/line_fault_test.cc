@@ -163,11 +163,13 @@ TEST_P(LineFaultsByMaker, AnotherAmplifiersAnswerIsNoReading) {
 }
 
 TEST_P(LineFaultsByMaker, ABrokenAmplifierIsADeviceError) {
-  if (std::get<0>(GetParam()).name == "Lkg") GTEST_SKIP() << "an LK-G has no such value";
+  // an LK-G has no value of its own for that: it shows none
+  const bool is_lkg = std::get<0>(GetParam()).name == "Lkg";
+  const SampleStatus status = is_lkg ? SampleStatus::kInvalid : SampleStatus::kDeviceError;
   Start("amplifier-error:100");
   int struck = 0;
   for (int row = 0; row < 200; ++row) {
-    struck += RowStatus(NextRow().value()) == SampleStatus::kDeviceError ? 1 : 0;
+    struck += RowStatus(NextRow().value()) == status ? 1 : 0;
   }
   EXPECT_EQ(struck, 2);
 }
