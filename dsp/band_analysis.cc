@@ -14,6 +14,7 @@
 #include "dsp/settled.h"
 #include "dsp/tone.h"
 #include "dsp/zero_phase.h"
+#include "trial/sensor_head.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -300,7 +301,7 @@ void DescribeBand(const trial::Metadata& metadata, const std::vector<Filtered>& 
       std::hypot(analysis.tone->frequency_uncertainty_hz, tone->frequency_hz * rate_share);
   if (metadata.sampling_s && metadata.averages) {
     analysis.sensor_gain_at_tone =
-        AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);
+        trial::AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);
   }
 }
 
@@ -346,15 +347,6 @@ void KeepFiltered(const std::vector<Filtered>& all, BandAnalysis& analysis) {
 }
 
 }  // namespace
-
-double AveragingGain(double frequency_hz, double sampling_s, int averages) {
-  HAPTOMETER_CHECK(averages >= 1, "averages = {}", averages);
-  const double half_angle = std::numbers::pi * frequency_hz * sampling_s;
-  const double one = std::sin(half_angle);
-  // every raw sample sees the same phase: nothing averages out
-  if (std::abs(one) < 1e-12) return 1;
-  return std::abs(std::sin(half_angle * averages) / (averages * one));
-}
 
 Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion& question) {
   // the band must be possible at some rate; whether the record's will do is an answer, not an error

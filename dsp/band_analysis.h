@@ -98,8 +98,4 @@ struct BandAnalysis {
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
 
-/// What averaging `averages` samples taken every `sampling_s` leaves of a tone:
-///   |sin(pi f n Ts) / (n sin(pi f Ts))|
-[[nodiscard]] double AveragingGain(double frequency_hz, double sampling_s, int averages);
-
 }  // namespace haptometer::dsp

@@ -32,7 +32,8 @@ std::vector<std::optional<Value>> Readings(const StreamFormat& format, std::stri
       const auto& value = readings.back();
       if (!value || !haptometer::trial::IsMeasurement(value->status)) continue;
       // a negative zero is the only number with two spellings
-      const std::string again = FormatStreamLine(format, *value);
+      const std::int64_t number = format.counter_digits > 0 ? LineCount(format, frame.text) : 0;
+      const std::string again = FormatStreamLine(format, *value, number);
       const std::string line = std::string(frame.text).append(Bytes(format.delimiter));
       Require(again == line || value->counts == 0);
     }

@@ -69,14 +69,16 @@ trial::Metadata Describe(const Scene& scene) {
 
 }  // namespace
 
+std::int64_t SamplesPerReading(const Sensor& sensor) {
+  return std::llround(1 / (sensor.rate_hz * sensor.head.sampling_s));
+}
+
 trial::Record SimulateRecord(const Scene& scene, double duration_s) {
   HAPTOMETER_CHECK(scene.sensor.has_value(), "the scene has no sensor");
   const Sensor& sensor = *scene.sensor;
   const auto rows = static_cast<std::size_t>(std::floor(duration_s * sensor.rate_hz * (1 + 1e-12)));
   HAPTOMETER_CHECK(rows >= 1, "{} s at {} Hz", duration_s, sensor.rate_hz);
-  // every how many raw samples a reading is handed out
-  const auto stride =
-      static_cast<std::int64_t>(std::llround(1 / (sensor.rate_hz * sensor.head.sampling_s)));
+  const std::int64_t stride = SamplesPerReading(sensor);
 
   trial::Channel channel;
   channel.name = "displacement";

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "sim/scene.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
@@ -13,6 +15,9 @@ namespace haptometer::sim {
 /// The same as the scene's sensor sees it: its target, delayed by its latency. The scene must have
 /// a sensor.
 [[nodiscard]] trial::Displacement SensedMotion(const Scene& scene);
+
+/// Raw samples between one reading and the next: 1 / (rate_hz * head.sampling_s).
+[[nodiscard]] std::int64_t SamplesPerReading(const Sensor& sensor);
 
 /// What the scene's sensor would hand out over `duration_s`: one displacement channel, one stretch,
 /// row i at i / rate_hz. Metadata says "simulated" and names sensor, spot and drive. The scene must

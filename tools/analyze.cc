@@ -1,12 +1,12 @@
 #include <fmt/core.h>
 
-#include <cctype>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "dsp/band_analysis.h"
 #include "tools/analyze_output.h"
+#include "tools/cli/band.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
@@ -45,28 +45,6 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "Draw the trial and what was used of it");
 }
 
-// "20-500Hz", "20Hz-0.5kHz": a lower corner without a unit takes that of the upper one
-Result<dsp::BandPass> ParseBand(const std::string& text) {
-  const auto dash = text.find('-', 1);
-  if (dash == std::string::npos) {
-    return Usage("--band", fmt::format("'{}' is not a band", text), "write it as 20-500Hz");
-  }
-  std::string lower = text.substr(0, dash);
-  const std::string upper = text.substr(dash + 1);
-  if (std::isalpha(static_cast<unsigned char>(lower.back())) == 0) {
-    const auto unit = upper.find_last_not_of("kMHz") + 1;
-    lower += upper.substr(unit);
-  }
-  const auto lower_hz = ParseQuantity(lower, Dimension::kFrequency, "--band");
-  if (!lower_hz) return std::unexpected(lower_hz.error());
-  const auto upper_hz = ParseQuantity(upper, Dimension::kFrequency, "--band");
-  if (!upper_hz) return std::unexpected(upper_hz.error());
-  dsp::BandPass band;
-  band.lower_hz = lower_hz->value;
-  band.upper_hz = upper_hz->value;
-  return band;
-}
-
 Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
   if (!wanted.plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(wanted.plot); !drawable) {
@@ -77,9 +55,12 @@ Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
                    "give one file");
     }
   }
-  auto band = ParseBand(wanted.band);
+  const auto band = cli::ParseBand(wanted.band);
   if (!band) return std::unexpected(band.error());
-  dsp::BandQuestion question{*band, !wanted.order.has_value()};
+  dsp::BandQuestion question;
+  question.band.lower_hz = band->lower_hz;
+  question.band.upper_hz = band->upper_hz;
+  question.may_lower_order = !wanted.order.has_value();
   question.band.order = static_cast<int>(wanted.order.value_or(question.band.order));
   question.band.corners = wanted.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
   // whether the band is one, before any file is read

@@ -14,12 +14,11 @@
 #include "acquire/emulator/stream_head.h"
 #include "acquire/protocol/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
-#include "sim/scene_file.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/played_scene.h"
 #include "tools/recorded_motion.h"
 #include "tools/verbs.h"
 #include "trial/read_recording.h"
@@ -53,6 +52,7 @@ struct Wanted {
   std::string link;
   std::string tcp;
   std::string fault;
+  std::string format;
   std::optional<std::int64_t> seed;
   std::optional<Quantity> duration_s;
   std::optional<Quantity> sampling_s;
@@ -76,6 +76,8 @@ void Declare(cli::Options& options, Wanted& wanted) {
       "unasked");
   options.Count("--baud", &wanted.baud, 300, 20'000'000,
                 "The wire's (9600; stream: 921600; en1: none)");
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
   options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
   options.Text("--tcp", &wanted.tcp, "HOST:PORT",
                "TCP instead of a terminal; port 0: any free one");
@@ -119,6 +121,9 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
     return Usage("--amplifiers", "is for those that are asked",
                  "leave it out with --protocol stream");
   }
+  if (!wanted.stream() && !wanted.format.empty()) {
+    return Usage("--format", "is for lines that come unasked", "add --protocol stream");
+  }
   const std::pair<const char*, const std::optional<Quantity>*> times[] = {
       {"--duration", &wanted.duration_s},
       {"--sampling", &wanted.sampling_s},
@@ -136,12 +141,8 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
 // The head before a scene that plays: its motion and, where the scene's sensor is of this
 // protocol's kind, its settings. Another kind of sensor only says where the spot lies.
 Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
-  const auto scene = sim::ReadSceneFile(path);
+  const auto scene = ReadPlayedScene(path);
   if (!scene) return std::unexpected(scene.error());
-  if (scene->start == sim::Start::kSteady && !(sim::SolveSteadyState(*scene).error_estimate < 1)) {
-    return CannotAnswer(path, "has no steady state: the drive excites an undamped resonance",
-                        "add damping, or start = \"rest\" to [run]");
-  }
   if (scene->sensor && scene->sensor->head.name == head.head.name) {
     head = {.head = scene->sensor->head,
             .displacement = sim::SensedMotion(*scene),
@@ -240,6 +241,11 @@ Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
 Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
                           const emulator::FaultPlan& faults) {
   emulator::StreamSetup setup;
+  if (!wanted.format.empty()) {
+    const auto format = acquire::ParseStreamFormat(wanted.format);
+    if (!format) return std::unexpected(format.error());
+    setup.format = *format;
+  }
   setup.head = std::move(head);
   setup.faults = faults;
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);

@@ -15,6 +15,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/simulate_output.h"
+#include "tools/simulated_channel.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -64,29 +65,6 @@ std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   WindowAnswer window{.begin_s = std::max(0.0, begin_s), .end_s = *scene.duration_s};
   window.skin_rms_m = response.WindowRms(model.skin(), window.begin_s, window.end_s);
   return window;
-}
-
-// A quantised channel as whole counts, any other as it is.
-trial::ChannelFormat FormatOf(const trial::Channel& channel) {
-  trial::ChannelFormat format{.name = channel.name,
-                              .role = channel.role,
-                              .unit = channel.unit,
-                              .range_min = channel.range_min,
-                              .range_max = channel.range_max,
-                              .resolution = channel.resolution};
-  const double largest = std::max(std::abs(channel.range_min), std::abs(channel.range_max));
-  if (channel.resolution > 0 &&
-      largest / channel.resolution < std::numeric_limits<std::int32_t>::max()) {
-    format.encoding = trial::Encoding::kI32;
-    format.scale = channel.resolution;
-  }
-  return format;
-}
-
-trial::RawValue RawOf(const trial::ChannelFormat& format, double value) {
-  if (format.encoding == trial::Encoding::kF64) return trial::RawValue::F64(value);
-  if (std::isnan(value)) return trial::RawValue::Counts(0);
-  return trial::RawValue::Counts(static_cast<std::int32_t>(std::lround(value / format.scale)));
 }
 
 Result<void> WriteTrial(const SimulateOptions& wanted, const trial::Record& record) {

@@ -49,6 +49,15 @@ SensorHead Stream10kHz() {
           .range_max_m = 10e-3};
 }
 
+double AveragingGain(double frequency_hz, double sampling_s, int averages) {
+  HAPTOMETER_CHECK(averages >= 1, "averages = {}", averages);
+  const double half_angle = std::numbers::pi * frequency_hz * sampling_s;
+  const double one = std::sin(half_angle);
+  // every raw sample sees the same phase: nothing averages out
+  if (std::abs(one) < 1e-12) return 1;
+  return std::abs(std::sin(half_angle * averages) / (averages * one));
+}
+
 HeadReading ReadingAt(const SensorHead& head, const Displacement& displacement, std::int64_t k,
                       std::uint64_t seed) {
   HAPTOMETER_CHECK(head.sampling_s > 0 && head.averages >= 1, "sampling {} s, {} averages",

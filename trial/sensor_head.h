@@ -27,6 +27,10 @@ struct SensorHead {
 /// A fast head for free-running output: 10 kHz, 0.1 um steps, 0.5 um of noise, no averaging.
 [[nodiscard]] SensorHead Stream10kHz();
 
+/// What averaging `averages` (>= 1) samples taken every `sampling_s` leaves of a tone:
+///   |sin(pi f n Ts) / (n sin(pi f Ts))|
+[[nodiscard]] double AveragingGain(double frequency_hz, double sampling_s, int averages);
+
 /// Displacement in metres at time t in seconds.
 using Displacement = std::function<double(double t_s)>;
 

@@ -87,7 +87,7 @@ void StreamHead::PrepareLine() {
               .decimals = setup_.format.decimals,
               .status = reading.status};
   if (fault != nullptr && fault->status != trial::SampleStatus::kOk) value.status = fault->status;
-  line_ = FormatStreamLine(setup_.format, value);
+  line_ = FormatStreamLine(setup_.format, value, number);
   if (fault != nullptr) line_ = Damaged(std::move(line_), fault->damage, number + 1);
   if (std::exchange(is_asked_, false)) {
     line_ = fmt::format("{}{}{}", kEmulatedIdentity, Bytes(setup_.format.delimiter), line_);

@@ -27,7 +27,8 @@ struct StreamSetup {
 [[nodiscard]] Result<void> Validate(const StreamSetup& setup);
 
 /// A head that sends one line per raw sample without being asked: line k leaves at k * sampling_s,
-/// k = 0, 1, 2, ... None is ever skipped, however late the caller is.
+/// k = 0, 1, 2, ... None is ever skipped, however late the caller is. Where the format has a line
+/// counter, line k carries k, from 0 again after its last number.
 ///
 /// Hands its bytes over in batches of about a millisecond. Cost: one reading per line.
 class StreamHead final : public Device {

@@ -15,6 +15,12 @@ namespace {
 constexpr int kMostDigits = 9;  // 999 999 999 still fits in 32 bits
 constexpr std::string_view kFormatRemedy =
     "write PICTURE,UNIT,DELIMITER such as +00.0000,mm,CR or 000000,0.1um,CRLF";
+constexpr std::string_view kSeparators = ",;: \t";
+
+// characters of the line counter and its separator
+std::size_t CounterWidth(const StreamFormat& format) {
+  return format.counter_digits > 0 ? static_cast<std::size_t>(format.counter_digits) + 1 : 0;
+}
 
 std::size_t NumberWidth(const StreamFormat& format) {
   const std::size_t point = format.decimals > 0 ? 1 : 0;
@@ -43,6 +49,21 @@ Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
   return {};
 }
 
+// "000,+00.0000": a line counter, where there is one, and the number
+Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
+  const std::size_t mark = pictures.find_first_of(kSeparators);
+  if (mark == std::string_view::npos) return ReadPicture(pictures, format);
+  const std::string_view counter = pictures.substr(0, mark);
+  if (!ConsistsOf(counter, '0') || counter.size() > kMostDigits) {
+    return Usage("--format",
+                 fmt::format("\"{}\" is not a picture of a line counter of 1 to 9 digits", counter),
+                 "write e.g. 000,+00.0000,mm,CR");
+  }
+  format.counter_digits = static_cast<int>(counter.size());
+  format.separator = pictures[mark];
+  return ReadPicture(pictures.substr(mark + 1), format);
+}
+
 // "mm" is one millimetre, "0.1um" a tenth of a micrometre
 Result<double> ReadUnit(std::string_view unit) {
   const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
@@ -63,14 +84,16 @@ Result<Delimiter> ReadDelimiter(std::string_view word) {
 }  // namespace
 
 Result<StreamFormat> ParseStreamFormat(std::string_view text) {
-  const std::size_t first = text.find(',');
-  const std::size_t second = first == std::string_view::npos ? first : text.find(',', first + 1);
-  if (second == std::string_view::npos) {
+  const std::size_t second = text.rfind(',');
+  const std::size_t first = second == std::string_view::npos || second == 0
+                                ? std::string_view::npos
+                                : text.rfind(',', second - 1);
+  if (first == std::string_view::npos) {
     return Usage("--format", fmt::format("\"{}\" has not three parts", text),
                  std::string(kFormatRemedy));
   }
   StreamFormat format;
-  if (auto read = ReadPicture(text.substr(0, first), format); !read) {
+  if (auto read = ReadPictures(text.substr(0, first), format); !read) {
     return std::unexpected(read.error());
   }
   const Result<double> unit_m = ReadUnit(text.substr(first + 1, second - first - 1));
@@ -82,8 +105,10 @@ Result<StreamFormat> ParseStreamFormat(std::string_view text) {
   return format;
 }
 
+std::int32_t CounterTurn(const StreamFormat& format) { return PowerOfTen(format.counter_digits); }
+
 std::size_t LineWidth(const StreamFormat& format) {
-  return NumberWidth(format) + (format.sign == SignRule::kAlways ? 1 : 0);
+  return CounterWidth(format) + NumberWidth(format) + (format.sign == SignRule::kAlways ? 1 : 0);
 }
 
 std::size_t LineBytes(const StreamFormat& format) {
@@ -106,6 +131,14 @@ double MostLinesPerSecond(const StreamFormat& format, int baud) {
 
 std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_view line) {
   if (line.size() != LineWidth(format)) return std::nullopt;
+  // the counter
+  if (format.counter_digits > 0) {
+    const auto digits = static_cast<std::size_t>(format.counter_digits);
+    if (line[digits] != format.separator || !ParseDigits(line.substr(0, digits))) {
+      return std::nullopt;
+    }
+    line.remove_prefix(digits + 1);
+  }
   if (ConsistsOf(line, 'X') || ConsistsOf(line, '-')) {
     return Value{kNoCounts, format.decimals, trial::SampleStatus::kInvalid};
   }
@@ -131,7 +164,17 @@ std::optional<Value> ParseStreamLine(const StreamFormat& format, std::string_vie
   return Value{sign == '-' ? -*size : *size, format.decimals, trial::SampleStatus::kOk};
 }
 
-std::string FormatStreamLine(const StreamFormat& format, const Value& value) {
+std::int32_t LineCount(const StreamFormat& format, std::string_view line) {
+  const auto digits = static_cast<std::size_t>(format.counter_digits);
+  const std::optional<std::int32_t> count = ParseDigits(line.substr(0, digits));
+  HAPTOMETER_CHECK(count.has_value(), "line \"{}\" has no counter", line);
+  return *count;
+}
+
+namespace {
+
+// a line's value with its delimiter, without a counter
+std::string FormatValue(const StreamFormat& format, const Value& value) {
   const std::string_view end = Bytes(format.delimiter);
   const bool is_signed = format.sign == SignRule::kAlways;
   const bool is_number = trial::IsMeasurement(value.status);
@@ -146,7 +189,7 @@ std::string FormatStreamLine(const StreamFormat& format, const Value& value) {
     const std::string sign = is_signed ? (over ? "+" : "-") : "";
     return sign + std::string(NumberWidth(format), 'F').append(end);
   }
-  if (!is_number) return std::string(LineWidth(format), 'X').append(end);
+  if (!is_number) return std::string(LineWidth(format) - CounterWidth(format), 'X').append(end);
   // sign, digits, point
   const std::string digits =
       fmt::format("{:0{}}", std::abs(value.counts), format.whole_digits + format.decimals);
@@ -156,6 +199,14 @@ std::string FormatStreamLine(const StreamFormat& format, const Value& value) {
     line.append(".").append(digits, static_cast<std::size_t>(format.whole_digits));
   }
   return line.append(end);
+}
+
+}  // namespace
+
+std::string FormatStreamLine(const StreamFormat& format, const Value& value, std::int64_t number) {
+  if (format.counter_digits == 0) return FormatValue(format, value);
+  return fmt::format("{:0{}}{}{}", number % CounterTurn(format), format.counter_digits,
+                     format.separator, FormatValue(format, value));
 }
 
 }  // namespace haptometer::acquire

@@ -8,6 +8,7 @@
 
 #include "acquire/recorder/row_ring.h"
 #include "acquire/recorder/tally.h"
+#include "base/check.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -109,7 +110,13 @@ void Reader::NoteLost() {
 }
 
 void Reader::Keep(const Reading& reading) {
-  if (lost_here_ == 0 && ring_.Push(reading, origin_ns_)) {
+  if (lost_here_ == 0 && ring_.HasRoom()) {
+    if (reading.lost_before > 0) {
+      Say(trial::EventKind::kGap,
+          fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before));
+    }
+    const bool is_in = ring_.Push(reading, origin_ns_);
+    HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);
     tally_.Add(reading);
     return;
   }

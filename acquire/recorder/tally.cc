@@ -28,6 +28,11 @@ void Tally::Add(const Reading& reading) {
   const MonotonicNs time_ns = SinceBegin(reading);
   summary_.elapsed_s = SecondsFromNs(time_ns);
   intervals_.Add(time_ns);
+  // what the sensor counts itself needs no guess from the interval
+  if (reading.lost_before > 0) {
+    ++known_gaps_;
+    gaps_.Restart();
+  }
   gaps_.Add(reading);
 }
 

@@ -254,6 +254,11 @@ std::vector<std::string> KeyenceIl::Remarks() const {
                   "head that sends lines by itself (--sensor stream)",
                   traits_.name, setup_.unit == IlUnit::kDlRs1a ? " at any baud rate" : "",
                   best_hz)};
+  if (setup_.unit == IlUnit::kDlRs1a) {
+    const std::string latency = line_.link().transport().LatencyCost(
+        dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command));
+    if (!latency.empty()) remarks.push_back(latency);
+  }
   for (const IlChange& change : changes_) remarks.push_back("changed " + change.Text());
   if (is_unsettled_) {
     remarks.emplace_back(

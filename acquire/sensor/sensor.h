@@ -13,9 +13,12 @@ namespace haptometer::acquire {
 
 /// One row as a sensor hands it out; times on the sensor's clock (see Sensor::Begin).
 struct Reading {
-  std::int64_t index = 0;              ///< trial::Timing::kUniform: place on the grid
-  MonotonicNs time_ns = 0;             ///< kArrival: arrival; kPolled: request
-  MonotonicNs reply_ns = 0;            ///< kPolled: reply, or when waiting for it was given up
+  std::int64_t index = 0;    ///< trial::Timing::kUniform: place on the grid
+  MonotonicNs time_ns = 0;   ///< kArrival: arrival; kPolled: request
+  MonotonicNs reply_ns = 0;  ///< kPolled: reply, or when waiting for it was given up
+  /// Readings that the sensor's own counter says were lost directly before this one; 0 where the
+  /// index says it (kUniform), or where nothing counts.
+  std::int64_t lost_before = 0;
   std::vector<trial::Sample> samples;  ///< one a channel, in the header's order
 };
 

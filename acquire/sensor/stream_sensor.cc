@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 
 namespace haptometer::acquire {
@@ -17,14 +18,6 @@ constexpr MonotonicNs kSliceNs = 100'000'000;
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 constexpr MonotonicNs kIdentityNs = 200'000'000;
 
-// what came, fit for one line of a message
-std::string Printable(std::string_view line) {
-  constexpr std::size_t kMost = 24;
-  std::string shown(line.substr(0, kMost));
-  std::ranges::replace_if(shown, [](char c) { return c < ' ' || c > '~'; }, '?');
-  return shown;
-}
-
 // longest line that is kept whole: a few lines run together are still shown and counted as one
 std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(format); }
 
@@ -33,7 +26,8 @@ std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(forma
 StreamSensor::StreamSensor(std::unique_ptr<Transport> transport, StreamSetup setup, Clock& clock)
     : setup_(setup),
       clock_(clock),
-      link_(std::move(transport), clock, setup.format.delimiter, LongestLine(setup.format)) {}
+      link_(std::move(transport), clock, setup.format.delimiter, LongestLine(setup.format)),
+      counter_(CounterTurn(setup.format)) {}
 
 Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
   link_.Flush();
@@ -116,16 +110,22 @@ std::vector<std::string> StreamSensor::Remarks() const {
   const double band_hz = HighestObservableHz(most_hz);
   std::string remark = fmt::format(
       "{} baud carry at most {:.0f} lines/s of {} characters: motion up to {:.0f} Hz can be "
-      "observed "
-      "if the sensor sends that fast (rate / 2.56)",
+      "observed if the sensor sends that fast (rate / 2.56)",
       setup_.baud, most_hz, LineBytes(setup_.format), band_hz);
   if (band_hz < 500) {
     remark += "; the 20-500 Hz band needs 1280 lines/s: set the sensor to a higher baud rate";
   }
-  return {remark};
+  std::vector<std::string> remarks{remark};
+  if (setup_.format.counter_digits > 0) {
+    remarks.push_back(fmt::format(
+        "the lines are numbered 0 to {0}: what is lost is known exactly up to {0} lines in a row",
+        CounterTurn(setup_.format) - 1));
+  }
+  return remarks;
 }
 
 MonotonicNs StreamSensor::Begin() {
+  counter_ = LineCounter(CounterTurn(setup_.format));
   drop_line_ = link_.Flush() > 0;
   discarded_before_ = link_.discarded_bytes();
   last_ns_ = clock_.Now();
@@ -139,7 +139,13 @@ Outcome StreamSensor::Next(Reading& reading) {
   if (std::exchange(drop_line_, false)) return Outcome::kNothing;
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
-  if (!value) link_.CountDiscarded(line.text.size());
+  reading.lost_before = 0;
+  if (!value) {
+    link_.CountDiscarded(line.text.size());
+    counter_.CountDamaged();
+  } else if (setup_.format.counter_digits > 0) {
+    reading.lost_before = counter_.LostBefore(LineCount(setup_.format, line.text));
+  }
   // the bytes behind this line kept the wire busy after it had arrived
   last_ns_ = std::max(last_ns_, line.chunk_ns - WireTimeNs(line.bytes_behind, setup_.baud));
   reading.time_ns = last_ns_;

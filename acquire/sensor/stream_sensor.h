@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "acquire/protocol/stream_line.h"
+#include "acquire/sensor/line_counter.h"
 #include "acquire/sensor/line_link.h"
 #include "acquire/sensor/sensor.h"
 
@@ -20,7 +21,8 @@ struct StreamSetup {
 /// line that it cut. A line of another form is a row with the status kBadFrame, and the next
 /// delimiter is where it goes on. A line's time is the arrival of the bytes it came with, less the
 /// time that those behind it needed on the wire; times never go back (a line behind a full buffer
-/// gets the time of the line before).
+/// gets the time of the line before). Where the lines carry a counter, Reading::lost_before says
+/// how many are missing before a line.
 class StreamSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor.
@@ -52,6 +54,7 @@ class StreamSensor final : public Sensor {
   std::uint64_t discarded_before_ = 0;
   MonotonicNs last_ns_ = 0;
   bool drop_line_ = false;  ///< the next line was cut by the beginning
+  LineCounter counter_;
 };
 
 }  // namespace haptometer::acquire

@@ -1,5 +1,6 @@
 #include "acquire/transport/serial_port.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <libserialport.h>
 #include <linux/serial.h>
@@ -9,6 +10,7 @@
 #include <utility>
 
 #include "acquire/transport/descriptor.h"
+#include "acquire/transport/latency_timer.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -35,6 +37,7 @@ sp_return Configure(sp_port* port, int baud) {
 }  // namespace
 
 struct SerialPort::Handle {
+  OwnedDescriptor lock{-1};  // held before libserialport opens the port, and as long as we have it
   sp_port* port = nullptr;
   bool open = false;
 
@@ -62,15 +65,18 @@ Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
     return CannotAnswer(name, "is not a serial port",
                         "look for the sensor's port with: ls /dev/serial/by-id/");
   }
+  // take it for us alone before anything is set: sp_open() changes settings, also another user's
+  handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (auto locked = LockPort(handle->lock.get(), name); !locked) {
+    return std::unexpected(locked.error());
+  }
   if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) {
     return std::unexpected(PortDoesNotOpen(name, sp_last_error_code()));
   }
   handle->open = true;
   int descriptor = -1;
   sp_get_port_handle(handle->port, &descriptor);
-
-  // take it for us alone before its speed changes, so that another user is not disturbed
-  if (auto locked = LockPort(descriptor, name); !locked) return std::unexpected(locked.error());
   ioctl(descriptor, TIOCEXCL);
   std::unique_ptr<SerialPort> opened(new SerialPort(std::move(handle), name, baud));
   opened->descriptor_ = descriptor;
@@ -81,6 +87,8 @@ Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
                         "give a --baud that the port and the sensor have");
   }
   opened->low_latency_ = AskForLowLatency(descriptor);
+  opened->path_ = path;
+  opened->latency_ns_ = LatencyTimerNs(path);
   return opened;
 }
 
@@ -93,8 +101,13 @@ Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
 }
 
 std::string SerialPort::Source() const {
-  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
-                     low_latency_ ? ", low latency" : "");
+  std::string latency = low_latency_ ? ", low latency" : "";
+  if (latency_ns_) latency = fmt::format(", latency timer {} ms", *latency_ns_ / 1'000'000);
+  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_, latency);
+}
+
+std::string SerialPort::LatencyCost(MonotonicNs period_ns) const {
+  return latency_ns_ ? LatencyRemark(path_, *latency_ns_, period_ns) : "";
 }
 
 }  // namespace haptometer::acquire

@@ -42,6 +42,9 @@ class Transport {
   [[nodiscard]] virtual std::string Source() const = 0;
   /// Whether the other end may be real hardware: false for virtual terminals and sockets.
   [[nodiscard]] virtual bool IsHardware() const { return true; }
+  /// What the adapter's habit of keeping short replies costs a sensor that could be polled every
+  /// `period_ns` (transport/latency_timer.h); empty where there is nothing to say.
+  [[nodiscard]] virtual std::string LatencyCost(MonotonicNs /*period_ns*/) const { return {}; }
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
 };

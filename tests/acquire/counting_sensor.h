@@ -53,12 +53,14 @@ class CountingSensor final : public Sensor {
     const auto status =
         statuses.empty() ? trial::SampleStatus::kOk : statuses[next_ % statuses.size()];
     reading.samples = {{trial::RawValue::Counts(static_cast<std::int32_t>(next_)), status}};
+    reading.lost_before = lost_before.empty() ? 0 : lost_before[next_ % lost_before.size()];
     ++next_;
     return Outcome::kReading;
   }
   std::uint64_t discarded_bytes() const override { return 17; }
 
   std::vector<trial::SampleStatus> statuses;  ///< in turn; empty: all ok
+  std::vector<std::int64_t> lost_before;      ///< in turn; empty: none
 
  private:
   Clock& clock_;

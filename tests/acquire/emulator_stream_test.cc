@@ -45,6 +45,14 @@ TEST(StreamHead, WritesNineBytesALine) {
   EXPECT_EQ(Lines(Quiet([](double) { return -11e-3; }), 99'999), "-FFFFFFF\r");
 }
 
+TEST(StreamHead, NumbersItsLinesAndSkipsTheNumberOfALostOne) {
+  StreamSetup setup = Quiet([](double) { return 0.0; });
+  setup.format = *ParseStreamFormat("0 +0.0,mm,LF");
+  setup.faults = *ParseFaultPlan("silent:3");
+  EXPECT_EQ(Lines(setup, 1'299'999),
+            "0 +0.0\n1 +0.0\n3 +0.0\n4 +0.0\n6 +0.0\n7 +0.0\n9 +0.0\n0 +0.0\n2 +0.0\n");
+}
+
 TEST(StreamHead, SendsLineKWhenSampleKIsTaken) {
   // line k's last byte has crossed at k/rate + 90 bits; a second's worth, none skipped
   const StreamSetup setup = Counting();

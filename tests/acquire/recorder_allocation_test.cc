@@ -4,10 +4,13 @@
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <string_view>
+#include <utility>
 
 #include "acquire/recorder/recorder.h"
 #include "acquire/sensor/keyence_il.h"
 #include "acquire/sensor/keyence_lkg.h"
+#include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "tests/acquire/counting_sensor.h"
 #include "trial/trial_writer.h"
@@ -115,6 +118,20 @@ TEST(RecorderAllocation, ARunningStreamAllocatesNothing) {
                       clock);
   ASSERT_TRUE(sensor.Start(kNeverStop));
   EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
+}
+
+TEST(RecorderAllocation, ARunningPipeAllocatesNothing) {
+  for (const auto& [format, rows] :
+       {std::pair(SampleFormat::kText, std::string_view("1.5, 2.5\n-3e-7, 4\n")),
+        std::pair(SampleFormat::kF32, std::string_view("0123456789abcdef"))}) {
+    ManualClock clock;
+    const auto channels = ReadPipeChannels("displacement:m,voltage:V", format, "");
+    ASSERT_TRUE(channels);
+    PipeSensor sensor(std::make_unique<ParrotTransport>(rows, clock, true),
+                      {.format = format, .rate_hz = 1000, .channels = *channels}, clock);
+    ASSERT_TRUE(sensor.Start(kNeverStop));
+    EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
+  }
 }
 
 TEST(RecorderAllocation, ARunningPollAllocatesNothing) {

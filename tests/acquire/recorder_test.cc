@@ -9,6 +9,7 @@
 #include <mutex>
 #include <thread>
 
+#include "acquire/recorder/tally.h"
 #include "tests/acquire/recorder_fixture.h"
 #include "tests/residual.h"
 
@@ -250,6 +251,36 @@ TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
   EXPECT_EQ(summary.error().cause, Cause::kFailed);
   EXPECT_THAT(summary.error().Text(), HasSubstr("disk.bin: could not be written: No space left"));
   EXPECT_THAT(summary.error().Text(), HasSubstr("0 of "));
+}
+
+TEST_F(RecorderTest, WhatTheSensorCountsAsLostIsAGapOfThatLength) {
+  CountingSensor sensor(clock_, Timing::kArrival, 100, Outcome::kEnd);
+  sensor.lost_before.assign(100, 0);
+  sensor.lost_before[40] = 7;
+  sensor.lost_before[99] = 2;  // at the very end, where no later row would tell
+  const auto summary = Run(sensor, {});
+  ASSERT_TRUE(summary);
+  EXPECT_EQ(summary->gaps, 2U);
+  EXPECT_EQ(Counts(path_), CountTo(100));
+  ASSERT_EQ(events_.size(), 2U);
+  EXPECT_EQ(events_[0].kind, trial::EventKind::kGap);
+  EXPECT_EQ(events_[0].row, 40U);
+  EXPECT_EQ(events_[0].text, "readings lost here, by the sensor's own count: 7");
+  EXPECT_EQ(events_[1].row, 99U);
+}
+
+TEST_F(RecorderTest, ASilenceThatTheSensorCountsIsOneGap) {
+  CountingSensor sensor(clock_, Timing::kArrival, 0, Outcome::kEnd);
+  Tally tally(sensor, 0);
+  Reading reading;
+  reading.samples.resize(1);
+  for (int row = 0; row < 2000; ++row) {
+    // 300 ms of silence after a second; behind it 300 readings are missing
+    reading.lost_before = row == 1000 ? 300 : 0;
+    reading.time_ns = (row + (row >= 1000 ? 300 : 0)) * kMs;
+    tally.Add(reading);
+  }
+  EXPECT_EQ(tally.Summary().gaps, 1U);
 }
 
 }  // namespace

@@ -74,6 +74,35 @@ TEST(StreamLine, EveryFormatGivesBackItsNumbers) {
   }
 }
 
+TEST(StreamLine, ACounterStandsInFrontAndTurnsRound) {
+  const StreamFormat format = Format("000,+00.0000,mm,CR");
+  EXPECT_EQ(CounterTurn(format), 1000);
+  EXPECT_EQ(CounterTurn(kDefault), 1);
+  EXPECT_EQ(LineBytes(format), 13U);
+  EXPECT_EQ(FormatStreamLine(format, {12'345, 4, {}}, 7), "007,+01.2345\r");
+  EXPECT_EQ(FormatStreamLine(format, {12'345, 4, {}}, 123'456), "456,+01.2345\r");
+  EXPECT_EQ(FormatStreamLine(format, {0, 4, SampleStatus::kOver}, 7), "007,+FFFFFFF\r");
+  EXPECT_EQ(FormatStreamLine(format, {0, 4, SampleStatus::kInvalid}, 7), "007,XXXXXXXX\r");
+  EXPECT_EQ(ParseStreamLine(format, "456,-01.2345")->counts, -12'345);
+  EXPECT_EQ(ParseStreamLine(format, "456,XXXXXXXX")->status, SampleStatus::kInvalid);
+  EXPECT_EQ(LineCount(format, "456,-01.2345"), 456);
+  for (const char* line : {"+01.2345", "45,-01.2345", "4x6,-01.2345", "456;-01.2345",
+                           "-56,-01.2345", "456-01.23450", "XXX,XXXXXXXX", "XXXXXXXXXXXX"}) {
+    EXPECT_FALSE(ParseStreamLine(format, line)) << line;
+  }
+}
+
+TEST(StreamFormatText, DrawsACounterAndItsSeparator) {
+  EXPECT_EQ(Format("+00.0000,mm,CR").counter_digits, 0);
+  for (const char separator : {',', ';', ':', ' ', '\t'}) {
+    const StreamFormat format = Format(std::string("00000") + separator + "0.00,mm,LF");
+    EXPECT_EQ(format.counter_digits, 5);
+    EXPECT_EQ(format.separator, separator);
+    EXPECT_EQ(format.whole_digits, 1);
+    EXPECT_EQ(format.sign, SignRule::kNever);
+  }
+}
+
 TEST(StreamFormatText, SetsUnitAndDelimiter) {
   const StreamFormat format = Format("+000000,0.1um,CRLF");
   EXPECT_EQ(format.decimals, 0);
@@ -85,7 +114,8 @@ TEST(StreamFormatText, SetsUnitAndDelimiter) {
 TEST(StreamFormatText, RefusesInOneLineWithTheRemedy) {
   for (const std::string_view text :
        {"", "+00.0000", "+00.0000,mm", "+01.2345,mm,CR", "+,mm,CR", "+00.,mm,CR", ".00,mm,CR",
-        "+0000000000,mm,CR", "+00.00,V,CR", "+00.00,0mm,CR", "+00.00,mm,cr", "+00.00,mm,CR,LF"}) {
+        "+0000000000,mm,CR", "+00.00,V,CR", "+00.00,0mm,CR", "+00.00,mm,cr", "+00.00,mm,CR,LF",
+        "+000,00.0,mm,CR", ",00.0,mm,CR", "00 00 00.0,mm,CR", "0000000000,00.0,mm,CR"}) {
     const auto format = ParseStreamFormat(text);
     ASSERT_FALSE(format) << text;
     EXPECT_EQ(format.error().cause, Cause::kUsage) << text;

@@ -130,6 +130,30 @@ TEST_F(StreamSensorTest, ADamagedLineIsABadFrameAndTheNextIsRead) {
   EXPECT_EQ(sensor_->discarded_bytes() - before, 6U + 13U + 8U);
 }
 
+TEST_F(StreamSensorTest, ACounterTellsHowManyLinesWereLost) {
+  const auto format = ParseStreamFormat("00,+00.0000,mm,CR");
+  ASSERT_TRUE(format);
+  auto transport = std::make_unique<ScriptedTransport>(clock_);
+  wire_ = transport.get();
+  sensor_ =
+      std::make_unique<StreamSensor>(std::move(transport), StreamSetup{.format = *format}, clock_);
+  wire_->Send("2345\r96,+00.0001\r", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("numbered 0 to 99")));
+  // what came before the beginning is not missing from it
+  (void)sensor_->Begin();
+  wire_->Send(
+      "98,+00.0001\r99,+00.0002\r00,+00.0003\r"  // one turn of the counter
+      "04,+00.0004\r"                            // 01, 02, 03 are lost
+      "05,+00#0005\r06,+00.0006\r"               // damaged, not lost
+      "07,+00.+00.0008\r09,+00.0009\r"           // two run together: one row, one line lost
+      "08,+00.0009\r",                           // 10 .. 99 and 00 .. 07
+      kMs);
+  std::vector<std::int64_t> lost;
+  for (int row = 0; row < 9; ++row) lost.push_back(NextRow().lost_before);
+  EXPECT_EQ(lost, (std::vector<std::int64_t>{0, 0, 0, 3, 0, 0, 0, 1, 98}));
+}
+
 TEST_F(StreamSensorTest, EndlessGarbageIsOneBadFrame) {
   Start();
   wire_->Send(std::string(3000, 'x') + "\r+00.0005\r", kMs);

@@ -155,6 +155,24 @@ TEST(PortLock, ASerialPortIsFreeAgainAfterwards) {
   EXPECT_TRUE(OpenPort(device.path(), 9600));
 }
 
+TEST(PortLock, ABusyPortsSettingsAreLeftAlone) {
+  PtyPair device;
+  const OwnedDescriptor other(open(device.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
+  ASSERT_EQ(flock(other.get(), LOCK_EX), 0);
+  termios before{};
+  ASSERT_EQ(tcgetattr(other.get(), &before), 0);
+  before.c_iflag |= ICRNL;
+  before.c_cc[VMIN] = 7;
+  ASSERT_EQ(tcsetattr(other.get(), TCSANOW, &before), 0);
+  const PortLink link(device.path());
+  ExpectBusy(SerialPort::Open(link.name(), "/dev/ttyUSB0", 38400), "/dev/ttyUSB0");
+  termios after{};
+  ASSERT_EQ(tcgetattr(other.get(), &after), 0);
+  EXPECT_EQ(after.c_iflag, before.c_iflag);
+  EXPECT_EQ(after.c_cflag, before.c_cflag);
+  EXPECT_EQ(after.c_cc[VMIN], 7);
+}
+
 TEST(PortHolder, NamesTheProcessThatHasThePortOpen) {
   PtyPair device;
   std::array<int, 2> ready{};
@@ -170,7 +188,12 @@ TEST(PortHolder, NamesTheProcessThatHasThePortOpen) {
   char byte = 0;
   ASSERT_EQ(read(ready[0], &byte, 1), 1);
   EXPECT_THAT(PortHolder(device.path()), HasSubstr("(process " + std::to_string(holder) + ")"));
-  ExpectBusy(OpenPort(device.path(), 9600), device.path());
+  const auto second = OpenPort(device.path(), 9600);
+  ExpectBusy(second, device.path());
+  // taken by flock, and by TIOCEXCL: the same words, and the same name
+  const std::string named = "(process " + std::to_string(holder) + ") holds it; end that program";
+  EXPECT_THAT(second.error().Text(), HasSubstr(named));
+  EXPECT_EQ(PortDoesNotOpen(device.path(), EBUSY).Text(), second.error().Text());
   kill(holder, SIGKILL);
   waitpid(holder, nullptr, 0);
   EXPECT_EQ(PortHolder("/no/such/port"), "");

@@ -23,7 +23,7 @@ std::string Complaint(const SensorOptions& wanted) {
 }
 
 TEST(SensorOptions, OfEverySensorAreFineWithoutMore) {
-  for (const char* sensor : {"keyence-en1", "keyence-il", "keyence-lkg", "stream", "replay"}) {
+  for (const char* sensor : {"keyence-en1", "keyence-il", "keyence-lkg", "replay", "stream"}) {
     EXPECT_EQ(Complaint(On(sensor)), "") << sensor;
   }
 }
@@ -61,7 +61,8 @@ TEST(SensorOptions, OfAnotherSensorAreNotIgnored) {
   SensorOptions stream = On("stream");
   stream.rate_hz = Quantity{.value = 50};
   EXPECT_EQ(Complaint(stream),
-            "--rate: stream is not asked, so it cannot be asked less often; leave it out");
+            "--rate: is for samples, and for what is asked: the others have their own; leave it "
+            "out");
   stream = On("stream");
   stream.settings = {"averaging=8"};
   EXPECT_EQ(Complaint(stream), "--set: is for the amplifiers of the IL series; leave it out");

@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "acquire/recorder/recorder.h"
+#include "acquire/transport/port_list.h"
 #include "base/clock.h"
+#include "tools/acquire/list_ports.h"
+#include "tools/acquire/list_sensors.h"
 #include "tools/acquire/open_sensor.h"
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_options.h"
@@ -45,6 +48,10 @@ struct AcquireOptions {
   std::optional<std::int64_t> samples;
   std::optional<Quantity> duration_s;
   bool overwrite = false;
+  bool list_ports = false;
+  bool list_sensors = false;
+  std::string band = "20-500Hz";
+  std::optional<Quantity> resolution_m;
 };
 
 void Declare(cli::Options& options, AcquireOptions& wanted) {
@@ -55,6 +62,12 @@ void Declare(cli::Options& options, AcquireOptions& wanted) {
                 "Stop after this many readings");
   options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
   options.Flag("--overwrite", &wanted.overwrite, "Replace an existing trial");
+  options.Flag("--list-ports", &wanted.list_ports, "List the serial ports, and record nothing");
+  options.Flag("--list-sensors", &wanted.list_sensors,
+               "Say which sensors can answer --band and --resolution, and record nothing");
+  options.Text("--band", &wanted.band, "LOWER-UPPERHz", "What --list-sensors is asked; 20-500Hz");
+  options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
+                 "Largest step that is fine enough; 1um");
 }
 
 // what is wrong with the command line, before anything is touched
@@ -180,11 +193,25 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, std::string c
   if (!writer) return cli::ReportError(kVerb, writer.error());
   const auto progress = Progress();
   acquire::SingleTrial sink(*writer);
-  const auto summary = acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits,
-                                       {.progress = progress});
+  const auto summary =
+      acquire::Record(**sensor, sink, clock, cli::Interrupted(), *limits, {.progress = progress});
   if (progress) fmt::print(stderr, "\r\x1b[K");
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  return Report(options, wanted.output, header.metadata, *summary, wanted.sensor.port);
+  return Report(options, wanted.output, header.metadata, *summary, PortName(wanted.sensor));
+}
+
+int ListPorts(const cli::Options& options) {
+  const auto ports = acquire::ListPorts();
+  if (!ports) return cli::ReportError(kVerb, ports.error());
+  fmt::print("{}", options.json() ? PortListJson(*ports) : PortListText(*ports));
+  return 0;
+}
+
+int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
+  const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
+  if (!question) return cli::ReportError(kVerb, question.error());
+  fmt::print("{}", options.json() ? SensorListJson(*question) : SensorListText(*question));
+  return 0;
 }
 
 }  // namespace
@@ -194,6 +221,8 @@ int RunAcquire(int argc, const char* const* argv) {
   AcquireOptions wanted;
   Declare(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  if (wanted.list_ports) return ListPorts(options);
+  if (wanted.list_sensors) return ListSensors(options, wanted);
   if (auto checked = Check(wanted); !checked) return cli::ReportError(kVerb, checked.error());
   const std::vector<std::string> words(argv, argv + argc);
   return Run(options, wanted, fmt::format("{}", fmt::join(words, " ")));

@@ -1,10 +1,17 @@
 #include "tools/acquire/open_sensor.h"
 
+#include <fmt/core.h>
+
 #include "acquire/protocol/stream_line.h"
+#include "acquire/sensor/paced_sensor.h"
+#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/replay.h"
 #include "acquire/sensor/stream_sensor.h"
+#include "acquire/transport/input_pipe.h"
 #include "acquire/transport/open_port.h"
 #include "tools/acquire/open_keyence.h"
+#include "tools/acquire/scene_sensor.h"
 
 namespace haptometer::tools {
 namespace {
@@ -26,12 +33,38 @@ Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& c
   return std::make_unique<acquire::StreamSensor>(std::move(*port), setup, clock);
 }
 
+Result<std::unique_ptr<Sensor>> OpenPipe(const SensorOptions& wanted, Clock& clock) {
+  const auto format = acquire::SampleFormatFromName(wanted.format);
+  if (!format) {
+    return Usage("--format", fmt::format("'{}' is no form of samples", wanted.format),
+                 "use f64, f32, i16 or text");
+  }
+  auto channels = acquire::ReadPipeChannels(wanted.channels, *format, wanted.calibration);
+  if (!channels) return std::unexpected(channels.error());
+  auto pipe = acquire::InputPipe::Open(wanted.port);
+  if (!pipe) return std::unexpected(pipe.error());
+  acquire::PipeSetup setup{
+      .format = *format, .rate_hz = wanted.rate_hz->value, .channels = std::move(*channels)};
+  return std::make_unique<acquire::PipeSensor>(std::move(*pipe), std::move(setup), clock);
+}
+
+// a trial or a scene at its speed
+Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& clock) {
+  const bool is_scene = wanted.is_scene();
+  auto played = is_scene ? OpenScene(PortName(wanted)) : acquire::Replay::Open(wanted.port);
+  if (!played) return played;
+  // a trial is copied, a scene is watched
+  const auto speed = ReadSpeed(wanted.speed.empty() && !is_scene ? "max" : wanted.speed);
+  if (!speed) return std::unexpected(speed.error());
+  return std::make_unique<acquire::PacedSensor>(std::move(*played), *speed, clock);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
-  if (wanted.sensor == "replay") return acquire::Replay::Open(wanted.port);
-  if (IsKeyence(wanted.sensor)) return OpenKeyence(wanted, clock);
-  return OpenStream(wanted, clock);
+  if (wanted.sensor == "replay" || wanted.is_scene()) return OpenPlayed(wanted, clock);
+  if (wanted.sensor == "pipe") return OpenPipe(wanted, clock);
+  return IsKeyence(wanted.sensor) ? OpenKeyence(wanted, clock) : OpenStream(wanted, clock);
 }
 
 }  // namespace haptometer::tools

@@ -1,20 +1,70 @@
 #include "tools/acquire/sensor_options.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "tools/acquire/open_keyence.h"
+#include "trial/import/csv_comment.h"
 
 namespace haptometer::tools {
+namespace {
+
+constexpr std::array<std::string_view, 6> kSensors{"keyence-en1", "keyence-il", "keyence-lkg",
+                                                   "pipe",        "replay",     "stream"};
+
+// options that only some sensors have, given to one that has not
+Result<void> CheckBelonging(const SensorOptions& wanted) {
+  const bool is_pipe = wanted.sensor == "pipe";
+  const bool is_played = wanted.sensor == "replay" || wanted.is_scene();
+  if (!wanted.format.empty() && wanted.sensor != "stream" && !is_pipe) {
+    return Usage("--format", "is for lines that come unasked and for samples",
+                 "add --sensor stream or --sensor pipe");
+  }
+  for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
+                                       std::pair("--calibration", !wanted.calibration.empty())}) {
+    if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
+  }
+  if (wanted.rate_hz && !is_pipe && !IsKeyence(wanted.sensor)) {
+    return Usage("--rate", "is for samples, and for what is asked: the others have their own",
+                 "leave it out");
+  }
+  if (!wanted.speed.empty() && !is_played) {
+    return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
+  }
+  return {};
+}
+
+Result<void> CheckPipe(const SensorOptions& wanted) {
+  if (wanted.channels.empty()) {
+    return Usage("--channels", "is missing",
+                 "name what is piped in, e.g. --channels displacement:m,voltage:V");
+  }
+  if (!wanted.rate_hz) {
+    return Usage("--rate", "is missing", "give the rows a second, e.g. --rate 10kHz");
+  }
+  if (wanted.format.empty()) {
+    return Usage("--format", "is missing", "say how the samples come: f64, f32, i16 or text");
+  }
+  return {};
+}
+
+}  // namespace
 
 void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
-  options.Text("--port", &wanted.port, "PORT",
-               "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin");
-  options.Choice("--sensor", &wanted.sensor,
-                 {"keyence-en1", "keyence-il", "keyence-lkg", "stream", "replay"},
-                 "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
-                 "keyence-lkg: an LK-G3001; stream: lines that come unasked");
+  options.Text(
+      "--port", &wanted.port, "PORT",
+      "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
+      "pipe (standard input)");
+  options.Text("--sensor", &wanted.sensor, "NAME",
+               "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
+               "keyence-lkg: an LK-G3001; stream: lines that come unasked; pipe: another program's "
+               "samples; replay: a trial; scene:FILE: a simulated scene");
   options.Count("--baud", &wanted.baud, 50, 4'000'000,
                 "Bits per second (keyence-il, keyence-lkg: 9600; stream: 921600)");
   options.Choice("--command", &wanted.command, {"m0", "m1", "m2", "ms"},
@@ -26,12 +76,19 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
   options.Flag("--device-zero", &wanted.device_zero,
                "Shift the zero of the IL amplifiers to where they look now", cli::Shown::kHelpAll);
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
-               "Form of a stream's lines (+00.0000,mm,CR); END is CR, LF or CRLF");
+               "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
+               "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
+  options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
+               "What is piped in, e.g. displacement:um,voltage:V,trigger");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+                 "Rows a second that are piped in; a Keyence is polled so often at most");
+  options.Text("--calibration", &wanted.calibration, "FILE",
+               "What the volts or counts of a piped channel mean (docs/formats.md)");
+  options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
+               "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
   options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
                  "How often a Keyence refreshes its values (DL-RS1A with one amplifier: 7 ms)",
                  cli::Shown::kHelpAll);
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
-                 "Poll so often at most (as fast as the wire goes)");
   options.Repeated("--set", &wanted.settings, "KEY=VALUE",
                    "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
                    "high-pass=off; may be repeated",
@@ -39,24 +96,26 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
 }
 
 Result<void> CheckSensor(const SensorOptions& wanted) {
-  if (wanted.port.empty()) {
+  if (!wanted.is_scene() && std::ranges::find(kSensors, wanted.sensor) == kSensors.end()) {
+    return Usage("--sensor", fmt::format("'{}' is not known", wanted.sensor),
+                 fmt::format("use one of {}, scene:FILE", fmt::join(kSensors, ", ")));
+  }
+  if (wanted.is_scene() && !wanted.port.empty()) {
+    return Usage("--port", "a scene has none", "leave it out");
+  }
+  if (auto belongs = CheckBelonging(wanted); !belongs) return belongs;
+  if (auto checked = CheckKeyence(wanted); !checked) return checked;
+  if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
+  if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
+    return Usage("--rate", "must be above 0", "write e.g. 10kHz");
+  }
+  if (wanted.sensor == "pipe") return CheckPipe(wanted);
+  if (wanted.port.empty() && !wanted.is_scene()) {
     return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
   }
   if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
     return Usage("--refresh", "must be above 0", "write e.g. 7ms");
   }
-  if (!wanted.format.empty() && wanted.sensor != "stream") {
-    return Usage("--format", "is for lines that come unasked", "add --sensor stream");
-  }
-  if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
-    return Usage("--rate", "must be above 0", "write e.g. 50Hz");
-  }
-  if (wanted.rate_hz && (wanted.sensor == "stream" || wanted.sensor == "replay")) {
-    return Usage("--rate",
-                 fmt::format("{} is not asked, so it cannot be asked less often", wanted.sensor),
-                 "leave it out");
-  }
-  if (auto checked = CheckKeyence(wanted); !checked) return checked;
   return {};
 }
 
@@ -64,6 +123,22 @@ SensorOptions WithoutChanges(SensorOptions wanted) {
   wanted.device_zero = false;
   wanted.settings.clear();
   return wanted;
+}
+
+Result<double> ReadSpeed(const std::string& speed) {
+  if (speed == "max") return std::numeric_limits<double>::infinity();
+  if (speed == "recorded" || speed.empty()) return 1.0;
+  const auto factor = trial::ReadNumber(speed);
+  if (!factor || !std::isfinite(*factor) || !(*factor > 0)) {
+    return Usage("--speed", fmt::format("'{}' is no speed", speed),
+                 "write recorded, max, or a factor such as 10");
+  }
+  return *factor;
+}
+
+std::string PortName(const SensorOptions& wanted) {
+  if (wanted.is_scene()) return wanted.sensor.substr(kScenePrefix.size());
+  return wanted.port.empty() ? "standard input" : wanted.port;
 }
 
 }  // namespace haptometer::tools

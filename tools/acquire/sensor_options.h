@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/quantity.h"
@@ -10,18 +11,26 @@
 
 namespace haptometer::tools {
 
+/// What `--sensor` begins with for a simulated scene: scene:FILE.
+inline constexpr std::string_view kScenePrefix = "scene:";
+
 /// Which sensor, and how it is spoken to: what the command line or a daemon's file says of it.
 struct SensorOptions {
   std::string port;
   std::string sensor = "keyence-il";
   std::string format;
+  std::string channels;     ///< pipe
+  std::string calibration;  ///< pipe: a file
+  std::string speed;        ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
+  std::optional<Quantity> rate_hz;       ///< pipe: of its rows; keyence-*: of polls
   std::string command;                   ///< keyence-*: "m0", "m1", "m2", "ms"; "": the usual
   std::optional<std::int64_t> decimals;  ///< keyence-en1, keyence-lkg
   bool device_zero = false;              ///< keyence-il, keyence-en1: changes the device
-  std::optional<Quantity> rate_hz;       ///< of polls
   std::vector<std::string> settings;     ///< keyence-il, keyence-en1: KEY=VALUE; change the device
+
+  [[nodiscard]] bool is_scene() const { return sensor.starts_with(kScenePrefix); }
 };
 
 /// `wanted` without what would change the device once more: for a reconnection.
@@ -32,5 +41,12 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted);
 
 /// What is wrong with them, before anything is touched. Errors (Cause::kUsage).
 [[nodiscard]] Result<void> CheckSensor(const SensorOptions& wanted);
+
+/// Rows of one recorded second a second: `speed` as a number above 0, infinite for "max".
+/// Errors (Cause::kUsage).
+[[nodiscard]] Result<double> ReadSpeed(const std::string& speed);
+
+/// Where its readings come from, in messages: the port, or what stands for one.
+[[nodiscard]] std::string PortName(const SensorOptions& wanted);
 
 }  // namespace haptometer::tools

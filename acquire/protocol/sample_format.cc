@@ -1,0 +1,152 @@
+#include "acquire/protocol/sample_format.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <utility>
+
+#include "base/check.h"
+#include "trial/import/csv_comment.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::RawValue;
+using trial::Sample;
+using trial::SampleStatus;
+
+static_assert(std::endian::native == std::endian::little, "binary samples are read as they lie");
+
+constexpr std::array<std::string_view, 4> kNames{"f64", "f32", "i16", "text"};
+
+// a number with its blanks: "-1.7976931348623157e+308" and as much room again
+constexpr std::size_t kLongestCell = 48;
+
+std::size_t BytesOf(SampleFormat format) {
+  switch (format) {
+    case SampleFormat::kF64:
+      return 8;
+    case SampleFormat::kF32:
+      return 4;
+    case SampleFormat::kI16:
+      return 2;
+    case SampleFormat::kText:
+      break;
+  }
+  return 0;
+}
+
+template <typename T>
+T Load(const char* bytes) {
+  T value;
+  std::memcpy(&value, bytes, sizeof value);
+  return value;
+}
+
+Sample BinarySample(SampleFormat format, const char* bytes, const trial::RawLimits& limits) {
+  if (format == SampleFormat::kF64) {
+    const auto value = Load<double>(bytes);
+    return {RawValue::F64(value), StatusOf(limits, value)};
+  }
+  if (format == SampleFormat::kF32) {
+    const auto value = Load<float>(bytes);
+    return {RawValue::F32(value), StatusOf(limits, static_cast<double>(value))};
+  }
+  const auto value = Load<std::int16_t>(bytes);
+  return {RawValue::Counts(value), StatusOf(limits, value)};
+}
+
+bool IsMark(char c) { return c == ',' || c == ';' || c == ' ' || c == '\t'; }
+
+// takes the first number off `line`, with what separates it from the next; an empty cell stays
+std::string_view TakeCell(std::string_view& line) {
+  const std::string_view cell = line.substr(0, std::ranges::find_if(line, IsMark) - line.begin());
+  line.remove_prefix(cell.size());
+  line = trial::Trimmed(line);
+  if (!line.empty() && (line[0] == ',' || line[0] == ';')) {
+    line.remove_prefix(1);
+    line = trial::Trimmed(line);
+    // a mark promises a further number
+    if (line.empty()) line = ",";
+  }
+  return cell;
+}
+
+}  // namespace
+
+std::string_view Name(SampleFormat format) { return kNames.at(static_cast<std::size_t>(format)); }
+
+std::optional<SampleFormat> SampleFormatFromName(std::string_view name) {
+  const auto found = std::ranges::find(kNames, name);
+  if (found == kNames.end()) return std::nullopt;
+  return static_cast<SampleFormat>(found - kNames.begin());
+}
+
+trial::Encoding EncodingOf(SampleFormat format) {
+  if (format == SampleFormat::kI16) return trial::Encoding::kI32;
+  return format == SampleFormat::kF32 ? trial::Encoding::kF32 : trial::Encoding::kF64;
+}
+
+SampleParser::SampleParser(SampleFormat format, std::vector<trial::RawLimits> limits)
+    : format_(format),
+      limits_(std::move(limits)),
+      framer_(Delimiter::kLf, std::max<std::size_t>(limits_.size(), 1) * kLongestCell) {
+  HAPTOMETER_CHECK(!limits_.empty(), "{} channels", limits_.size());
+}
+
+void SampleParser::Feed(std::string_view bytes) {
+  line_ = {};
+  if (format_ == SampleFormat::kText) {
+    framer_.Feed(bytes);
+    return;
+  }
+  buffer_.erase(0, row_begin_);
+  row_begin_ = 0;
+  buffer_.append(bytes);
+}
+
+RowState SampleParser::Next(std::span<Sample> row) {
+  HAPTOMETER_CHECK(row.size() == limits_.size(), "{} samples, {} channels", row.size(),
+                   limits_.size());
+  return format_ == SampleFormat::kText ? NextLine(row) : NextBinary(row);
+}
+
+RowState SampleParser::NextBinary(std::span<Sample> row) {
+  const std::size_t bytes = BytesOf(format_);
+  if (buffer_.size() - row_begin_ < bytes * row.size()) return RowState::kNeedMore;
+  for (std::size_t channel = 0; channel < row.size(); ++channel) {
+    row[channel] = BinarySample(format_, buffer_.data() + row_begin_, limits_[channel]);
+    row_begin_ += bytes;
+  }
+  return RowState::kRow;
+}
+
+RowState SampleParser::NextLine(std::span<Sample> row) {
+  while (true) {
+    const Frame frame = framer_.Next();
+    if (frame.framing == Framing::kNeedMore) return RowState::kNeedMore;
+    line_ = trial::Trimmed(frame.text);
+    const bool is_line = frame.framing == Framing::kValid;
+    if (is_line && line_.empty()) continue;
+    if (is_line && ReadLine(line_, row)) return RowState::kRow;
+    discarded_bytes_ += frame.text.size();
+    std::ranges::fill(row, Sample{RawValue(), SampleStatus::kBadFrame});
+    return RowState::kBadRow;
+  }
+}
+
+bool SampleParser::ReadLine(std::string_view line, std::span<Sample> row) const {
+  for (std::size_t channel = 0; channel < row.size(); ++channel) {
+    const auto number = trial::ReadNumber(TakeCell(line));
+    if (!number) return false;
+    row[channel] = {RawValue::F64(*number), StatusOf(limits_[channel], *number)};
+  }
+  return line.empty();
+}
+
+std::size_t SampleParser::waiting_bytes() const {
+  return format_ == SampleFormat::kText ? framer_.waiting_bytes() : buffer_.size() - row_begin_;
+}
+
+}  // namespace haptometer::acquire

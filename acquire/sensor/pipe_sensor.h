@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "acquire/protocol/sample_format.h"
+#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/sensor.h"
+#include "acquire/transport/transport.h"
+
+namespace haptometer::acquire {
+
+/// What a program pipes in.
+struct PipeSetup {
+  SampleFormat format = SampleFormat::kF64;
+  double rate_hz = 0;     ///< rows a second, by the clock of the source; finite, > 0
+  PipeChannels channels;  ///< at least one
+};
+
+/// Samples that another program, such as a DAQ's, writes to a pipe: a uniform grid at the stated
+/// rate, whenever the bytes come.
+///
+/// Lines of text before the first row (a heading) are passed over, with a remark; a later one that
+/// is no row is a row of kBadFrame, so the grid holds. The end of the input ends the recording;
+/// what is left of a cut row counts as discarded.
+class PipeSensor final : public Sensor {
+ public:
+  /// `clock` must outlive the sensor.
+  PipeSensor(std::unique_ptr<Transport> transport, PipeSetup setup, Clock& clock);
+
+  /// Waits 60 s at most for the first whole row.
+  [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
+  [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
+  [[nodiscard]] std::vector<std::string> Remarks() const override { return remarks_; }
+  /// The first row is the first that came, and its index is 0.
+  [[nodiscard]] MonotonicNs Begin() override;
+  /// kEnd at the end of the input. No allocation once the buffers have grown.
+  [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] std::uint64_t discarded_bytes() const override;
+
+ private:
+  Result<void> WaitForRow(const std::atomic<bool>& stop);
+  RowState Read(MonotonicNs deadline);
+  Error NoRow(std::string what) const;
+  void Describe();
+
+  PipeSetup setup_;
+  Clock& clock_;
+  std::unique_ptr<Transport> transport_;
+  SampleParser parser_;
+  trial::TrialHeader header_;
+  std::vector<std::string> remarks_;
+  std::vector<char> chunk_;
+  std::vector<trial::Sample> row_;  ///< as parsed last
+  bool has_row_ = false;            ///< row_ was not handed out yet
+  bool has_ended_ = false;
+  std::int64_t next_index_ = 0;
+  std::uint64_t heading_lines_ = 0;
+  std::uint64_t heading_bytes_ = 0;
+  std::string heading_;  ///< the last of these lines
+};
+
+}  // namespace haptometer::acquire

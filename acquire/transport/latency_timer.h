@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/clock.h"
+
+/// An FTDI adapter keeps a short reply until its latency timer runs out: 16 ms unless told
+/// otherwise, which costs a polled sensor more than the wire does.
+namespace haptometer::acquire {
+
+/// The latency timer of a serial port, in ns, as the kernel's driver shows it; empty where the
+/// adapter has none. `path` is the port's device file (/dev/ttyUSB0), `sysfs` where sysfs is.
+[[nodiscard]] std::optional<MonotonicNs> LatencyTimerNs(const std::string& path,
+                                                        const std::string& sysfs = "/sys");
+
+/// Exchanges a second where one takes `period_ns` and its reply waits for the timer: 1 / (period_ns
+/// + latency_ns).
+[[nodiscard]] double PolledRateHz(MonotonicNs period_ns, MonotonicNs latency_ns);
+
+/// What a latency timer above 1 ms costs a sensor that is polled every `period_ns` at best, and how
+/// to set it; empty where it costs nothing worth saying.
+[[nodiscard]] std::string LatencyRemark(const std::string& path, MonotonicNs latency_ns,
+                                        MonotonicNs period_ns);
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,124 @@
+// What sensors can answer, against numbers worked out from their manuals.
+#include "acquire/sensor/capability.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/residual.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::HasSubstr;
+
+const SensorAbility kFast{.name = "fast",
+                          .rate_hz = 10'000,
+                          .limit = "the wire",
+                          .resolution_m = 1e-7,
+                          .noise_rms_m = 5e-7};
+
+Capability Of(const std::string& name, const CapabilityQuestion& question = {}) {
+  const auto all = Judge(KnownSensors(), question);
+  const auto found = std::ranges::find_if(
+      all, [&](const Capability& c) { return c.sensor.name.starts_with(name); });
+  EXPECT_NE(found, all.end()) << name;
+  return found == all.end() ? Capability{} : *found;
+}
+
+TEST(Capability, TheRateDecidesFirst) {
+  SensorAbility slow = kFast;
+  slow.rate_hz = 1279;
+  EXPECT_FALSE(Judge(slow, {}).can_answer);
+  EXPECT_EQ(Judge(slow, {}).reason,
+            "1279 new readings/s (the wire) show motion up to 500 Hz; 500 Hz needs 1280");
+  slow.rate_hz = 1280;
+  EXPECT_TRUE(Judge(slow, {}).can_answer);
+  EXPECT_TRUE(Judge(kFast, {}).can_answer);
+  EXPECT_REL(Judge(kFast, {}).highest_hz, 3906.25, 1e-15, "one quotient");
+}
+
+TEST(Capability, AveragingTakesTheUpperEdge) {
+  SensorAbility averaged = kFast;
+  averaged.sampling_s = 0.33e-3;
+  averaged.averages = 4;
+  // sin(pi f n T) / (n sin(pi f T)) at 500 Hz: sin 2.07345 / (4 sin 0.518363) = 0.8763 / 1.9819
+  const Capability capability = Judge(averaged, {});
+  EXPECT_REL(capability.gain_upper, 0.8763 / 1.9819, 2e-4, "four digits");
+  EXPECT_REL(capability.gain_lower, 0.9989, 1e-4, "four digits");
+  EXPECT_FALSE(capability.can_answer);
+  EXPECT_THAT(capability.reason, HasSubstr("its 4 averages at 0.33 ms leave 0.442 of 500 Hz"));
+  averaged.averages = 2;
+  EXPECT_TRUE(Judge(averaged, {}).can_answer);  // 0.869
+}
+
+TEST(Capability, StepsMayBeAsLargeAsWanted) {
+  SensorAbility coarse = kFast;
+  coarse.resolution_m = 1e-6;
+  EXPECT_TRUE(Judge(coarse, {}).can_answer);
+  coarse.resolution_m = 1e-2;
+  EXPECT_THAT(Judge(coarse, {}).reason, HasSubstr("its steps are 10000 um, 1 um are wanted"));
+  coarse.resolution_m.reset();
+  EXPECT_TRUE(Judge(coarse, {}).can_answer);
+}
+
+TEST(Capability, NoiseInTheBandIsItsShareOfHalfTheRate) {
+  const Capability capability = Judge(kFast, {.lower_hz = 20, .upper_hz = 500});
+  EXPECT_REL(*capability.noise_in_band_m, 5e-7 * std::sqrt(480.0 / 5000), 1e-14, "a root");
+  // B T = 4800 and noise of 0.15492 um: see smallest_rms_test.cc
+  EXPECT_REL(*capability.smallest_rms_10_percent_m, 1.5492e-7 * std::sqrt(0.107403), 1e-4,
+             "five digits");
+  // a band above half the rate has nothing to say
+  SensorAbility slow = kFast;
+  slow.rate_hz = 30;
+  EXPECT_FALSE(Judge(slow, {}).noise_in_band_m);
+}
+
+TEST(KnownSensors, SayWhatTheirManualsAllow) {
+  // 48.4 readings/s at 9600 baud, 122 at 38400; 7.8 ms of processing are 128/s
+  EXPECT_REL(Of("IL-030 through a DL-RS1A, 9600").sensor.rate_hz, 48.4, 1e-3, "three digits");
+  EXPECT_REL(Of("IL-030 through a DL-RS1A, 38400").sensor.rate_hz, 122.4, 1e-3, "four digits");
+  EXPECT_REL(Of("IL-030 through a DL-EN1").sensor.rate_hz, 128.2, 1e-3, "four digits");
+  EXPECT_EQ(Of("lines of 9 characters that come unasked, 921600").sensor.rate_hz, 10'240);
+  // 15 characters at 115200 baud
+  EXPECT_REL(Of("LK-G").sensor.rate_hz, 768, 1e-5, "rounded to nanoseconds");
+}
+
+TEST(KnownSensors, WhoAnswers20To500Hz) {
+  EXPECT_TRUE(Of("IL-030, analog output and a DAQ, 0.33 ms, 1 average").can_answer);
+  EXPECT_FALSE(Of("IL-030, analog output and a DAQ, 0.33 ms, 4").can_answer);
+  EXPECT_FALSE(Of("IL-030, analog output and a DAQ, 1 ms, 16").can_answer);
+  EXPECT_TRUE(Of("lines of 9 characters that come unasked, 921600").can_answer);
+  EXPECT_TRUE(Of("lines of 9 characters that come unasked, 115200").can_answer);  // 1280 exactly
+  EXPECT_FALSE(Of("lines of 9 characters that come unasked, 9600").can_answer);
+  EXPECT_FALSE(Of("LK-G").can_answer);
+  for (const int baud : {2400, 4800, 9600, 19200, 38400}) {
+    EXPECT_FALSE(Of("IL-030 through a DL-RS1A, " + std::to_string(baud)).can_answer);
+  }
+  // an IL-030 without averaging: 11 um, of which 480 of 1515 Hz are in the band
+  const Capability analog = Of("IL-030, analog output and a DAQ, 0.33 ms, 1 average");
+  EXPECT_REL(*analog.noise_in_band_m, 11e-6 * std::sqrt(480 * 2 * 0.33e-3), 1e-12, "a root");
+}
+
+TEST(KnownSensors, ASlowBandIsForASlowWire) {
+  const CapabilityQuestion slow{.lower_hz = 0.5, .upper_hz = 10};
+  EXPECT_TRUE(Of("IL-030 through a DL-RS1A, 9600", slow).can_answer);
+  EXPECT_REL(Of("IL-030 through a DL-RS1A, 9600", slow).gain_upper, 0.9587, 1e-3,
+             "sin(0.16 pi) / (16 sin(0.01 pi)) by hand");
+}
+
+TEST(KnownSensors, AreSortedByWhetherTheyAnswerAndThenByReach) {
+  const auto all = Judge(KnownSensors(), {});
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    EXPECT_GE(all[i - 1].can_answer, all[i].can_answer);
+    if (all[i - 1].can_answer == all[i].can_answer) {
+      EXPECT_GE(all[i - 1].highest_hz, all[i].highest_hz);
+    }
+    EXPECT_FALSE(all[i].reason.empty());
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

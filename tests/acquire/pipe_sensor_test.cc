@@ -1,0 +1,189 @@
+// Samples through a scripted pipe on a manual clock.
+#include "acquire/sensor/pipe_sensor.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+
+#include "acquire/transport/input_pipe.h"
+#include "tests/acquire/pty_pair.h"
+#include "tests/acquire/scripted_transport.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using tests::ScriptedTransport;
+using trial::SampleStatus;
+
+constexpr MonotonicNs kMs = 1'000'000;
+const std::atomic<bool> kNeverStop{false};
+
+class PipeSensorTest : public ::testing::Test {
+ protected:
+  void Make(const std::string& channels, SampleFormat format) {
+    auto transport = std::make_unique<ScriptedTransport>(clock_);
+    pipe_ = transport.get();
+    const auto read = ReadPipeChannels(channels, format, "");
+    ASSERT_TRUE(read) << read.error().Text();
+    sensor_ = std::make_unique<PipeSensor>(
+        std::move(transport), PipeSetup{.format = format, .rate_hz = 10'000, .channels = *read},
+        clock_);
+  }
+  std::string StartError() {
+    const auto started = sensor_->Start(kNeverStop);
+    EXPECT_FALSE(started);
+    if (started) return {};
+    EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+    return started.error().Text();
+  }
+  // the statuses of the rows up to the end
+  std::vector<SampleStatus> ToTheEnd() {
+    std::vector<SampleStatus> statuses;
+    Reading reading;
+    (void)sensor_->Begin();
+    for (int call = 0; call < 10'000; ++call) {
+      const Outcome outcome = sensor_->Next(reading);
+      if (outcome == Outcome::kEnd) return statuses;
+      if (outcome != Outcome::kReading) continue;
+      EXPECT_EQ(reading.index, static_cast<std::int64_t>(statuses.size()));
+      statuses.push_back(RowStatus(reading));
+    }
+    ADD_FAILURE() << "no end";
+    return statuses;
+  }
+
+  ManualClock clock_;
+  ScriptedTransport* pipe_ = nullptr;
+  std::unique_ptr<PipeSensor> sensor_;
+};
+
+TEST_F(PipeSensorTest, RowsLieOnAGridWhateverTheirArrival) {
+  Make("displacement:um,voltage:V", SampleFormat::kText);
+  pipe_->Send("1,2\n3,", kMs);
+  pipe_->Send("4\n5,6\n", 700 * kMs);
+  pipe_->HangUp(701 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  const trial::TrialHeader& header = sensor_->header();
+  EXPECT_EQ(header.timing, trial::Timing::kUniform);
+  EXPECT_EQ(header.rate_hz, 10'000);
+  EXPECT_EQ(header.metadata.sensor, "pipe");
+  EXPECT_EQ(header.metadata.source, "device: scripted, 2 x text");
+  EXPECT_EQ(header.channels.at(0).scale, 1e-6);
+  EXPECT_EQ(ToTheEnd(), std::vector(3, SampleStatus::kOk));
+  EXPECT_EQ(sensor_->discarded_bytes(), 0U);
+}
+
+TEST_F(PipeSensorTest, ACutRowAtTheEndIsCounted) {
+  Make("voltage:V", SampleFormat::kF64);
+  pipe_->Send(std::string(8 * 3 + 5, '\0'), kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(ToTheEnd().size(), 3U);
+  EXPECT_EQ(sensor_->discarded_bytes(), 5U);
+}
+
+TEST_F(PipeSensorTest, AHeadingIsPassedOverAndALaterWrongLineKeepsItsPlace) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("# my DAQ\nvolts\n1\nx\n3\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_THAT(sensor_->Remarks(),
+              Contains(HasSubstr("2 lines before the first row were passed over: \"volts\"")));
+  EXPECT_EQ(ToTheEnd(),
+            (std::vector{SampleStatus::kOk, SampleStatus::kBadFrame, SampleStatus::kOk}));
+  EXPECT_EQ(sensor_->discarded_bytes(), 1U);  // the x; the heading is no part of the recording
+}
+
+TEST_F(PipeSensorTest, SaysWhatDoesNotFit) {
+  Make("voltage:V,current:A", SampleFormat::kText);
+  pipe_->Send("1,2,3\n1,2,3\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("no line is a row of 2 x text: \"1,2,3\""));
+}
+
+TEST_F(PipeSensorTest, GivesUpOnEndlessText) {
+  Make("voltage:V", SampleFormat::kText);
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += "hello\n";
+  pipe_->Send(lines, kMs);
+  EXPECT_THAT(StartError(), HasSubstr("\"hello\""));
+}
+
+TEST_F(PipeSensorTest, SaysWhenTheInputIsEmptyOrTooShort) {
+  Make("voltage:V", SampleFormat::kF64);
+  pipe_->Send("abc", kMs);
+  pipe_->HangUp(2 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("scripted: ended before a whole row came (3 bytes did)"));
+}
+
+TEST_F(PipeSensorTest, WaitsForAProgramThatIsSlowToBeginButNotForever) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n", 59 * kNsPerS);
+  EXPECT_TRUE(sensor_->Start(kNeverStop));
+  Make("voltage:V", SampleFormat::kText);
+  EXPECT_THAT(StartError(), HasSubstr("no row came in 60 s"));
+}
+
+TEST_F(PipeSensorTest, CanBeInterruptedWhileItWaits) {
+  Make("voltage:V", SampleFormat::kText);
+  const std::atomic<bool> stop{true};
+  const auto started = sensor_->Start(stop);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kFailed);
+}
+
+TEST_F(PipeSensorTest, SilenceIsNothing) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  Reading reading;
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  const MonotonicNs before = clock_.Now();
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
+  EXPECT_EQ(clock_.Now() - before, 100 * kMs);
+}
+
+// --- the pipe itself ---
+
+TEST(InputPipe, HandsOutWhatIsWrittenAndThenItsEnd) {
+  const std::string path = ::testing::TempDir() + "haptometer_fifo";
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  auto pipe = InputPipe::Open(path);
+  ASSERT_TRUE(pipe) << pipe.error().Text();
+  SystemClock clock;
+  std::array<char, 16> buffer{};
+  // no writer yet: silence, not an end
+  EXPECT_EQ((*pipe)->Read(buffer, clock.Now()).state, ReadState::kTimeout);
+  {
+    const OwnedDescriptor writer(open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    ASSERT_EQ(write(writer.get(), "abc", 3), 3);
+    const ReadOutcome outcome = (*pipe)->Read(buffer, clock.Now() + kNsPerS);
+    EXPECT_EQ(outcome.state, ReadState::kBytes);
+    EXPECT_EQ(std::string(buffer.data(), outcome.bytes), "abc");
+  }
+  EXPECT_EQ((*pipe)->Read(buffer, clock.Now() + kNsPerS).state, ReadState::kGone);
+  EXPECT_FALSE((*pipe)->Write("x", clock.Now()));
+  std::filesystem::remove(path);
+}
+
+TEST(InputPipe, RefusesWhatHoldsNoSamples) {
+  const auto error = [](const std::string& path) {
+    const auto pipe = InputPipe::Open(path);
+    return pipe ? "no error" : pipe.error().Text();
+  };
+  EXPECT_THAT(error(::testing::TempDir()), HasSubstr("is a directory; pipe samples into it"));
+  EXPECT_THAT(error("/nonexistent/fifo"), HasSubstr("is not there"));
+  const tests::PtyPair terminal;
+  EXPECT_THAT(error(terminal.path()), HasSubstr("is a terminal; pipe samples into it"));
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

@@ -1,0 +1,170 @@
+// Volts of an analog output to metres: files, limits, and what is kept in a trial.
+#include "trial/calibration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "tests/residual.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const std::array<ChannelFormat, 2> kChannels{
+    {{.name = "displacement", .role = ChannelRole::kDisplacement},
+     {.name = "voltage", .role = ChannelRole::kVoltage}}};
+
+Calibration Read(std::string_view text) {
+  auto calibration = ReadCalibrationText(text, "il030.toml", kChannels);
+  EXPECT_TRUE(calibration) << calibration.error().Text();
+  return calibration ? std::move(*calibration) : Calibration{};
+}
+
+std::string ErrorOf(std::string_view text) {
+  const auto calibration = ReadCalibrationText(text, "il030.toml", kChannels);
+  return calibration ? "no error" : calibration.error().Text();
+}
+
+TEST(CalibrationFile, TwoPointsAreALine) {
+  const Calibration calibration = Read(
+      "[displacement]\n"
+      "first = { voltage_v = -5, displacement_m = '-5mm' }\n"
+      "second = { voltage_v = '5V', displacement_m = 4e-3 }\n");
+  const ChannelCalibration& channel = calibration.channels.at("displacement");
+  // slope 9 mm / 10 V, and -5 mm at -5 V
+  EXPECT_REL(channel.scale, 0.9e-3, 1e-15, "a difference and a quotient");
+  EXPECT_REL(channel.offset, -0.5e-3, 1e-14, "a difference of like numbers");
+  EXPECT_EQ(calibration.name, "il030.toml");
+}
+
+TEST(CalibrationFile, EveryKeyArrives) {
+  const Calibration calibration = Read(
+      "name = 'IL-030, rig 2'\ndate = '2026-02-11'\nnotes = 'gauge blocks'\n"
+      "[displacement]\nscale_m_per_v = 1e-3\noffset_m = '0.1mm'\nbad_above_v = 5.25\n"
+      "bad_below_v = -5.25\ndaq_min_v = -10\ndaq_max_v = 10\nv_per_count = 3.0517578125e-4\n"
+      "v_at_zero_count = '2mV'\nrange_min_m = '-5mm'\nrange_max_m = '5mm'\n"
+      "[voltage]\nscale_v_per_v = 11\n");
+  EXPECT_EQ(calibration.name, "IL-030, rig 2");
+  EXPECT_EQ(calibration.date, "2026-02-11");
+  EXPECT_EQ(calibration.notes, "gauge blocks");
+  const ChannelCalibration& channel = calibration.channels.at("displacement");
+  EXPECT_EQ(channel.scale, 1e-3);
+  EXPECT_REL(channel.offset, 1e-4, 3e-16, "one rounding of the unit's factor");
+  EXPECT_EQ(channel.limits.bad_above, 5.25);
+  EXPECT_EQ(channel.limits.bad_below, -5.25);
+  EXPECT_EQ(channel.limits.rail_min, -10);
+  EXPECT_EQ(channel.limits.rail_max, 10);
+  EXPECT_EQ(channel.input_per_count, 3.0517578125e-4);
+  EXPECT_EQ(channel.input_at_zero_count, 2e-3);
+  EXPECT_EQ(*channel.range_max, 5e-3);
+  // a divider of 11 before the converter; what is measured in its own unit has no offset here
+  EXPECT_EQ(calibration.channels.at("voltage").scale, 11);
+  EXPECT_EQ(calibration.channels.at("voltage").offset, 0);
+}
+
+TEST(CalibrationFile, CurrentLoopsHaveAnErrorLevelBelow) {
+  // 4 to 20 mA over 10 mm; the amplifier puts out 3.00 mA for an error
+  const Calibration calibration = Read(
+      "[displacement]\ninput = 'current'\n"
+      "first = { current_a = '4mA', displacement_m = '-5mm' }\n"
+      "second = { current_a = '20mA', displacement_m = '5mm' }\nbad_below_a = '3.5mA'\n");
+  const ChannelCalibration& channel = calibration.channels.at("displacement");
+  EXPECT_EQ(channel.input_unit, "A");
+  EXPECT_REL(channel.scale, 10e-3 / 16e-3, 1e-15, "differences of exact numbers");
+  EXPECT_EQ(StatusOf(channel.limits, 3.00e-3), SampleStatus::kInvalid);
+  EXPECT_EQ(StatusOf(channel.limits, 4.00e-3), SampleStatus::kOk);
+}
+
+TEST(CalibrationFile, RefusesWhatCannotBeMeant) {
+  EXPECT_THAT(ErrorOf("[displacement]\n"), HasSubstr("scale_m_per_v: is missing"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 0\n"), HasSubstr("must not be 0"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1e-3\noffset_m = nan\n"),
+              HasSubstr("offset_m"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_V = 1e-3\n"),
+              HasSubstr("key scale_m_per_V is not known; did you mean scale_m_per_v?"));
+  EXPECT_THAT(ErrorOf("[displacement]\nfirst = { voltage_v = 1, displacement_m = 0 }\n"),
+              HasSubstr("second: is missing"));
+  EXPECT_THAT(ErrorOf("[displacement]\nfirst = { voltage_v = 1, displacement_m = 0 }\n"
+                      "second = { voltage_v = 1, displacement_m = 1 }\n"),
+              HasSubstr("does not differ"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\n"
+                      "first = { voltage_v = 1, displacement_m = 0 }\n"
+                      "second = { voltage_v = 2, displacement_m = 1 }\n"),
+              HasSubstr("is said twice"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\nbad_above_v = 1\nbad_below_v = 2\n"),
+              HasSubstr("bad_below_v: is not below bad_above"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\ndaq_max_v = 1\ndaq_min_v = 2\n"),
+              HasSubstr("daq_min_v: is not below daq_max"));
+  EXPECT_THAT(ErrorOf("[displacement]\nscale_m_per_v = 1\nv_per_count = -1\n"),
+              HasSubstr("v_per_count: must be greater than 0"));
+  EXPECT_THAT(ErrorOf("[displacment]\nscale_m_per_v = 1\n"),
+              HasSubstr("key displacment is not known; did you mean displacement?"));
+  EXPECT_THAT(ErrorOf("name = 'x'\n"), HasSubstr("calibrates none of the channels"));
+}
+
+TEST(CalibrationFile, ATriggerHasNothingToBeCalibrated) {
+  const std::array<ChannelFormat, 1> trigger{{{.name = "trigger", .role = ChannelRole::kTrigger}}};
+  EXPECT_FALSE(ReadCalibrationText("[trigger]\n", "f", trigger));
+}
+
+TEST(CalibrationLimits, StatusesAtTheEdges) {
+  const RawLimits limits{.rail_min = -10, .rail_max = 10, .bad_below = -5.25, .bad_above = 5.25};
+  EXPECT_EQ(StatusOf(limits, 5.25), SampleStatus::kOk);
+  EXPECT_EQ(StatusOf(limits, std::nextafter(5.25, 6)), SampleStatus::kInvalid);
+  EXPECT_EQ(StatusOf(limits, 5.5), SampleStatus::kInvalid);  // the IL's error level
+  EXPECT_EQ(StatusOf(limits, -5.26), SampleStatus::kInvalid);
+  EXPECT_EQ(StatusOf(limits, 10), SampleStatus::kClipped);
+  EXPECT_EQ(StatusOf(limits, -11), SampleStatus::kClipped);
+  EXPECT_EQ(StatusOf(limits, std::nan("")), SampleStatus::kInvalid);
+  EXPECT_EQ(StatusOf(limits, kInfinity), SampleStatus::kInvalid);
+  EXPECT_EQ(StatusOf({}, 1e300), SampleStatus::kOk);
+}
+
+TEST(CalibrationLimits, CountsOfASixteenBitConverter) {
+  const Calibration calibration = Read(
+      "[displacement]\nscale_m_per_v = -1e-3\noffset_m = 1e-3\ndaq_min_v = -10\ndaq_max_v = 10\n"
+      "v_per_count = 3.0517578125e-4\nbad_above_v = 5.25\n");
+  ChannelFormat channel{.name = "displacement", .encoding = Encoding::kI32};
+  const RawLimits limits =
+      Calibrate(calibration.channels.at("displacement"), 3.0517578125e-4, 0, &channel);
+  // 20 V / 2^16 a count: 16384 counts are 5 V, which is 1 mm - 5 mm
+  EXPECT_REL(16384 * channel.scale + channel.offset, -4e-3, 1e-15, "two roundings");
+  EXPECT_REL(channel.resolution, 20.0 / 65536 * 1e-3, 1e-15, "one product");
+  EXPECT_EQ(StatusOf(limits, 32767), SampleStatus::kClipped);
+  EXPECT_EQ(StatusOf(limits, -32768), SampleStatus::kClipped);
+  EXPECT_EQ(StatusOf(limits, -32767), SampleStatus::kOk);
+  EXPECT_EQ(StatusOf(limits, 18022), SampleStatus::kInvalid);  // 5.5 V
+  EXPECT_EQ(StatusOf(limits, 17203), SampleStatus::kOk);       // 5.25 V = 17203.2 counts
+  // a falling line turns the ends round: 5.25 V is -4.25 mm, -10 V is 11 mm
+  EXPECT_REL(channel.range_min, -4.25e-3, 1e-15, "two roundings");
+  EXPECT_REL(channel.range_max, 11e-3, 1e-15, "two roundings");
+}
+
+TEST(CalibrationLimits, MillivoltsAreVolts) {
+  const Calibration calibration = Read("[displacement]\nscale_m_per_v = 2e-3\nbad_above_v = 5\n");
+  ChannelFormat channel{.name = "displacement"};
+  const RawLimits limits = Calibrate(calibration.channels.at("displacement"), 1e-3, 0, &channel);
+  EXPECT_REL(channel.scale, 2e-6, 1e-15, "one product");
+  EXPECT_EQ(StatusOf(limits, 4999), SampleStatus::kOk);
+  EXPECT_EQ(StatusOf(limits, 5001), SampleStatus::kInvalid);
+  EXPECT_EQ(channel.range_min, -kInfinity);
+}
+
+TEST(CalibrationFields, SayWhatWasUsed) {
+  const auto fields = CalibrationFields(
+      Read("name = 'rig 2'\ndate = '2026-02-11'\n[displacement]\nscale_m_per_v = 0.001\n"
+           "bad_above_v = 5.25\ndaq_min_v = -10\ndaq_max_v = 10\n"));
+  EXPECT_EQ(fields.at("calibration"), "rig 2");
+  EXPECT_EQ(fields.at("calibration.date"), "2026-02-11");
+  EXPECT_EQ(fields.at("calibration.displacement"),
+            "displacement = 0.001 per V x input + 0; measures up to 5.25 V; DAQ -10 to 10 V");
+}
+
+}  // namespace
+}  // namespace haptometer::trial

@@ -1,0 +1,19 @@
+#include "tools/played_scene.h"
+
+#include "sim/scene_file.h"
+#include "sim/steady_state.h"
+
+namespace haptometer::tools {
+
+Result<sim::Scene> ReadPlayedScene(const std::string& path) {
+  auto scene = sim::ReadSceneFile(path);
+  if (!scene) return scene;
+  if (sim::StartOf(*scene) == sim::Start::kSteady &&
+      !(sim::SolveSteadyState(*scene).error_estimate < 1)) {
+    return CannotAnswer(path, "has no steady state: the drive excites an undamped resonance",
+                        "add damping, or start = \"rest\" to [run]");
+  }
+  return scene;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,237 @@
+#include "trial/calibration.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "base/check.h"
+#include "base/toml_table.h"
+
+namespace haptometer::trial {
+namespace {
+
+// a unit as it stands in keys: scale_m_per_v
+struct KeyUnit {
+  std::string_view letter;
+  std::string_view quantity;  // displacement_m
+  Dimension dimension = Dimension::kNone;
+};
+
+constexpr KeyUnit kMetre{"m", "displacement", Dimension::kLength};
+constexpr KeyUnit kVolt{"v", "voltage", Dimension::kVoltage};
+constexpr KeyUnit kAmpere{"a", "current", Dimension::kCurrent};
+
+const KeyUnit* UnitOf(ChannelRole role) {
+  switch (role) {
+    case ChannelRole::kDisplacement:
+      return &kMetre;
+    case ChannelRole::kVoltage:
+      return &kVolt;
+    case ChannelRole::kCurrent:
+      return &kAmpere;
+    case ChannelRole::kTrigger:
+    case ChannelRole::kOther:
+      return nullptr;
+  }
+  return nullptr;
+}
+
+// one pair of input and value: { voltage_v = -5, displacement_m = "-5mm" }
+struct Point {
+  double input = 0;
+  double value = 0;
+};
+
+std::optional<Point> ReadPoint(TomlTable& table, std::string_view key, const KeyUnit& in,
+                               const KeyUnit& out) {
+  TomlTable* point = table.Table(key);
+  if (point == nullptr) return std::nullopt;
+  const std::string value_key = fmt::format("{}_{}", out.quantity, out.letter);
+  const std::string input_key = in.letter == out.letter
+                                    ? fmt::format("input_{}", in.letter)
+                                    : fmt::format("{}_{}", in.quantity, in.letter);
+  return Point{.input = point->Require(input_key, in.dimension),
+               .value = point->Require(value_key, out.dimension)};
+}
+
+// the line through two points, or as it is stated
+void ReadLine(TomlTable& table, const KeyUnit& in, const KeyUnit& out,
+              ChannelCalibration* calibration) {
+  const std::string scale_key = fmt::format("scale_{}_per_{}", out.letter, in.letter);
+  const std::string offset_key = fmt::format("offset_{}", out.letter);
+  const auto scale = table.Number(scale_key, Dimension::kNone);
+  const auto offset = table.Number(offset_key, out.dimension);
+  const auto first = ReadPoint(table, "first", in, out);
+  const auto second = ReadPoint(table, "second", in, out);
+  if (first && second) {
+    if (scale || offset) {
+      table.Refuse(scale ? scale_key : offset_key, "is said twice",
+                   "give the two points, or scale and offset");
+    }
+    calibration->scale = (second->value - first->value) / (second->input - first->input);
+    calibration->offset = first->value - calibration->scale * first->input;
+    if (!std::isfinite(calibration->scale) || calibration->scale == 0) {
+      table.Refuse("second", "does not differ from the first point in both numbers",
+                   "give two points that lie apart");
+    }
+    return;
+  }
+  if (first || second) {
+    table.Refuse(first ? "second" : "first", "is missing", "a line needs two points");
+  }
+  // what is measured in its own unit needs no slope
+  if (!scale && in.letter != out.letter) {
+    table.Refuse(scale_key, "is missing", "give it, or two points first and second");
+  }
+  calibration->scale = scale.value_or(1);
+  calibration->offset = offset.value_or(0);
+  if (calibration->scale == 0) table.Refuse(scale_key, "must not be 0", "check it");
+}
+
+void ReadLimits(TomlTable& table, const KeyUnit& in, RawLimits* limits) {
+  const auto read = [&](std::string_view name, double* limit) {
+    *limit = table.Number(fmt::format("{}_{}", name, in.letter), in.dimension).value_or(*limit);
+  };
+  read("bad_below", &limits->bad_below);
+  read("bad_above", &limits->bad_above);
+  read("daq_min", &limits->rail_min);
+  read("daq_max", &limits->rail_max);
+  if (!(limits->bad_below < limits->bad_above)) {
+    table.Refuse(fmt::format("bad_below_{}", in.letter), "is not below bad_above");
+  }
+  if (!(limits->rail_min < limits->rail_max)) {
+    table.Refuse(fmt::format("daq_min_{}", in.letter), "is not below daq_max");
+  }
+}
+
+void ReadCounts(TomlTable& table, const KeyUnit& in, ChannelCalibration* calibration) {
+  const std::string per_count = fmt::format("{}_per_count", in.letter);
+  calibration->input_per_count = table.Number(per_count, in.dimension);
+  calibration->input_at_zero_count =
+      table.Number(fmt::format("{}_at_zero_count", in.letter), in.dimension).value_or(0);
+  if (calibration->input_per_count && !(*calibration->input_per_count > 0)) {
+    table.Refuse(per_count, "must be greater than 0", "a falling line has a negative scale");
+  }
+}
+
+ChannelCalibration ReadChannel(TomlTable& table, ChannelRole role) {
+  ChannelCalibration calibration;
+  const KeyUnit* out = UnitOf(role);
+  if (out == nullptr) {
+    // every key of it is refused with this one
+    table.Refuse("role", fmt::format("a channel of role {} has no unit", Name(role)),
+                 "calibrate displacement, voltage and current channels");
+    return calibration;
+  }
+  const auto input = table.Choice("input", {"voltage", "current"});
+  const KeyUnit& in = input == "current" ? kAmpere : kVolt;
+  calibration.input_unit = input == "current" ? "A" : "V";
+  ReadLine(table, in, *out, &calibration);
+  ReadLimits(table, in, &calibration.limits);
+  ReadCounts(table, in, &calibration);
+  calibration.range_min = table.Number(fmt::format("range_min_{}", out->letter), out->dimension);
+  calibration.range_max = table.Number(fmt::format("range_max_{}", out->letter), out->dimension);
+  if (calibration.range_min && calibration.range_max &&
+      !(*calibration.range_min < *calibration.range_max)) {
+    table.Refuse(fmt::format("range_min_{}", out->letter), "is not below range_max");
+  }
+  return calibration;
+}
+
+Result<Calibration> ReadCalibration(TomlTable table, std::span<const ChannelFormat> channels) {
+  Calibration calibration;
+  calibration.name = table.Text("name").value_or("");
+  calibration.date = table.Text("date").value_or("");
+  calibration.notes = table.Text("notes").value_or("");
+  std::string names;
+  for (const ChannelFormat& channel : channels) {
+    names += (names.empty() ? "" : ", ") + channel.name;
+    TomlTable* of_channel = table.Table(channel.name);
+    if (of_channel == nullptr) continue;
+    calibration.channels[channel.name] = ReadChannel(*of_channel, channel.role);
+  }
+  if (auto done = table.Finish(); !done) return std::unexpected(done.error());
+  if (calibration.channels.empty()) {
+    return Usage(table.where(), "calibrates none of the channels " + names,
+                 "give it a table [displacement]");
+  }
+  if (calibration.name.empty()) calibration.name = table.where();
+  return calibration;
+}
+
+// " -10 to 10 V", with what is unbounded left out
+std::string Bounds(std::string_view what, double low, double high, std::string_view unit) {
+  if (std::isinf(low) && std::isinf(high)) return {};
+  if (std::isinf(low)) return fmt::format("; {} up to {} {}", what, high, unit);
+  if (std::isinf(high)) return fmt::format("; {} from {} {}", what, low, unit);
+  return fmt::format("; {} {} to {} {}", what, low, high, unit);
+}
+
+}  // namespace
+
+SampleStatus StatusOf(const RawLimits& limits, double number) {
+  if (!std::isfinite(number)) return SampleStatus::kInvalid;
+  if (number <= limits.rail_min || number >= limits.rail_max) return SampleStatus::kClipped;
+  if (number < limits.bad_below || number > limits.bad_above) return SampleStatus::kInvalid;
+  return SampleStatus::kOk;
+}
+
+Result<Calibration> ReadCalibrationFile(const std::string& path,
+                                        std::span<const ChannelFormat> channels) {
+  auto table = TomlTable::ParseFile(path);
+  if (!table) return std::unexpected(table.error());
+  return ReadCalibration(std::move(*table), channels);
+}
+
+Result<Calibration> ReadCalibrationText(std::string_view text, const std::string& where,
+                                        std::span<const ChannelFormat> channels) {
+  auto table = TomlTable::ParseText(text, where);
+  if (!table) return std::unexpected(table.error());
+  return ReadCalibration(std::move(*table), channels);
+}
+
+RawLimits Calibrate(const ChannelCalibration& calibration, double input_per_raw,
+                    double input_at_zero_raw, ChannelFormat* channel) {
+  HAPTOMETER_CHECK(input_per_raw > 0, "input_per_raw = {}", input_per_raw);
+  // value = (raw * per_raw + at_zero) * scale + offset
+  channel->scale = input_per_raw * calibration.scale;
+  channel->offset = input_at_zero_raw * calibration.scale + calibration.offset;
+
+  // the ends of what can be measured, unless the sensor's own are known
+  const RawLimits& limits = calibration.limits;
+  const auto value = [&](double input) { return input * calibration.scale + calibration.offset; };
+  const double at_low = value(std::max(limits.rail_min, limits.bad_below));
+  const double at_high = value(std::min(limits.rail_max, limits.bad_above));
+  channel->range_min = calibration.range_min.value_or(std::min(at_low, at_high));
+  channel->range_max = calibration.range_max.value_or(std::max(at_low, at_high));
+
+  const auto raw = [&](double input) { return (input - input_at_zero_raw) / input_per_raw; };
+  RawLimits raw_limits{.rail_min = raw(limits.rail_min),
+                       .rail_max = raw(limits.rail_max),
+                       .bad_below = raw(limits.bad_below),
+                       .bad_above = raw(limits.bad_above)};
+  if (channel->encoding == Encoding::kI32) {
+    raw_limits.rail_max -= 1;
+    channel->resolution = std::abs(channel->scale);
+  }
+  return raw_limits;
+}
+
+std::map<std::string, std::string> CalibrationFields(const Calibration& calibration) {
+  std::map<std::string, std::string> fields{{"calibration", calibration.name}};
+  if (!calibration.date.empty()) fields["calibration.date"] = calibration.date;
+  if (!calibration.notes.empty()) fields["calibration.notes"] = calibration.notes;
+  for (const auto& [name, channel] : calibration.channels) {
+    const RawLimits& limits = channel.limits;
+    fields["calibration." + name] = fmt::format(
+        "{} = {} per {} x input + {}{}{}", name, channel.scale, channel.input_unit, channel.offset,
+        Bounds("measures", limits.bad_below, limits.bad_above, channel.input_unit),
+        Bounds("DAQ", limits.rail_min, limits.rail_max, channel.input_unit));
+  }
+  return fields;
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "base/result.h"
+#include "trial/record.h"
+#include "trial/trial_format.h"
+
+/// What the analog output of a sensor means, as sampled by a DAQ: volts or amperes to metres.
+namespace haptometer::trial {
+
+/// Numbers that are no measurements, in the unit in which the numbers come.
+struct RawLimits {
+  double rail_min = -std::numeric_limits<double>::infinity();   ///< at or below: kClipped
+  double rail_max = std::numeric_limits<double>::infinity();    ///< at or above: kClipped
+  double bad_below = -std::numeric_limits<double>::infinity();  ///< below: kInvalid
+  double bad_above = std::numeric_limits<double>::infinity();   ///< above: kInvalid
+};
+
+/// What `number` is by its limits: kInvalid where it is not finite, else kClipped at a rail of the
+/// converter, else kInvalid beyond what the sensor puts out when it measures, else kOk.
+[[nodiscard]] SampleStatus StatusOf(const RawLimits& limits, double number);
+
+/// One channel of a DAQ: value = input * scale + offset, input = count * input_per_count +
+/// input_at_zero_count where counts come.
+struct ChannelCalibration {
+  std::string input_unit = "V";           ///< of what the DAQ measures: "V" or "A"
+  double scale = 1;                       ///< in the channel's unit per input unit; finite, not 0
+  double offset = 0;                      ///< in the channel's unit; finite
+  std::optional<double> input_per_count;  ///< > 0; needed for counts only
+  double input_at_zero_count = 0;         ///< in the input unit
+  RawLimits limits;                       ///< in the input unit
+  std::optional<double> range_min;        ///< of the sensor, in the channel's unit
+  std::optional<double> range_max;
+};
+
+/// What a calibration file says (docs/formats.md).
+struct Calibration {
+  std::string name;
+  std::string date;
+  std::string notes;
+  std::map<std::string, ChannelCalibration> channels;  ///< by channel name
+};
+
+/// Reads a calibration file for `channels`, of which name and role count: a table a channel.
+///
+/// Strict: an unknown key, or a table that is none of the channels, is an error.
+/// Errors: the file's (base/input_file.h); Cause::kUsage for keys and values, a slope that is
+/// missing or 0, limits in the wrong order, a file that calibrates none of the channels.
+[[nodiscard]] Result<Calibration> ReadCalibrationFile(const std::string& path,
+                                                      std::span<const ChannelFormat> channels);
+
+/// The same from text; `where` stands for the file's path in errors.
+[[nodiscard]] Result<Calibration> ReadCalibrationText(std::string_view text,
+                                                      const std::string& where,
+                                                      std::span<const ChannelFormat> channels);
+
+/// Copies `calibration` into `channel`: scale, offset and range, for raw values of which one is
+/// `input_per_raw` (> 0) input units and 0 is `input_at_zero_raw`. Returns the limits of the raw
+/// values. A converter's highest count stands for one step less than its rail, so with
+/// Encoding::kI32 the upper rail lies one count lower, and the resolution is one count.
+[[nodiscard]] RawLimits Calibrate(const ChannelCalibration& calibration, double input_per_raw,
+                                  double input_at_zero_raw, ChannelFormat* channel);
+
+/// What of it is kept in a trial's metadata.fields: `calibration`, `calibration.date`, `.notes` and
+/// a sentence a channel, `calibration.CHANNEL`.
+[[nodiscard]] std::map<std::string, std::string> CalibrationFields(const Calibration& calibration);
+
+}  // namespace haptometer::trial
