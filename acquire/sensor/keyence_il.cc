@@ -106,6 +106,7 @@ Error KeyenceIl::NoAnswer() const {
 
 std::vector<int> KeyenceIl::Units() const {
   std::vector<int> units;
+  units.reserve(settings_.size());
   for (std::size_t i = 0; i < settings_.size(); ++i) {
     units.push_back(traits_.first_unit + static_cast<int>(i));
   }
