@@ -5,10 +5,14 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
+#include "acquire/emulator/dl_en1_unit.h"
 #include "acquire/emulator/dl_rs1a_unit.h"
+#include "acquire/emulator/lkg_unit.h"
 #include "acquire/emulator/server.h"
 #include "acquire/emulator/stream_head.h"
+#include "acquire/protocol/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/interrupt.h"
@@ -27,6 +31,8 @@ namespace emulator = acquire::emulator;
 
 constexpr std::string_view kVerb = "emulate";
 constexpr std::string_view kUnit = "dl-rs1a";
+constexpr std::string_view kEn1 = "en1";
+constexpr std::string_view kLkg = "lkg";
 constexpr std::string_view kStream = "stream";
 constexpr std::string_view kModbus = "modbus";
 
@@ -55,6 +61,8 @@ struct Wanted {
   std::optional<Quantity> sampling_s;
   std::optional<std::int64_t> averages;
   std::optional<Quantity> refresh_s;
+  std::optional<std::int64_t> amplifiers;
+  bool is_writable = false;
 
   [[nodiscard]] bool stream() const { return protocol == kStream; }
   [[nodiscard]] bool modbus() const { return protocol == kModbus; }
@@ -66,11 +74,14 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Text("--trial", &wanted.trial, "FILE",
                "The trial to play: straight lines between its rows, then its last value for ever");
   options.Choice("--protocol", &wanted.protocol,
-                 {std::string(kUnit), std::string(kStream), std::string(kModbus)},
-                 "Keyence DL-RS1A, asked for each reading, lines that come unasked, or registers");
+                 {std::string(kUnit), std::string(kEn1), std::string(kLkg), std::string(kStream),
+                  std::string(kModbus)},
+                 "Keyence's DL-RS1A, DL-EN1 or LK-G3001, asked for each reading, lines that come "
+                 "unasked, or registers");
   options.Text("--profile", &wanted.profile, "NAME|FILE",
                "Which Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
-  options.Count("--baud", &wanted.baud, 300, 20'000'000, "The wire's (9600; stream: 921600)");
+  options.Count("--baud", &wanted.baud, 300, 20'000'000,
+                "The wire's (9600; stream: 921600; en1: none)");
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
                "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
   options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
@@ -89,7 +100,12 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Count("--averages", &wanted.averages, 1, 4096, "Raw samples in a reading (16; stream: 1)",
                 cli::Shown::kHelpAll);
   options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often a DL-RS1A refills its buffer (7ms)", cli::Shown::kHelpAll);
+                 "How often a DL-RS1A or DL-EN1 refills its buffer (7ms, 7.8ms with one amplifier)",
+                 cli::Shown::kHelpAll);
+  options.Count("--amplifiers", &wanted.amplifiers, 1, 15,
+                "Number n (from 0) shows the motion divided by n + 1 (1)", cli::Shown::kHelpAll);
+  options.Flag("--writable", &wanted.is_writable,
+               "The unit's R/W switch stands on W: SW and AW are obeyed", cli::Shown::kHelpAll);
 }
 
 // What cannot be asked for together.
@@ -103,8 +119,13 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   if (!wanted.link.empty() && !wanted.tcp.empty()) {
     return Usage("--link", "is for a terminal, and --tcp makes none", "leave one of them out");
   }
-  if (wanted.stream() && wanted.refresh_s) {
-    return Usage("--refresh", "is the buffer of a DL-RS1A", "leave it out with --protocol stream");
+  if ((wanted.stream() || wanted.protocol == kLkg) && wanted.refresh_s) {
+    return Usage("--refresh", "is the buffer of a DL-RS1A",
+                 fmt::format("leave it out with --protocol {}", wanted.protocol));
+  }
+  if (wanted.stream() && wanted.amplifiers) {
+    return Usage("--amplifiers", "is for those that are asked",
+                 "leave it out with --protocol stream");
   }
   if (wanted.modbus() == wanted.profile.empty()) {
     return Usage("--profile", "belongs to --protocol modbus, and that needs it",
@@ -174,19 +195,62 @@ std::string Describe(const trial::SensorHead& head) {
                      head.averages, head.averages == 1 ? "" : "s");
 }
 
-Result<Played> MakeUnit(const Wanted& wanted, emulator::MovingHead head,
+// one head an amplifier: each shows a smaller motion, so that channels can be told apart
+std::vector<emulator::MovingHead> AllHeads(const Wanted& wanted, const emulator::MovingHead& head) {
+  std::vector<emulator::MovingHead> heads{head};
+  for (std::int64_t number = 1; number < wanted.amplifiers.value_or(1); ++number) {
+    emulator::MovingHead further = head;
+    further.seed += static_cast<std::uint64_t>(number);
+    further.displacement = [whole = head.displacement, number](double t_s) {
+      return whole(t_s) / static_cast<double>(number + 1);
+    };
+    heads.push_back(std::move(further));
+  }
+  return heads;
+}
+
+Result<Played> MakeEn1(const Wanted& wanted, const emulator::MovingHead& head,
+                       const emulator::FaultPlan& faults) {
+  emulator::DlEn1Setup setup;
+  setup.heads = AllHeads(wanted, head);
+  setup.faults = faults;
+  setup.is_writable = wanted.is_writable;
+  setup.refresh_ns = acquire::dl_en1::RefreshNs(setup.heads.size());
+  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark = fmt::format("{}; new readings every {:g} ms", Describe(head.head),
+                                   1e3 * SecondsFromNs(setup.refresh_ns));
+  return Played{std::make_unique<emulator::DlEn1Unit>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeLkg(const Wanted& wanted, const emulator::MovingHead& head,
+                       const emulator::FaultPlan& faults) {
+  emulator::LkgSetup setup;
+  setup.heads = AllHeads(wanted, head);
+  setup.faults = faults;
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark = fmt::format("{}; at {} baud", Describe(head.head), setup.baud);
+  return Played{std::make_unique<emulator::LkgUnit>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
                         const emulator::FaultPlan& faults) {
   emulator::DlRs1aSetup setup;
-  setup.head = std::move(head);
+  const std::vector<emulator::MovingHead> heads = AllHeads(wanted, head);
+  setup.head = heads.front();
+  setup.expansions.assign(heads.begin() + 1, heads.end());
   setup.faults = faults;
+  setup.is_writable = wanted.is_writable;
+  setup.refresh_ns = acquire::dl_rs1a::RefreshNs(heads.size());
   if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
   if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
   if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
-  const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, 1));
+  const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, heads.size()));
   std::string remark = fmt::format(
       "{}; at {} baud at most {:.1f} readings/s, new ones every {:g} ms", Describe(setup.head.head),
       setup.baud, 1 / period_s, 1e3 * SecondsFromNs(setup.refresh_ns));
-  return Played{std::make_unique<emulator::DlRs1aUnit>(std::move(setup)), std::move(remark)};
+  return Played{std::make_unique<emulator::DlRs1aUnit>(setup), std::move(remark)};
 }
 
 Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
@@ -241,8 +305,11 @@ Result<Played> MakeDevice(const Wanted& wanted) {
   if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
   if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
   if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
-  const auto make = wanted.modbus() ? MakeModbus : wanted.stream() ? MakeStream : MakeUnit;
-  auto made = make(wanted, std::move(head), faults);
+  auto made = wanted.modbus()           ? MakeModbus(wanted, std::move(head), faults)
+              : wanted.stream()         ? MakeStream(wanted, std::move(head), faults)
+              : wanted.protocol == kEn1 ? MakeEn1(wanted, head, faults)
+              : wanted.protocol == kLkg ? MakeLkg(wanted, head, faults)
+                                        : MakeUnit(wanted, head, faults);
   if (made) made->remark = source_remark + made->remark;
   return made;
 }

@@ -5,25 +5,31 @@
 #include <array>
 #include <charconv>
 
+#include "acquire/protocol/digits.h"
+
 namespace haptometer::acquire::emulator {
 namespace {
 
-// The delay is longer than the second after which the maker's manual gives an answer up for lost.
+// The makers give an answer up for lost after a second; a host that knows its unit does earlier.
 constexpr std::array kFaults = {
     Fault{.name = "silent", .summary = "no answer", .damage = Damage::kMissing},
+    Fault{.name = "slow", .summary = "the answer comes after 0.4 s", .delay_ns = kNsPerS * 2 / 5},
     Fault{.name = "late", .summary = "the answer comes after 1.5 s", .delay_ns = 3 * kNsPerS / 2},
+    Fault{.name = "byte-gap", .summary = "a pause of 0.3 s in it", .pause_ns = kNsPerS * 3 / 10},
     Fault{.name = "truncate", .summary = "half an answer", .damage = Damage::kTruncated},
     Fault{.name = "garbage", .summary = "noise for an answer", .damage = Damage::kGarbled},
+    Fault{.name = "merged", .summary = "the answer comes with the next", .holds_back = true},
+    Fault{.name = "wrong-id", .summary = "another amplifier's answer", .wrong_id = true},
     Fault{.name = "error",
-          .summary = "the unit answers ER,..,29, or Modbus exception 04",
+          .summary = "the unit answers ER (error-NN: with that number), or Modbus exception 04",
           .refuses = true},
     Fault{.name = "invalid", .summary = "no target", .status = trial::SampleStatus::kInvalid},
     Fault{.name = "over", .summary = "beyond the range", .status = trial::SampleStatus::kOver},
+    Fault{.name = "under", .summary = "below the range", .status = trial::SampleStatus::kUnder},
+    Fault{.name = "amplifier-error",
+          .summary = "the amplifier is broken",
+          .status = trial::SampleStatus::kDeviceError},
     Fault{.name = "disconnect", .summary = "the line drops", .hangs_up = true},
-    Fault{.name = "byte-gap",
-          .summary = "Modbus: 0.1 s of silence within an answer",
-          .pause_ns = kNsPerS / 10,
-          .is_modbus = true},
     Fault{.name = "crc",
           .summary = "Modbus RTU: a wrong CRC",
           .damage = Damage::kWrongCrc,
@@ -57,9 +63,28 @@ std::size_t BodySize(std::string_view answer) {
   return last == std::string_view::npos ? 0 : last + 1;
 }
 
+// "error-22": the name up to the number, and the number
+struct Named {
+  std::string_view name;
+  std::optional<int> error_number{};
+};
+
+Named ReadName(std::string_view text) {
+  constexpr std::string_view kNumbered = "error-";
+  const auto number =
+      text.starts_with(kNumbered) ? ParseDigits(text.substr(kNumbered.size())) : std::nullopt;
+  if (!number) return {.name = text};
+  return {.name = text.substr(0, kNumbered.size() - 1), .error_number = number};
+}
+
 }  // namespace
 
 std::span<const Fault> Faults() { return kFaults; }
+
+bool NeedsAQuestion(const Fault& fault) {
+  return fault.refuses || fault.delay_ns > 0 || fault.pause_ns > 0 || fault.holds_back ||
+         fault.wrong_id;
+}
 
 const Fault* FaultPlan::At(std::int64_t number) const {
   return fault != nullptr && number % every == 0 ? fault : nullptr;
@@ -67,8 +92,9 @@ const Fault* FaultPlan::At(std::int64_t number) const {
 
 Result<FaultPlan> ParseFaultPlan(std::string_view text) {
   const std::size_t colon = text.find(':');
-  const std::string_view name = text.substr(0, colon);
+  const auto [name, error_number] = ReadName(text.substr(0, colon));
   FaultPlan plan;
+  plan.error_number = error_number;
   for (const Fault& fault : kFaults) {
     if (fault.name == name) plan.fault = &fault;
   }

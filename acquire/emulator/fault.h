@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,26 +33,31 @@ struct Fault {
   Damage damage = Damage::kNone;
   bool refuses = false;      ///< a polled unit answers `ER`
   MonotonicNs delay_ns = 0;  ///< a polled unit answers this much later
+  MonotonicNs pause_ns = 0;  ///< a polled unit falls silent for so long in the middle of an answer
+  bool holds_back = false;   ///< a polled unit keeps the answer and sends it with the next
+  bool wrong_id = false;     ///< a polled unit answers for another amplifier, or for one too many
   bool hangs_up = false;     ///< the device drops off the line instead of answering
-  MonotonicNs pause_ns = 0;  ///< Modbus: the answer's second half comes this much later
   bool is_modbus = false;    ///< only a Modbus device fails so
 };
 
-/// All faults: silent, late, truncate, garbage, error, invalid, over, disconnect; of Modbus alone:
-/// byte-gap, crc, slave, transaction, word-order.
+/// All faults, in the order of --help.
 [[nodiscard]] std::span<const Fault> Faults();
+
+/// Whether only one who is asked can have `fault`: a head that sends by itself cannot.
+[[nodiscard]] bool NeedsAQuestion(const Fault& fault);
 
 /// A fault and how often it strikes.
 struct FaultPlan {
-  const Fault* fault = nullptr;  ///< nullptr: the device is sound
-  std::int64_t every = 1;        ///< answers every, 2 every, 3 every, ... are hit
+  const Fault* fault = nullptr;       ///< nullptr: the device is sound
+  std::int64_t every = 1;             ///< answers every, 2 every, 3 every, ... are hit
+  std::optional<int> error_number{};  ///< of a refusal; empty: what the device takes for such a one
 
   /// The fault that strikes answer `number` (1 is the first), or nullptr.
   [[nodiscard]] const Fault* At(std::int64_t number) const;
 };
 
-/// Reads "NAME" or "NAME:EVERY". Errors (Cause::kUsage): an unknown name, EVERY not a whole number
-/// from 1; both list what is known.
+/// Reads "NAME", "NAME:EVERY", and for `error` also "error-NUMBER", "error-NUMBER:EVERY". Errors
+/// (Cause::kUsage): an unknown name, EVERY not a whole number from 1; both list what is known.
 [[nodiscard]] Result<FaultPlan> ParseFaultPlan(std::string_view text);
 
 /// `answer` after `damage`; garbling depends only on `number`, so that a run can be repeated.

@@ -105,8 +105,9 @@ class PtyEndpoint final : public Endpoint {
     ppoll(&master, host_there_ ? 1 : 0, &longest, nullptr);
     if (!host_there_) ppoll(&master, 1, &at_once, nullptr);
     const bool was_there = std::exchange(host_there_, (master.revents & POLLHUP) == 0);
-    // what the last host left unread is not for the next one
-    if (was_there && !host_there_) tcflush(terminal_.master.get(), TCIOFLUSH);
+    // what the last host left unread is not for the next one, who may have asked already: only what
+    // goes to the host is dropped
+    if (was_there && !host_there_) tcflush(terminal_.master.get(), TCOFLUSH);
     return host_there_;
   }
 

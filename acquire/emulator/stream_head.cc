@@ -39,7 +39,7 @@ std::string Advice(const StreamSetup& setup) {
 
 Result<void> Validate(const StreamSetup& setup) {
   const Fault* fault = setup.faults.fault;
-  if (fault != nullptr && (fault->refuses || fault->delay_ns > 0)) {
+  if (fault != nullptr && NeedsAQuestion(*fault)) {
     return Usage("--fault",
                  fmt::format("'{}' is a fault of answers, and nobody asks a stream", fault->name),
                  "choose another, or --protocol dl-rs1a");

@@ -19,7 +19,7 @@ struct StreamSetup {
   int baud = 921600;
   MovingHead head{};
   StreamFormat format{};
-  FaultPlan faults{};  ///< neither late nor error: nobody asks it
+  FaultPlan faults{};  ///< none that NeedsAQuestion(): nobody asks it
 };
 
 /// Errors (Cause::kUsage): a line that does not fit between two samples, with the lines a second

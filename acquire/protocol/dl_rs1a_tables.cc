@@ -1,5 +1,6 @@
 // The maker's tables: what the numbers of the DL-RS1A and of the IL series mean.
 #include <algorithm>
+#include <cmath>
 
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
@@ -58,6 +59,11 @@ const Head* FindHead(int code) {
   return head == kHeads.end() ? nullptr : &*head;
 }
 
+const Head* FindHead(std::string_view name) {
+  const auto head = std::ranges::find(kHeads, name, &Head::name);
+  return head == kHeads.end() ? nullptr : &*head;
+}
+
 std::optional<double> SamplingSeconds(int code) {
   if (code < 1 || code > static_cast<int>(kSamplings_s.size())) return std::nullopt;
   return kSamplings_s[static_cast<std::size_t>(code - 1)];
@@ -66,6 +72,20 @@ std::optional<double> SamplingSeconds(int code) {
 std::optional<int> Averages(int code) {
   if (code < 0 || code > kMostAveragingCode) return std::nullopt;
   return 1 << code;
+}
+
+std::optional<int> SamplingCode(double sampling_s) {
+  const auto known = std::ranges::find_if(
+      kSamplings_s, [=](double known_s) { return std::abs(known_s - sampling_s) < 1e-9; });
+  if (known == kSamplings_s.end()) return std::nullopt;
+  return 1 + static_cast<int>(known - kSamplings_s.begin());
+}
+
+std::optional<int> AveragingCode(int averages) {
+  for (int code = 0; code <= kMostAveragingCode; ++code) {
+    if (Averages(code) == averages) return code;
+  }
+  return std::nullopt;
 }
 
 std::string_view HoldName(int code) {
@@ -78,9 +98,10 @@ std::optional<double> HighPassHz(int code) {
   return kHighPasses_hz[static_cast<std::size_t>(code)];
 }
 
-MonotonicNs PollPeriodNs(int baud, std::size_t units) {
-  constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4 and 8 for each value
-  return WireTimeNs(kRequestBytes + 4 + 8 * units, baud) + kProcessingNs;
+MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command) {
+  constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4, and 8 for each value
+  const std::size_t value_bytes = command == Command::kMs ? 11 : 8;
+  return WireTimeNs(kRequestBytes + 4 + value_bytes * units, baud) + kProcessingNs;
 }
 
 MonotonicNs RefreshNs(std::size_t units) {

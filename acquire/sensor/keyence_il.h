@@ -1,88 +1,80 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "acquire/protocol/dl_rs1a.h"
-#include "acquire/sensor/line_link.h"
-#include "acquire/sensor/repeat_marker.h"
-#include "acquire/sensor/response_deadline.h"
+#include "acquire/protocol/dl_line.h"
+#include "acquire/protocol/il_setting.h"
+#include "acquire/sensor/il_change.h"
+#include "acquire/sensor/il_poll.h"
+#include "acquire/sensor/il_unit.h"
+#include "acquire/sensor/polled_line.h"
 #include "acquire/sensor/sensor.h"
 #include "acquire/sensor/unit_settings.h"
 
 namespace haptometer::acquire {
 
-/// How a DL-RS1A is polled.
+/// How a unit with IL amplifiers is polled, and what is changed in it before.
 struct KeyenceIlSetup {
-  int baud = 9600;  ///< one of dl_rs1a::kBauds
+  int baud = 9600;  ///< DL-RS1A: one of dl_rs1a::kBauds
   /// How often the unit refreshes its buffer; empty: the maker's figure for its number of
   /// amplifiers.
-  std::optional<MonotonicNs> refresh_ns;
+  std::optional<MonotonicNs> refresh_ns{};
+  IlUnit unit = IlUnit::kDlRs1a;
+  dl::Command command = dl::Command::kM0;   ///< kM0, or kMs: outputs are recorded too
+  std::optional<double> rate_hz{};          ///< polls on the grid k / rate_hz; empty: no pause
+  std::vector<il_setting::Write> writes{};  ///< to every amplifier; each is read back
+  bool device_zero = false;                 ///< shifts the zero of every amplifier
+  std::optional<int> decimals{};            ///< DL-EN1: where the unit does not tell them (0 to 6)
 };
 
-/// A Keyence DL-RS1A with one to fifteen IL amplifiers, polled by M0: each reply is one row, with
-/// the instants of request and reply; each amplifier is a channel.
+/// Keyence IL amplifiers, one to fifteen, behind a DL-RS1A (`keyence-il`) or a DL-EN1
+/// (`keyence-en1`), polled by M0 or MS (sensor/polled_line.h): each reply is one row, with the
+/// instants of request and reply; each amplifier is a channel with the step of its own head.
 ///
-/// One command at a time. What was polled and not answered becomes a row too: kLate without an
-/// answer, kBadFrame for bytes that are no reply, kDeviceError for `ER`. Repetitions are marked
-/// (sensor/repeat_marker.h).
-///
-/// A reply carries no mark of its request: one late reply taken for the next would put every later
-/// reading one poll behind. So after a missed deadline nothing is asked until the late reply has
-/// come (and was thrown away) or the maker's second has passed; after damaged bytes, until the wire
-/// was silent for 20 ms. Then MS is asked instead of M0: the unit answers in order, so when the
-/// reply to MS is there, every older one is behind us.
+/// The values are the amplifiers' P.V.: after averaging, hold, filter, zero shift and calculation.
+/// Nothing in the unit is changed unless the setup asks for it.
 class KeyenceIl final : public Sensor {
  public:
   /// `clock` must outlive the sensor.
   KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup, Clock& clock);
 
   /// Probes with M0, three times at most, then reads the settings that a recording needs (data 195,
-  /// 200, 132, 133, 136, 159, 033, 098, 152); a setting that cannot be read stays unknown.
+  /// 200, 132, 133, 136, 159, 033, 098, 152) of every amplifier; one that cannot be read stays
+  /// unknown. Then writes what the setup asks for, and waits until the values are valid again.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override;
   [[nodiscard]] MonotonicNs Begin() override;
-  [[nodiscard]] Outcome Next(Reading& reading) override;
-  [[nodiscard]] std::uint64_t discarded_bytes() const override { return link_.discarded_bytes(); }
+  [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }
+  [[nodiscard]] std::uint64_t discarded_bytes() const override {
+    return line_.link().discarded_bytes();
+  }
 
  private:
-  enum class Phase : std::uint8_t {
-    kFree,      ///< nothing is outstanding
-    kWaiting,   ///< a request is
-    kDraining,  ///< a late reply may still come
-    kQuieting,  ///< damaged bytes may still come
-    kStepping,  ///< MS is outstanding; behind its reply nothing old can come
-  };
-
-  Result<std::optional<dl_rs1a::Reply>> Exchange(const dl_rs1a::Request& request,
-                                                 const std::atomic<bool>& stop);
-  Result<void> Probe(const std::atomic<bool>& stop);
-  Error NoAnswer(bool heard_bytes) const;
-  Result<void> ReadSettings(const std::atomic<bool>& stop);
-  void MakeHeader(const dl_rs1a::Reply& reply);
-
-  Outcome Ask(dl_rs1a::Command command, Phase next);
-  Outcome Wait(Reading& reading);
-  Outcome Settle();
-  Outcome WaitForStep(Reading& reading);
-  bool TakeLine(std::string_view line, Reading& reading);
-  Outcome GiveRow(Reading& reading, trial::SampleStatus status, MonotonicNs reply_ns, Phase next);
+  Result<void> Probe(IlTalk& talk);
+  Error NoAnswer() const;
+  Result<void> ReadSettings(IlTalk& talk);
+  Result<void> ReadDecimals(IlTalk& talk);
+  Result<void> Change(IlTalk& talk);
+  void MakeHeader();
+  std::optional<double> NominalRateHz() const;
+  MonotonicNs RefreshNs() const;
+  std::vector<int> Units() const;
 
   KeyenceIlSetup setup_;
+  const IlUnitTraits& traits_;
   Clock& clock_;
-  LineLink link_;
+  PolledLine line_;
+  IlPoll poll_;
   trial::TrialHeader header_;
-  UnitSettings settings_;
-  ResponseDeadline deadline_;
-  RepeatMarker repeats_{0};
-  Phase phase_ = Phase::kFree;
-  MonotonicNs request_ns_ = 0;
-  MonotonicNs quiet_since_ns_ = 0;
-  int unanswered_steps_ = 0;       ///< MSs in a row
-  bool start_was_silent_ = false;  ///< a reply to Start() may still come
+  std::vector<int> decimals_;           ///< of each amplifier's values in mm
+  std::vector<UnitSettings> settings_;  ///< of each amplifier
+  std::vector<IlChange> changes_;
+  bool is_unsettled_ = false;  ///< values stayed invalid after a change
 };
 
 }  // namespace haptometer::acquire

@@ -2,14 +2,10 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
+#include "acquire/protocol/dl_line.h"
 
 namespace haptometer::acquire {
 namespace {
-
-// averaging codes beyond the averages
-constexpr int kDifferenceFilter = 13;
-constexpr int kHighPassFilter = 14;
 
 // a mean of n samples, T apart, is 3 dB down at 0.443 / (n T): sinc(x) = 1/sqrt(2) at x = 0.443
 constexpr double kMeanCorner = 0.443;
@@ -21,14 +17,7 @@ std::string UnitSettings::Text(int number) const {
   return found == data_.end() ? std::string{} : found->second;
 }
 
-std::optional<int> UnitSettings::Code(int number) const {
-  std::string text = Text(number);
-  if (text.starts_with('+')) text.erase(0, 1);
-  int code = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), code);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return code;
-}
+std::optional<int> UnitSettings::Code(int number) const { return dl::NumberOf(Text(number)); }
 
 std::optional<double> UnitSettings::SamplingSeconds() const {
   const auto code = Code(dl_rs1a::kSamplingCycle);
@@ -54,10 +43,16 @@ void UnitSettings::Describe(trial::Metadata& metadata) const {
   metadata.sampling_s = SamplingSeconds();
   metadata.averages = Averages();
   if (const auto hold = Code(dl_rs1a::kHold)) metadata.hold = dl_rs1a::HoldName(*hold);
-  // every answer as it came, under its number, so that nothing depends on our tables
+}
+
+void UnitSettings::AddFields(trial::Metadata& metadata, std::string_view suffix) const {
   for (const auto& [number, data] : data_) {
-    metadata.fields[fmt::format("keyence_data_{:03}", number)] = data;
+    metadata.fields[fmt::format("keyence_data_{:03}{}", number, suffix)] = data;
   }
+}
+
+double UnitSettings::ResponseSeconds() const {
+  return SamplingSeconds().value_or(0) * Averages().value_or(0);
 }
 
 std::vector<std::string> UnitSettings::Remarks() const {
@@ -69,12 +64,12 @@ std::vector<std::string> UnitSettings::Remarks() const {
         *averages, *sampling_s * 1e3, kMeanCorner / (*averages * *sampling_s)));
   }
   const auto averaging = Code(dl_rs1a::kAveraging);
-  if (averaging == kDifferenceFilter) {
+  if (averaging == dl_rs1a::kDifferenceFilter) {
     remarks.emplace_back(
         "the amplifier's difference-count filter is on: small steps are swallowed");
   }
   if (const auto cutoff = Code(dl_rs1a::kHighPassCutoff);
-      averaging == kHighPassFilter && cutoff && dl_rs1a::HighPassHz(*cutoff)) {
+      averaging == dl_rs1a::kHighPassFilter && cutoff && dl_rs1a::HighPassHz(*cutoff)) {
     remarks.push_back(fmt::format("the amplifier's high-pass filter at {:g} Hz is on",
                                   *dl_rs1a::HighPassHz(*cutoff)));
   }

@@ -4,6 +4,8 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "acquire/protocol/dl_rs1a.h"
@@ -11,7 +13,7 @@
 
 namespace haptometer::acquire {
 
-/// What a DL-RS1A's amplifier said of itself, by data number, as sent.
+/// What an IL amplifier said of itself, by data number, as sent.
 class UnitSettings {
  public:
   /// The data numbers worth reading, in this order.
@@ -25,8 +27,14 @@ class UnitSettings {
   /// The connected head, where it is known.
   [[nodiscard]] const dl_rs1a::Head* head() const;
 
-  /// Puts what is known into `metadata`: head, sampling, averages, hold, and the rest as fields.
+  /// Puts what is known into `metadata`: head, sampling, averages, hold.
   void Describe(trial::Metadata& metadata) const;
+
+  /// Adds every answer as it came, under its number and `suffix`: `keyence_data_133_01`.
+  void AddFields(trial::Metadata& metadata, std::string_view suffix) const;
+
+  /// How long one reading takes: averages x sampling period, in s; 0 where they are not known.
+  [[nodiscard]] double ResponseSeconds() const;
 
   /// What these settings do to a recording, in sentences; empty where nothing is unusual or known.
   [[nodiscard]] std::vector<std::string> Remarks() const;

@@ -10,6 +10,7 @@
 
 #include "acquire/recorder/recorder.h"
 #include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/keyence_lkg.h"
 #include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/stream_sensor.h"
@@ -50,8 +51,9 @@ class NullSink final : public trial::ByteSink {
 /// Says what it is told to, again and again: an answer to each request, or lines unasked.
 class ParrotTransport final : public Transport {
  public:
-  ParrotTransport(std::string_view line, Clock& clock, bool unasked)
-      : line_(line), clock_(clock), unasked_(unasked) {}
+  ParrotTransport(std::string_view line, Clock& clock, bool unasked,
+                  std::string_view refusal = "ER,SR,22\r\n")
+      : line_(line), refusal_(refusal), clock_(clock), unasked_(unasked) {}
   ReadOutcome Read(std::span<char> buffer, MonotonicNs deadline) override {
     if (!unasked_ && !asked_) {
       clock_.SleepUntil(deadline);
@@ -59,14 +61,14 @@ class ParrotTransport final : public Transport {
     }
     if (deadline < clock_.Now()) return {ReadState::kTimeout, 0};
     clock_.SleepUntil(clock_.Now() + kMs);
-    const std::string_view answer = unasked_ || asked_m0_ ? line_ : "ER,SR,22\r\n";
+    const std::string_view answer = unasked_ || asked_value_ ? line_ : refusal_;
     asked_ = false;
     std::copy(answer.begin(), answer.end(), buffer.begin());
     return {ReadState::kBytes, answer.size()};
   }
   Result<void> Write(std::string_view bytes, MonotonicNs /*deadline*/) override {
     asked_ = true;
-    asked_m0_ = bytes == "M0\r\n";
+    asked_value_ = bytes.starts_with('M');
     return {};
   }
   std::string Source() const override { return "device: a parrot"; }
@@ -74,10 +76,11 @@ class ParrotTransport final : public Transport {
 
  private:
   std::string_view line_;
+  std::string_view refusal_;  // of everything but the polls
   Clock& clock_;
   bool unasked_;
   bool asked_ = false;
-  bool asked_m0_ = false;
+  bool asked_value_ = false;
   std::string name_ = "parrot";
 };
 
@@ -181,6 +184,22 @@ TEST(RecorderAllocation, ARunningModbusPollAllocatesNothing) {
     ASSERT_TRUE(sensor.Start(kNeverStop));
     EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0) << name;
   }
+}
+
+TEST(RecorderAllocation, ARunningDlEn1AllocatesNothing) {
+  ManualClock clock;
+  KeyenceIl sensor(
+      std::make_unique<ParrotTransport>("M0,+000000018\r\n", clock, false, "ER,SR,016\r\n"),
+      {.unit = IlUnit::kDlEn1, .rate_hz = 100, .decimals = 3}, clock);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
+}
+
+TEST(RecorderAllocation, ARunningLkgAllocatesNothing) {
+  ManualClock clock;
+  KeyenceLkg sensor(std::make_unique<ParrotTransport>("M1,+01.2345\r", clock, false), {}, clock);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  EXPECT_EQ(AllocationsWhileRecording(sensor, clock), 0);
 }
 
 }  // namespace

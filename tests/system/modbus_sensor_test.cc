@@ -36,7 +36,7 @@ TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
   const std::string trial = directory_ / "trial.bin";
   const Outcome acquired =
       RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20", "--port", *port,
-                  "--samples", "100", "--poll-rate", "50Hz", "-o", trial, "--json"});
+                  "--samples", "100", "--rate", "50Hz", "-o", trial, "--json"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   EXPECT_THAT(acquired.err, ::testing::HasSubstr("at most 91 readings/s"));
   const json summary = json::parse(acquired.out);

@@ -54,7 +54,12 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
                                      Clock& clock) {
   if (!plan.reconnects) return OpenSensor(wanted, clock);
   return std::make_unique<acquire::ReconnectingSensor>(
-      [&wanted, &clock] { return OpenSensor(wanted, clock); }, plan.longest_away_ns, clock);
+      [next = wanted, &clock]() mutable {
+        auto opened = OpenSensor(next, clock);
+        next = WithoutChanges(next);
+        return opened;
+      },
+      plan.longest_away_ns, clock);
 }
 
 // what the zero is, where it is wanted

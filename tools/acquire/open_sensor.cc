@@ -2,11 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-
-#include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/stream_line.h"
-#include "acquire/sensor/keyence_il.h"
 #include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/paced_sensor.h"
 #include "acquire/sensor/pipe_channels.h"
@@ -17,6 +13,7 @@
 #include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
+#include "tools/acquire/open_keyence.h"
 #include "tools/acquire/scene_sensor.h"
 
 namespace haptometer::tools {
@@ -24,21 +21,7 @@ namespace {
 
 using acquire::Sensor;
 
-constexpr int kDefaultKeyenceBaud = 9600;
 constexpr int kDefaultStreamBaud = 921600;
-
-Result<std::unique_ptr<Sensor>> OpenKeyence(const SensorOptions& wanted, Clock& clock) {
-  const int baud = static_cast<int>(wanted.baud.value_or(kDefaultKeyenceBaud));
-  if (std::ranges::find(acquire::dl_rs1a::kBauds, baud) == acquire::dl_rs1a::kBauds.end()) {
-    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", baud),
-                 "use 2400, 4800, 9600, 19200 or 38400");
-  }
-  auto port = acquire::OpenPort(wanted.port, baud);
-  if (!port) return std::unexpected(port.error());
-  acquire::KeyenceIlSetup setup{.baud = baud, .refresh_ns = std::nullopt};
-  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
-  return std::make_unique<acquire::KeyenceIl>(std::move(*port), setup, clock);
-}
 
 Result<std::unique_ptr<Sensor>> OpenStream(const SensorOptions& wanted, Clock& clock) {
   acquire::StreamSetup setup;
@@ -65,7 +48,7 @@ Result<std::unique_ptr<Sensor>> OpenModbus(const SensorOptions& wanted, Clock& c
   auto port = acquire::OpenModbusPort(wanted.port, profile->wire);
   if (!port) return std::unexpected(port.error());
   acquire::ModbusSetup setup{.profile = std::move(*profile)};
-  if (wanted.poll_rate_hz) setup.rate_hz = wanted.poll_rate_hz->value;
+  if (wanted.rate_hz) setup.rate_hz = wanted.rate_hz->value;
   return std::make_unique<acquire::ModbusSensor>(std::move(*port), std::move(setup), clock);
 }
 
@@ -101,7 +84,7 @@ Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& c
   if (wanted.sensor == "replay" || wanted.is_scene()) return OpenPlayed(wanted, clock);
   if (wanted.sensor == "pipe") return OpenPipe(wanted, clock);
   if (wanted.sensor == "modbus") return OpenModbus(wanted, clock);
-  return wanted.sensor == "stream" ? OpenStream(wanted, clock) : OpenKeyence(wanted, clock);
+  return IsKeyence(wanted.sensor) ? OpenKeyence(wanted, clock) : OpenStream(wanted, clock);
 }
 
 }  // namespace haptometer::tools

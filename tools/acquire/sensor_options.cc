@@ -9,13 +9,14 @@
 #include <limits>
 #include <utility>
 
+#include "tools/acquire/open_keyence.h"
 #include "trial/import/csv_comment.h"
 
 namespace haptometer::tools {
 namespace {
 
-constexpr std::array<std::string_view, 5> kSensors{"keyence-il", "modbus", "pipe", "replay",
-                                                   "stream"};
+constexpr std::array<std::string_view, 7> kSensors{
+    "keyence-en1", "keyence-il", "keyence-lkg", "modbus", "pipe", "replay", "stream"};
 
 // options that only some sensors have, given to one that has not
 Result<void> CheckBelonging(const SensorOptions& wanted) {
@@ -26,9 +27,12 @@ Result<void> CheckBelonging(const SensorOptions& wanted) {
                  "add --sensor stream or --sensor pipe");
   }
   for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
-                                       std::pair("--calibration", !wanted.calibration.empty()),
-                                       std::pair("--rate", wanted.rate_hz.has_value())}) {
+                                       std::pair("--calibration", !wanted.calibration.empty())}) {
     if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
+  }
+  if (wanted.rate_hz && !is_pipe && wanted.sensor != "modbus" && !IsKeyence(wanted.sensor)) {
+    return Usage("--rate", "is for samples, and for what is asked: the others have their own",
+                 "leave it out");
   }
   if (!wanted.speed.empty() && !is_played) {
     return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
@@ -44,7 +48,6 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
   if (!wanted.rate_hz) {
     return Usage("--rate", "is missing", "give the rows a second, e.g. --rate 10kHz");
   }
-  if (!(wanted.rate_hz->value > 0)) return Usage("--rate", "must be above 0", "write e.g. 10kHz");
   if (wanted.format.empty()) {
     return Usage("--format", "is missing", "say how the samples come: f64, f32, i16 or text");
   }
@@ -57,12 +60,8 @@ Result<void> CheckModbus(const SensorOptions& wanted) {
     return Usage("--profile", "belongs to --sensor modbus, and that needs it",
                  "give both, e.g. --sensor modbus --profile baumer-om20");
   }
-  if (!is_modbus && (wanted.slave || wanted.poll_rate_hz)) {
-    return Usage(wanted.slave ? "--slave" : "--poll-rate", "is for --sensor modbus",
-                 "leave it out");
-  }
-  if (wanted.poll_rate_hz && !(wanted.poll_rate_hz->value >= 1e-3)) {
-    return Usage("--poll-rate", "must be at least 1 mHz", "write e.g. 50Hz");
+  if (!is_modbus && wanted.slave) {
+    return Usage("--slave", "is for --sensor modbus", "leave it out");
   }
   return {};
 }
@@ -74,18 +73,31 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
       "--port", &wanted.port, "PORT",
       "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
       "pipe (standard input)");
-  options.Text("--sensor", &wanted.sensor, "NAME",
-               "keyence-il: a DL-RS1A that is asked (default); stream: lines that come unasked; "
-               "pipe: another program's samples; replay: a trial; scene:FILE: a simulated scene");
-  options.Count("--baud", &wanted.baud, 50, 4'000'000,
-                "Bits per second (keyence-il: 9600; modbus: the profile's; stream: 921600)");
+  options.Text(
+      "--sensor", &wanted.sensor, "NAME",
+      "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
+      "keyence-lkg: an LK-G3001; modbus: registers, with --profile; stream: lines that come "
+      "unasked; pipe: another program's samples; replay: a trial; scene:FILE: a simulated "
+      "scene");
+  options.Count(
+      "--baud", &wanted.baud, 50, 4'000'000,
+      "Bits per second (keyence-il, keyence-lkg: 9600; modbus: the profile's; stream: 921600)");
+  options.Choice("--command", &wanted.command, {"m0", "m1", "m2", "ms"},
+                 "What a Keyence is asked: m0 (default), ms (with the outputs); keyence-lkg: m1 "
+                 "(default), m2, m0",
+                 cli::Shown::kHelpAll);
+  options.Count("--decimals", &wanted.decimals, 0, 5,
+                "Of a value in mm, where a DL-EN1 or LK-G does not tell", cli::Shown::kHelpAll);
+  options.Flag("--device-zero", &wanted.device_zero,
+               "Shift the zero of the IL amplifiers to where they look now", cli::Shown::kHelpAll);
   options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
                "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
                "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
   options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
                "What is piped in, e.g. displacement:um,voltage:V,trigger");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
-                 "Rows a second that are piped in");
+  options.Number(
+      "--rate", &wanted.rate_hz, Dimension::kFrequency,
+      "Rows a second that are piped in; others that are asked are asked so often at most");
   options.Text("--calibration", &wanted.calibration, "FILE",
                "What the volts or counts of a piped channel mean (docs/formats.md)");
   options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
@@ -93,12 +105,13 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
   options.Text("--profile", &wanted.profile, "NAME|FILE",
                "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
   options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
-  options.Number("--poll-rate", &wanted.poll_rate_hz, Dimension::kFrequency,
-                 "Ask a Modbus sensor at most so often (as fast as it answers)",
-                 cli::Shown::kHelpAll);
   options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
-                 "How often the DL-RS1A refreshes its values (7 ms with one amplifier)",
+                 "How often a Keyence refreshes its values (DL-RS1A with one amplifier: 7 ms)",
                  cli::Shown::kHelpAll);
+  options.Repeated("--set", &wanted.settings, "KEY=VALUE",
+                   "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
+                   "high-pass=off; may be repeated",
+                   cli::Shown::kHelpAll);
 }
 
 Result<void> CheckSensor(const SensorOptions& wanted) {
@@ -110,8 +123,12 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
     return Usage("--port", "a scene has none", "leave it out");
   }
   if (auto belongs = CheckBelonging(wanted); !belongs) return belongs;
+  if (auto checked = CheckKeyence(wanted); !checked) return checked;
   if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
   if (auto fits = CheckModbus(wanted); !fits) return fits;
+  if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
+    return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");
+  }
   if (wanted.sensor == "pipe") return CheckPipe(wanted);
   if (wanted.port.empty() && !wanted.is_scene()) {
     return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
@@ -120,6 +137,12 @@ Result<void> CheckSensor(const SensorOptions& wanted) {
     return Usage("--refresh", "must be above 0", "write e.g. 7ms");
   }
   return {};
+}
+
+SensorOptions WithoutChanges(SensorOptions wanted) {
+  wanted.device_zero = false;
+  wanted.settings.clear();
+  return wanted;
 }
 
 Result<double> ReadSpeed(const std::string& speed) {

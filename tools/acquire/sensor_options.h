@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/quantity.h"
 #include "base/result.h"
@@ -18,18 +19,24 @@ struct SensorOptions {
   std::string port;
   std::string sensor = "keyence-il";
   std::string format;
-  std::string profile;
-  std::optional<std::int64_t> slave;
-  std::optional<Quantity> poll_rate_hz;
-  std::string channels;     ///< pipe
-  std::string calibration;  ///< pipe: a file
-  std::string speed;        ///< replay, scene: "recorded", "max" or a factor
+  std::string profile;                ///< modbus: a name or a file
+  std::optional<std::int64_t> slave;  ///< modbus: its address
+  std::string channels;               ///< pipe
+  std::string calibration;            ///< pipe: a file
+  std::string speed;                  ///< replay, scene: "recorded", "max" or a factor
   std::optional<std::int64_t> baud;
   std::optional<Quantity> refresh_s;
-  std::optional<Quantity> rate_hz;  ///< pipe
+  std::optional<Quantity> rate_hz;       ///< pipe: of its rows; keyence-*, modbus: of polls
+  std::string command;                   ///< keyence-*: "m0", "m1", "m2", "ms"; "": the usual
+  std::optional<std::int64_t> decimals;  ///< keyence-en1, keyence-lkg
+  bool device_zero = false;              ///< keyence-il, keyence-en1: changes the device
+  std::vector<std::string> settings;     ///< keyence-il, keyence-en1: KEY=VALUE; change the device
 
   [[nodiscard]] bool is_scene() const { return sensor.starts_with(kScenePrefix); }
 };
+
+/// `wanted` without what would change the device once more: for a reconnection.
+[[nodiscard]] SensorOptions WithoutChanges(SensorOptions wanted);
 
 /// Declares the options that name a sensor.
 void DeclareSensor(cli::Options& options, SensorOptions& wanted);

@@ -37,6 +37,11 @@ constexpr std::array kKeys{
     Key{"format", TextKey{&SensorOptions::format}},
     Key{"baud", CountKey{&SensorOptions::baud, 50, 4'000'000}},
     Key{"refresh_s", QuantityKey{&SensorOptions::refresh_s, Dimension::kTime}},
+    Key{"rate_hz", QuantityKey{&SensorOptions::rate_hz, Dimension::kFrequency}},
+    Key{"command", TextKey{&SensorOptions::command}},
+    Key{"decimals", CountKey{&SensorOptions::decimals, 0, 5}},
+    Key{"profile", TextKey{&SensorOptions::profile}},
+    Key{"slave", CountKey{&SensorOptions::slave, 0, 255}},
 };
 
 // how each kind of key is read

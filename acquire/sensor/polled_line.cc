@@ -1,0 +1,195 @@
+#include "acquire/sensor/polled_line.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "acquire/protocol/value.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr MonotonicNs kSliceNs = 100'000'000;  // how long Next() waits at most
+constexpr MonotonicNs kQuietNs = 20'000'000;   // 19 characters at 9600 baud
+constexpr MonotonicNs kWriteTimeNs = kNsPerS;
+
+}  // namespace
+
+PolledLine::PolledLine(std::unique_ptr<Transport> transport, Clock& clock, Delimiter delimiter,
+                       std::size_t longest_line)
+    : clock_(clock), link_(std::move(transport), clock, delimiter, longest_line) {}
+
+// --- before the recording ---
+
+Result<bool> PolledLine::Exchange(std::string_view request,
+                                  const std::function<bool(std::string_view line)>& take,
+                                  const std::atomic<bool>& stop) {
+  link_.Flush();
+  if (auto sent = link_.transport().Write(request, clock_.Now() + kWriteTimeNs); !sent) {
+    return std::unexpected(sent.error());
+  }
+  const MonotonicNs deadline = clock_.Now() + ResponseDeadline::kLongestNs;
+  while (clock_.Now() < deadline) {
+    if (stop.load()) {
+      return Failed(name(), "was not recorded: interrupted before the first reading");
+    }
+    const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
+    if (line.state == LinkState::kGone) {
+      return Failed(name(), "the connection was lost", "check cable and power");
+    }
+    if (line.state != LinkState::kLine) continue;
+    if (take(line.text)) return true;
+    link_.CountDiscarded(line.text.size());
+  }
+  start_was_silent_ = true;
+  return false;
+}
+
+// --- the recording ---
+
+MonotonicNs PolledLine::Begin(const LineDialect& dialect, PollPlan plan) {
+  dialect_ = &dialect;
+  plan_ = plan;
+  repeats_ = RepeatMarker(plan.refresh_ns);
+  phase_ = start_was_silent_ ? Phase::kQuieting : Phase::kFree;
+  slot_ = 0;
+  slot_is_used_ = false;
+  return begin_ns_ = clock_.Now();
+}
+
+Outcome PolledLine::Next(Reading& reading) {
+  if (phase_ == Phase::kDraining || phase_ == Phase::kQuieting) return Settle();
+  if (phase_ == Phase::kStepping) return WaitForStep(reading);
+  if (phase_ == Phase::kFree) {
+    if (const Outcome asked = WaitForSlot(); asked == Outcome::kGone) return asked;
+    if (phase_ == Phase::kFree) return Outcome::kNothing;
+  }
+  return Wait(reading);
+}
+
+// asks at the grid's next instant that is not over yet, so two polls are never nearer than 1 / rate
+Outcome PolledLine::WaitForSlot() {
+  if (!plan_.rate_hz) return Ask(dialect_->PollRequest(), Phase::kWaiting);
+  const MonotonicNs now = clock_.Now();
+  const auto due_ns = [&] {
+    return begin_ns_ + NsFromSeconds(static_cast<double>(slot_) / *plan_.rate_hz);
+  };
+  if (slot_is_used_) {
+    // the quotient may be off by one at a slot's own instant
+    const double passed = std::floor(SecondsFromNs(now - begin_ns_) * *plan_.rate_hz);
+    slot_ = std::max(slot_ + 1, static_cast<std::int64_t>(passed));
+    while (due_ns() < now) ++slot_;
+    slot_is_used_ = false;
+  }
+  if (now < due_ns()) {
+    const LinkLine line = link_.Read(std::min(due_ns(), now + kSliceNs));
+    if (line.state == LinkState::kGone) return Outcome::kGone;
+    if (line.state != LinkState::kNothing) link_.CountDiscarded(line.text.size());
+    if (clock_.Now() < due_ns()) return Outcome::kNothing;
+  }
+  slot_is_used_ = true;
+  return Ask(dialect_->PollRequest(), Phase::kWaiting);
+}
+
+Outcome PolledLine::Ask(std::string_view request, Phase next) {
+  link_.Flush();  // whatever is there now answers nothing that is still asked
+  request_ns_ = clock_.Now();
+  if (!link_.transport().Write(request, request_ns_ + kWriteTimeNs)) return Outcome::kGone;
+  phase_ = next;
+  return Outcome::kNothing;
+}
+
+Outcome PolledLine::Wait(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + deadline_.WaitNs();
+  const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
+  switch (line.state) {
+    case LinkState::kGone:
+      return Outcome::kGone;
+    case LinkState::kLine:
+      return TakeLine(line.text, reading) ? Outcome::kReading : Outcome::kNothing;
+    case LinkState::kOverlong:
+      return GiveRow(reading, SampleStatus::kBadFrame, clock_.Now(), Phase::kQuieting);
+    case LinkState::kNothing:
+      break;
+  }
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  // half a line is a damaged reply; no byte at all is none yet
+  const bool partial = link_.waiting_bytes() > 0;
+  return GiveRow(reading, partial ? SampleStatus::kBadFrame : SampleStatus::kLate, deadline,
+                 Phase::kDraining);
+}
+
+Outcome PolledLine::Settle() {
+  const MonotonicNs now = clock_.Now();
+  const MonotonicNs until = phase_ == Phase::kDraining
+                                ? request_ns_ + ResponseDeadline::kLongestNs
+                                : std::max(quiet_since_ns_, link_.last_bytes_ns()) + kQuietNs;
+  if (now >= until) return Ask(dialect_->StepRequest(), Phase::kStepping);
+  const LinkLine line = link_.Read(std::min(until, now + kSliceNs));
+  if (line.state == LinkState::kGone) return Outcome::kGone;
+  if (line.state != LinkState::kNothing) {
+    link_.CountDiscarded(line.text.size());
+    quiet_since_ns_ = clock_.Now();
+    // the late reply is here: nothing is outstanding any more
+    if (phase_ == Phase::kDraining) phase_ = Phase::kQuieting;
+  }
+  return Outcome::kNothing;
+}
+
+Outcome PolledLine::WaitForStep(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + ResponseDeadline::kLongestNs;
+  const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
+  if (line.state == LinkState::kGone) return Outcome::kGone;
+  if (line.state == LinkState::kLine && dialect_->AnswersStep(line.text)) {
+    unanswered_steps_ = 0;
+    phase_ = Phase::kFree;
+    return Outcome::kNothing;
+  }
+  if (line.state != LinkState::kNothing) link_.CountDiscarded(line.text.size());
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  // a device that answers polls but never the step is polled again, after seconds of silence
+  constexpr int kMostSteps = 2;
+  const bool again = ++unanswered_steps_ < kMostSteps;
+  if (!again) unanswered_steps_ = 0;
+  return GiveRow(reading, SampleStatus::kLate, deadline, again ? Phase::kQuieting : Phase::kFree);
+}
+
+bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
+  const MonotonicNs now = clock_.Now();
+  reading.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), {}});
+  switch (dialect_->Read(line, reading.samples)) {
+    case LineMeaning::kOther:
+      link_.CountDiscarded(line.size());
+      return false;
+    case LineMeaning::kRefusal:
+      (void)GiveRow(reading, SampleStatus::kDeviceError, now, Phase::kFree);
+      return true;
+    case LineMeaning::kDamaged:
+      link_.CountDiscarded(line.size());
+      (void)GiveRow(reading, SampleStatus::kBadFrame, now, Phase::kQuieting);
+      return true;
+    case LineMeaning::kReading:
+      break;
+  }
+  reading.time_ns = request_ns_;
+  reading.reply_ns = now;
+  phase_ = Phase::kFree;
+  deadline_.Note(now - request_ns_);
+  repeats_.Mark(reading);
+  return true;
+}
+
+// a row without a value
+Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs reply_ns,
+                            Phase next) {
+  reading.time_ns = request_ns_;
+  reading.reply_ns = reply_ns;
+  reading.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), status});
+  quiet_since_ns_ = clock_.Now();
+  phase_ = next;
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,120 @@
+// What a DL-RS1A is asked before a recording, and what is said when it does not answer.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "acquire/sensor/keyence_il.h"
+#include "tests/acquire/scripted_il_unit.h"
+#include "tests/residual.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using trial::SampleStatus;
+
+TEST_F(KeyenceIlTest, ReadsTheUnitsSettingsIntoTheHeader) {
+  unit_.settings = {
+      {"195", "1"}, {"200", "IL-1000"}, {"132", "2"}, {"133", "4"},
+      {"136", "0"}, {"033", "00000"},   {"098", "0"}, {"152", "0"}};  // 159 is refused: ER,SR,22
+  const trial::TrialHeader& header = Started().header();
+  EXPECT_EQ(header.timing, trial::Timing::kPolled);
+  ASSERT_EQ(header.channels.size(), 1U);
+  EXPECT_EQ(header.channels[0].role, trial::ChannelRole::kDisplacement);
+  EXPECT_REL(header.channels[0].scale, 1e-6, 1e-15, "1 um steps in metres");
+  // 20 to 45 mm away, displacement counted from 30 mm towards the head
+  EXPECT_REL(header.channels[0].range_min, -15e-3, 1e-15, "range of the IL-030");
+  EXPECT_REL(header.channels[0].range_max, 10e-3, 1e-15, "range of the IL-030");
+  const trial::Metadata& metadata = header.metadata;
+  EXPECT_EQ(metadata.sensor, "keyence-il");
+  EXPECT_EQ(metadata.source, "device: scripted");
+  EXPECT_EQ(metadata.head, "IL-030");
+  EXPECT_EQ(metadata.sampling_s, 1e-3);
+  EXPECT_EQ(metadata.averages, 16);
+  EXPECT_EQ(metadata.hold, "sample");
+  EXPECT_REL(metadata.nominal_rate_hz.value(), 122.449, 1e-5, "the sixth digit of 1 / 8.1667 ms");
+  EXPECT_EQ(metadata.fields.at("keyence_data_133"), "4");
+  EXPECT_FALSE(metadata.fields.contains("keyence_data_159"));
+  EXPECT_THAT(unit_.wire->written(),
+              AllOf(Contains("SR,00,195\r\n"), Contains("SR,00,132\r\n"), Contains("SR,00,133\r\n"),
+                    Contains("SR,00,136\r\n"), Contains("SR,00,159\r\n"), Contains("SR,00,033\r\n"),
+                    Contains("SR,00,098\r\n"), Contains("SR,00,152\r\n")));
+}
+
+TEST_F(KeyenceIlTest, AnEmulatorIsCalledOne) {
+  unit_.settings["200"] = "EMULATED";
+  EXPECT_EQ(Started().header().metadata.source, "emulated device: scripted");
+}
+
+TEST_F(KeyenceIlTest, AUnitThatDoesNotKnowSrIsRecordedAllTheSame) {
+  unit_.answers_sr = false;
+  const trial::Metadata& metadata = Started().header().metadata;
+  EXPECT_EQ(metadata.head, "");
+  EXPECT_EQ(metadata.averages, std::nullopt);
+  EXPECT_LE(clock_.Now(), 3 * kNsPerS) << "two silences are enough to stop asking";
+  ExpectSoundFrom(2);
+}
+
+TEST_F(KeyenceIlTest, SilenceNamesTheOtherBaudRates) {
+  unit_.is_silent = true;
+  const Error error = StartError(9600);
+  EXPECT_EQ(error.cause, Cause::kCannotAnswer);
+  EXPECT_THAT(error.Text(), HasSubstr("scripted: nothing answers at 9600 baud; try --baud 2400, "
+                                      "4800, 19200 or 38400, and check "));
+  EXPECT_EQ(clock_.Now(), 3 * kNsPerS);
+}
+
+TEST_F(KeyenceIlTest, TheLastBaudRateNamesTheFirstFour) {
+  unit_.is_silent = true;
+  EXPECT_THAT(StartError(38400).Text(), HasSubstr("try --baud 2400, 4800, 9600 or 19200, and"));
+}
+
+TEST_F(KeyenceIlTest, GarbageAtTheWrongBaudRateIsToldFromSilence) {
+  for (int i = 0; i < 3; ++i)
+    unit_.to_m0.push_back({{std::string("\xF8\x80\x78\x00\xE0\n", 6), 8 * kMs}});
+  EXPECT_THAT(StartError().Text(),
+              HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try --baud 2400"));
+}
+
+TEST_F(KeyenceIlTest, HalfACommandLeftInTheUnitSpoilsOnlyTheFirstProbe) {
+  unit_.to_m0.push_back({{"ER,SR,20\r\n"}});
+  Started();
+  ExpectSoundFrom(2);
+}
+
+TEST_F(KeyenceIlTest, ARefusedM0SaysWhatTheNumberMeans) {
+  for (int i = 0; i < 3; ++i) unit_.to_m0.push_back({{"ER,M0,66\r\n"}});
+  EXPECT_THAT(StartError().Text(), HasSubstr("refuses M0 with error 66: the unit cannot talk to an "
+                                             "amplifier beside it; check the D-bus"));
+}
+
+TEST_F(KeyenceIlTest, AHangUpDuringTheStartIsSaid) {
+  unit_.is_silent = true;
+  unit_.wire->HangUp(300 * kMs);
+  EXPECT_THAT(StartError().Text(), HasSubstr("the connection was lost"));
+}
+
+TEST_F(KeyenceIlTest, TheStopFlagEndsTheStart) {
+  unit_.is_silent = true;
+  sensor_ = std::make_unique<KeyenceIl>(unit_.TakeTransport(), KeyenceIlSetup{}, clock_);
+  const std::atomic<bool> stop{true};
+  EXPECT_FALSE(sensor_->Start(stop));
+  EXPECT_EQ(clock_.Now(), 0);
+}
+
+TEST_F(KeyenceIlTest, SaysWhatTheWireCannotObserve) {
+  unit_.settings = {{"195", "1"}, {"132", "2"}, {"133", "4"}, {"136", "1"}, {"033", "00004"}};
+  const std::vector<std::string> remarks = Started().Remarks();
+  EXPECT_THAT(remarks, Contains(AllOf(HasSubstr("at 38400 baud gives at most 122.4 readings/s"),
+                                      HasSubstr("up to 47.8 Hz"))));
+  EXPECT_THAT(remarks, Contains(AllOf(HasSubstr("20-500 Hz vibration cannot be observed"),
+                                      HasSubstr("analog output"), HasSubstr("--sensor stream"))));
+  // sinc(0.443) = 1/sqrt(2): 0.443 / 16 ms
+  EXPECT_THAT(remarks, Contains(HasSubstr("averages 16 samples of 1 ms: a vibration at 27.7 Hz")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("holds (peak)")));
+  EXPECT_THAT(remarks, Contains(HasSubstr("reports an error (flags 00004)")));
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

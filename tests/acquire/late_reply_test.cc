@@ -1,0 +1,207 @@
+// A reply that comes too late must never be taken for the next reading, whatever the protocol: a
+// peer that answers in order, each value the number of its own request, with late replies strewn
+// in.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <random>
+#include <string>
+
+#include "acquire/protocol/dl_en1.h"
+#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/lkg.h"
+#include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/keyence_lkg.h"
+#include "tests/acquire/scripted_transport.h"
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr MonotonicNs kMs = 1'000'000;
+
+// one maker's lines, as far as the peer needs them
+struct Maker {
+  std::string poll;
+  std::string step;
+  std::string step_answer;
+  std::function<std::string(int number)> reading;
+  std::function<std::string(const std::string& request)> other;  // what the start asks for
+  std::function<std::unique_ptr<Sensor>(std::unique_ptr<Transport>, Clock&)> sensor;
+};
+
+// answers in order, one after the other; a poll in four or so is late by up to 2.5 s
+class NumberingPeer {
+ public:
+  NumberingPeer(const Maker& maker, Clock& clock, unsigned seed)
+      : maker_(maker), clock_(clock), random_(seed) {}
+
+  void Answer(tests::ScriptedTransport& to, const std::string& request) {
+    const MonotonicNs now = clock_.Now();
+    MonotonicNs after_ns = 8 * kMs;
+    std::string answer;
+    if (request == maker_.poll) {
+      number_at[now] = ++polls;
+      answer = maker_.reading(polls);
+      if (strikes && random_() % 4 == 0) {
+        after_ns = Lateness();
+        ++late;
+      }
+    } else {
+      answer = request == maker_.step ? maker_.step_answer : maker_.other(request);
+    }
+    busy_until_ns_ = std::max(now, busy_until_ns_) + after_ns;
+    to.Send(answer, busy_until_ns_ - now);
+  }
+
+  std::map<MonotonicNs, int> number_at;  // of the poll that was sent then
+  int polls = 0;
+  int late = 0;
+  bool strikes = false;
+
+ private:
+  // shorter than the patience by then, within the maker's second, about it, and beyond
+  MonotonicNs Lateness() {
+    constexpr MonotonicNs kLeast[] = {20 * kMs, 51 * kMs, 980 * kMs, 1001 * kMs};
+    constexpr MonotonicNs kMost[] = {60 * kMs, 999 * kMs, 1030 * kMs, 2500 * kMs};
+    const std::size_t kind = random_() % 4;
+    return std::uniform_int_distribution<MonotonicNs>(kLeast[kind], kMost[kind])(random_);
+  }
+
+  const Maker& maker_;
+  Clock& clock_;
+  std::mt19937 random_;
+  MonotonicNs busy_until_ns_ = 0;
+};
+
+Maker DlRs1a() {
+  return {.poll = "M0\r\n",
+          .step = "MS\r\n",
+          .step_answer = "MS,04,+88.888\r\n",
+          .reading =
+              [](int number) { return dl_rs1a::FormatM0Reply(std::array{Value{number, 3, {}}}); },
+          .other = [](const std::string&) { return "ER,SR,22\r\n"; },
+          .sensor =
+              [](std::unique_ptr<Transport> transport, Clock& clock) {
+                return std::make_unique<KeyenceIl>(std::move(transport), KeyenceIlSetup{}, clock);
+              }};
+}
+
+// the other way round: MS is polled and M0 is the step
+Maker DlRs1aByMs() {
+  Maker maker = DlRs1a();
+  maker.poll = "MS\r\n";
+  maker.step = "M0\r\n";
+  maker.step_answer = "M0,+88.888\r\n";
+  maker.reading = [](int number) {
+    return dl_rs1a::FormatMsReply(std::array{4}, std::array{Value{number, 3, {}}});
+  };
+  maker.sensor = [](std::unique_ptr<Transport> transport, Clock& clock) {
+    return std::make_unique<KeyenceIl>(std::move(transport),
+                                       KeyenceIlSetup{.command = dl::Command::kMs}, clock);
+  };
+  return maker;
+}
+
+Maker DlEn1() {
+  return {.poll = "M0\r\n",
+          .step = "MS\r\n",
+          .step_answer = "MS,04,+000088888\r\n",
+          .reading =
+              [](int number) {
+                return dl::FormatM0Reply(dl_en1::Spelling(), std::array{Value{number, 0, {}}});
+              },
+          .other =
+              [](const std::string& request) {
+                return request.starts_with("FR") ? std::string("FR,01,037,+000000003\r\n")
+                                                 : std::string("ER,SR,016\r\n");
+              },
+          .sensor =
+              [](std::unique_ptr<Transport> transport, Clock& clock) {
+                return std::make_unique<KeyenceIl>(std::move(transport),
+                                                   KeyenceIlSetup{.unit = IlUnit::kDlEn1}, clock);
+              }};
+}
+
+Maker Lkg() {
+  return {.poll = "M1\r",
+          .step = "M2\r",
+          .step_answer = "M2,+88.8888\r",
+          .reading =
+              [](int number) {
+                return lkg::FormatReply(lkg::Command::kM1, std::array{Value{number, 4, {}}});
+              },
+          .other = [](const std::string&) { return "ER,XX,00\r"; },
+          .sensor =
+              [](std::unique_ptr<Transport> transport, Clock& clock) {
+                return std::make_unique<KeyenceLkg>(std::move(transport), KeyenceLkgSetup{}, clock);
+              }};
+}
+
+struct Count {
+  int late = 0;
+  int rows = 0;
+  int misattributed = 0;
+  int without_value = 0;
+};
+
+// runs one sensor until the peer has been late `wanted` times
+Count RunLate(const Maker& maker, unsigned seed, int wanted) {
+  ManualClock clock;
+  NumberingPeer peer(maker, clock, seed);
+  auto sensor = maker.sensor(std::make_unique<tests::ScriptedTransport>(
+                                 clock, [&](tests::ScriptedTransport& to,
+                                            const std::string& bytes) { peer.Answer(to, bytes); }),
+                             clock);
+  const std::atomic<bool> stop{false};
+  const auto started = sensor->Start(stop);
+  EXPECT_TRUE(started) << started.error().Text();
+  (void)sensor->Begin();
+  // half of the runs meet lateness before the unit is known, half after
+  Count count;
+  Reading reading;
+  for (int call = 0; peer.late < wanted && call < 1'000'000; ++call) {
+    peer.strikes = seed % 2 == 0 || count.rows >= 70;
+    if (sensor->Next(reading) != Outcome::kReading) continue;
+    ++count.rows;
+    if (RowStatus(reading) != trial::SampleStatus::kOk) {
+      ++count.without_value;
+      continue;
+    }
+    const auto counts = static_cast<std::int32_t>(reading.samples[0].raw.bits());
+    if (peer.number_at.at(reading.time_ns) != counts) ++count.misattributed;
+  }
+  count.late = peer.late;
+  return count;
+}
+
+class LateReplies : public ::testing::TestWithParam<std::pair<const char*, Maker (*)()>> {};
+
+TEST_P(LateReplies, AreNeverTakenForTheNextReading) {
+  const Maker maker = GetParam().second();
+  Count total;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const Count count = RunLate(maker, seed, 50);
+    total.late += count.late;
+    total.rows += count.rows;
+    total.misattributed += count.misattributed;
+    total.without_value += count.without_value;
+  }
+  EXPECT_EQ(total.late, 1000);
+  EXPECT_EQ(total.misattributed, 0);
+  // most late replies cost a row, and the sound ones in between are there
+  EXPECT_GT(total.without_value, 300);
+  EXPECT_GT(total.rows - total.without_value, 2000);
+  RecordProperty("rows", total.rows);
+}
+
+INSTANTIATE_TEST_SUITE_P(Makers, LateReplies,
+                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a},
+                                           std::pair{"DlRs1aByMs", &DlRs1aByMs},
+                                           std::pair{"DlEn1", &DlEn1}, std::pair{"Lkg", &Lkg}),
+                         [](const auto& made) { return std::string(made.param.first); });
+
+}  // namespace
+}  // namespace haptometer::acquire
