@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dsp/band_analysis.h"
+#include "tools/cli/json.h"
 
 namespace haptometer::tools {
 namespace {
@@ -24,15 +25,11 @@ std::string_view Mark(Verdict verdict) {
   return "";
 }
 
-ordered_json OrNull(const std::optional<double>& number) {
-  return number ? ordered_json(*number) : ordered_json(nullptr);
-}
-
 ordered_json ItemJson(const CheckItem& item) {
   return {{"name", item.name},
           {"verdict", Name(item.verdict)},
           {"finding", item.finding},
-          {"remedy", item.remedy.empty() ? ordered_json(nullptr) : ordered_json(item.remedy)}};
+          {"remedy", cli::TextOrNull(item.remedy)}};
 }
 
 }  // namespace
@@ -69,18 +66,18 @@ std::string CheckJson(const trial::TrialHeader& header, const CheckFindings& fin
       {"duration_s", findings.duration_s},
       {"new_readings_per_s", findings.fresh_rate_hz},
       {"observable_upper_hz", findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner},
-      {"jitter_s", OrNull(summary.interval_sd_s)},
+      {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
       {"time_uncertainty_s", findings.time_uncertainty_s},
-      {"level_m", OrNull(findings.level_m)},
-      {"least_m", OrNull(findings.least_m)},
-      {"greatest_m", OrNull(findings.greatest_m)},
+      {"level_m", cli::NumberOrNull(findings.level_m)},
+      {"least_m", cli::NumberOrNull(findings.least_m)},
+      {"greatest_m", cli::NumberOrNull(findings.greatest_m)},
       {"averaging_gains", gains.empty() ? ordered_json(nullptr) : gains},
-      {"noise_rms_m", OrNull(findings.noise_m)},
-      {"smallest_rms_10_percent_m", OrNull(SmallestRmsOf(findings, question.band, 0.1))},
-      {"smallest_rms_1_percent_m", OrNull(SmallestRmsOf(findings, question.band, 0.01))},
-      {"tone_frequency_hz", OrNull(findings.tone_hz)},
-      {"tone_rms_m", OrNull(findings.tone_rms_m)}};
-  return document.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+      {"noise_rms_m", cli::NumberOrNull(findings.noise_m)},
+      {"smallest_rms_10_percent_m", cli::NumberOrNull(SmallestRmsOf(findings, question.band, 0.1))},
+      {"smallest_rms_1_percent_m", cli::NumberOrNull(SmallestRmsOf(findings, question.band, 0.01))},
+      {"tone_frequency_hz", cli::NumberOrNull(findings.tone_hz)},
+      {"tone_rms_m", cli::NumberOrNull(findings.tone_rms_m)}};
+  return cli::JsonText(document);
 }
 
 }  // namespace haptometer::tools

@@ -65,7 +65,7 @@ std::string SummaryJson(const std::string& file, const trial::Metadata& metadata
   }
   std::optional<double> observable_hz;
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
-  const ordered_json document{{"file", file.empty() ? ordered_json(nullptr) : ordered_json(file)},
+  const ordered_json document{{"file", cli::TextOrNull(file)},
                               {"sensor", metadata.sensor},
                               {"source", metadata.source},
                               {"readings", summary.readings},
