@@ -30,8 +30,9 @@ struct FitLraOptions {
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
   fit::ActuatorKnowns knowns;
-  std::vector<std::string> remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
-  std::vector<Error> left_out;       ///< files that cannot be fitted; the others still are
+  std::vector<std::string>
+      remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
+  std::vector<Error> left_out;  ///< files that cannot be fitted; the others still are
 };
 
 /// Reads the files and lays options over headers.

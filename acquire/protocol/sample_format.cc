@@ -61,7 +61,7 @@ bool IsMark(char c) { return c == ',' || c == ';' || c == ' ' || c == '\t'; }
 
 // takes the first number off `line`, with what separates it from the next; an empty cell stays
 std::string_view TakeCell(std::string_view& line) {
-  const std::string_view cell = line.substr(0, std::ranges::find_if(line, IsMark) - line.begin());
+  const std::string_view cell = {line.begin(), std::ranges::find_if(line, IsMark)};
   line.remove_prefix(cell.size());
   line = trial::Trimmed(line);
   if (!line.empty() && (line[0] == ',' || line[0] == ';')) {

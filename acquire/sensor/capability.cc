@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/smallest_rms.h"
@@ -102,9 +103,9 @@ std::vector<Capability> Judge(const std::vector<SensorAbility>& sensors,
   std::vector<Capability> capabilities;
   capabilities.reserve(sensors.size());
   for (const SensorAbility& sensor : sensors) capabilities.push_back(Judge(sensor, question));
-  std::ranges::stable_sort(capabilities, [](const Capability& a, const Capability& b) {
-    if (a.can_answer != b.can_answer) return a.can_answer;
-    return a.highest_hz > b.highest_hz;
+  std::ranges::sort(capabilities, [](const Capability& a, const Capability& b) {
+    return std::tuple(!a.can_answer, -a.highest_hz, a.sensor.name) <
+           std::tuple(!b.can_answer, -b.highest_hz, b.sensor.name);
   });
   return capabilities;
 }

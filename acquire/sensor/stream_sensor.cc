@@ -103,6 +103,8 @@ void StreamSensor::MakeHeader() {
   header_.channels = {channel};
   header_.metadata.sensor = "stream";
   header_.metadata.source = link_.Source(is_emulated_);
+  header_.metadata.fields[std::string(kLatencyField)] =
+      fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }
 
 std::vector<std::string> StreamSensor::Remarks() const {

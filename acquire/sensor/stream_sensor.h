@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 
 #include "acquire/protocol/stream_line.h"
 #include "acquire/sensor/line_counter.h"
@@ -8,6 +9,11 @@
 #include "acquire/sensor/sensor.h"
 
 namespace haptometer::acquire {
+
+/// The metadata field that says how late every line's time is at least, in seconds: its own time on
+/// the wire. How much more the sensor, the driver and the system add is one constant that nobody
+/// here can know; it does not touch intervals.
+inline constexpr std::string_view kLatencyField = "latency_at_least_s";
 
 /// How a free-running sensor sends.
 struct StreamSetup {

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <ctime>
 #include <memory>
@@ -25,6 +26,7 @@
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_check.h"
 #include "tools/acquire/tare.h"
+#include "tools/acquire/time_base_review.h"
 #include "tools/acquire/trial_name.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
@@ -101,10 +103,16 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
        .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); }});
 }
 
-int Report(const cli::Options& options, const std::string& file, const trial::Metadata& metadata,
-           const acquire::RecordingSummary& summary, const std::string& port) {
+int Report(const cli::Options& options, const std::string& file, const trial::TrialHeader& header,
+           acquire::RecordingSummary summary, const std::string& port) {
+  const auto time_base = ReviewTimeBase(file, header.timing, summary);
+  if (time_base) {
+    // the holes between shots are meant to be
+    if (summary.triggers == 0) summary.gaps = std::max(summary.gaps, time_base->gaps);
+    cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
+  }
   if (options.json()) {
-    fmt::print("{}", SummaryJson(file, metadata, summary));
+    fmt::print("{}", SummaryJson(file, header.metadata, summary, time_base));
   } else {
     fmt::print("{}\n", SummaryLine(file, summary));
   }
@@ -175,7 +183,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
                                 band, StyleOf(options, wanted.live));
   if (!summary) return fail(summary.error());
-  return Report(options, file, header.metadata, *summary, PortName(wanted.sensor));
+  return Report(options, file, header, *summary, PortName(wanted.sensor));
 }
 
 int ListPorts(const cli::Options& options) {

@@ -58,13 +58,16 @@ std::string ProgressLine(const RecordingSummary& summary) {
 }
 
 std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
-                        const RecordingSummary& summary) {
+                        const RecordingSummary& summary,
+                        const std::optional<TimeBaseReview>& time_base) {
   ordered_json kinds = ordered_json::object();
   for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
     if (IsBad(status)) kinds[Name(static_cast<SampleStatus>(status))] = summary.statuses[status];
   }
   std::optional<double> observable_hz;
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
+  std::optional<double> uncertainty_s;
+  if (time_base) uncertainty_s = time_base->uncertainty_s;
   const ordered_json document{{"file", cli::TextOrNull(file)},
                               {"sensor", metadata.sensor},
                               {"source", metadata.source},
@@ -83,7 +86,8 @@ std::string SummaryJson(const std::string& file, const trial::Metadata& metadata
                               {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
                               {"highest_observable_hz", cli::NumberOrNull(observable_hz)},
                               {"connection_lost", summary.connection_lost},
-                              {"interrupted", summary.interrupted}};
+                              {"interrupted", summary.interrupted},
+                              {"time_uncertainty_s", cli::NumberOrNull(uncertainty_s)}};
   return cli::JsonText(document);
 }
 

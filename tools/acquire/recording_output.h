@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "acquire/recorder/recorder.h"
+#include "tools/acquire/time_base_review.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
@@ -18,6 +20,7 @@ namespace haptometer::tools {
 /// The JSON document of `acquire --json` (docs/commands.md), with a line's end; `file` is null
 /// where it is empty.
 [[nodiscard]] std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
-                                      const acquire::RecordingSummary& summary);
+                                      const acquire::RecordingSummary& summary,
+                                      const std::optional<TimeBaseReview>& time_base);
 
 }  // namespace haptometer::tools
