@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquire/protocol/dl_en1.h"
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/stream_line.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/capability.h"
+#include "acquire/sensor/sensor_profile.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::acquire {
@@ -42,11 +44,10 @@ SensorAbility DlRs1a(int baud) {
 
 // Keyence, DL-EN1 User's Manual (633GB): processing 7.8 ms with one amplifier
 SensorAbility DlEn1() {
-  constexpr double kProcessing_s = 7.8e-3;
   SensorAbility sensor = FactoryIl030();
   sensor.name = "IL-030 through a DL-EN1";
   sensor.option = "--sensor keyence-en1";
-  sensor.rate_hz = 1 / kProcessing_s;
+  sensor.rate_hz = 1 / SecondsFromNs(dl_en1::RefreshNs(1));
   sensor.limit = "the unit's processing";
   return sensor;
 }
@@ -55,7 +56,7 @@ SensorAbility DlEn1() {
 SensorAbility LkG() {
   constexpr int kBaud = 115200;
   constexpr std::size_t kExchangeBytes = 3 + 12;
-  return {.name = "LK-G asked over RS-232C, 115200 baud",
+  return {.name = "LK-G asked over RS-232C, at an assumed 115200 baud",
           .option = "--sensor keyence-lkg --baud 115200",
           .rate_hz = 1 / SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud)),
           .limit = "the wire alone",
@@ -69,6 +70,17 @@ SensorAbility Stream(int baud) {
           .rate_hz = MostLinesPerSecond(format, baud),
           .limit = "the wire",
           .resolution_m = MetresPerCount(format)};
+}
+
+SensorAbility Modbus(const SensorProfile& profile) {
+  return {.name = fmt::format("{} {}, Modbus", profile.maker, profile.model),
+          .option = "--sensor modbus --profile " + profile.name,
+          .rate_hz = HighestRateHz(profile),
+          .limit = "the wire and the sensor",
+          .resolution_m = profile.resolution_m,
+          .noise_rms_m = profile.noise_rms_m,
+          .range_min_m = profile.range_min_m,
+          .range_max_m = profile.range_max_m};
 }
 
 // the amplifier renews its output with each raw sample; steps are those of the DAQ's converter
@@ -91,6 +103,7 @@ std::vector<SensorAbility> KnownSensors() {
                                      AnalogOutput(1e-3, 16), DlEn1(), LkG()};
   for (const int baud : dl_rs1a::kBauds) sensors.push_back(DlRs1a(baud));
   for (const int baud : {9600, 115200, 230400, 460800, 921600}) sensors.push_back(Stream(baud));
+  for (const SensorProfile& profile : BuiltInProfiles()) sensors.push_back(Modbus(profile));
   return sensors;
 }
 
