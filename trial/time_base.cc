@@ -20,7 +20,8 @@ constexpr std::size_t kLeastWindowsAhead = 2;
 constexpr std::size_t kWindowsForARate = 10;  // shorter stretches take the common rate
 constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
 constexpr double kScatters = 3;
-constexpr double kSigmaPerMad = 1.4826;  // of a normal distribution
+constexpr double kSigmaPerMad = 1.4826;    // of a normal distribution
+constexpr double kSigmaOfMedian = 1.2533;  // sqrt(pi / 2), against that of the mean
 
 using Times = std::span<const double>;
 
@@ -91,6 +92,22 @@ std::vector<double> RunningLeast(const std::vector<double>& values, std::size_t 
   return least;
 }
 
+// What the minima rise by from window to window. Differences over `lag` windows are the least
+// noisy, but where lines are lost more often than that, each of them holds a loss; then most of
+// those between neighbours do not.
+double RisePerWindow(const std::vector<double>& levels, std::size_t lag, double period_ns) {
+  const double over_lag = Median(Differences(levels, lag)) / AsDouble(lag);
+  std::vector<double> steps = Differences(levels, 1);
+  if (steps.empty()) return over_lag;
+  const double step = Median(steps);
+  for (double& deviation : steps) deviation = std::abs(deviation - step);
+  const double uncertainty =
+      kSigmaOfMedian * kSigmaPerMad * Median(steps) / std::sqrt(AsDouble(steps.size()));
+  const bool holds_losses =
+      (over_lag - step) * AsDouble(lag) > 0.5 * period_ns && over_lag - step > 5 * uncertainty;
+  return holds_losses ? step : over_lag;
+}
+
 // A period that neither bursts nor a few gaps disturb: medians over windows. The lag of up to ten
 // windows keeps the noise of the minima small; a loss spoils only the differences across it. Then
 // once more on the minima over three windows, which are much less noisy once the slope is nearly
@@ -104,7 +121,7 @@ double RobustPeriod(Times times, std::size_t window_rows) {
   for (const std::size_t count : {1U, 3U}) {
     const auto levels = RunningLeast(Levels(times, period_ns, window_rows), count);
     const std::size_t lag = std::clamp<std::size_t>(levels.size() / 5, 1, 10);
-    period_ns += Median(Differences(levels, lag)) / AsDouble(lag * window_rows);
+    period_ns += RisePerWindow(levels, lag, period_ns) / AsDouble(window_rows);
   }
   return period_ns;
 }

@@ -7,10 +7,11 @@ namespace haptometer::acquire {
 void IntervalStatistics::Add(MonotonicNs time_ns) {
   if (!has_time_) {
     has_time_ = true;
-    first_ns_ = last_ns_ = time_ns;
+    last_ns_ = time_ns;
     return;
   }
   const double interval_s = SecondsFromNs(time_ns - last_ns_);
+  total_ns_ += time_ns - last_ns_;
   last_ns_ = time_ns;
   ++intervals_;
   const double deviation_s = interval_s - mean_s_;
@@ -19,8 +20,8 @@ void IntervalStatistics::Add(MonotonicNs time_ns) {
 }
 
 std::optional<double> IntervalStatistics::RateHz() const {
-  if (last_ns_ <= first_ns_) return std::nullopt;
-  return static_cast<double>(intervals_) / SecondsFromNs(last_ns_ - first_ns_);
+  if (total_ns_ <= 0) return std::nullopt;
+  return static_cast<double>(intervals_) / SecondsFromNs(total_ns_);
 }
 
 std::optional<double> IntervalStatistics::DeviationSeconds() const {

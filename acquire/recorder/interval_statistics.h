@@ -12,8 +12,10 @@ namespace haptometer::acquire {
 class IntervalStatistics {
  public:
   void Add(MonotonicNs time_ns);
+  /// The interval up to the next time is none of the source's: it does not count.
+  void Restart() { has_time_ = false; }
 
-  /// Intervals per second between the first and the last time; empty where no time has passed.
+  /// Intervals per second of their own time; empty where no time has passed.
   [[nodiscard]] std::optional<double> RateHz() const;
   /// Standard deviation of the intervals in s (divided by n - 1); empty below two intervals.
   [[nodiscard]] std::optional<double> DeviationSeconds() const;
@@ -21,7 +23,7 @@ class IntervalStatistics {
  private:
   std::uint64_t intervals_ = 0;
   bool has_time_ = false;
-  MonotonicNs first_ns_ = 0;
+  MonotonicNs total_ns_ = 0;
   MonotonicNs last_ns_ = 0;
   double mean_s_ = 0;
   double squares_s2_ = 0;  ///< sum of squared deviations from the mean

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <chrono>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,17 +16,19 @@ namespace haptometer::acquire {
 namespace {
 
 constexpr MonotonicNs kProgressEveryNs = kNsPerS / 2;
+constexpr std::size_t kResumeFraction = 8;
 
 // --- the writing thread ---
 
 // everything that waits, each event in its place
 Result<void> WriteWaiting(RowRing& ring, RowSink& sink) {
   while (true) {
+    // the row first: an event that was added before it is then there
+    const auto row = ring.Front();
     if (auto event = ring.TakeEvent()) {
       if (auto added = sink.AddEvent(std::move(*event)); !added) return added;
       continue;
     }
-    const auto row = ring.Front();
     if (!row) return {};
     if (auto appended = sink.Append(*row); !appended) return appended;
     ring.Pop();
@@ -70,6 +74,7 @@ class Reader {
   void Fire(MonotonicNs time_ns);
   [[nodiscard]] bool EndsShot(MonotonicNs time_ns) const;
   [[nodiscard]] bool NextShot();
+  void WaitForRoom() const;
   void Keep(const Reading& reading);
   void NoteLost();
   void Say(trial::EventKind kind, std::string text);
@@ -97,7 +102,8 @@ class Reader {
 void Reader::Say(trial::EventKind kind, std::string text) {
   trial::Event event;
   event.kind = kind;
-  event.time_ns = clock_.Now() - origin_ns_;
+  // a source that waits has a time of its own
+  event.time_ns = sensor_.waits() ? tally_.SinceBegin(reading_) : clock_.Now() - origin_ns_;
   event.text = std::move(text);
   ring_.PushEvent(std::move(event));
 }
@@ -109,30 +115,37 @@ void Reader::NoteLost() {
   tally_.Lose(std::exchange(lost_here_, 0));
 }
 
+// a source that waits is not outrun by the disk
+void Reader::WaitForRoom() const {
+  constexpr std::chrono::milliseconds kNap(1);
+  while (sensor_.waits() && ring_.room() == 0 && !ring_.given_up() && !stop_.load()) {
+    std::this_thread::sleep_for(kNap);
+  }
+}
+
 void Reader::Keep(const Reading& reading) {
-  if (lost_here_ == 0 && ring_.HasRoom()) {
-    if (reading.lost_before > 0) {
-      Say(trial::EventKind::kGap,
-          fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before));
-    }
-    const bool is_in = ring_.Push(reading, origin_ns_);
-    HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);
-    tally_.Add(reading);
+  WaitForRoom();
+  // after a loss there is some room first: a gap a row would cost more than the rows
+  const std::size_t needed = lost_here_ == 0 ? 1 : 1 + ring_.capacity() / kResumeFraction;
+  if (ring_.room() < std::min(needed, ring_.capacity())) {
+    ++lost_here_;
     return;
   }
-  // there was no room; where there is now, what is missing comes first
-  if (lost_here_ > 0 && ring_.HasRoom()) {
-    NoteLost();
-    Keep(reading);
-    return;
+  NoteLost();
+  if (reading.lost_before > 0) {
+    Say(trial::EventKind::kGap,
+        fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before));
   }
-  ++lost_here_;
+  const bool is_in = ring_.Push(reading, origin_ns_);
+  HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);
+  tally_.Add(reading);
 }
 
 void Reader::Fire(MonotonicNs time_ns) {
   tally_.Fire();
   Say(trial::EventKind::kRemark,
-      fmt::format("trigger {}: {}", tally_.Summary().triggers, watch_.Text()));
+      fmt::format("trigger {} {} rows from here: {}", tally_.Summary().triggers, before_.kept(),
+                  watch_.Text()));
   before_.Drain([this](const Reading& earlier) { Keep(earlier); });
   shot_start_ns_ = time_ns;
   shot_readings_ = 0;
@@ -153,6 +166,7 @@ bool Reader::NextShot() {
 
 // one reading of the sensor; false when it is the first behind the end
 bool Reader::Take(MonotonicNs time_ns) {
+  tally_.See();
   if (hooks_.reading) hooks_.reading(reading_);
   if (phase_ == Phase::kRecording && EndsShot(time_ns) && !NextShot()) return false;
   if (phase_ == Phase::kHoldOff && time_ns - shot_start_ns_ >= limits_.trigger->hold_off_ns) {
@@ -235,6 +249,14 @@ bool HasEnd(const RecordingLimits& limits) {
 }
 
 }  // namespace
+
+std::uint64_t RecordingSummary::repeated() const {
+  return statuses[static_cast<std::size_t>(trial::SampleStatus::kRepeated)];
+}
+
+std::uint64_t RecordingSummary::bad() const {
+  return readings - repeated() - statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)];
+}
 
 Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
                                 const std::atomic<bool>& stop, const RecordingLimits& limits,

@@ -30,13 +30,16 @@ struct RecordingLimits {
 
 /// What came of a recording.
 struct RecordingSummary {
-  std::uint64_t readings = 0;                                       ///< all rows
+  std::uint64_t readings = 0;  ///< all rows
+  std::uint64_t measured = 0;  ///< rows in which some channel has a measurement
+  std::uint64_t seen = 0;      ///< readings that came, recorded or not
   std::array<std::uint64_t, trial::kSampleStatusCount> statuses{};  ///< rows by RowStatus
-  std::uint64_t gaps = 0;               ///< places where readings are missing, for whatever reason
-  std::uint64_t lost = 0;               ///< readings that came and found the disk too slow
-  std::uint64_t reconnects = 0;         ///< times the device went away and came back
-  std::uint64_t triggers = 0;           ///< that fired
-  std::optional<double> rate_hz;        ///< (rows - 1) / (last - first time); empty below 2 rows
+  std::uint64_t gaps = 0;         ///< places where readings are missing, for whatever reason
+  std::uint64_t lost = 0;         ///< readings that came and found the disk too slow
+  std::uint64_t reconnects = 0;   ///< times the device went away and came back
+  std::uint64_t triggers = 0;     ///< that fired
+  std::optional<double> rate_hz;  ///< mean over the intervals between rows, without pauses that
+                                  ///< triggers, absences and losses made; empty below 2 rows
   std::optional<double> interval_sd_s;  ///< jitter: standard deviation of the intervals
   std::uint64_t discarded_bytes = 0;    ///< bytes that formed no reading
   double elapsed_s = 0;                 ///< from the beginning to the last row
@@ -63,9 +66,9 @@ struct RecordingHooks {
 ///
 /// The calling thread reads; a second one writes (recorder/row_ring.h says why). What the ring has
 /// no room for while the disk stalls is counted in `lost` and stands in the trial as a gap with its
-/// number. A lost connection, a return, a trigger and an interruption are events in the trial.
-/// Between a thousand rows and the next event nothing allocates memory. The sink's clock is its
-/// own; if it is a ManualClock it must not be `clock`.
+/// number, unless the source waits (Sensor::waits). A lost connection, a return, a trigger and an
+/// interruption are events in the trial. Between a thousand rows and the next event nothing
+/// allocates memory. The sink's clock is its own; if it is a ManualClock it must not be `clock`.
 /// Errors (Cause::kFailed): the disk is full; the file keeps what it holds.
 [[nodiscard]] Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
                                               const std::atomic<bool>& stop,

@@ -14,13 +14,13 @@ RowRing::RowRing(std::size_t bytes, std::size_t channels)
       status_(std::make_unique_for_overwrite<trial::SampleStatus[]>(capacity_ * channels)),
       front_(channels) {}
 
-bool RowRing::HasRoom() const {
-  return pushed_.load(std::memory_order_relaxed) - popped_.load(std::memory_order_acquire) <
-         capacity_;
+std::size_t RowRing::room() const {
+  return capacity_ -
+         (pushed_.load(std::memory_order_relaxed) - popped_.load(std::memory_order_acquire));
 }
 
 bool RowRing::Push(const Reading& reading, MonotonicNs origin_ns) {
-  if (!HasRoom()) return false;
+  if (room() == 0) return false;
   const std::uint64_t pushed = pushed_.load(std::memory_order_relaxed);
   const std::size_t place = pushed % capacity_;
   slots_[place] = {.index = reading.index,
@@ -56,7 +56,7 @@ bool RowRing::Wait() {
 std::optional<trial::Event> RowRing::TakeEvent() {
   if (events_waiting_.load(std::memory_order_acquire) == 0) return std::nullopt;
   const std::lock_guard lock(events_mutex_);
-  if (events_.front().first != popped_.load(std::memory_order_relaxed)) return std::nullopt;
+  if (events_.front().first > popped_.load(std::memory_order_relaxed)) return std::nullopt;
   trial::Event event = std::move(events_.front().second);
   events_.pop_front();
   events_waiting_.store(events_.size(), std::memory_order_release);

@@ -30,7 +30,9 @@ class RowRing {
 
   /// Adds a row whose times count from `origin_ns`; false when there is no room.
   [[nodiscard]] bool Push(const Reading& reading, MonotonicNs origin_ns);
-  [[nodiscard]] bool HasRoom() const;
+  /// Rows that there is room for, and that there is when it is empty.
+  [[nodiscard]] std::size_t room() const;
+  [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Adds an event after the rows so far. Rare: takes a lock and allocates.
   void PushEvent(trial::Event event);
   /// No row and no event comes any more.
@@ -41,10 +43,11 @@ class RowRing {
   /// Waits for something to take, a fiftieth of a second at most. False once the ring is closed and
   /// everything was taken.
   [[nodiscard]] bool Wait();
-  /// The event that belongs before the next row, if there is one.
-  [[nodiscard]] std::optional<trial::Event> TakeEvent();
   /// The next row, which stays until Pop(), or nothing.
   [[nodiscard]] std::optional<trial::Row> Front();
+  /// The event that belongs before the row that Front() showed, if there is one. Ask after Front():
+  /// whoever sees a row sees every event that was added before it.
+  [[nodiscard]] std::optional<trial::Event> TakeEvent();
   void Pop();
 
   // --- either ---

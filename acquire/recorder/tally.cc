@@ -1,14 +1,8 @@
 #include "acquire/recorder/tally.h"
 
+#include <algorithm>
+
 namespace haptometer::acquire {
-
-std::uint64_t RecordingSummary::repeated() const {
-  return statuses[static_cast<std::size_t>(trial::SampleStatus::kRepeated)];
-}
-
-std::uint64_t RecordingSummary::bad() const {
-  return readings - repeated() - statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)];
-}
 
 Tally::Tally(const Sensor& sensor, MonotonicNs origin_ns)
     : sensor_(sensor),
@@ -25,21 +19,29 @@ MonotonicNs Tally::SinceBegin(const Reading& reading) const {
 void Tally::Add(const Reading& reading) {
   ++summary_.readings;
   ++summary_.statuses[static_cast<std::size_t>(RowStatus(reading))];
+  if (std::ranges::any_of(reading.samples, trial::IsMeasurement, &trial::Sample::status)) {
+    ++summary_.measured;
+  }
   const MonotonicNs time_ns = SinceBegin(reading);
   summary_.elapsed_s = SecondsFromNs(time_ns);
-  intervals_.Add(time_ns);
   // what the sensor counts itself needs no guess from the interval
   if (reading.lost_before > 0) {
     ++known_gaps_;
-    gaps_.Restart();
+    Restart();
   }
+  intervals_.Add(time_ns);
   gaps_.Add(reading);
+}
+
+void Tally::Restart() {
+  gaps_.Restart();
+  intervals_.Restart();
 }
 
 void Tally::Lose(std::uint64_t rows) {
   summary_.lost += rows;
   ++known_gaps_;
-  gaps_.Restart();
+  Restart();
 }
 
 void Tally::Leave() {
@@ -50,12 +52,12 @@ void Tally::Leave() {
 void Tally::Return() {
   summary_.is_away = false;
   ++summary_.reconnects;
-  gaps_.Restart();
+  Restart();
 }
 
 void Tally::Fire() {
   ++summary_.triggers;
-  gaps_.Restart();
+  Restart();
 }
 
 void Tally::End(MonotonicNs since_begin_ns) {

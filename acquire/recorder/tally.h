@@ -17,6 +17,8 @@ class Tally {
   /// The time of a row since the beginning.
   [[nodiscard]] MonotonicNs SinceBegin(const Reading& reading) const;
 
+  /// A reading came; whether it is recorded is not said yet.
+  void See() { ++summary_.seen; }
   void Add(const Reading& reading);
   /// Rows that came and were not kept.
   void Lose(std::uint64_t rows);
@@ -31,6 +33,8 @@ class Tally {
   [[nodiscard]] RecordingSummary Summary() const;
 
  private:
+  void Restart();
+
   const Sensor& sensor_;
   trial::Timing timing_;
   double rate_hz_;

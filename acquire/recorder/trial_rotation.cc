@@ -34,11 +34,10 @@ Result<void> TrialRotation::BeginPart(const trial::Row* first) {
   header.metadata.fields["part"] = std::to_string(part_);
   if (first != nullptr) {
     const bool is_uniform = header.timing == trial::Timing::kUniform;
-    start_ns_ = first->time_ns;
     start_index_ = first->index;
-    const double start_s = is_uniform ? static_cast<double>(first->index) / header.rate_hz
-                                      : SecondsFromNs(first->time_ns);
-    header.metadata.fields["part_start_s"] = fmt::format("{:.9f}", start_s);
+    start_ns_ = is_uniform ? NsFromSeconds(static_cast<double>(first->index) / header.rate_hz)
+                           : first->time_ns;
+    header.metadata.fields["part_start_s"] = fmt::format("{:.9f}", SecondsFromNs(start_ns_));
     header.metadata.fields["continues"] = file_;
     header.metadata.utc_start = UtcNow();
   }

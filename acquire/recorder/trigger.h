@@ -60,6 +60,7 @@ class PreSamples {
   PreSamples(std::size_t readings, std::size_t channels);
 
   void Keep(const Reading& reading);
+  [[nodiscard]] std::size_t kept() const { return kept_; }
   /// Hands out what is kept, oldest first, and forgets it.
   template <typename Take>
   void Drain(Take&& take) {

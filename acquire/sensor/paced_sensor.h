@@ -26,6 +26,7 @@ class PacedSensor final : public Sensor {
   [[nodiscard]] std::vector<std::string> Remarks() const override { return inner_->Remarks(); }
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] bool waits() const override { return true; }
   [[nodiscard]] std::uint64_t discarded_bytes() const override { return inner_->discarded_bytes(); }
 
  private:

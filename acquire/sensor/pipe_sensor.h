@@ -38,6 +38,7 @@ class PipeSensor final : public Sensor {
   [[nodiscard]] MonotonicNs Begin() override;
   /// kEnd at the end of the input. No allocation once the buffers have grown.
   [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] bool waits() const override { return true; }
   [[nodiscard]] std::uint64_t discarded_bytes() const override;
 
  private:

@@ -53,14 +53,16 @@ MonotonicNs PolledLine::Begin(const LineDialect& dialect, PollPlan plan) {
   dialect_ = &dialect;
   plan_ = plan;
   repeats_ = RepeatMarker(plan.refresh_ns);
-  phase_ = start_was_silent_ ? Phase::kQuieting : Phase::kFree;
+  // what was asked before a second beginning may still be answered
+  if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) phase_ = Phase::kDraining;
+  if (phase_ == Phase::kFree && start_was_silent_) phase_ = Phase::kQuieting;
   slot_ = 0;
   slot_is_used_ = false;
-  return begin_ns_ = clock_.Now();
+  return settle_since_ns_ = begin_ns_ = clock_.Now();
 }
 
 Outcome PolledLine::Next(Reading& reading) {
-  if (phase_ == Phase::kDraining || phase_ == Phase::kQuieting) return Settle();
+  if (phase_ == Phase::kDraining || phase_ == Phase::kQuieting) return Settle(reading);
   if (phase_ == Phase::kStepping) return WaitForStep(reading);
   if (phase_ == Phase::kFree) {
     if (const Outcome asked = WaitForSlot(); asked == Outcome::kGone) return asked;
@@ -121,8 +123,13 @@ Outcome PolledLine::Wait(Reading& reading) {
                  Phase::kDraining);
 }
 
-Outcome PolledLine::Settle() {
+Outcome PolledLine::Settle(Reading& reading) {
   const MonotonicNs now = clock_.Now();
+  // a line that never falls silent gives a bad row a second, not nothing for ever
+  if (now - settle_since_ns_ > ResponseDeadline::kLongestNs + kQuietNs) {
+    request_ns_ = now;
+    return GiveRow(reading, SampleStatus::kBadFrame, now, Phase::kQuieting);
+  }
   const MonotonicNs until = phase_ == Phase::kDraining
                                 ? request_ns_ + ResponseDeadline::kLongestNs
                                 : std::max(quiet_since_ns_, link_.last_bytes_ns()) + kQuietNs;
@@ -187,7 +194,7 @@ Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs r
   reading.time_ns = request_ns_;
   reading.reply_ns = reply_ns;
   reading.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), status});
-  quiet_since_ns_ = clock_.Now();
+  settle_since_ns_ = quiet_since_ns_ = clock_.Now();
   phase_ = next;
   return Outcome::kReading;
 }

@@ -61,8 +61,9 @@ struct PollPlan {
 /// A reply carries no mark of its request: one late reply taken for the next would put every later
 /// reading one poll behind. So after a missed deadline nothing is asked until the late reply has
 /// come (and was thrown away) or the maker's second has passed; after damaged bytes, until the wire
-/// was silent for 20 ms. Then the dialect's step is asked: the device answers in order, so when the
-/// step's answer is there, every older one is behind us.
+/// was silent for 20 ms (a line that never falls silent gives a kBadFrame row a second). Then the
+/// dialect's step is asked: the device answers in order, so when the step's answer is there, every
+/// older one is behind us.
 ///
 /// Cost: Next() does not allocate once the buffers have grown to the longest reply.
 class PolledLine {
@@ -82,7 +83,8 @@ class PolledLine {
 
   // --- the recording ---
 
-  /// Begins to poll; `dialect` must outlive it. Returns the instant from which times count.
+  /// Begins to poll, for the first time or anew: a reply that is still outstanding is not taken for
+  /// the first reading. `dialect` must outlive it. Returns the instant from which times count.
   [[nodiscard]] MonotonicNs Begin(const LineDialect& dialect, PollPlan plan);
   /// As Sensor::Next().
   [[nodiscard]] Outcome Next(Reading& reading);
@@ -102,7 +104,7 @@ class PolledLine {
   Outcome WaitForSlot();
   Outcome Ask(std::string_view request, Phase next);
   Outcome Wait(Reading& reading);
-  Outcome Settle();
+  Outcome Settle(Reading& reading);
   Outcome WaitForStep(Reading& reading);
   bool TakeLine(std::string_view line, Reading& reading);
   Outcome GiveRow(Reading& reading, trial::SampleStatus status, MonotonicNs reply_ns, Phase next);
@@ -119,8 +121,9 @@ class PolledLine {
   bool slot_is_used_ = false;  ///< it was polled at
   MonotonicNs request_ns_ = 0;
   MonotonicNs quiet_since_ns_ = 0;
-  int unanswered_steps_ = 0;       ///< in a row
-  bool start_was_silent_ = false;  ///< a reply to Exchange() may still come
+  MonotonicNs settle_since_ns_ = 0;  ///< how long nothing could be asked
+  int unanswered_steps_ = 0;         ///< in a row
+  bool start_was_silent_ = false;    ///< a reply to Exchange() may still come
 };
 
 }  // namespace haptometer::acquire

@@ -23,6 +23,7 @@ class Replay final : public Sensor {
   [[nodiscard]] MonotonicNs Begin() override { return 0; }
   /// kGone when the file can no longer be read.
   [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] bool waits() const override { return true; }
   [[nodiscard]] std::uint64_t discarded_bytes() const override { return 0; }
 
  private:

@@ -58,6 +58,10 @@ class Sensor {
   /// The next reading; waits at most a tenth of a second for it.
   [[nodiscard]] virtual Outcome Next(Reading& reading) = 0;
 
+  /// Whether the source waits for its reader, as a file and a pipe do. Then no reading need be lost
+  /// to a slow disk, and its own times say when something happened, not the clock.
+  [[nodiscard]] virtual bool waits() const { return false; }
+
   /// Bytes that formed no reading so far: partial lines, late replies, garbage.
   [[nodiscard]] virtual std::uint64_t discarded_bytes() const = 0;
 };

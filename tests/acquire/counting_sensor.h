@@ -57,9 +57,11 @@ class CountingSensor final : public Sensor {
     ++next_;
     return Outcome::kReading;
   }
+  bool waits() const override { return waits_for_us; }
   std::uint64_t discarded_bytes() const override { return 17; }
 
   std::vector<trial::SampleStatus> statuses;  ///< in turn; empty: all ok
+  bool waits_for_us = false;
   std::vector<std::int64_t> lost_before;      ///< in turn; empty: none
 
  private:

@@ -28,6 +28,15 @@ TEST(IntervalStatistics, AgainstTheDefinition) {
              "four roundings of the recurrence");
 }
 
+TEST(IntervalStatistics, APauseThatIsMeantToBeDoesNotCount) {
+  IntervalStatistics statistics;
+  for (const MonotonicNs time_ns : {0 * kMs, 10 * kMs, 20 * kMs}) statistics.Add(time_ns);
+  statistics.Restart();
+  for (const MonotonicNs time_ns : {5000 * kMs, 5010 * kMs}) statistics.Add(time_ns);
+  EXPECT_REL(statistics.RateHz().value(), 100.0, 1e-15, "one division");
+  EXPECT_ABS(statistics.DeviationSeconds().value(), 0.0, 1e-15, "rounding of the running mean");
+}
+
 TEST(IntervalStatistics, ALongRecordingKeepsItsDigits) {
   // a million intervals of 100 us, every second one 1 ns longer and the next shorter: sd 1 ns
   IntervalStatistics statistics;

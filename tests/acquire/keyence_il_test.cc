@@ -188,6 +188,20 @@ TEST_F(KeyenceIlTest, WhatFollowsDamagedBytesIsNotTakenForTheNextReply) {
   ExpectSoundFrom(2);
 }
 
+TEST_F(KeyenceIlTest, ALineThatNeverFallsSilentGivesABadRowASecond) {
+  Started();
+  ExpectSoundFrom(2);
+  std::vector<ScriptedIlUnit::Answer> babble;
+  for (int i = 0; i < 500; ++i) babble.push_back({"?\r\n", 10 * kMs * i});
+  unit_.to_m0.push_back(babble);
+  int bad = 0;
+  Reading reading = NextRow();
+  for (; RowStatus(reading) == SampleStatus::kBadFrame; reading = NextRow()) ++bad;
+  EXPECT_GE(bad, 4) << "5 s of it";
+  EXPECT_LE(bad, 6);
+  EXPECT_EQ(Counts(reading), 3) << "and then the unit is heard again";
+}
+
 TEST_F(KeyenceIlTest, AHardwareTriggersLineIsNoReply) {
   Started();
   unit_.to_m0.push_back({{"DR,04,+77.777\r\n", 4 * kMs}, {"M0,-00.007\r\n", 9 * kMs}});

@@ -241,6 +241,24 @@ TEST_F(DiskTest, WhatTheRingHasNoRoomForIsCountedAndStandsInTheTrial) {
   EXPECT_EQ(missing, summary->lost);
 }
 
+TEST_F(DiskTest, ASourceThatWaitsLosesNothingToASlowDisk) {
+  CountingSensor sensor(clock_, Timing::kUniform, 30'000, Outcome::kEnd);
+  sensor.waits_for_us = true;
+  trial::TrialWriter writer = Writer(sensor);
+  StallingSink sink(writer, disk_);
+  disk_.Set(Disk::State::kStalls);
+  std::thread recovering([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    disk_.Set(Disk::State::kTakes);
+  });
+  const auto summary =
+      Record(sensor, sink, clock_, kNeverStop, {.most_waiting_bytes = std::size_t{33} * 1000});
+  recovering.join();
+  ASSERT_TRUE(summary) << summary.error().Text();
+  EXPECT_EQ(summary->lost, 0U);
+  EXPECT_EQ(Counts(path_), CountTo(30'000));
+}
+
 TEST_F(DiskTest, AFullDiskIsReportedInTheWritersWords) {
   CountingSensor sensor(clock_, Timing::kArrival, 200'000, Outcome::kNothing);
   trial::TrialWriter writer = WriterOnDisk(sensor);

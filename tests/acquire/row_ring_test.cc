@@ -55,10 +55,10 @@ TEST(RowRing, HandsOverEveryRowInOrderBetweenTwoThreads) {
 TEST(RowRing, RefusesWhenFullAndTakesAgainAfterwards) {
   RowRing ring(3 * kBytesOfARow, 2);
   for (int i = 0; i < 3; ++i) EXPECT_TRUE(ring.Push(TwoValues(i), 0));
-  EXPECT_FALSE(ring.HasRoom());
+  EXPECT_EQ(ring.room(), 0U);
   EXPECT_FALSE(ring.Push(TwoValues(3), 0));
   ring.Pop();
-  EXPECT_TRUE(ring.HasRoom());
+  EXPECT_EQ(ring.room(), 1U);
   EXPECT_TRUE(ring.Push(TwoValues(4), 0));
   EXPECT_EQ(ring.Front()->index, 10) << "what was refused is not in it, what came before is";
 }
@@ -82,6 +82,38 @@ TEST(RowRing, AnEventStandsBetweenTheRowsItCameBetween) {
     }
   }
   EXPECT_EQ(order, "0 first second 10 last ");
+}
+
+TEST(RowRing, AnEventIsNeverOvertakenByItsRow) {
+  // an event before every row, while the other thread takes: none may be missed or late
+  RowRing ring(10'000 * kBytesOfARow, 2);
+  constexpr std::int32_t kRows = 200'000;
+  std::int32_t rows = 0;
+  std::int32_t events = 0;
+  std::thread writing([&] {
+    while (ring.Wait()) {
+      while (true) {
+        const auto row = ring.Front();
+        if (const auto event = ring.TakeEvent()) {
+          ++events;
+          continue;
+        }
+        if (!row) break;
+        ASSERT_EQ(events, rows + 1) << "the event before this row";
+        ++rows;
+        ring.Pop();
+      }
+    }
+  });
+  for (std::int32_t i = 0; i < kRows; ++i) {
+    while (ring.room() == 0) std::this_thread::yield();
+    ring.PushEvent({});
+    ASSERT_TRUE(ring.Push(TwoValues(i), 0));
+  }
+  ring.Close();
+  writing.join();
+  EXPECT_EQ(rows, kRows);
+  EXPECT_EQ(events, kRows);
 }
 
 TEST(RowRing, HasRoomForOneRowAtLeast) {

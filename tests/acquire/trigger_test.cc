@@ -92,7 +92,7 @@ TEST_F(TriggerTest, RecordsFromTheTriggerOnWithWhatCameBefore) {
   EXPECT_EQ(summary->triggers, 1U);
   EXPECT_EQ(summary->gaps, 0U);
   ASSERT_EQ(events_.size(), 1U);
-  EXPECT_EQ(events_[0].text, "trigger 1: displacement rising through 5e-05 m");
+  EXPECT_EQ(events_[0].text, "trigger 1 20 rows from here: displacement rising through 5e-05 m");
   EXPECT_EQ(events_[0].row, 0U);
 }
 
@@ -121,6 +121,7 @@ TEST_F(TriggerTest, SeveralShotsWaitForTheHoldOff) {
   EXPECT_EQ(counts[10], 301) << "200 ms after the first trigger";
   EXPECT_EQ(counts[20], 501);
   EXPECT_EQ(summary->triggers, 3U);
+  EXPECT_EQ(summary->rate_hz, 1000.0) << "the pauses between shots do not count";
   EXPECT_EQ(summary->gaps, 0U) << "what lies between shots is not missing";
 }
 
@@ -132,6 +133,7 @@ TEST_F(TriggerTest, WithoutATriggerNothingIsRecorded) {
   const auto summary = Run(sensor, limits);
   ASSERT_TRUE(summary);
   EXPECT_EQ(summary->readings, 0U);
+  EXPECT_EQ(summary->seen, 400U);
   EXPECT_EQ(summary->triggers, 0U);
 }
 

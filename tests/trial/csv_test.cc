@@ -128,6 +128,16 @@ TEST(Csv, OtherTimesAreKeptBesideTheirMeanLine) {
   EXPECT_REL(record.stretches[0].time_uncertainty_s, 0.82e-4, 0.02, "sqrt(2/3) of 0.1 ms");
 }
 
+TEST(Csv, LinesOfOneBurstShareTheirArrivalTime) {
+  const std::string rows = "time_s,displacement_m\n0,1\n0,2\n0.002,3\n0.002,4\n0.004,5\n";
+  const Record record = Parsed("# times = arrived\n# stretch = 0 5 0 1000 1e-6\n" + rows);
+  EXPECT_EQ(record.rows, 5U);
+  EXPECT_EQ(record.timing, Timing::kArrival);
+  EXPECT_EQ(record.raw_times_s, (std::vector<double>{0, 0, 0.002, 0.002, 0.004}));
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 1000);
+  EXPECT_FALSE(ParseCsv(rows, "f.csv")) << "a clocked source's times grow";
+}
+
 TEST(Csv, GapsBecomeStretches) {
   std::string text = "time_s,voltage_v\n";
   for (int i = 0; i < 100; ++i) {

@@ -82,6 +82,25 @@ TEST_P(BurstyLines, ShowLostLinesAsAGap) {
   }
 }
 
+// losses that come more often than the windows the slope is taken over must not become the slope
+TEST(ArrivalTimes, ALineLostEveryHalfSecondIsAGapEachTime) {
+  for (const double rate_hz : {1'000.0, 10'000.0}) {
+    Source source{.rate_hz = rate_hz, .duration_s = 6, .burst_s = 0, .has_late_lines = false};
+    for (int loss = 1; loss < 12; ++loss) {
+      source.lost.emplace_back(static_cast<std::size_t>(0.5 * loss * rate_hz), 1);
+    }
+    std::vector<std::int64_t> arrivals = Arrivals(source);
+    std::mt19937_64 random(7);
+    std::exponential_distribution<double> delay_ns(1 / 20e3);  // as a prompt host's
+    for (std::int64_t& time_ns : arrivals) time_ns += std::llround(delay_ns(random));
+    const auto stretches = FitArrivalTimes(arrivals, std::nullopt);
+    EXPECT_EQ(stretches.size(), 12U) << rate_hz;
+    for (const Stretch& stretch : stretches) {
+      EXPECT_REL(stretch.rate_hz, rate_hz, 2e-4, "a microsecond of delay over half a second");
+    }
+  }
+}
+
 TEST_P(BurstyLines, AStallOfTheHostIsNoGap) {
   for (const double length_s : {0.05, 0.2, 0.4}) {
     const auto arrivals = Arrivals({.stall = {1.5, 1.5 + length_s}, .seed = GetParam()});

@@ -23,6 +23,7 @@ void CatchInterrupts() {
   action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal ends the program at once
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // a closed terminal must not cost a recording its end
   std::signal(SIGPIPE, SIG_IGN);
 }
 

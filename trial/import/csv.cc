@@ -162,7 +162,10 @@ class Parser {
                           "every row needs a time; remove the line or write its time");
     }
     const double time_s = *printed * factor;
-    if (!times_.times_s().empty() && time_s <= times_.times_s().back()) {
+    // lines that came in one burst have one arrival time
+    const bool may_stand = comments_.timing == Timing::kArrival;
+    if (!times_.times_s().empty() &&
+        (may_stand ? time_s < times_.times_s().back() : time_s <= times_.times_s().back())) {
       return CannotAnswer(Here(),
                           fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
                                       times_.times_s().back()),
