@@ -30,7 +30,7 @@ void CheckReply(ModbusFraming framing, const ReadRequest& request, std::string_v
   const bool has_registers = reply.fault == ModbusFault::kNone && reply.exception == 0;
   Require(has_registers == !reply.registers.empty());
   if (!has_registers) return;
-  Require(reply.registers.size() == 2U * request.count);
+  Require(reply.registers.size() == std::size_t{2} * request.count);
   Require(bytes.size() == ReplyBytes(framing, request.count));
   static_cast<void>(RegisterAt(reply.registers, request.count - 1U));
 }

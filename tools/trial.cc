@@ -50,6 +50,7 @@ int RunTrial(int argc, const char* const* argv) {
     return argc > 1 ? 0 : 2;
   }
   std::vector<std::string> names;
+  names.reserve(std::size(kWords));
   for (const Word& each : kWords) names.emplace_back(each.name);
   const std::string nearest = Nearest(name, names);
   return cli::ReportError("trial",

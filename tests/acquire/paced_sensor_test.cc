@@ -53,7 +53,7 @@ TEST(PacedSensor, ALongPauseIsWaitedForInSlices) {
   EXPECT_EQ(sensor.Next(reading), Outcome::kReading);
   for (int slice = 1; slice < 10; ++slice) {
     EXPECT_EQ(sensor.Next(reading), Outcome::kNothing);
-    EXPECT_EQ(clock.Now(), slice * 100 * kMs);
+    EXPECT_EQ(clock.Now(), MonotonicNs{100} * slice * kMs);
   }
   EXPECT_EQ(sensor.Next(reading), Outcome::kReading);
   EXPECT_EQ(reading.index, 1);

@@ -90,7 +90,7 @@ class ParrotModbusLink final : public ModbusLink {
   explicit ParrotModbusLink(Clock& clock) : clock_(clock) { reply_.reserve(kLongestModbusAdu); }
   bool Send(std::string_view frame) override {
     const ModbusAdu request = ParseAdu(ModbusFraming::kRtu, frame).adu;
-    const std::size_t bytes = 2U * RegisterAt(request.data, 1);
+    const std::size_t bytes = std::size_t{2} * RegisterAt(request.data, 1);
     data_[0] = static_cast<char>(bytes);
     reply_.clear();
     AppendAdu(

@@ -101,7 +101,7 @@ TEST(LiveMeter, SaysSoWhereTheBandCannotBeObserved) {
 TEST(LiveMeter, ReadingsHandedOutAgainAreNoNewOnes) {
   LiveMeter meter(Header(), {.order = 4, .lower_hz = 20, .upper_hz = 3000});
   for (int n = 0; n < 20'000; ++n) {
-    acquire::Reading row = Row(n / 2 * 2, 100e-6, 225);
+    acquire::Reading row = Row(n - n % 2, 100e-6, 225);
     row.time_ns = NsFromSeconds(n / kRate_hz);
     if (n % 2 == 1) row.samples[0].status = SampleStatus::kRepeated;
     meter.Add(row);

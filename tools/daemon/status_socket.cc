@@ -104,7 +104,9 @@ void StatusSocket::AnswerOne(MonotonicNs longest_ns,
       accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
   if (asker.get() < 0) return;
   SystemClock clock;
-  (void)acquire::WriteDescriptor(asker.get(), text(), clock.Now() + kTakenWithinNs, path_);
+  const auto sent =
+      acquire::WriteDescriptor(asker.get(), text(), clock.Now() + kTakenWithinNs, path_);
+  if (!sent) return;  // who asked has gone, and is told nothing
 }
 
 Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
