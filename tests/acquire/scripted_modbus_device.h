@@ -20,7 +20,7 @@ namespace haptometer::acquire {
 class ScriptedModbusDevice {
  public:
   struct Answer {
-    MonotonicNs after_ns = 2 * 1'000'000;
+    MonotonicNs after_ns = 2'000'000;
     int exception = 0;
     ModbusFault fault = ModbusFault::kNone;
     int off_by = 0;  ///< added to the transaction identifier
