@@ -2,20 +2,17 @@
 // read.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "acquire/protocol/dl_en1.h"
+#include "fuzz/require.h"
 
 namespace {
 
 using namespace haptometer::acquire;
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
+using namespace haptometer::fuzz;
 
 std::string_view WithoutEnd(const std::string& line) {
   return std::string_view(line).substr(0, line.size() - dl::kLineEnd.size());

@@ -1,37 +1,18 @@
 // The DL-RS1A's bytes: any split gives the same lines, every line is a reply or none, and what was
 // understood is written back as it was read.
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "acquire/protocol/dl_rs1a.h"
-#include "acquire/protocol/line_framer.h"
+#include "fuzz/split_lines.h"
 
 namespace {
 
 using namespace haptometer::acquire;
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
-
-std::vector<std::string> Lines(std::string_view bytes, std::size_t piece) {
-  LineFramer framer(Delimiter::kCrLf, dl_rs1a::kLongestLine);
-  std::vector<std::string> lines;
-  while (!bytes.empty()) {
-    framer.Feed(bytes.substr(0, piece));
-    bytes.remove_prefix(std::min(piece, bytes.size()));
-    for (Frame frame = framer.Next(); frame.framing != Framing::kNeedMore; frame = framer.Next()) {
-      lines.emplace_back(frame.framing == Framing::kValid ? frame.text : "\n");
-    }
-  }
-  return lines;
-}
+using namespace haptometer::fuzz;
 
 // M0 has one spelling; the sign of zero and of an error is all that its values do not keep
 void CheckReply(const std::string& line) {
@@ -54,12 +35,8 @@ void CheckRequest(const std::string& line) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  if (size < 2) return 0;
-  const std::size_t piece = 1 + data[0] % 16;
-  const std::string_view bytes(reinterpret_cast<const char*>(data) + 1, size - 1);
-  const std::vector<std::string> lines = Lines(bytes, bytes.size());
-  Require(lines == Lines(bytes, piece));
-  for (const std::string& line : lines) {
+  for (const std::string& line :
+       SplitLines(Delimiter::kCrLf, dl_rs1a::kLongestLine, std::span(data, size))) {
     CheckReply(line);
     CheckRequest(line);
   }

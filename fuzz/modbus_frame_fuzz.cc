@@ -2,19 +2,16 @@
 // was; a reply that passes holds as many registers as were asked for.
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 
 #include "acquire/protocol/modbus_frame.h"
+#include "fuzz/require.h"
 
 namespace {
 
 using namespace haptometer::acquire;
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
+using namespace haptometer::fuzz;
 
 void CheckFrame(ModbusFraming framing, std::string_view bytes) {
   const ParsedAdu parsed = ParseAdu(framing, bytes);

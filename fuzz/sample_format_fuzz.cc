@@ -3,23 +3,20 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "acquire/protocol/sample_format.h"
+#include "fuzz/require.h"
 
 namespace {
 
 using namespace haptometer::acquire;
+using namespace haptometer::fuzz;
 using haptometer::trial::RawLimits;
 using haptometer::trial::Sample;
 using haptometer::trial::SampleStatus;
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
 
 // bits and status of every sample
 using Rows = std::vector<std::pair<std::uint64_t, SampleStatus>>;

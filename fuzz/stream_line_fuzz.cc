@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,14 +10,12 @@
 
 #include "acquire/protocol/line_framer.h"
 #include "acquire/protocol/stream_line.h"
+#include "fuzz/require.h"
 
 namespace {
 
 using namespace haptometer::acquire;
-
-void Require(bool condition) {
-  if (!condition) std::abort();
-}
+using namespace haptometer::fuzz;
 
 std::vector<std::optional<Value>> Readings(const StreamFormat& format, std::string_view bytes,
                                            std::size_t piece) {

@@ -3,29 +3,23 @@
 The emulator shares its protocol code with acquire, so a common mistake would hide between them. This
 peer knows only the bytes of the maker's manual: `M0` CR LF is answered by `M0,+00.018` CR LF.
 """
-import csv
-import io
 import json
 import os
 import pty
 import select
 import signal
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 import tty
 
-PROGRAMS = os.environ["HAPTOMETER_PROGRAMS"]
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import check, rows, run
+
 VALUES = [b"-00.007", b"+00.018", b"+12.345", b"-14.999", b"+00.000"]
 SPECIAL = {7: (b"+99.999", "over"), 11: (b"-99.999", "under"), 13: (b"-99.998", "invalid"),
            17: (b"+EE.EEE", "device_error")}
-
-
-def check(condition, what):
-    if not condition:
-        sys.exit(f"FAILED: {what}")
 
 
 class Peer:
@@ -81,16 +75,8 @@ def head(peer):
 
 
 def acquire(peer, trial, *options):
-    done = subprocess.run([f"{PROGRAMS}/acquire", "--port", peer.path, "-o", trial, "--json", *options],
-                          capture_output=True, text=True, timeout=60)
-    check(done.returncode == 0, f"acquire {options}: status {done.returncode}: {done.stderr}")
+    done = run("acquire", "--port", peer.path, "-o", trial, "--json", *options)
     return json.loads(done.stdout), done.stderr
-
-
-def rows(trial):
-    text = subprocess.run([f"{PROGRAMS}/haptometer", "trial", "export", trial],
-                          capture_output=True, text=True, check=True, timeout=60).stdout
-    return list(csv.DictReader(io.StringIO(text[text.index("time_s"):])))
 
 
 def test_unit(directory):

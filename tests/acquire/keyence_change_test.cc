@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <memory>
 #include <string>
 
@@ -12,6 +11,7 @@
 #include "acquire/sensor/keyence_il.h"
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
+#include "tests/acquire/sensor_rows.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
@@ -22,8 +22,6 @@ using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
-
-const std::atomic<bool> kNeverStop{false};
 
 std::vector<il_setting::Write> Writes(std::initializer_list<std::string_view> texts) {
   std::vector<il_setting::Write> writes;
@@ -53,21 +51,9 @@ class KeyenceChange : public ::testing::Test {
   Result<void> Start(const KeyenceIlSetup& setup) {
     sensor_ = std::make_unique<KeyenceIl>(
         std::make_unique<tests::DeviceTransport>(*device_, clock_), setup, clock_);
-    auto started = sensor_->Start(kNeverStop);
-    if (started) (void)sensor_->Begin();
-    return started;
+    return StartAndBegin(*sensor_);
   }
-  Reading NextRow() {
-    Reading reading;
-    for (int call = 0; call < 1000; ++call) {
-      if (sensor_->Next(reading) == Outcome::kReading) return reading;
-    }
-    ADD_FAILURE() << "no row";
-    return reading;
-  }
-  static std::int32_t Counts(const trial::Sample& sample) {
-    return static_cast<std::int32_t>(sample.raw.bits());
-  }
+  Reading NextRow() { return NextRowOf(*sensor_); }
   const trial::Metadata& metadata() const { return sensor_->header().metadata; }
 
   ManualClock clock_;

@@ -4,13 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <memory>
 
 #include "acquire/emulator/lkg_unit.h"
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
 #include "tests/acquire/scripted_transport.h"
+#include "tests/acquire/sensor_rows.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
@@ -19,8 +19,6 @@ namespace {
 using emulator::StillHead;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
-
-const std::atomic<bool> kNeverStop{false};
 
 class KeyenceLkgTest : public ::testing::Test {
  protected:
@@ -42,22 +40,8 @@ class KeyenceLkgTest : public ::testing::Test {
     sensor_ = std::make_unique<KeyenceLkg>(std::move(transport), setup, clock_);
     return Start();
   }
-  Result<void> Start() {
-    auto started = sensor_->Start(kNeverStop);
-    if (started) (void)sensor_->Begin();
-    return started;
-  }
-  Reading NextRow() {
-    Reading reading;
-    for (int call = 0; call < 1000; ++call) {
-      if (sensor_->Next(reading) == Outcome::kReading) return reading;
-    }
-    ADD_FAILURE() << "no row";
-    return reading;
-  }
-  static std::int32_t Counts(const trial::Sample& sample) {
-    return static_cast<std::int32_t>(sample.raw.bits());
-  }
+  Result<void> Start() { return StartAndBegin(*sensor_); }
+  Reading NextRow() { return NextRowOf(*sensor_); }
 
   ManualClock clock_;
   std::unique_ptr<emulator::Device> device_;

@@ -1,20 +1,21 @@
 """acquire against python3-pymodbus (Debian), which shares no code with it: TCP by pymodbus's own server,
 RTU by its framer, decoder and register store on a pseudo-terminal; every value compared exactly."""
-import csv
-import io
 import json
 import os
 import pty
 import select
 import signal
 import struct
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 import tty
 import types
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import programs
+from programs import check, skip
 
 # pymodbus imports pyserial's modules even where no serial port is opened; Debian only suggests them
 for name in ("serial", "serial_asyncio"):
@@ -29,10 +30,8 @@ try:
     from pymodbus.server import StartTcpServer
     from pymodbus.transaction import ModbusRtuFramer
 except ImportError as missing:
-    print(f"skipped: {missing}; install python3-pymodbus")
-    sys.exit(77)
+    skip(f"{missing}; install python3-pymodbus")
 
-PROGRAMS = os.environ["HAPTOMETER_PROGRAMS"]
 READINGS = 40
 
 # float32 values that a sensor may send, two of which are none
@@ -56,11 +55,6 @@ type = "{type}"
 order = "{order}"
 unit = "mm"
 """
-
-
-def check(condition, what):
-    if not condition:
-        sys.exit(f"FAILED: {what}")
 
 
 def words(text, order):
@@ -144,13 +138,9 @@ class TcpPeer:
 
 
 def record(port, profile, trial, *options):
-    done = subprocess.run(
-        [f"{PROGRAMS}/acquire", "--sensor", "modbus", "--profile", profile, "--port", port, "-o", trial,
-         "--samples", str(READINGS), "--json", *options], capture_output=True, text=True, timeout=60)
-    check(done.returncode == 0, f"acquire {port}: status {done.returncode}: {done.stderr}")
-    text = subprocess.run([f"{PROGRAMS}/haptometer", "trial", "export", trial],
-                          capture_output=True, text=True, check=True, timeout=60).stdout
-    return json.loads(done.stdout), list(csv.DictReader(io.StringIO(text[text.index("time_s"):])))
+    done = programs.run("acquire", "--sensor", "modbus", "--profile", profile, "--port", port, "-o",
+                        trial, "--samples", str(READINGS), "--json", *options)
+    return json.loads(done.stdout), programs.rows(trial)
 
 
 def as_f32(number):
@@ -196,11 +186,9 @@ def wrong_slave(directory):
     """A slave that is not there is a message, not a hang."""
     peer = RtuPeer(context(Counting(lambda n: [0, 0]), 17))
     profile = f"{directory}/profile.toml"
-    done = subprocess.run([f"{PROGRAMS}/acquire", "--sensor", "modbus", "--profile", profile, "--slave", "9",
-                           "--port", peer.port, "-o", f"{directory}/none.bin"],
-                          capture_output=True, text=True, timeout=60)
+    done = programs.run("acquire", "--sensor", "modbus", "--profile", profile, "--slave", "9", "--port",
+                        peer.port, "-o", f"{directory}/none.bin", status=3)
     peer.close()
-    check(done.returncode == 3, f"status {done.returncode}: {done.stderr}")
     check("nothing answers to slave 9" in done.stderr, done.stderr)
 
 

@@ -22,6 +22,7 @@
 #include "acquire/emulator/server.h"
 #include "acquire/sensor/modbus_sensor.h"
 #include "tests/acquire/pty_pair.h"
+#include "tests/acquire/sensor_rows.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
@@ -31,7 +32,6 @@ using ::testing::HasSubstr;
 using trial::SampleStatus;
 
 constexpr double kDistanceM = 0.0321;
-const std::atomic<bool> kNeverStop{false};
 
 // a float after two registers, status, timestamp: everything a profile can say, with short waits
 SensorProfile Full() {

@@ -13,6 +13,7 @@
 #include "acquire/transport/input_pipe.h"
 #include "tests/acquire/pty_pair.h"
 #include "tests/acquire/scripted_transport.h"
+#include "tests/acquire/sensor_rows.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -23,7 +24,6 @@ using tests::ScriptedTransport;
 using trial::SampleStatus;
 
 constexpr MonotonicNs kMs = 1'000'000;
-const std::atomic<bool> kNeverStop{false};
 
 class PipeSensorTest : public ::testing::Test {
  protected:

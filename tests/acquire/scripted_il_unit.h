@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <deque>
 #include <map>
 #include <memory>
@@ -15,11 +14,11 @@
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/sensor/keyence_il.h"
 #include "tests/acquire/scripted_transport.h"
+#include "tests/acquire/sensor_rows.h"
 
 namespace haptometer::acquire {
 
 inline constexpr MonotonicNs kMs = 1'000'000;
-inline const std::atomic<bool> kNeverStop{false};
 
 /// A unit whose answers can be told reply by reply; without an instruction it is a sound IL-030
 /// that counts up by 1 um, 8 ms after the request.
@@ -101,19 +100,8 @@ class KeyenceIlTest : public ::testing::Test {
     begin_ns_ = sensor_->Begin();
     return *sensor_;
   }
-  // the next row, however often Next() has to be called; a bound keeps a defect from hanging
-  Reading NextRow() {
-    Reading reading;
-    for (int call = 0; call < 1000; ++call) {
-      if (sensor_->Next(reading) == Outcome::kReading) return reading;
-    }
-    ADD_FAILURE() << "no row";
-    return reading;
-  }
+  Reading NextRow() { return NextRowOf(*sensor_); }
   trial::SampleStatus NextStatus() { return RowStatus(NextRow()); }
-  static std::int32_t Counts(const Reading& reading) {
-    return static_cast<std::int32_t>(reading.samples[0].raw.bits());
-  }
   void ExpectSoundFrom(std::int32_t um) {
     const Reading reading = NextRow();
     EXPECT_EQ(RowStatus(reading), trial::SampleStatus::kOk);

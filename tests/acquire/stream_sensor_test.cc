@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/acquire/scripted_transport.h"
+#include "tests/acquire/sensor_rows.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
@@ -16,7 +17,6 @@ using tests::ScriptedTransport;
 using trial::SampleStatus;
 
 constexpr MonotonicNs kMs = 1'000'000;
-const std::atomic<bool> kNeverStop{false};
 
 class StreamSensorTest : public ::testing::Test {
  protected:
@@ -32,17 +32,7 @@ class StreamSensorTest : public ::testing::Test {
     ASSERT_TRUE(started) << started.error().Text();
     begin_ns_ = sensor_->Begin();
   }
-  Reading NextRow() {
-    Reading reading;
-    for (int call = 0; call < 100; ++call) {
-      if (sensor_->Next(reading) == Outcome::kReading) return reading;
-    }
-    ADD_FAILURE() << "no row";
-    return reading;
-  }
-  static std::int32_t Counts(const Reading& reading) {
-    return static_cast<std::int32_t>(reading.samples[0].raw.bits());
-  }
+  Reading NextRow() { return NextRowOf(*sensor_); }
   std::string StartError() {
     const auto started = sensor_->Start(kNeverStop);
     EXPECT_FALSE(started);

@@ -4,7 +4,8 @@ every value one that the sensor has sent?
 
   /usr/bin/python3 tests/long/kill_nine.py PROGRAMS [MOMENTS [LATEST_S]]
 
-PROGRAMS holds the program, MOMENTS is 200, LATEST_S (3) the latest moment after the recording's start. Each time
+PROGRAMS holds the program, MOMENTS is 200, LATEST_S (5, so that most are killed behind their first flush, which
+takes a second) the latest moment after the recording's start. Each time
 `haptometer emulate` plays a scene with noise, 1000 lines a second; its noise depends only on the seed, so the
 same emulator read here byte by byte gives the sequence that every recording must be a piece of. Trials are read
 by the Python reader of docs/formats.md, not by the program. Ends with 1 if a bar is missed, with 77 without
@@ -20,50 +21,33 @@ import tempfile
 import time
 from concurrent.futures import ThreadPoolExecutor
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import programs
+
 try:
     import numpy as np
 except ImportError:
-    print("skipped: needs python3-numpy")
-    sys.exit(77)
+    programs.skip("needs python3-numpy")
 
 RATE_HZ = 1000
 DEADLINE_S = 30
 
 
-class Emulator:
-    def __init__(self, programs):
-        self.process = subprocess.Popen(
-            [os.path.join(programs, "haptometer"), "emulate", "--scene", "fixtures/lra_adapter.toml",
-             "--protocol", "stream", "--baud", "115200", "--sampling", "1ms", "--seed", "9",
-             "--duration", "120s"],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        self.port = self.process.stdout.readline().split()[1]
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(DEADLINE_S)
+def emulator():
+    return programs.Emulator("--protocol", "stream", "--baud", "115200", "--sampling", "1ms", "--seed",
+                             "9", "--duration", "120s")
 
 
-def sent(programs, seconds):
+def sent(seconds):
     """The counts (0.1 um) that the emulator sends, from its first line on."""
     data, lines = b"", int(RATE_HZ * seconds)
-    with Emulator(programs) as emulator:
-        port = os.open(emulator.port, os.O_RDWR | os.O_NOCTTY)
+    with emulator() as device:
+        port = os.open(device.port, os.O_RDWR | os.O_NOCTTY)
         while data.count(b"\r") < lines:
             data += os.read(port, 4096)
         os.close(port)
     whole = re.findall(rb"[+-]\d\d\.\d{4}(?=\r)", data)
     return np.array([int(line.replace(b".", b"")) for line in whole])
-
-
-def reader():
-    text = open("docs/formats.md", encoding="utf-8").read()
-    namespace = {}
-    exec(re.search(r"```python\n(import json.*?)```", text, re.S).group(1), namespace)
-    return namespace["read_trial"]
 
 
 def corrupt_values(values, sequence):
@@ -86,13 +70,13 @@ def corrupt_values(values, sequence):
     return corrupt
 
 
-def kill_once(programs, directory, number, moment_s):
+def kill_once(directory, number, moment_s):
     """The bytes of the trial just before the kill, and the trial."""
     path = os.path.join(directory, f"{number}.bin")
-    with Emulator(programs) as emulator:
+    with emulator() as device:
         acquire = subprocess.Popen(
-            [os.path.join(programs, "haptometer"), "acquire", "--sensor", "stream", "--baud", "115200",
-             "--port", emulator.port, "--duration", "60s", "-o", path],
+            [programs.program("acquire"), "--sensor", "stream", "--baud", "115200", "--port", device.port,
+             "--duration", "60s", "-o", path],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         deadline = time.monotonic() + DEADLINE_S
         while not os.path.exists(path) and time.monotonic() < deadline:
@@ -106,19 +90,21 @@ def kill_once(programs, directory, number, moment_s):
 
 
 def main():
-    programs = sys.argv[1] if len(sys.argv) > 1 else os.environ.get("HAPTOMETER_PROGRAMS", "build/release/bin")
+    if len(sys.argv) > 1:
+        os.environ["HAPTOMETER_PROGRAMS"] = sys.argv[1]
     moments = int(sys.argv[2]) if len(sys.argv) > 2 else 200
-    latest_s = float(sys.argv[3]) if len(sys.argv) > 3 else 3.0
-    read_trial = reader()
-    # the emulator runs a little longer than the recording, and more where the machine is loaded
-    sequence = sent(programs, latest_s + 2)
+    latest_s = float(sys.argv[3]) if len(sys.argv) > 3 else 5.0
+    read_trial = programs.trial_reader()
     missing = corrupt = changed = rows_read = partial = no_rows = unread = 0
     random.seed(1)
     with tempfile.TemporaryDirectory() as directory:
         snapshot = os.path.join(directory, "before.bin")
-        pool = ThreadPoolExecutor(4)  # they mostly sleep
+        pool = ThreadPoolExecutor(5)  # they mostly sleep
+        # the emulator runs a little longer than the recording, and more where the machine is loaded
+        reading = pool.submit(sent, latest_s + 2)
         moments_s = [random.uniform(0, latest_s) for _ in range(moments)]
-        runs = pool.map(lambda run: kill_once(programs, directory, *run), enumerate(moments_s))
+        runs = pool.map(lambda run: kill_once(directory, *run), enumerate(moments_s))
+        sequence = reading.result()
         for before, path in runs:
             after = open(path, "rb").read()
             changed += not after.startswith(before)

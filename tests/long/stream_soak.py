@@ -10,7 +10,6 @@ Prints one line a bar and ends with 1 if one is missed.
 """
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -18,37 +17,29 @@ import time
 
 import numpy as np
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import Emulator, info, program, trial_reader
+
 RATE_HZ, LINES_A_TURN, TURNS = 10_000, 400, 9
 BARS = {"lost readings": 0, "time base (us)": 20.0, "rate (ppm)": 1.0}
 
 
-def read_trial(path):
-    text = open("docs/formats.md", encoding="utf-8").read()
-    namespace = {}
-    exec(re.search(r"```python\n(import json.*?)```", text, re.S).group(1), namespace)
-    return namespace["read_trial"](path)
-
-
-def record(programs, directory, seconds):
+def record(directory, seconds):
     link, trial = os.path.join(directory, "sensor"), os.path.join(directory, "trial.bin")
-    emulator = subprocess.Popen(
-        [os.path.join(programs, "haptometer"), "emulate", "--scene", "fixtures/lra_adapter.toml",
-         "--protocol", "stream", "--baud", "921600", "--link", link, "--duration", f"{2 * seconds}s"],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    emulator = Emulator("--protocol", "stream", "--baud", "921600", "--link", link, "--duration",
+                        f"{2 * seconds}s")
     try:
-        assert emulator.stdout.readline().startswith("ready")
         began = time.monotonic()
         acquire = subprocess.Popen(
-            [os.path.join(programs, "acquire"), "--sensor", "stream", "--port", link, "--duration",
-             f"{seconds}s", "-o", trial, "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            [program("acquire"), "--sensor", "stream", "--port", link, "--duration", f"{seconds}s", "-o",
+             trial, "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         summary = json.loads(acquire.stdout.read())
         _, status, usage = os.wait4(acquire.pid, 0)
         assert status == 0, status
         summary["cpu_percent"] = 100 * (usage.ru_utime + usage.ru_stime) / (time.monotonic() - began)
         return trial, summary
     finally:
-        emulator.terminate()
-        for line in emulator.communicate()[1].splitlines():
+        for line in emulator.end().splitlines():
             if "lost" in line:
                 print(line)
 
@@ -73,22 +64,22 @@ def time_base_error(stretches):
 
 
 def main():
-    programs, seconds = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 600
+    os.environ["HAPTOMETER_PROGRAMS"] = sys.argv[1]
+    seconds = int(sys.argv[2]) if len(sys.argv) > 2 else 600
     with tempfile.TemporaryDirectory() as directory:
-        trial, summary = record(programs, directory, seconds)
-        _, rows, _, closed, rest = read_trial(trial)
-        info = json.loads(subprocess.run([os.path.join(programs, "haptometer"), "trial", "info", trial,
-                                          "--json"], check=True, capture_output=True).stdout)
+        trial, summary = record(directory, seconds)
+        _, rows, _, closed, rest = trial_reader()(trial)
+        shown = info(trial)
     lost, turned = lost_by_phase(rows)
-    error_s, rate = time_base_error(info["stretches"])
+    error_s, rate = time_base_error(shown["stretches"])
     assert closed and rest == 0
     print(f"{summary['readings']} readings in {summary['elapsed_s']:.1f} s, {summary['bad']} bad, "
-          f"{summary['discarded_bytes']} bytes discarded, {len(info['stretches'])} stretch(es), "
+          f"{summary['discarded_bytes']} bytes discarded, {len(shown['stretches'])} stretch(es), "
           f"jitter as it arrived {summary['jitter_s'] * 1e6:.0f} us, processor {summary['cpu_percent']:.1f} %")
     figures = {"lost readings": lost + summary["bad"], "time base (us)": error_s * 1e6,
                "rate (ppm)": abs(rate) * 1e6}
     print(f"phase turned by {turned:.4f} lines at most; stated uncertainty of the time base "
-          f"{info['time_uncertainty_s'] * 1e6:.1f} us")
+          f"{shown['time_uncertainty_s'] * 1e6:.1f} us")
     for name, figure in figures.items():
         print(f"{name}: {figure:.3f}, bar {BARS[name]}: {'holds' if figure <= BARS[name] else 'MISSED'}")
     sys.exit(any(figures[name] > BARS[name] for name in BARS))

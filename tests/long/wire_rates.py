@@ -16,6 +16,9 @@ import tempfile
 import time
 import tty
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import Emulator, program
+
 
 def bare_loop(path, seconds):
     port = os.open(path, os.O_RDWR | os.O_NOCTTY)
@@ -35,10 +38,10 @@ def bare_loop(path, seconds):
     return exchanges / elapsed
 
 
-def acquire(programs, link, baud, seconds, trial):
+def acquire(link, baud, seconds, trial):
     began = time.monotonic()
     process = subprocess.Popen(
-        [os.path.join(programs, "acquire"), "--port", link, "--baud", str(baud), "--duration",
+        [program("acquire"), "--port", link, "--baud", str(baud), "--duration",
          f"{seconds}s", "-o", trial, "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     summary = json.loads(process.stdout.read())
     _, status, usage = os.wait4(process.pid, 0)
@@ -48,24 +51,16 @@ def acquire(programs, link, baud, seconds, trial):
 
 
 def main():
-    programs, seconds = sys.argv[1], float(sys.argv[2]) if len(sys.argv) > 2 else 15
+    os.environ["HAPTOMETER_PROGRAMS"] = sys.argv[1]
+    seconds = float(sys.argv[2]) if len(sys.argv) > 2 else 15
     missed = False
     for baud in (9600, 19200, 38400):
         with tempfile.TemporaryDirectory() as directory:
             link = os.path.join(directory, "sensor")
-            emulator = subprocess.Popen(
-                [os.path.join(programs, "haptometer"), "emulate", "--scene", "fixtures/lra_adapter.toml",
-                 "--baud", str(baud), "--link", link], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                text=True)
-            try:
-                assert emulator.stdout.readline().startswith("ready")
+            with Emulator("--baud", str(baud), "--link", link):
                 before = bare_loop(link, seconds / 2)
-                rate, cpu, summary = acquire(programs, link, baud, seconds,
-                                             os.path.join(directory, "trial.bin"))
+                rate, cpu, summary = acquire(link, baud, seconds, os.path.join(directory, "trial.bin"))
                 after = bare_loop(link, seconds / 2)
-            finally:
-                emulator.terminate()
-                emulator.wait()
         bare = (before + after) / 2
         holds = rate >= 0.99 * bare and cpu < 2
         missed |= not holds

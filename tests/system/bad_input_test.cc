@@ -2,14 +2,13 @@
 // the remedy, with the right exit status, and destroys nothing.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <random>
 
-#include "tests/system/process.h"
+#include "tests/system/emulated_device.h"
 
 namespace haptometer::tests {
 namespace {
@@ -19,10 +18,8 @@ using ::testing::HasSubstr;
 
 const std::string kFixtures = HAPTOMETER_FIXTURES;
 
-class BadInput : public ::testing::Test {
+class BadInput : public EmulatedDeviceTest {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
   std::string Write(const std::string& name, const std::string& content) const {
     std::ofstream(directory_ / name, std::ios::binary) << content;
     return directory_ / name;
@@ -31,8 +28,6 @@ class BadInput : public ::testing::Test {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("bad_input_test_" + std::to_string(::getpid()));
 };
 
 // one line on stderr that holds `thing` and, behind a semicolon, a remedy; no trace of the inside
@@ -113,17 +108,14 @@ TEST_F(BadInput, AnAbsentPortGivesStatus3AndLeavesNoFile) {
 }
 
 TEST_F(BadInput, ABusyPortGivesStatus3AndDoesNotDisturbTheFirst) {
-  Process emulator({"haptometer", "emulate", "--scene", kFixtures + "/lra_adapter.toml",
-                    "--protocol", "stream", "--baud", "921600"});
-  const auto port = emulator.WaitForLine("ready ", 20);
-  ASSERT_TRUE(port);
+  Emulate({"--scene", kScene, "--protocol", "stream", "--baud", "921600"});
   const std::string first_file = directory_ / "first.bin";
-  Process first({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600", "--duration",
+  Process first({"acquire", "--port", port_, "--sensor", "stream", "--baud", "921600", "--duration",
                  "2s", "-o", first_file, "--json"});
-  while (!fs::exists(first_file)) usleep(10'000);
-  ExpectOneLine(RunProgram({"acquire", "--port", *port, "--sensor", "stream", "--baud", "921600",
+  ASSERT_TRUE(first.WaitForFile(first_file, 30));
+  ExpectOneLine(RunProgram({"acquire", "--port", port_, "--sensor", "stream", "--baud", "921600",
                             "-o", directory_ / "second.bin"}),
-                3, *port);
+                3, port_);
   EXPECT_EQ(first.Wait(30).status, 0);
 }
 
@@ -135,9 +127,7 @@ TEST_F(BadInput, AnExistingRecordingIsNotOverwritten) {
 
 TEST_F(BadInput, ATruncatedTrialIsReadAsFarAsItGoesAndSaysSo) {
   const std::string whole = directory_ / "whole.bin";
-  ASSERT_EQ(
-      RunProgram({"haptometer", "simulate", kFixtures + "/lra_adapter.toml", "-o", whole}).status,
-      0);
+  ASSERT_EQ(RunProgram({"haptometer", "simulate", kScene, "-o", whole}).status, 0);
   const std::string content = Content(whole);
   const std::string cut = Write("cut.bin", content.substr(0, content.size() * 3 / 4));
   const Outcome info = RunProgram({"haptometer", "trial", "info", cut});

@@ -3,15 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <unistd.h>
 
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/process.h"
+#include "tests/system/emulated_device.h"
 
 namespace haptometer::tests {
 namespace {
@@ -20,31 +18,24 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
-
-class BeforeRecording : public ::testing::Test {
+class BeforeRecording : public EmulatedDeviceTest {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-
-  // a device that plays the scene, or a trial, until the test ends
-  void Emulate(const std::vector<std::string>& more, const std::string& what = "--scene",
-               const std::string& file = kScene) {
-    std::vector<std::string> arguments{"haptometer", "emulate", what, file, "--link", port_};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    emulator_.reset();
-    emulator_ = std::make_unique<Process>(arguments);
-    ASSERT_TRUE(emulator_->WaitForLine("ready ", 20));
+  void SetUp() override {
+    EmulatedDeviceTest::SetUp();
+    port_ = directory_ / "port";
   }
-  void EmulateStream() { Emulate({"--protocol", "stream", "--baud", "921600"}); }
+  // a device that plays the scene, or a trial, always at the same port
+  void EmulateAtLink(std::vector<std::string> words, const std::string& what = "--scene",
+                     const std::string& file = kScene) {
+    words.insert(words.end(), {what, file, "--link", port_});
+    Emulate(words);
+  }
+  void EmulateStream() { EmulateAtLink({"--protocol", "stream", "--baud", "921600"}); }
   std::vector<std::string> Acquire(const std::vector<std::string>& more,
                                    const std::string& sensor = "stream") const {
     std::vector<std::string> arguments{"acquire", "--port", port_, "--sensor", sensor};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return arguments;
-  }
-  static json Info(const std::string& trial) {
-    return json::parse(RunProgram({"haptometer", "trial", "info", trial, "--json"}).out);
   }
   static json Item(const json& document, const std::string& name) {
     for (const json& item : document["items"]) {
@@ -60,11 +51,6 @@ class BeforeRecording : public ::testing::Test {
     for (int row = 0; row < 100; ++row) csv << row * 0.01 << ',' << offset_m << '\n';
     return path;
   }
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("before_recording_test_" + std::to_string(::getpid()));
-  const std::string port_ = directory_ / "port";
-  const std::string trial_ = directory_ / "trial.bin";
-  std::unique_ptr<Process> emulator_;
 };
 
 // --- check -------------------------------------------------------------------------------------
@@ -83,7 +69,7 @@ TEST_F(BeforeRecording, AFastStreamIsReadyForTheBand) {
 }
 
 TEST_F(BeforeRecording, AFactorySetUnitIsNotReadyAndEachPointNamesItsCommand) {
-  Emulate({});
+  EmulateAtLink({});
   const Outcome checked = RunProgram(Acquire(
       {"--baud", "9600", "--check", "--duration", "2s", "--band", "20-200Hz"}, "keyence-il"));
   EXPECT_EQ(checked.status, 3) << checked.err;
@@ -98,7 +84,7 @@ TEST_F(BeforeRecording, AFactorySetUnitIsNotReadyAndEachPointNamesItsCommand) {
 }
 
 TEST_F(BeforeRecording, FewerAveragesAndALowerBandAreWithinTheUnitsReach) {
-  Emulate({"--averages", "4", "--baud", "38400"}, "--trial", AtRest(0.001));
+  EmulateAtLink({"--averages", "4", "--baud", "38400"}, "--trial", AtRest(0.001));
   const Outcome checked = RunProgram(
       Acquire({"--baud", "38400", "--band", "1-10Hz", "--check", "--duration", "3s", "--json"},
               "keyence-il"));
@@ -111,7 +97,7 @@ TEST_F(BeforeRecording, FewerAveragesAndALowerBandAreWithinTheUnitsReach) {
 }
 
 TEST_F(BeforeRecording, ATargetBeyondTheLinearRangeIsSeen) {
-  Emulate({"--baud", "38400"}, "--trial", AtRest(0.0072));
+  EmulateAtLink({"--baud", "38400"}, "--trial", AtRest(0.0072));
   const Outcome checked = RunProgram(
       Acquire({"--baud", "38400", "--check", "--duration", "1s", "--json"}, "keyence-il"));
   EXPECT_EQ(checked.status, 3);
@@ -121,7 +107,7 @@ TEST_F(BeforeRecording, ATargetBeyondTheLinearRangeIsSeen) {
 }
 
 TEST_F(BeforeRecording, BadReadingsAreSeen) {
-  Emulate({"--baud", "38400", "--fault", "invalid:3"}, "--trial", AtRest(0));
+  EmulateAtLink({"--baud", "38400", "--fault", "invalid:3"}, "--trial", AtRest(0));
   const Outcome checked = RunProgram(
       Acquire({"--baud", "38400", "--check", "--duration", "1s", "--json"}, "keyence-il"));
   EXPECT_EQ(checked.status, 3);
@@ -144,7 +130,7 @@ TEST_F(BeforeRecording, LookingKeepsNothingAndShowsTheBand) {
 }
 
 TEST_F(BeforeRecording, LookingThroughASlowWireSaysThatTheBandCannotBeSeen) {
-  Emulate({});
+  EmulateAtLink({});
   const Outcome looked =
       RunProgram(Acquire({"--live", "--duration", "4s", "--json"}, "keyence-il"));
   EXPECT_EQ(looked.status, 0) << looked.err;
@@ -179,16 +165,16 @@ TEST_F(BeforeRecording, ATriggerThatNeverFiresEndsAtTheTimeOfDay) {
       Acquire({"--trigger", "above 5mm", "--until", text.data(), "-o", trial_, "--json"}));
   EXPECT_EQ(acquired.status, 3) << "nothing was recorded";
   EXPECT_EQ(json::parse(acquired.out)["triggers"], 0);
-  EXPECT_EQ(Info(trial_)["closed"], true);
+  EXPECT_EQ(TrialInfo(trial_)["closed"], true);
 }
 
 TEST_F(BeforeRecording, TheTareIsKeptBesideReadingsAsSent) {
-  Emulate({"--protocol", "stream", "--baud", "921600"}, "--trial", AtRest(0.002));
+  EmulateAtLink({"--protocol", "stream", "--baud", "921600"}, "--trial", AtRest(0.002));
   const Outcome acquired =
       RunProgram(Acquire({"--tare", "--samples", "1000", "-o", trial_, "--json"}));
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   EXPECT_THAT(acquired.err, HasSubstr("zero: "));
-  const json info = Info(trial_);
+  const json info = TrialInfo(trial_);
   EXPECT_THAT(info.dump(), HasSubstr("\"tare_m\":0.00"));
   const Outcome csv = RunProgram({"haptometer", "trial", "export", trial_});
   // as sent: about 2 mm
@@ -213,7 +199,7 @@ TEST_F(BeforeRecording, ADirectoryNamesTheTrialsAndTheAliasForceReplaces) {
   std::ofstream{trial_} << "old";
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100"})).status, 2);
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100", "--force"})).status, 0);
-  EXPECT_EQ(Info(trial_)["rows"], 100);
+  EXPECT_EQ(TrialInfo(trial_)["rows"], 100);
 }
 
 // --- a device that goes away -------------------------------------------------------------------
@@ -221,22 +207,21 @@ TEST_F(BeforeRecording, ADirectoryNamesTheTrialsAndTheAliasForceReplaces) {
 TEST_F(BeforeRecording, WithoutReconnectALostDeviceEndsItAndTheMessageNamesTheOption) {
   EmulateStream();
   Process acquire(Acquire({"-o", trial_}));
-  while (!fs::exists(trial_)) usleep(10'000);
-  usleep(300'000);
+  ASSERT_TRUE(WaitForRows(acquire, 0));
   emulator_.reset();
   const Outcome acquired = acquire.Wait(20);
   EXPECT_EQ(acquired.status, 1);
   EXPECT_THAT(acquired.err, HasSubstr("--reconnect"));
-  EXPECT_EQ(Info(trial_)["closed"], true);
+  EXPECT_EQ(TrialInfo(trial_)["closed"], true);
 }
 
 TEST_F(BeforeRecording, WithReconnectItGoesOnInTheSameTrial) {
   EmulateStream();
   Process acquire(Acquire({"-o", trial_, "--reconnect", "30s", "--json"}));
-  while (!fs::exists(trial_)) usleep(10'000);
-  usleep(500'000);
+  ASSERT_TRUE(WaitForRows(acquire, 0));
   EmulateStream();  // the old one ends, another comes at the same name
-  usleep(2'500'000);
+  const auto is_back = [&] { return TrialInfo(trial_)["events"].dump().contains("\"reconnect\""); };
+  ASSERT_TRUE(acquire.WaitUntil(is_back, 60));
   acquire.Signal(SIGINT);
   const Outcome acquired = acquire.Wait(20);
   EXPECT_EQ(acquired.status, 130);
@@ -249,8 +234,7 @@ TEST_F(BeforeRecording, WithReconnectItGoesOnInTheSameTrial) {
 TEST_F(BeforeRecording, ADeviceThatStaysAwayIsGivenUp) {
   EmulateStream();
   Process acquire(Acquire({"-o", trial_, "--reconnect", "1s", "--json"}));
-  while (!fs::exists(trial_)) usleep(10'000);
-  usleep(300'000);
+  ASSERT_TRUE(WaitForRows(acquire, 0));
   emulator_.reset();
   EXPECT_EQ(acquire.Wait(20).status, 1);
 }

@@ -5,7 +5,10 @@ import subprocess
 import sys
 import tempfile
 
-from daemon_run import Daemon, Head, Tcp, check, check_consecutive, info, rows, wait_for
+from daemon_run import Daemon, Head, Tcp, check_consecutive, numbered_rows
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import check, info, skip, wait_for
 
 RESERVE_BYTES = 2 << 20
 
@@ -26,7 +29,7 @@ def check_file(path, closed=True):
     """It is read, and holds the head's lines without a hole."""
     shown = info(path)
     check(shown["closed"] or not closed, f"{path} is not closed")
-    check_consecutive([number for _, number in rows(path)], path)
+    check_consecutive([number for _, number in numbered_rows(path)], path)
     return shown
 
 
@@ -85,7 +88,6 @@ if __name__ == "__main__":
         inside(sys.argv[1])
         sys.exit()
     if subprocess.run(["unshare", "-rm", "true"], capture_output=True).returncode != 0:
-        print("skipped: no namespace for a small disk (unshare -rm)")
-        sys.exit(77)
+        skip("no namespace for a small disk (unshare -rm)")
     with tempfile.TemporaryDirectory() as directory:
         sys.exit(subprocess.run(["unshare", "-rm", sys.executable, __file__, directory]).returncode)

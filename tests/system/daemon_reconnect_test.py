@@ -4,18 +4,20 @@ Prints how long after the return the first reading comes and what the processor 
 device is away (the product's bars: 1 s, 5 %); asserts only that the recording goes on.
 """
 import os
-import subprocess
 import sys
 import tempfile
 import time
 
-from daemon_run import PROGRAM, Daemon, Head, Tcp, Terminal, check, info, rows, wait_for
+from daemon_run import Daemon, Head, Tcp, Terminal, numbered_rows
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import Emulator, check, info, wait_for
 
 AWAY_S = 3
 
 
 def longest_pause_s(path):
-    times = [time_s for time_s, _ in rows(path)]
+    times = [time_s for time_s, _ in numbered_rows(path)]
     return max(after - before for before, after in zip(times, times[1:]))
 
 
@@ -75,18 +77,14 @@ def emulator():
     """A polled unit that drops off its line every 60 answers, and is back at once."""
     with tempfile.TemporaryDirectory() as directory:
         link = os.path.join(directory, "unit")
-        emulate = subprocess.Popen([PROGRAM, "emulate", "--scene", "fixtures/lra_adapter.toml",
-                                    "--baud", "38400", "--fault", "disconnect:60", "--link", link],
-                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        daemon = Daemon(directory, link, "flush_s = 0.1", sensor="baud = 38400")
-        try:
-            daemon.wait_for_state("recording")
-            wait_for("three returns", lambda: daemon.status()["reconnects"] >= 3)
-            daemon.end()
-        finally:
-            daemon.kill()
-            emulate.kill()
-            emulate.wait()
+        with Emulator("--baud", "38400", "--fault", "disconnect:60", "--link", link):
+            daemon = Daemon(directory, link, "flush_s = 0.1", sensor="baud = 38400")
+            try:
+                daemon.wait_for_state("recording")
+                wait_for("three returns", lambda: daemon.status()["reconnects"] >= 3)
+                daemon.end()
+            finally:
+                daemon.kill()
         path, = daemon.files()
         events = [event["event"] for event in info(path)["events"]]
         check(events.count("reconnect") >= 3, f"events {events}")

@@ -11,25 +11,11 @@ import threading
 import time
 import tty
 
-PROGRAM = os.path.join(os.environ.get("HAPTOMETER_PROGRAMS", "build/release/bin"), "haptometer")
-DEADLINE_S = 60
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import DEADLINE_S, check, program, rows, wait_for
+
+PROGRAM = program("haptometer")
 STEP_M = 1e-7  # of the lines that are sent: +00.0001 mm
-
-
-def check(condition, text):
-    if not condition:
-        sys.exit("FAILED: " + text)
-
-
-def wait_for(what, condition):
-    """The first true value of `condition`, within the deadline."""
-    deadline = time.monotonic() + DEADLINE_S
-    while time.monotonic() < deadline:
-        value = condition()
-        if value:
-            return value
-        time.sleep(0.02)
-    sys.exit(f"FAILED: {what} does not come within {DEADLINE_S} s")
 
 
 class Terminal:
@@ -191,23 +177,10 @@ class Daemon:
         return sorted(paths, key=lambda path: os.stat(path).st_ctime_ns)
 
 
-def info(path):
-    """`trial info --json`."""
-    shown = subprocess.run([PROGRAM, "trial", "info", path, "--json"], capture_output=True)
-    check(shown.returncode == 0, f"{path} is not read: {shown.stderr.decode()}")
-    return json.loads(shown.stdout)
-
-
-def rows(path):
+def numbered_rows(path):
     """(time in s, number of the line) of every measurement of a trial."""
-    text = subprocess.run([PROGRAM, "trial", "export", path], check=True, capture_output=True,
-                          text=True).stdout
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
-    names = lines[0].split(",")
-    time_s, value = names.index("time_s"), names.index("displacement_m")
-    cells = [line.split(",") for line in lines[1:]]
-    return [(float(c[time_s]), round(float(c[value]) / STEP_M)) for c in cells
-            if c[value] not in ("", "nan")]
+    return [(float(row["time_s"]), round(float(row["displacement_m"]) / STEP_M))
+            for row in rows(path) if row["displacement_m"] not in ("", "nan")]
 
 
 def check_consecutive(numbers, where):

@@ -9,10 +9,14 @@ import sys
 import tempfile
 import time
 
-from daemon_run import (DEADLINE_S, PROGRAM, Daemon, Head, Terminal, check, check_consecutive, info,
-                        rows, wait_for)
+from daemon_run import Daemon, Head, Terminal, check_consecutive, numbered_rows
 
-WATCHDOG_S = 4
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import DEADLINE_S, check, info, program, run, skip, wait_for
+
+PROGRAM = program("haptometer")
+
+WATCHDOG_S = 1
 
 
 class ServiceManager:
@@ -89,24 +93,35 @@ def notify(directory):
         manager.wait_for("STATUS=1 of 1 recording")
         for _ in range(2):
             manager.wait_for("WATCHDOG=1")
+        daemon.end()
+        manager.wait_for("STOPPING=1")
+        check(all(info(path)["closed"] for path in daemon.files()), "a trial is not closed")
+    finally:
+        daemon.kill()
 
-        # each thread of the recording is missed; the first is the one that tells
+
+def watchdog(directory):
+    """Each thread of the recording is missed when it stands still; the first is the one that tells."""
+    manager = ServiceManager(directory)
+    head = Head(Terminal(directory))
+    head.plug()
+    daemon = Daemon(directory, head.plug_point.port, "", manager.environment())
+    try:
+        daemon.wait_for_state("recording")
+        manager.wait_for("WATCHDOG=1")
         threads = sorted(int(name) for name in os.listdir(f"/proc/{daemon.process.pid}/task"))
         check(len(threads) == 3, f"threads {threads}")
         for thread in threads[1:]:
             with StoppedThread(thread) as stopped:
                 if not stopped:
-                    print("not tried: ptrace is not allowed here")
-                    break
-                time.sleep(WATCHDOG_S)  # what is still said has been
+                    skip("ptrace is not allowed here")
+                time.sleep(2 * WATCHDOG_S)  # what is still said has been
                 while manager.hear(0):
                     pass
                 check(not manager.says_alive(1.5 * WATCHDOG_S), "it says to be alive, and is not")
             check(manager.says_alive(DEADLINE_S), "it goes on and does not say so")
             print("a thread that stands still is noticed")
         daemon.end()
-        manager.wait_for("STOPPING=1")
-        check(all(info(path)["closed"] for path in daemon.files()), "a trial is not closed")
     finally:
         daemon.kill()
 
@@ -148,27 +163,36 @@ def status(directory):
             other.kill()
 
 
-def default_socket(directory):
-    """Without the key `socket`: below $XDG_RUNTIME_DIR, found by the file and without a name."""
+def answers_at_its_default(directory, *words):
+    """Without the key `socket`: what `acquire --status WORDS` says of the only daemon."""
     config = os.path.join(directory, "rig.toml")
     with open(config, "w") as file:
         file.write(f"directory = '{directory}'\n[[sensor]]\nname = 'a'\nport = '/dev/none'\n")
     environment = {**os.environ, "XDG_RUNTIME_DIR": directory}
-
-    def ask(*words):
-        return subprocess.run([PROGRAM, "acquire", "--status", *words], env=environment,
-                              capture_output=True, text=True)
-    check(ask(config).returncode == 3, "a daemon that does not run has a status")
+    run("acquire", "--status", config, status=3, env=environment)
     with subprocess.Popen([PROGRAM, "acquire", "--daemon", config], env=environment,
                           stderr=subprocess.DEVNULL) as daemon:
         try:
             wait_for("a socket", lambda: os.path.exists(f"{directory}/haptometer/rig.sock"))
-            check(ask(config).stdout.startswith("a: "), "the file does not lead to the socket")
-            if not os.path.isdir("/run/haptometer"):
-                check(ask().stdout.startswith("a: "), "the only daemon is not found")
+            said = run("acquire", "--status", *words, env=environment).stdout
         finally:
             daemon.send_signal(signal.SIGTERM)
     check(daemon.returncode == 0, f"ends with {daemon.returncode}")
+    return said
+
+
+def default_socket(directory):
+    """It is below $XDG_RUNTIME_DIR, and the file leads there."""
+    said = answers_at_its_default(directory, os.path.join(directory, "rig.toml"))
+    check(said.startswith("a: "), f"the file does not lead to the socket: {said}")
+
+
+def only_daemon(directory):
+    """The only daemon needs no name."""
+    if os.path.isdir("/run/haptometer"):
+        skip("the system's own daemons are found first (/run/haptometer)")
+    said = answers_at_its_default(directory)
+    check(said.startswith("a: "), f"the only daemon is not found: {said}")
 
 
 def refused(directory):
@@ -184,7 +208,7 @@ def refused(directory):
 
 def check_chain(files):
     """Every line is in one of the files, and each names the one before."""
-    check_consecutive([number for path in files for _, number in rows(path)], "all files")
+    check_consecutive([number for path in files for _, number in numbered_rows(path)], "all files")
     for before, after in zip(files, files[1:]):
         check(info(before)["closed"], f"{before} is not closed")
         check(before in str(info(after)), f"{after} does not name {before}")
@@ -223,5 +247,5 @@ def hang_up(directory):
 
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as scratch:
-        {"default_socket": default_socket, "hang_up": hang_up, "notify": notify,
-         "refused": refused, "rotation": rotation, "status": status}[sys.argv[1]](scratch)
+        {part.__name__: part for part in (default_socket, hang_up, notify, only_daemon, refused,
+                                          rotation, status, watchdog)}[sys.argv[1]](scratch)

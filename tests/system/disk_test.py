@@ -10,22 +10,15 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import DEADLINE_S, Emulator, check, program, run, skip, trial_reader
+
 try:
     import numpy as np
 except ImportError:
-    print("skipped: needs python3-numpy")
-    sys.exit(77)
+    skip("needs python3-numpy")
 
-HAPTOMETER = os.path.join(os.environ.get("HAPTOMETER_PROGRAMS", "build/release/bin"), "haptometer")
-DEADLINE_S = 60
-passed = 0
-
-
-def check(condition, text):
-    global passed
-    if not condition:
-        sys.exit("FAILED: " + text)
-    passed += 1
+HAPTOMETER = program("haptometer")
 
 
 def mounted(options, directory, script, *words):
@@ -35,13 +28,6 @@ def mounted(options, directory, script, *words):
                           capture_output=True, text=True, timeout=DEADLINE_S)
 
 
-def reader():
-    text = open("docs/formats.md", encoding="utf-8").read()
-    namespace = {}
-    exec(re.search(r"```python\n(import json.*?)```", text, re.S).group(1), namespace)
-    return namespace["read_trial"]
-
-
 def one_line(done, *texts):
     lines = [line for line in done.stderr.splitlines() if line.startswith("haptometer ")]
     check(len(lines) == 1 and all(text in lines[0] for text in texts), f"{texts} in: {done.stderr}")
@@ -49,21 +35,14 @@ def one_line(done, *texts):
 
 
 def record_until_full(directory, out):
-    emulator = subprocess.Popen(
-        [HAPTOMETER, "emulate", "--scene", "fixtures/lra_adapter.toml", "--protocol", "stream",
-         "--duration", f"{DEADLINE_S}s"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    try:
-        port = emulator.stdout.readline().split()[1]
+    with Emulator("--protocol", "stream") as emulator:
         done = mounted("size=256k", directory,
                        '"$1" acquire --sensor stream --port "$2" -o t.bin --duration 50s; '
-                       'status=$?; cp t.bin "$3"; exit $status', HAPTOMETER, port, out)
-    finally:
-        emulator.terminate()
-        emulator.wait(DEADLINE_S)
+                       'status=$?; cp t.bin "$3"; exit $status', HAPTOMETER, emulator.port, out)
     check(done.returncode == 1, f"a full disk is status 1: {done.returncode} {done.stderr}")
     line = one_line(done, "t.bin", "No space left on device")
     promised = int(re.search(r"(\d+) of \d+ rows are kept", line).group(1))
-    _, rows, _, closed, _ = reader()(os.path.join(out, "t.bin"))
+    _, rows, _, closed, _ = trial_reader()(os.path.join(out, "t.bin"))
     check(not closed, "a trial that met a full disk is not called finished")
     kept = sum(len(block) for _, block in rows)
     check(kept == promised > 0, f"{promised} rows promised, {kept} kept")
@@ -102,9 +81,8 @@ def refuse_read_only(directory, trial):
 def refuse_existing(directory, trial):
     path = os.path.join(directory, "t.bin")
     open(path, "w").write("precious")
-    done = subprocess.run([HAPTOMETER, "acquire", "--sensor", "replay", "--port", trial, "-o", path],
-                          capture_output=True, text=True, timeout=DEADLINE_S)
-    check(done.returncode == 2 and open(path).read() == "precious", "an existing trial stays")
+    done = run("acquire", "--sensor", "replay", "--port", trial, "-o", path, status=2)
+    check(open(path).read() == "precious", "an existing trial stays")
     one_line(done, path, "already exists", "--overwrite")
 
 
@@ -114,15 +92,13 @@ def main():
         os.mkdir(disk)
         os.mkdir(out)
         if mounted("size=1m", disk, "true").returncode != 0:
-            print("skipped: this system does not let users mount in a namespace of their own")
-            sys.exit(77)
+            skip("this system does not let users mount in a namespace of their own")
         subprocess.run([sys.argv[1], out], check=True)
         trial = os.path.join(out, "uniform.bin")
         export_until_full(disk, trial)
         refuse_read_only(disk, trial)
         refuse_existing(out, trial)
         record_until_full(disk, out)
-    print(f"{passed} passed, 0 failed")
 
 
 if __name__ == "__main__":

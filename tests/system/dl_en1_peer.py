@@ -6,19 +6,19 @@ places. It shares no code with the program, so a mistake that the emulator and `
 shows here.
 """
 
-import csv
-import io
 import json
 import os
 import re
 import socket
-import subprocess
 import sys
 import tempfile
 import threading
 import time
 
-PROGRAM = os.path.join(os.environ.get("HAPTOMETER_PROGRAMS", "build/release/bin"), "haptometer")
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import programs
+from programs import check
+
 WANTED = 200
 # the second amplifier's, poll by poll, where it is no measurement: the unit's own and an IL's
 SPECIALS = {20: ("+099999999", "over"), 30: ("-099999999", "under"), 40: ("-099999998", "invalid"),
@@ -27,11 +27,6 @@ SPECIALS = {20: ("+099999999", "over"), 30: ("-099999999", "under"), 40: ("-0999
 # IL-030 (three decimals of a millimetre) and IL-300 (two), 0.33 ms, 8 averages, sample hold
 SETTINGS = {"01": {"195": 1, "132": 1, "133": 3, "136": 0}, "02": {"195": 4, "132": 1, "133": 3}}
 DECIMALS = {"01": 3, "02": 2}
-
-
-def check(condition, text):
-    if not condition:
-        sys.exit("FAILED: " + text)
 
 
 def number(value):
@@ -90,16 +85,12 @@ def main():
     unit.start()
     with tempfile.TemporaryDirectory() as directory:
         path = os.path.join(directory, "trial.bin")
-        done = subprocess.run(
-            [PROGRAM, "acquire", "--sensor", "keyence-en1", "--port", unit.address, "--samples",
-             str(WANTED), "-o", path, "--json"], capture_output=True, text=True, timeout=60)
-        check(done.returncode == 0, f"status {done.returncode}: {done.stderr}")
+        done = programs.run("acquire", "--sensor", "keyence-en1", "--port", unit.address, "--samples",
+                            str(WANTED), "-o", path, "--json")
         summary = json.loads(done.stdout)
         check(summary["bad"] == len(SPECIALS), f"{summary['bad']} bad")
         check(not any(line.startswith("SW") for line in unit.asked), "something was written")
-        exported = subprocess.run([PROGRAM, "trial", "export", path], check=True,
-                                  capture_output=True, text=True, timeout=60).stdout
-        rows = list(csv.DictReader(io.StringIO(exported[exported.index("time_s"):])))
+        rows = programs.rows(path)
         check(len(rows) == WANTED, f"{len(rows)} rows")
         # poll 1 was the probe; each further one is a row
         names = [name for name in rows[0] if name.startswith("displacement")]
@@ -111,8 +102,7 @@ def main():
                 check(SPECIALS[poll][1] in row.values(), f"poll {poll}: {row}")
             else:
                 check(abs(float(second_m) - (1000 - 3 * poll) * 1e-5) < 1e-12, f"poll {poll}: {row}")
-        info = subprocess.run([PROGRAM, "trial", "info", path, "--json"], check=True,
-                              capture_output=True, text=True, timeout=60).stdout
+        info = programs.run("trial", "info", path, "--json").stdout
         for text in ('"IL-030"', '"averages": 8', '"keyence_data_195_02": "+000000004"'):
             check(text in info, f"{text} is not in {info}")
     print(f"{WANTED} rows of two amplifiers, {len(SPECIALS)} special values: as handed out")

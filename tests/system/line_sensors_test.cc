@@ -1,7 +1,6 @@
 // The Keyence protocols through real processes: emulate, acquire, and the trial read back.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +11,7 @@
 #include <sstream>
 
 #include "tests/residual.h"
-#include "tests/system/process.h"
+#include "tests/system/emulated_device.h"
 
 namespace haptometer::tests {
 namespace {
@@ -21,20 +20,11 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
-const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
-
-class LineSensors : public ::testing::Test {
+class LineSensors : public EmulatedDeviceTest {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-
-  void Emulate(const std::vector<std::string>& options) {
-    std::vector<std::string> arguments{"haptometer", "emulate", "--scene", kScene};
-    arguments.insert(arguments.end(), options.begin(), options.end());
-    emulator_ = std::make_unique<Process>(arguments);
-    const auto port = emulator_->WaitForLine("ready ", 20);
-    ASSERT_TRUE(port);
-    port_ = *port;
+  void EmulateScene(std::vector<std::string> words) {
+    words.insert(words.end(), {"--scene", kScene});
+    Emulate(words);
   }
   Outcome Acquire(const std::vector<std::string>& options) const {
     std::vector<std::string> arguments{"acquire", "--port", port_,        "--json",
@@ -44,9 +34,6 @@ class LineSensors : public ::testing::Test {
       arguments.insert(arguments.end(), {"--samples", "150"});
     }
     return RunProgram(arguments);
-  }
-  json Info() const {
-    return json::parse(RunProgram({"haptometer", "trial", "info", trial_, "--json"}).out);
   }
   // the numbers of one column of the exported trial
   std::vector<double> Column(const std::string& name) const {
@@ -69,16 +56,10 @@ class LineSensors : public ::testing::Test {
     }
     return numbers;
   }
-
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("line_sensors_test_" + std::to_string(::getpid()));
-  const std::string trial_ = directory_ / "trial.bin";
-  std::unique_ptr<Process> emulator_;
-  std::string port_;
 };
 
 TEST_F(LineSensors, ADlRs1aWithTwoAmplifiersIsSetZeroedAndRecorded) {
-  Emulate({"--baud", "38400", "--amplifiers", "2", "--writable"});
+  EmulateScene({"--baud", "38400", "--amplifiers", "2", "--writable"});
   const Outcome acquired = Acquire({"--baud", "38400", "--set", "averaging=1", "--set",
                                     "sampling=0.33ms", "--device-zero", "--command", "ms"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
@@ -87,14 +68,14 @@ TEST_F(LineSensors, ADlRs1aWithTwoAmplifiersIsSetZeroedAndRecorded) {
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["readings"], 150);
   EXPECT_EQ(summary["bad"], 0);
-  const std::string info = Info().dump();
+  const std::string info = TrialInfo(trial_).dump();
   EXPECT_THAT(info, HasSubstr("displacement_01"));
   EXPECT_THAT(info, HasSubstr("outputs_01"));
   EXPECT_THAT(info, HasSubstr("\"averages\":1"));
 }
 
 TEST_F(LineSensors, ALockedDlRs1aIsStatusThree) {
-  Emulate({"--baud", "38400"});
+  EmulateScene({"--baud", "38400"});
   const Outcome acquired = Acquire({"--baud", "38400", "--set", "averaging=1"});
   EXPECT_EQ(acquired.status, 3);
   EXPECT_THAT(acquired.err, HasSubstr("slide the R/W switch of the DL-RS1A to W"));
@@ -102,25 +83,25 @@ TEST_F(LineSensors, ALockedDlRs1aIsStatusThree) {
 }
 
 TEST_F(LineSensors, ADlEn1IsRecordedOverTcp) {
-  Emulate({"--protocol", "en1", "--tcp", "127.0.0.1:0", "--amplifiers", "3"});
+  EmulateScene({"--protocol", "en1", "--tcp", "127.0.0.1:0", "--amplifiers", "3"});
   const Outcome acquired = Acquire({"--sensor", "keyence-en1", "--rate", "100Hz"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["bad"], 0);
   EXPECT_EQ(summary["sensor"], "keyence-en1");
   EXPECT_LE(summary["rate_hz"].get<double>(), 100 * 1.001) << "never faster than the grid";
-  EXPECT_THAT(Info().dump(), HasSubstr("\"head\":\"IL-030\""));
+  EXPECT_THAT(TrialInfo(trial_).dump(), HasSubstr("\"head\":\"IL-030\""));
 }
 
 TEST_F(LineSensors, AnLkgIsRecordedOverATerminal) {
-  Emulate({"--protocol", "lkg", "--baud", "115200", "--amplifiers", "2"});
+  EmulateScene({"--protocol", "lkg", "--baud", "115200", "--amplifiers", "2"});
   const Outcome acquired =
       Acquire({"--sensor", "keyence-lkg", "--baud", "115200", "--command", "m0"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["readings"], 150);
   EXPECT_EQ(summary["bad"], 0);
-  EXPECT_THAT(Info().dump(), HasSubstr("displacement_OUT2"));
+  EXPECT_THAT(TrialInfo(trial_).dump(), HasSubstr("displacement_OUT2"));
 }
 
 // a value tells the millisecond in which its answer was made, so one that is taken for another's is
@@ -134,12 +115,7 @@ TEST_F(LineSensors, LateAnswersAreNotTakenForOthersByTheRunningProgram) {
   }
   for (const std::string fault : {"slow:100", "late:100"}) {
     SCOPED_TRACE(fault);
-    emulator_ = std::make_unique<Process>(
-        std::vector<std::string>{"haptometer", "emulate", "--trial", ramp, "--baud", "38400",
-                                 "--averages", "1", "--fault", fault});
-    const auto port = emulator_->WaitForLine("ready ", 20);
-    ASSERT_TRUE(port);
-    port_ = *port;
+    Emulate({"--trial", ramp, "--baud", "38400", "--averages", "1", "--fault", fault});
     const Outcome acquired = Acquire({"--baud", "38400", "--samples", "250"});
     ASSERT_EQ(acquired.status, 0) << acquired.err;
     const std::vector<double> times_s = Column("time_s");

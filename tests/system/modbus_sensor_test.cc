@@ -1,42 +1,28 @@
 // A Modbus sensor through real processes: emulate, acquire, and what the trial then says.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "tests/system/process.h"
+#include "tests/system/emulated_device.h"
 
 namespace haptometer::tests {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
-const std::string kScene = std::string(HAPTOMETER_FIXTURES) + "/lra_adapter.toml";
-
-class ModbusSystem : public ::testing::TestWithParam<bool> {
- protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("modbus_system_test_" + std::to_string(::getpid()));
-};
+class ModbusSystem : public EmulatedDeviceTest, public ::testing::WithParamInterface<bool> {};
 
 TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
   const bool over_tcp = GetParam();
-  std::vector<std::string> words{"haptometer", "emulate",   "--scene",     kScene,    "--protocol",
-                                 "modbus",     "--profile", "baumer-om20", "--fault", "invalid:10"};
+  std::vector<std::string> words{"--scene",   kScene,        "--protocol", "modbus",
+                                 "--profile", "baumer-om20", "--fault",    "invalid:10"};
   if (over_tcp) words.insert(words.end(), {"--tcp", "127.0.0.1:0"});
-  Process emulator(words);
-  const auto port = emulator.WaitForLine("ready ", 20);
-  ASSERT_TRUE(port);
+  Emulate(words);
 
-  const std::string trial = directory_ / "trial.bin";
   const Outcome acquired =
-      RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20", "--port", *port,
-                  "--samples", "100", "--rate", "50Hz", "-o", trial, "--json"});
+      RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20", "--port", port_,
+                  "--samples", "100", "--rate", "50Hz", "-o", trial_, "--json"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
   EXPECT_THAT(acquired.err, ::testing::HasSubstr("at most 91 readings/s"));
   const json summary = json::parse(acquired.out);
@@ -46,7 +32,7 @@ TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
   EXPECT_GE(invalid, 8);
   EXPECT_LE(invalid, 12);
 
-  const json info = json::parse(RunProgram({"haptometer", "trial", "info", trial, "--json"}).out);
+  const json info = TrialInfo(trial_);
   EXPECT_EQ(info["statuses"]["invalid"], invalid);
   EXPECT_THAT(info.dump(), ::testing::HasSubstr(over_tcp ? "Modbus TCP" : "Modbus RTU"));
   EXPECT_THAT(info.dump(), ::testing::HasSubstr("modbus_profile"));

@@ -7,7 +7,8 @@ import subprocess
 import sys
 import tempfile
 
-from daemon_run import PROGRAM, check
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import check, program, skip
 
 RULES = "packaging/udev/60-haptometer.rules"
 
@@ -60,8 +61,7 @@ def rules():
 
 def unit(path):
     if shutil.which("systemd-analyze") is None:
-        print("skipped: no systemd-analyze")
-        sys.exit(77)
+        skip("no systemd-analyze")
     with open(path) as file:
         text = file.read()
     installed, = re.findall(r"^ExecStart=(\S+)", text, re.MULTILINE)
@@ -70,7 +70,7 @@ def unit(path):
         # the program is not installed yet
         copy = os.path.join(directory, "haptometer-acquire@rig.service")
         with open(copy, "w") as file:
-            file.write(text.replace(installed, os.path.abspath(PROGRAM)))
+            file.write(text.replace(installed, os.path.abspath(program("haptometer"))))
         verified = subprocess.run(["systemd-analyze", "verify", "--man=no", "--recursive-errors=no",
                                    copy], capture_output=True, text=True)
         check(verified.returncode == 0 and verified.stderr == "",

@@ -9,25 +9,16 @@ import sys
 import tempfile
 import time
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import DEADLINE_S, SCENE, Emulator, program, run, skip, trial_reader
+
 try:
     import numpy as np
 except ImportError:
-    sys.exit(77)
+    skip("needs python3-numpy")
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-ACQUIRE = os.path.join(os.environ["HAPTOMETER_PROGRAMS"], "acquire")
-HAPTOMETER = os.path.join(os.environ["HAPTOMETER_PROGRAMS"], "haptometer")
-SCENE = str(ROOT / "fixtures" / "lra_adapter.toml")
-DEADLINE_S = 100
-
-FORMATS = (ROOT / "docs" / "formats.md").read_text(encoding="utf-8")
-exec(re.search(r"```python\n(import json.*?)```", FORMATS, re.S).group(1))
-
-
-def run(arguments, data=b"", status=0):
-    done = subprocess.run(arguments, input=data, capture_output=True, timeout=DEADLINE_S)
-    assert done.returncode == status, (arguments, done.returncode, done.stderr.decode())
-    return done
+FORMATS = pathlib.Path("docs/formats.md").read_text(encoding="utf-8")
+read_trial = trial_reader()
 
 
 def rows_of(path):
@@ -40,8 +31,9 @@ def rows_of(path):
 
 def pipe(directory, name, data, options, status=0):
     path = os.path.join(directory, name + ".bin")
-    done = run([ACQUIRE, "--sensor", "pipe", "--json", "-o", path, *options], data, status)
-    return path, json.loads(done.stdout) if status == 0 else done.stderr.decode()
+    done = run("acquire", "--sensor", "pipe", "--json", "-o", path, *options, data=data,
+               status=status)
+    return path, json.loads(done.stdout) if status == 0 else done.stderr
 
 
 def test_every_form_arrives_bit_for_bit(directory):
@@ -95,17 +87,17 @@ def test_a_cut_row_at_the_end_is_counted(directory):
 def test_any_pieces_give_the_same_rows(directory):
     data = np.arange(300.0).tobytes()
     path = os.path.join(directory, "pieces.bin")
-    program = subprocess.Popen([ACQUIRE, "--sensor", "pipe", "--format", "f64", "--rate", "1kHz",
+    acquire = subprocess.Popen([program("acquire"), "--sensor", "pipe", "--format", "f64", "--rate", "1kHz",
                                 "--channels", "a,b,c", "-o", path], stdin=subprocess.PIPE,
                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     try:
         for at in range(0, len(data), 7):
-            program.stdin.write(data[at:at + 7])
-            program.stdin.flush()
-        program.stdin.close()
-        assert program.wait(DEADLINE_S) == 0
+            acquire.stdin.write(data[at:at + 7])
+            acquire.stdin.flush()
+        acquire.stdin.close()
+        assert acquire.wait(DEADLINE_S) == 0
     finally:
-        program.kill()
+        acquire.kill()
     assert rows_of(path)[1]["value2"].tolist() == list(range(2, 300, 3))
 
 
@@ -115,7 +107,7 @@ def test_a_replay_takes_its_time_and_gives_the_same_rows(directory):
     for speed, least_s in [("recorded", 0.499), ("max", 0), ("4", 0.12)]:
         again = os.path.join(directory, f"again_{speed}.bin")
         begin = time.monotonic()
-        run([ACQUIRE, "--sensor", "replay", "--port", first, "--speed", speed, "-o", again])
+        run("acquire", "--sensor", "replay", "--port", first, "--speed", speed, "-o", again)
         assert time.monotonic() - begin >= least_s
         header, rows, _ = rows_of(again)
         assert (rows == rows_of(first)[1]).all()
@@ -124,9 +116,9 @@ def test_a_replay_takes_its_time_and_gives_the_same_rows(directory):
 
 def test_a_scene_is_recorded_as_it_is_simulated(directory):
     simulated = os.path.join(directory, "simulated.bin")
-    run([HAPTOMETER, "simulate", SCENE, "--duration", "0.2s", "-o", simulated])
+    run("simulate", SCENE, "--duration", "0.2s", "-o", simulated)
     recorded = os.path.join(directory, "recorded.bin")
-    run([ACQUIRE, "--sensor", "scene:" + SCENE, "--samples", "2000", "--speed", "max", "-o", recorded])
+    run("acquire", "--sensor", "scene:" + SCENE, "--samples", "2000", "--speed", "max", "-o", recorded)
     header, rows, _ = rows_of(recorded)
     assert header["source"].startswith("simulated") and header["fields"]["scene"] == SCENE
     assert len(rows) == 2000
@@ -139,17 +131,11 @@ def test_a_scene_is_recorded_as_it_is_simulated(directory):
 
 def test_numbered_lines_that_are_lost_are_gaps(directory):
     form = "000,+00.0000,mm,CR"
-    emulator = subprocess.Popen([HAPTOMETER, "emulate", "--scene", SCENE, "--protocol", "stream",
-                                 "--format", form, "--sampling", "1ms", "--fault", "silent:100"],
-                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-    try:
-        port = emulator.stdout.readline().decode().split()[1]
-        path = os.path.join(directory, "numbered.bin")
-        done = run([ACQUIRE, "--sensor", "stream", "--format", form, "--port", port, "--json",
-                    "--samples", "1000", "-o", path])
-    finally:
-        emulator.kill()
-        emulator.wait(DEADLINE_S)
+    path = os.path.join(directory, "numbered.bin")
+    with Emulator("--protocol", "stream", "--format", form, "--sampling", "1ms", "--fault",
+                  "silent:100") as emulator:
+        done = run("acquire", "--sensor", "stream", "--format", form, "--port", emulator.port, "--json",
+                   "--samples", "1000", "-o", path)
     header, rows, events = rows_of(path)
     gaps = [event for event in events if event["event"] == "gap"]
     # one line in a hundred is left out; a machine that stalls may lose more, never fewer
@@ -160,13 +146,13 @@ def test_numbered_lines_that_are_lost_are_gaps(directory):
 
 
 def test_lists_are_documents(directory):
-    sensors = json.loads(run([ACQUIRE, "--list-sensors", "--band", "20-500Hz", "--resolution", "1um",
-                              "--json"]).stdout)
+    sensors = json.loads(run("acquire", "--list-sensors", "--band", "20-500Hz", "--resolution", "1um",
+                             "--json").stdout)
     assert sensors["band_hz"] == [20, 500]
     answers = [sensor["can_answer"] for sensor in sensors["sensors"]]
     assert any(answers) and not all(answers) and answers == sorted(answers, reverse=True)
-    assert isinstance(json.loads(run([ACQUIRE, "--list-ports", "--json"]).stdout)["ports"], list)
-    assert b"cannot" in run([ACQUIRE, "--list-sensors"]).stdout
+    assert isinstance(json.loads(run("acquire", "--list-ports", "--json").stdout)["ports"], list)
+    assert "cannot" in run("acquire", "--list-sensors").stdout
 
 
 def test_wrong_options_are_told_in_one_line(directory):
@@ -180,8 +166,8 @@ def test_wrong_options_are_told_in_one_line(directory):
             (["--sensor", "scene:" + SCENE, "--port", "x"], "--port: a scene has none"),
             (["--sensor", "strem", "--port", "x"], "'strem' is not known"),
             (["--list-sensors", "--band", "500-20Hz"], "does not rise")]:
-        said = run([ACQUIRE, *options, "-o", os.path.join(directory, "no.bin")], status=2).stderr
-        assert words in said.decode() and said.count(b"\n") == 1, said
+        said = run("acquire", *options, "-o", os.path.join(directory, "no.bin"), status=2).stderr
+        assert words in said and said.count("\n") == 1, said
 
 
 with tempfile.TemporaryDirectory() as scratch:

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 
 #include "base/check.h"
 
@@ -84,6 +85,36 @@ std::optional<std::string> Process::WaitForLine(const std::string& prefix, doubl
     }
     if (!ReadOnce(until_s)) return std::nullopt;
   }
+}
+
+bool Process::HasEnded() const {
+  siginfo_t info{};
+  // left for Wait to collect
+  return waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
+         info.si_pid != 0;
+}
+
+::testing::AssertionResult Process::WaitUntil(const std::function<bool()>& holds,
+                                              double deadline_s) {
+  constexpr double kPauseS = 0.02;
+  const double until_s = Now() + deadline_s;
+  while (true) {
+    // asked before: what holds at its end holds
+    const bool has_ended = HasEnded();
+    if (holds()) return ::testing::AssertionSuccess();
+    if (has_ended || Now() > until_s) {
+      while (ReadOnce(Now())) {
+      }
+      return ::testing::AssertionFailure()
+             << (has_ended ? "the program has ended: " : "not in time: ") << outcome_.err;
+    }
+    ReadOnce(Now() + kPauseS);
+    usleep(static_cast<useconds_t>(kPauseS * 1e6));
+  }
+}
+
+::testing::AssertionResult Process::WaitForFile(const std::string& path, double deadline_s) {
+  return WaitUntil([&] { return std::filesystem::exists(path); }, deadline_s);
 }
 
 void Process::Signal(int signal) const { kill(pid_, signal); }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <gtest/gtest.h>
 #include <sys/types.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -31,6 +33,14 @@ class Process {
   [[nodiscard]] std::optional<std::string> WaitForLine(const std::string& prefix,
                                                        double deadline_s);
 
+  /// Waits until `holds`, asked again every few hundredths of a second. Fails with what the program
+  /// said on standard error when it ends before, or after `deadline_s`.
+  [[nodiscard]] ::testing::AssertionResult WaitUntil(const std::function<bool()>& holds,
+                                                     double deadline_s);
+
+  /// Waits until there is a file at `path`, as WaitUntil.
+  [[nodiscard]] ::testing::AssertionResult WaitForFile(const std::string& path, double deadline_s);
+
   void Signal(int signal) const;
 
   /// Waits for its end; kills it after `deadline_s`.
@@ -40,6 +50,7 @@ class Process {
 
  private:
   bool ReadOnce(double until_s);
+  [[nodiscard]] bool HasEnded() const;
 
   pid_t pid_ = -1;
   int out_fd_ = -1;

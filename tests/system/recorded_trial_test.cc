@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/residual.h"
-#include "tests/system/process.h"
+#include "tests/system/emulated_device.h"
 
 namespace haptometer::tests {
 namespace {
@@ -12,9 +12,7 @@ namespace {
 const std::string kTrial = std::string(HAPTOMETER_FIXTURES) + "/recorded_trial.bin";
 
 TEST(RecordedTrial, IsReadWhole) {
-  const Outcome info = RunProgram({"haptometer", "trial", "info", kTrial, "--json"});
-  ASSERT_EQ(info.status, 0) << info.err;
-  const auto trial = nlohmann::json::parse(info.out);
+  const auto trial = TrialInfo(kTrial);
   EXPECT_EQ(trial["closed"], true);
   EXPECT_EQ(trial["rows"], 10'000);
   EXPECT_EQ(trial["statuses"]["ok"], 10'000);

@@ -10,40 +10,23 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import check, run, skip, trial_reader
+
 try:
     import h5py
     import numpy as np
     import scipy.io
     import scipy.io.wavfile
 except ImportError as missing:
-    print("skipped: needs python3-numpy, python3-scipy, python3-h5py:", missing)
-    sys.exit(77)
+    skip(f"needs python3-numpy, python3-scipy, python3-h5py: {missing}")
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from formats_test import snippet  # the reader of docs/formats.md
-
-HAPTOMETER = os.path.join(os.environ.get("HAPTOMETER_PROGRAMS", "build/dev/bin"), "haptometer")
 COLUMNS = {"uniform": ["displacement_m", "voltage_v", "channel_3"], "polled": ["displacement_m"]}
-passed = 0
-
-
-def check(condition, text):
-    global passed
-    if not condition:
-        sys.exit("FAILED: " + text)
-    passed += 1
 
 
 def same_bits(a, b):
     a, b = np.asarray(a), np.asarray(b)
     return a.shape == b.shape and a.dtype == b.dtype and a.tobytes() == b.tobytes()
-
-
-def run(*words, status=0):
-    done = subprocess.run([HAPTOMETER, *words], capture_output=True, timeout=60)
-    if done.returncode != status:
-        sys.exit(f"FAILED: {words} left with {done.returncode}: {done.stderr.decode()}")
-    return done
 
 
 class Truth:
@@ -162,7 +145,7 @@ def check_wav(directory):
     done = run("trial", "export", source, "-o", path)
     rate, samples = scipy.io.wavfile.read(path)
     check(rate == 8000 and samples.dtype == np.float64 and samples.shape == (1000, 2), "wav: form")
-    said = done.stderr.decode()
+    said = done.stderr
     check("offset removed" in said and said.split(": ", 1)[1].strip().encode() in open(path, "rb").read(),
           "wav: the offset is said and stands in the file: " + said)
     offset = float(said.split("displacement_m = sample + ")[1].split(";")[0])
@@ -189,7 +172,7 @@ def check_refusals(directory):
         target = os.path.join(directory, "precious." + ending)
         open(target, "w").write("precious")
         done = run("trial", "export", trial, "-o", target, status=2)
-        check(b"already exists" in done.stderr and open(target).read() == "precious", ending)
+        check("already exists" in done.stderr and open(target).read() == "precious", ending)
         run("trial", "export", trial, "-o", target, "--force")
         check(open(target, "rb").read() != b"precious", ending)
     run("trial", "export", trial, trial, "-o", os.path.join(directory, "two.npy"), status=2)
@@ -204,12 +187,11 @@ def check_refusals(directory):
 
 
 def main():
-    namespace = {}
-    exec(snippet(), namespace)
+    read_trial = trial_reader()
     with tempfile.TemporaryDirectory() as directory:
         subprocess.run([sys.argv[1], directory], check=True)
         trials = {name: os.path.join(directory, name + ".bin") for name in COLUMNS}
-        truths = {name: Truth(namespace["read_trial"], path) for name, path in trials.items()}
+        truths = {name: Truth(read_trial, path) for name, path in trials.items()}
         whole = os.path.join(directory, "all.h5")
         run("trial", "export", directory, "-o", whole)
         check_hdf5(truths, whole)
@@ -218,7 +200,6 @@ def main():
         check_npy(truths, directory)
         check_wav(directory)
         check_refusals(directory)
-    print(f"{passed} passed, 0 failed")
 
 
 if __name__ == "__main__":

@@ -69,6 +69,16 @@ TEST(ForeignTable, ColumnsRateAndScaleOverrideWhatTheFileSays) {
   EXPECT_EQ(agreeing.rows, 2);
 }
 
+TEST(ForeignTable, AValueThatItsScaleTakesBeyondADoubleIsInvalid) {
+  const Record record =
+      Parsed("0,1e308\n1,2\n", {.columns = {"time_s", "displacement"}, .scale_m = 10.0});
+  const Channel& channel = record.channels.at(0);
+  EXPECT_EQ(channel.statuses,
+            (std::vector<SampleStatus>{SampleStatus::kInvalid, SampleStatus::kOk}));
+  EXPECT_TRUE(std::isnan(channel.values[0]));
+  EXPECT_EQ(channel.values[1], 20);
+}
+
 TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
   EXPECT_EQ(
       ErrorOf("Time,CH1\n0,1\n1,2\n"),

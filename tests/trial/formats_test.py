@@ -11,14 +11,16 @@ import subprocess
 import sys
 import tempfile
 
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import skip, trial_reader
+
 try:
     import numpy as np
 except ImportError:
-    print("skipped: needs python3-numpy")
-    sys.exit(77)
+    skip("needs python3-numpy")
 
 
-def snippet(language="python", number=0):
+def snippet(language, number):
     """The document's code block of that language and number, from 0."""
     text = open("docs/formats.md", encoding="utf-8").read()
     return re.findall(rf"```{language}\n(.*?)```", text, re.S)[number]
@@ -40,7 +42,7 @@ def read_in_five_lines(path, code):
 
 
 def check_five_lines(directory):
-    code = snippet(number=1)
+    code = snippet("python", 1)
     names = read_in_five_lines(os.path.join(directory, "uniform.bin"), code)
     rows, places = names["rows"], np.r_[0:500, 540:1040]
     assert np.array_equal(rows["f0"], places ** 2 - 7) and np.array_equal(rows["f1"], places / 3)
@@ -63,7 +65,7 @@ def run_octave(path, code, more):
 
 
 def check_octave(directory):
-    code = snippet("octave")
+    code = snippet("octave", 0)
     path, places = os.path.join(directory, "uniform.bin"), np.r_[0:500, 540:1040]
     for column, expected in {"value(:, 1)": places ** 2 - 7, "value(:, 2)": places / 3,
                              "value(:, 3)": np.float32(places) / np.float32(3),
@@ -76,9 +78,7 @@ def check_octave(directory):
 
 
 def main():
-    namespace = {}
-    exec(snippet(), namespace)
-    read_trial = namespace["read_trial"]
+    read_trial = trial_reader()
     with tempfile.TemporaryDirectory() as directory:
         subprocess.run([sys.argv[1], directory], check=True)
         path = os.path.join(directory, "uniform.bin")
@@ -117,8 +117,7 @@ def main():
 
 def octave_main():
     if shutil.which("octave-cli") is None:
-        print("skipped: needs octave")
-        sys.exit(77)
+        skip("needs octave")
     with tempfile.TemporaryDirectory() as directory:
         subprocess.run([sys.argv[1], directory], check=True)
         check_octave(directory)

@@ -99,6 +99,24 @@ TEST(Hdf5, WhatIsExportedIsReadBackBitForBit) {
   EXPECT_THAT(back->report.remarks.at(0), HasSubstr("rows 10 to 19 are lost"));
 }
 
+TEST(Hdf5, ATrialThatGrowsMeanwhileIsExportedAsItWasRead) {
+  const ScratchDirectory directory;
+  const auto recording = ReadBytes(CountingTrial(30, 7));
+  ASSERT_TRUE(recording);
+  for (const int rows : {29, 30, 31, 100}) {
+    auto raw = TrialReader::OpenFrom(MakeMemorySource(CountingTrial(rows, 7)), "t.bin");
+    ASSERT_TRUE(raw);
+    auto writer = Hdf5Writer::Create(directory.File("t.h5"));
+    ASSERT_TRUE(writer);
+    const auto done = writer->Add("t", *recording, &*raw);
+    EXPECT_EQ(done.has_value(), rows >= 30) << rows;
+    if (!done) {
+      EXPECT_EQ(done.error().cause, Cause::kCannotAnswer);
+      EXPECT_THAT(done.error().Text(), HasSubstr("fewer rows than a moment ago"));
+    }
+  }
+}
+
 TEST(Hdf5, SeveralTrialsAreToldApartByTheirNames) {
   const ScratchDirectory directory;
   const std::string path = directory.File("all.h5");

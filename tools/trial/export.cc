@@ -14,6 +14,7 @@
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/trial/told_recording.h"
 #include "tools/trial/whole_file.h"
 #include "tools/trial/words.h"
 #include "trial/block.h"
@@ -23,7 +24,6 @@
 #include "trial/export/mat.h"
 #include "trial/export/npy.h"
 #include "trial/export/wav.h"
-#include "trial/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
@@ -86,19 +86,6 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
   return files;
 }
 
-Result<trial::Recording> Read(const std::string& path, const trial::ImportOptions& import) {
-  auto recording = trial::ReadRecording(path, import);
-  if (!recording) return recording;
-  // what most formats cannot say
-  for (const trial::Loss& loss : recording->report.losses) {
-    cli::Remark(kText.name, path + ": " + Describe(loss));
-  }
-  for (const std::string& remark : recording->report.remarks) {
-    cli::Remark(kText.name, path + ": " + remark);
-  }
-  return recording;
-}
-
 // a sink that writes to stdout
 Result<void> ToStdout(std::string_view bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size() &&
@@ -144,7 +131,7 @@ Error Explained(Error error, const std::string& input, const std::string& output
 // a device takes the bytes as they come; a file gets its name when it is whole
 Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& input,
                        const trial::ImportOptions& import) {
-  const auto recording = Read(input, import);
+  const auto recording = ReadAndTell(kText.name, input, import);
   if (!recording) return std::unexpected(recording.error());
   if (wanted.output.empty()) {
     const auto done = WriteBytes(format, recording->record, ToStdout);
@@ -221,7 +208,7 @@ Result<int> ExportAll(const Wanted& wanted, const std::vector<std::string>& inpu
   int status = 0;
   std::size_t added = 0;
   for (const std::string& input : inputs) {
-    const auto recording = Read(input, import);
+    const auto recording = ReadAndTell(kText.name, input, import);
     if (!recording) {
       if (inputs.size() == 1) return std::unexpected(recording.error());
       status = cli::ReportError(kText.name, recording.error());

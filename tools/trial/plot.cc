@@ -9,9 +9,9 @@
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/trial/told_recording.h"
 #include "tools/trial/trial_panel.h"
 #include "tools/trial/words.h"
-#include "trial/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
@@ -32,16 +32,10 @@ Result<void> Draw(const std::string& input, const std::string& output,
   if (auto drawable = plot::CheckPlotPath(output); !drawable) return drawable;
   const auto import = cli::ImportOf(words);
   if (!import) return std::unexpected(import.error());
-  const auto recording = trial::ReadRecording(input, *import);
+  const auto recording = ReadAndTell(kText.name, input, *import);
   if (!recording) return std::unexpected(recording.error());
   const trial::Record& record = recording->record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
-  for (const std::string& remark : recording->report.remarks) {
-    cli::Remark(kText.name, input + ": " + remark);
-  }
-  for (const trial::Loss& loss : recording->report.losses) {
-    cli::Remark(kText.name, input + ": " + Describe(loss));
-  }
   std::vector<plot::Panel> panels;
   for (std::size_t c = 0; c < std::min(record.channels.size(), kMostPanels); ++c) {
     panels.push_back(PanelOf(record, record.channels[c]));

@@ -2,7 +2,9 @@
 
 #include <hdf5.h>
 
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -81,56 +83,119 @@ Result<void> WriteFlag(const Hdf5Id& group, const std::string& name, bool value)
 }
 
 // what a trial.bin holds besides: raw values in their encoding, times in nanoseconds
-struct RawColumns {
-  std::vector<std::int64_t> index;
-  std::vector<std::int64_t> time_ns;
-  std::vector<std::int64_t> reply_ns;
-  std::vector<std::string> values;  // per channel, the bytes as they were sent
+struct RawColumn {
+  hid_t type;
+  std::function<void(const Chunk& chunk, std::size_t row, std::string* bytes)> append;
+  Hdf5Id dataset;
 };
 
-Result<RawColumns> ReadRaw(TrialReader* reader) {
-  const TrialHeader& header = reader->header();
-  RawColumns raw;
-  raw.values.resize(header.channels.size());
-  for (;;) {
-    const auto chunk = reader->Next();
-    if (!chunk) return std::unexpected(chunk.error());
-    if (*chunk == nullptr) return raw;
-    for (std::size_t row = 0; row < (*chunk)->rows(); ++row) {
-      raw.index.push_back((*chunk)->first_index() + static_cast<std::int64_t>(row));
-      raw.time_ns.push_back((*chunk)->TimeNs(row));
-      raw.reply_ns.push_back((*chunk)->ReplyNs(row));
-      for (std::size_t c = 0; c < raw.values.size(); ++c) {
-        const std::uint64_t bits = (*chunk)->At(row, c).raw.bits();
-        raw.values[c].append(reinterpret_cast<const char*>(&bits),
-                             BytesOf(header.channels[c].encoding));
-      }
-    }
-  }
+void AppendNumber(std::int64_t number, std::string* bytes) {
+  bytes->append(reinterpret_cast<const char*>(&number), sizeof number);
 }
 
-Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& columns,
+// the columns of a trial of `rows` rows, not yet written
+class RawColumns {
+ public:
+  RawColumns(const Hdf5Id& group, hsize_t rows) : group_(group), rows_(rows) {}
+
+  Result<void> AddTimes(Timing timing) {
+    if (timing == Timing::kUniform) {
+      return Add("index", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
+        AppendNumber(chunk.first_index() + static_cast<std::int64_t>(row), bytes);
+      });
+    }
+    const bool is_polled = timing == Timing::kPolled;
+    auto done = Add(is_polled ? "request_ns" : "time_ns", H5T_STD_I64LE,
+                    [](const Chunk& chunk, std::size_t row, auto* bytes) {
+                      AppendNumber(chunk.TimeNs(row), bytes);
+                    });
+    if (!done || !is_polled) return done;
+    return Add("reply_ns", H5T_STD_I64LE, [](const Chunk& chunk, std::size_t row, auto* bytes) {
+      AppendNumber(chunk.ReplyNs(row), bytes);
+    });
+  }
+
+  Result<void> AddChannel(const std::string& name, std::size_t channel, Encoding encoding) {
+    const hid_t types[] = {H5T_STD_I32LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
+    return Add(name, types[static_cast<std::size_t>(encoding)],
+               [channel, size = BytesOf(encoding)](const Chunk& chunk, std::size_t row,
+                                                   std::string* bytes) {
+                 const std::uint64_t bits = chunk.At(row, channel).raw.bits();
+                 bytes->append(reinterpret_cast<const char*>(&bits), size);
+               });
+  }
+
+  // rows from `first` on; those behind the last one are left out
+  Result<void> Write(hsize_t first, const Chunk& chunk) {
+    const hsize_t count = std::min<hsize_t>(chunk.rows(), rows_ - first);
+    if (count == 0) return {};
+    const Hdf5Id rows_in_memory(H5Screate_simple(1, &count, nullptr), H5Sclose);
+    const Hdf5Id rows_in_file(H5Screate_simple(1, &rows_, nullptr), H5Sclose);
+    if (H5Sselect_hyperslab(rows_in_file.id(), H5S_SELECT_SET, &first, nullptr, &count, nullptr) <
+        0) {
+      return NotWritten();
+    }
+    for (const RawColumn& column : columns_) {
+      bytes_.clear();
+      for (std::size_t row = 0; row < count; ++row) column.append(chunk, row, &bytes_);
+      if (H5Dwrite(column.dataset.id(), column.type, rows_in_memory.id(), rows_in_file.id(),
+                   H5P_DEFAULT, bytes_.data()) < 0) {
+        return NotWritten();
+      }
+    }
+    return {};
+  }
+
+  Result<void> Close() {
+    for (RawColumn& column : columns_) {
+      if (!column.dataset.Close()) return NotWritten();
+    }
+    return {};
+  }
+
+ private:
+  template <typename Append>
+  Result<void> Add(const std::string& name, hid_t type, Append append) {
+    const Hdf5Id space(H5Screate_simple(1, &rows_, nullptr), H5Sclose);
+    Hdf5Id dataset(H5Dcreate2(group_.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT,
+                              H5P_DEFAULT),
+                   H5Dclose);
+    if (!dataset.ok()) return NotWritten();
+    columns_.push_back({type, append, std::move(dataset)});
+    return {};
+  }
+
+  const Hdf5Id& group_;
+  hsize_t rows_;
+  std::vector<RawColumn> columns_;
+  std::string bytes_;  // of one column and chunk
+};
+
+// chunk by chunk: of a long trial, the bytes that the source sent are never all in memory
+Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names, std::size_t rows,
                       TrialReader* reader) {
-  const auto raw = ReadRaw(reader);
-  if (!raw) return std::unexpected(raw.error());
   const Hdf5Id group(H5Gcreate2(trial.id(), hdf5::kRaw, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                      H5Gclose);
   if (!group.ok()) return NotWritten();
   const TrialHeader& header = reader->header();
-  Result<void> done;
-  if (header.timing == Timing::kUniform) {
-    done = WriteColumn(group, "index", raw->index);
-  } else {
-    const bool is_polled = header.timing == Timing::kPolled;
-    done = WriteColumn(group, is_polled ? "request_ns" : "time_ns", raw->time_ns);
-    if (done && is_polled) done = WriteColumn(group, "reply_ns", raw->reply_ns);
+  RawColumns columns(group, rows);
+  auto done = columns.AddTimes(header.timing);
+  for (std::size_t c = 0; done && c < names.size(); ++c) {
+    done = columns.AddChannel(names[c], c, header.channels[c].encoding);
   }
-  const hid_t types[] = {H5T_STD_I32LE, H5T_IEEE_F32LE, H5T_IEEE_F64LE};
-  for (std::size_t c = 0; done && c < columns.size(); ++c) {
-    const hid_t type = types[static_cast<std::size_t>(header.channels[c].encoding)];
-    done = WriteData(group, columns[c], type, {raw->index.size()}, raw->values[c].data());
+  hsize_t written = 0;
+  while (done && written < rows) {
+    const auto chunk = reader->Next();
+    if (!chunk) return std::unexpected(chunk.error());
+    if (*chunk == nullptr) {
+      return CannotAnswer("", "has fewer rows than a moment ago",
+                          "export it when nothing writes to it");
+    }
+    done = columns.Write(written, **chunk);
+    written += std::min<hsize_t>((*chunk)->rows(), rows - written);
   }
-  return done;
+  if (!done) return done;
+  return columns.Close();
 }
 
 Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
@@ -206,7 +271,7 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
   auto done = WriteTimes(group, record);
   if (done) done = WriteChannels(group, columns, record);
   if (done) done = WriteWords(group, recording, raw != nullptr ? raw->header() : HeaderOf(record));
-  if (done && raw != nullptr) done = WriteRaw(group, columns, raw);
+  if (done && raw != nullptr) done = WriteRaw(group, columns, record.rows, raw);
   return done;
 }
 

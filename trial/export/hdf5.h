@@ -25,7 +25,8 @@ class Hdf5Writer {
 
   /// Adds `recording` as the group `name`, which may hold no '/' and must be new. `raw`: a reader
   /// at the beginning of the trial.bin that it comes from, or nullptr.
-  /// Errors (Cause::kFailed): the disk is full. Memory: the raw values of the trial.
+  /// Errors (Cause::kFailed): the disk is full; (Cause::kCannotAnswer): `raw` cannot be read, or
+  /// has fewer rows than `recording`. Memory: one column of `recording`, or of `raw` one chunk.
   [[nodiscard]] Result<void> Add(const std::string& name, const Recording& recording,
                                  TrialReader* raw);
 

@@ -182,8 +182,9 @@ class Parser {
       return CannotAnswer(Here(), fmt::format("'{}' is no number (column '{}')", cell, column.name),
                           "leave the cell empty where there is no value, or remove the column");
     }
-    const bool is_value = std::isfinite(*value);
-    channel->values.push_back(is_value ? *value * column.factor : kNan);
+    const double si_value = *value * column.factor;
+    const bool is_value = std::isfinite(si_value);
+    channel->values.push_back(is_value ? si_value : kNan);
     channel->statuses.push_back(is_value ? SampleStatus::kOk : SampleStatus::kInvalid);
     return {};
   }

@@ -1,0 +1,21 @@
+#include "tools/trial/told_recording.h"
+
+#include "tools/cli/report.h"
+#include "trial/read_recording.h"
+
+namespace haptometer::tools {
+
+Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,
+                                     const trial::ImportOptions& import) {
+  auto recording = trial::ReadRecording(path, import);
+  if (!recording) return recording;
+  for (const trial::Loss& loss : recording->report.losses) {
+    cli::Remark(verb, path + ": " + Describe(loss));
+  }
+  for (const std::string& remark : recording->report.remarks) {
+    cli::Remark(verb, path + ": " + remark);
+  }
+  return recording;
+}
+
+}  // namespace haptometer::tools
