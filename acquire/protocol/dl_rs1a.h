@@ -120,6 +120,7 @@ struct Head {
   double reference_mm = 0;  ///< distance at value 0
   double nearest_mm = 0;    ///< measuring range as distances; 0 where the data sheet is not at hand
   double farthest_mm = 0;
+  double linear_half_range_mm = 0;  ///< linear within +- this of reference_mm; 0 as above
 };
 
 /// The head with code `code` of data 195, or nullptr.

@@ -8,17 +8,18 @@
 namespace haptometer::acquire::dl_rs1a {
 namespace {
 
-// codes of data 195; distances of the IL series catalogue (AS_98890_IL), 0 where it has none
+// codes of data 195; distances and linear ranges of the IL series catalogue (AS_98890_IL), 0 where
+// it has none
 constexpr std::array<Head, 9> kHeads = {{
-    {1, "IL-030", 3, 30, 20, 45},
-    {2, "IL-065", 3, 65, 55, 105},
-    {3, "IL-100", 3, 100, 75, 130},
-    {4, "IL-300", 2, 300, 160, 450},
-    {5, "IL-600", 2, 600, 200, 1000},
-    {106, "IL-S025", 3, 25, 20, 30},
-    {107, "IL-S065", 3, 65, 0, 0},
-    {208, "IL-S100", 3, 100, 0, 0},
-    {311, "IL-2000", 1, 2000, 0, 0},
+    {1, "IL-030", 3, 30, 20, 45, 5},
+    {2, "IL-065", 3, 65, 55, 105, 10},
+    {3, "IL-100", 3, 100, 75, 130, 20},
+    {4, "IL-300", 2, 300, 160, 450, 140},
+    {5, "IL-600", 2, 600, 200, 1000, 400},
+    {106, "IL-S025", 3, 25, 20, 30, 5},
+    {107, "IL-S065", 3, 65, 0, 0, 0},
+    {208, "IL-S100", 3, 100, 0, 0, 0},
+    {311, "IL-2000", 1, 2000, 0, 0, 0},
 }};
 
 constexpr std::array<std::string_view, 6> kHolds = {"sample",       "peak",      "bottom",

@@ -8,6 +8,7 @@
 
 #include "acquire/protocol/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
+#include "acquire/transport/latency_timer.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -223,6 +224,7 @@ void KeyenceIl::MakeHeader() {
   trial::Metadata& metadata = header_.metadata;
   metadata.sensor = traits_.sensor;
   metadata.source = line_.link().Source(settings_.front().is_emulated());
+  AddLatencyTimer(line_.link().transport().LatencyTimer(), metadata);
   metadata.nominal_rate_hz = NominalRateHz();
   settings_.front().Describe(metadata);
   for (std::size_t i = 0; i < units.size(); ++i) {

@@ -8,6 +8,7 @@
 
 #include "acquire/protocol/digits.h"
 #include "acquire/protocol/wire.h"
+#include "acquire/transport/latency_timer.h"
 #include "base/check.h"
 
 namespace haptometer::acquire {
@@ -147,6 +148,7 @@ void KeyenceLkg::MakeHeader(int decimals) {
   }
   header_.metadata.sensor = "keyence-lkg";
   header_.metadata.source = line_.link().Source(false);
+  AddLatencyTimer(line_.link().transport().LatencyTimer(), header_.metadata);
   header_.metadata.nominal_rate_hz = setup_.rate_hz;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "acquire/sensor/modbus_reading.h"
+#include "acquire/transport/latency_timer.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -145,6 +146,7 @@ void ModbusSensor::MakeHeader(double register_scale) {
 void ModbusSensor::Describe(trial::Metadata& metadata) const {
   metadata.sensor = "modbus";
   metadata.source = link_->Source();
+  AddLatencyTimer(link_->LatencyTimer(), metadata);
   metadata.head = profile_.model.empty() ? profile_.name : profile_.maker + " " + profile_.model;
   double highest_hz = profile_.fastest_rate_hz.value_or(std::numeric_limits<double>::infinity());
   if (is_rtu()) highest_hz = HighestRateHz(profile_);
@@ -217,8 +219,17 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
 MonotonicNs ModbusSensor::Begin() {
   const MonotonicNs now = clock_.Now();
   next_poll_ns_ = now;
-  drain_until_ns_ = now + profile_.longest_reply_ns;
-  phase_ = start_was_silent_ && is_rtu() ? Phase::kSettling : Phase::kFree;
+  const bool start_was_silent = std::exchange(start_was_silent_, false);
+  if (phase_ == Phase::kWaiting && !is_rtu()) {
+    phase_ = Phase::kFree;  // its identifier will tell
+  } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
+    // what was asked before stays outstanding, but its row is none of this recording
+    phase_ = has_checks_ ? Phase::kDraining : Phase::kSettling;
+    drain_until_ns_ = request_ns_ + profile_.longest_reply_ns;
+  } else if (phase_ == Phase::kFree && start_was_silent && is_rtu()) {
+    phase_ = Phase::kSettling;
+    drain_until_ns_ = now + profile_.longest_reply_ns;
+  }
   return now;
 }
 

@@ -54,6 +54,7 @@ class ModbusSensor final : public Sensor {
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   /// Also tells the errors so far, so that it may be asked again after a recording.
   [[nodiscard]] std::vector<std::string> Remarks() const override;
+  /// What is outstanding from before stays so: it is drained, as after a missed deadline.
   [[nodiscard]] MonotonicNs Begin() override;
   /// Allocates nothing once `reading` holds a row.
   [[nodiscard]] Outcome Next(Reading& reading) override;

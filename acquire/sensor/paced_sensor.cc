@@ -19,6 +19,7 @@ PacedSensor::PacedSensor(std::unique_ptr<Sensor> inner, double speed, Clock& clo
 }
 
 MonotonicNs PacedSensor::Begin() {
+  is_held_ = false;  // a row of the beginning before, with its index
   inner_begin_ns_ = inner_->Begin();
   begin_ns_ = clock_.Now();
   return begin_ns_;

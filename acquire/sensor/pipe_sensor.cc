@@ -106,7 +106,10 @@ RowState PipeSensor::Read(MonotonicNs deadline) {
   return parser_.Next(row_);
 }
 
-MonotonicNs PipeSensor::Begin() { return clock_.Now(); }
+MonotonicNs PipeSensor::Begin() {
+  next_index_ = 0;
+  return clock_.Now();
+}
 
 Outcome PipeSensor::Next(Reading& reading) {
   if (!std::exchange(has_row_, false) && Read(clock_.Now() + kSliceNs) == RowState::kNeedMore) {

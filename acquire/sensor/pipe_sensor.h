@@ -34,7 +34,7 @@ class PipeSensor final : public Sensor {
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override { return remarks_; }
-  /// The first row is the first that came, and its index is 0.
+  /// The next row has index 0; after Start() it is the first that came.
   [[nodiscard]] MonotonicNs Begin() override;
   /// kEnd at the end of the input. No allocation once the buffers have grown.
   [[nodiscard]] Outcome Next(Reading& reading) override;

@@ -35,6 +35,12 @@ Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
   return {};
 }
 
+std::vector<std::string> ReconnectingSensor::Remarks() const {
+  return sensor_ ? sensor_->Remarks() : last_remarks_;
+}
+
+MonotonicNs ReconnectingSensor::Begin() { return sensor_ ? sensor_->Begin() : clock_.Now(); }
+
 Outcome ReconnectingSensor::Next(Reading& reading) {
   if (!sensor_) return TryAgain();
   const Outcome outcome = sensor_->Next(reading);
@@ -45,6 +51,7 @@ Outcome ReconnectingSensor::Next(Reading& reading) {
 
 void ReconnectingSensor::LetGo() {
   discarded_before_ += sensor_->discarded_bytes();
+  last_remarks_ = sensor_->Remarks();
   sensor_.reset();
   away_since_ns_ = clock_.Now();
   wait_ns_ = kFirstWaitNs;
@@ -70,6 +77,7 @@ Outcome ReconnectingSensor::TryAgain() {
     return Outcome::kNothing;
   }
   sensor_ = std::move(*opened);
+  last_refusal_.clear();
   (void)sensor_->Begin();  // times are the clock's own, and count from the first beginning
   return Outcome::kBack;
 }

@@ -33,12 +33,14 @@ class ReconnectingSensor final : public Sensor {
   /// Opens and starts the device, once: what is not there at the beginning is an error.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
-  [[nodiscard]] std::vector<std::string> Remarks() const override { return sensor_->Remarks(); }
-  [[nodiscard]] MonotonicNs Begin() override { return sensor_->Begin(); }
+  /// While it is away, what it said last.
+  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  /// Also while it is away: then readings begin when it is back.
+  [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
   [[nodiscard]] std::uint64_t discarded_bytes() const override;
 
-  /// Why the last attempt did not bring the device back; empty when none failed.
+  /// Why the last attempt did not bring the device back; empty when none failed since it was there.
   [[nodiscard]] const std::string& last_refusal() const { return last_refusal_; }
 
  private:
@@ -55,6 +57,7 @@ class ReconnectingSensor final : public Sensor {
   MonotonicNs wait_ns_ = 0;
   MonotonicNs next_try_ns_ = 0;
   std::string last_refusal_;
+  std::vector<std::string> last_remarks_;  ///< of the sensor that is gone
   std::uint64_t discarded_before_ = 0;  ///< by the sensors that are gone
 };
 

@@ -49,10 +49,13 @@ class Sensor {
   [[nodiscard]] virtual const trial::TrialHeader& header() const = 0;
 
   /// What this wire can and cannot observe, and what its settings do, in sentences for the user,
-  /// to be shown before the recording. Complete after Start().
+  /// to be shown before the recording; asked again after it, more may be known. Complete after
+  /// Start().
   [[nodiscard]] virtual std::vector<std::string> Remarks() const = 0;
 
-  /// Begins the readings and returns the instant from which their times count.
+  /// Begins the readings and returns the instant from which their times count; indices count from
+  /// 0. May be called again, as after a tare: what was asked before stays outstanding, so that its
+  /// late answer is not taken for another's.
   [[nodiscard]] virtual MonotonicNs Begin() = 0;
 
   /// The next reading; waits at most a tenth of a second for it.

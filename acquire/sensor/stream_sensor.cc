@@ -8,6 +8,7 @@
 
 #include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
+#include "acquire/transport/latency_timer.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -103,6 +104,7 @@ void StreamSensor::MakeHeader() {
   header_.channels = {channel};
   header_.metadata.sensor = "stream";
   header_.metadata.source = link_.Source(is_emulated_);
+  AddLatencyTimer(link_.transport().LatencyTimer(), header_.metadata);
   header_.metadata.fields[std::string(kLatencyField)] =
       fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }

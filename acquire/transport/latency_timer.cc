@@ -27,6 +27,17 @@ std::optional<MonotonicNs> LatencyTimerNs(const std::string& path, const std::st
   return ms * kNsPerMs;
 }
 
+void AddLatencyTimer(std::optional<MonotonicNs> latency_ns, trial::Metadata& metadata) {
+  if (!latency_ns) return;
+  metadata.fields[std::string(kLatencyTimerField)] =
+      fmt::format("{:g}", SecondsFromNs(*latency_ns));
+}
+
+std::string LatencyWords(std::optional<MonotonicNs> latency_ns, bool is_low) {
+  if (latency_ns) return fmt::format(", latency timer {} ms", *latency_ns / kNsPerMs);
+  return is_low ? ", low latency" : "";
+}
+
 double PolledRateHz(MonotonicNs period_ns, MonotonicNs latency_ns) {
   return 1 / SecondsFromNs(period_ns + latency_ns);
 }

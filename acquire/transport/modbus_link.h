@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -43,6 +44,8 @@ class ModbusLink {
   [[nodiscard]] virtual ModbusFraming framing() const = 0;
   /// Where the frames come from, for a trial's metadata.
   [[nodiscard]] virtual std::string Source() const = 0;
+  /// As Transport::LatencyTimer().
+  [[nodiscard]] virtual std::optional<MonotonicNs> LatencyTimer() const { return std::nullopt; }
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
 };

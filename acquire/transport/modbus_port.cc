@@ -11,10 +11,12 @@
 #include <array>
 #include <cerrno>
 #include <filesystem>
+#include <optional>
 #include <utility>
 
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/descriptor.h"
+#include "acquire/transport/latency_timer.h"
 #include "acquire/transport/open_port.h"
 
 namespace haptometer::acquire {
@@ -39,13 +41,14 @@ ModbusFault FaultOf(int error_number) {
 class ModbusPort final : public ModbusLink {
  public:
   ModbusPort(Context context, OwnedDescriptor lock, std::string name, std::string source,
-             MonotonicNs byte_ns)
+             MonotonicNs byte_ns, std::optional<MonotonicNs> latency_ns = std::nullopt)
       : lock_(std::move(lock)),
         context_(std::move(context)),
         descriptor_(modbus_get_socket(context_.get())),
         name_(std::move(name)),
         source_(std::move(source)),
-        byte_ns_(byte_ns) {}
+        byte_ns_(byte_ns),
+        latency_ns_(latency_ns) {}
   ModbusPort(const ModbusPort&) = delete;
   ModbusPort& operator=(const ModbusPort&) = delete;
   ~ModbusPort() override { ioctl(descriptor_, TIOCNXCL); }
@@ -89,6 +92,7 @@ class ModbusPort final : public ModbusLink {
     return byte_ns_ > 0 ? ModbusFraming::kRtu : ModbusFraming::kTcp;
   }
   std::string Source() const override { return source_; }
+  std::optional<MonotonicNs> LatencyTimer() const override { return latency_ns_; }
   const std::string& name() const override { return name_; }
 
  private:
@@ -124,6 +128,7 @@ class ModbusPort final : public ModbusLink {
   std::string name_;
   std::string source_;
   MonotonicNs byte_ns_;  ///< of one character on the wire; 0: TCP
+  std::optional<MonotonicNs> latency_ns_;
   int seen_bytes_ = 0;   ///< of a reply that has begun, at the last look
   std::array<std::uint8_t, kLongestModbusAdu> buffer_{};
 };
@@ -187,16 +192,20 @@ Result<std::unique_ptr<ModbusLink>> OpenRtu(const std::string& name, const Modbu
     return std::unexpected(fits.error());
   }
   std::string source = fmt::format("virtual terminal {}, Modbus RTU (not a hardware port)", name);
+  std::optional<MonotonicNs> latency_ns;
   if (!is_virtual) {
     const int descriptor = modbus_get_socket(context.get());
     ioctl(descriptor, TIOCEXCL);
-    source =
-        fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud, parity,
-                    wire.stop_bits, AskForLowLatency(descriptor) ? ", low latency" : "");
+    // the timer after the setting; the kernel knows it by the port's own name, not by a link's
+    const bool is_low = AskForLowLatency(descriptor);
+    std::error_code error;
+    latency_ns = LatencyTimerNs(std::filesystem::canonical(name, error).string());
+    source = fmt::format("device: serial port {}, Modbus RTU, {} baud 8{}{}{}", name, wire.baud,
+                         parity, wire.stop_bits, LatencyWords(latency_ns, is_low));
   }
   const MonotonicNs byte_ns = WireTimeNs(1, wire.baud, BitsPerCharacter(wire));
   auto port = std::make_unique<ModbusPort>(std::move(context), std::move(lock), name,
-                                           std::move(source), byte_ns);
+                                           std::move(source), byte_ns, latency_ns);
   port->Flush();
   return port;
 }

@@ -92,9 +92,8 @@ Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
 }
 
 std::string SerialPort::Source() const {
-  std::string latency = low_latency_ ? ", low latency" : "";
-  if (latency_ns_) latency = fmt::format(", latency timer {} ms", *latency_ns_ / 1'000'000);
-  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_, latency);
+  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
+                     LatencyWords(latency_ns_, low_latency_));
 }
 
 std::string SerialPort::LatencyCost(MonotonicNs period_ns) const {

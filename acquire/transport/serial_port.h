@@ -30,6 +30,7 @@ class SerialPort final : public Transport {
   [[nodiscard]] Result<void> Write(std::string_view bytes, MonotonicNs deadline) override;
   /// Says the latency timer, where the adapter has one and it was read back.
   [[nodiscard]] std::string Source() const override;
+  [[nodiscard]] std::optional<MonotonicNs> LatencyTimer() const override { return latency_ns_; }
   [[nodiscard]] std::string LatencyCost(MonotonicNs period_ns) const override;
   [[nodiscard]] const std::string& name() const override { return name_; }
 

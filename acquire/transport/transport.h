@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -42,6 +43,9 @@ class Transport {
   [[nodiscard]] virtual std::string Source() const = 0;
   /// Whether the other end may be real hardware: false for virtual terminals and sockets.
   [[nodiscard]] virtual bool IsHardware() const { return true; }
+  /// The adapter's latency timer (transport/latency_timer.h), as read when the port was opened;
+  /// empty where there is none.
+  [[nodiscard]] virtual std::optional<MonotonicNs> LatencyTimer() const { return std::nullopt; }
   /// What the adapter's habit of keeping short replies costs a sensor that could be polled every
   /// `period_ns` (transport/latency_timer.h); empty where there is nothing to say.
   [[nodiscard]] virtual std::string LatencyCost(MonotonicNs /*period_ns*/) const { return {}; }

@@ -40,7 +40,7 @@ class CountingSensor final : public Sensor {
 
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
-  std::vector<std::string> Remarks() const override { return {}; }
+  std::vector<std::string> Remarks() const override { return {"counts"}; }
   MonotonicNs Begin() override { return origin_ns_ = clock_.Now(); }
   Outcome Next(Reading& reading) override {
     if (next_ == rows_) {

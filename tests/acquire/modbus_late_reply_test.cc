@@ -115,6 +115,42 @@ TEST_F(ModbusLateReply, APeerThatStaysOffByOneIsAConnectionLost) {
   EXPECT_EQ(rows, 8);
 }
 
+// a tare begins, a recording begins again: what is on its way stays so
+TEST_F(ModbusLateReply, ALateReplyIsNeverTheFirstReadingOfASecondBeginning) {
+  for (const bool has_checks : {true, false}) {
+    for (const MonotonicNs late_ns : {600 * kMs, 900 * kMs, 950 * kMs}) {
+      for (const bool row_is_awaited : {true, false}) {
+        script_ = [=](bool is_reading) {
+          return ScriptedModbusDevice::Answer{.exception = is_reading ? 0 : 2};
+        };
+        if (has_checks) script_ = nullptr;
+        Started(Plain());
+        int number = 0;
+        device_->script = [&](bool is_reading) {
+          return ScriptedModbusDevice::Answer{
+              .after_ns = is_reading && ++number == 2 ? late_ns : 2 * kMs,
+              .exception = is_reading || has_checks ? 0 : 2};
+        };
+        EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+        Reading reading;
+        if (row_is_awaited) {
+          EXPECT_EQ(NextStatus(), SampleStatus::kLate);
+        } else {
+          while (number < 2) EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
+        }
+        const MonotonicNs begin_ns = sensor_->Begin();
+        for (int row = 0; row < 3; ++row) {
+          const Reading next = NextRow();
+          EXPECT_GE(next.time_ns, begin_ns);
+          EXPECT_EQ(RowStatus(next), SampleStatus::kOk);
+          EXPECT_EQ(next.samples[0].raw.bits(), device_->readings)
+              << has_checks << ' ' << late_ns << ' ' << row_is_awaited;
+        }
+      }
+    }
+  }
+}
+
 TEST_F(ModbusLateReply, ASilentDeviceIsAskedUntilItAnswers) {
   Started(Plain());
   int number = 0;

@@ -80,6 +80,19 @@ TEST_F(PipeSensorTest, RowsLieOnAGridWhateverTheirArrival) {
   EXPECT_EQ(sensor_->discarded_bytes(), 0U);
 }
 
+TEST_F(PipeSensorTest, TheGridOfASecondBeginningStartsAtZeroToo) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n2\n3\n4\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  (void)sensor_->Begin();
+  Reading reading;
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  EXPECT_EQ(reading.index, 1);
+  EXPECT_EQ(ToTheEnd().size(), 2U) << "what a tare took is gone, and the grid begins behind it";
+}
+
 TEST_F(PipeSensorTest, ACutRowAtTheEndIsCounted) {
   Make("voltage:V", SampleFormat::kF64);
   pipe_->Send(std::string(8 * 3 + 5, '\0'), kMs);

@@ -73,6 +73,36 @@ TEST_F(ReconnectingTest, ATryComesAtLeastEveryQuarterOfASecondAndNotMoreOften) {
   }
 }
 
+TEST_F(ReconnectingTest, WhileItIsAwayItCanBeAskedAndBegunAgain) {
+  plug_.away_ns = 5000 * kMs;
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  EXPECT_TRUE(sensor.Remarks().empty()) << "before the start";
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  EXPECT_EQ(sensor.Begin(), 0);
+  Reading reading;
+  Outcome outcome = Outcome::kReading;
+  while (outcome == Outcome::kReading) outcome = sensor.Next(reading);
+  ASSERT_EQ(outcome, Outcome::kAway);
+  EXPECT_EQ(sensor.Begin(), clock_.Now());
+  EXPECT_THAT(sensor.Remarks(), ::testing::ElementsAre("counts")) << "what it said last";
+}
+
+TEST_F(ReconnectingTest, ARefusalIsForgottenOnceTheDeviceIsBack) {
+  plug_.away_ns = 1000 * kMs;
+  ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
+  ASSERT_TRUE(sensor.Start(kNeverStop));
+  Reading reading;
+  Outcome outcome = Outcome::kReading;
+  for (int call = 0; call < 1000 && outcome != Outcome::kBack; ++call) {
+    outcome = sensor.Next(reading);
+    if (clock_.Now() > 500 * kMs && outcome == Outcome::kNothing) {
+      EXPECT_NE(sensor.last_refusal(), "");
+    }
+  }
+  ASSERT_EQ(outcome, Outcome::kBack);
+  EXPECT_EQ(sensor.last_refusal(), "");
+}
+
 TEST_F(ReconnectingTest, IsGivenUpWhenItStaysAway) {
   plug_.away_ns = 1'000'000 * kMs;
   ReconnectingSensor sensor(plug_.Opener(), 3000 * kMs, clock_);
