@@ -33,11 +33,11 @@ trial::TrialHeader SoundHeader() {
   trial::Metadata& metadata = header.metadata;
   metadata.sensor = "keyence-il";
   metadata.head = "IL-030";
-  metadata.source = "device: serial port /dev/ttyUSB0, 38400 baud 8N1, latency timer 1 ms";
+  metadata.source = "device: serial port /dev/ttyUSB0, 38400 baud 8N1";
   metadata.sampling_s = 0.33e-3;
   metadata.averages = 1;
   metadata.hold = "sample";
-  metadata.fields = {{"keyence_data_133", "+00000"}};
+  metadata.fields = {{"keyence_data_133", "+00000"}, {"latency_timer_s", "0.001"}};
   return header;
 }
 
@@ -125,7 +125,9 @@ TEST_P(WrongSensors, AreToBeFixedByACommand) {
 }
 
 std::vector<Wrong> AllThatCanBeWrong() {
-  return {{"distance", [](Made& s) { s.findings.greatest_m = 5.001e-3; },
+  return {{"sensor", [](Made& s) { s.findings.summary.connection_lost = true; },
+           "the connection was lost after 30000 readings", "cable"},
+          {"distance", [](Made& s) { s.findings.greatest_m = 5.001e-3; },
            "linear within +-5 mm of 30 mm", "move the head by 0.50 mm"},
           {"distance", [](Made& s) { s.findings.least_m = -5.001e-3; }, "-5.001 to 5.000 mm",
            "until the amplifier shows about 0"},
@@ -159,7 +161,13 @@ std::vector<Wrong> AllThatCanBeWrong() {
            },
            "of 20 Hz", "--set averaging=32"},
           {"rate", [](Made& s) { s.findings.fresh_rate_hz = 1279; },
-           "1279 new readings/s show up to 499.6 Hz", "--band 20-499Hz --check"},
+           "1279 new readings/s show up to 499.609 Hz", "--band 20-499Hz --check"},
+          {"rate",
+           [](Made& s) {
+             s.findings.fresh_rate_hz = 10'007;
+             s.question.band.upper_hz = 4000;
+           },
+           "up to 3908.98 Hz", "--band 20-3908Hz --check"},
           {"rate", [](Made& s) { s.findings.fresh_rate_hz = 48; }, "18.75 Hz", "--sensor pipe"},
           {"noise",
            [](Made& s) {
@@ -200,10 +208,7 @@ std::vector<Wrong> AllThatCanBeWrong() {
            },
            "500 Hz needs 0.2 ms", "a clock of its own"},
           {"latency",
-           [](Made& s) {
-             s.header.metadata.source =
-                 "device: serial port /dev/ttyUSB0, 38400 baud 8N1, latency timer 16 ms";
-           },
+           [](Made& s) { s.header.metadata.fields["latency_timer_s"] = "0.016"; },
            "for 16 ms", "latency_timer"}};
 }
 
@@ -311,6 +316,15 @@ TEST(CheckFindings, CountWhatIsHeldAndLeaveOutWhatIsNoMeasurement) {
   EXPECT_EQ(*findings.greatest_m, 3e-3);
   EXPECT_FALSE(findings.noise_m);
   EXPECT_NE(findings.no_noise_because, "");
+}
+
+TEST(CheckFindings, AreOfTheChannelInMetres) {
+  trial::Record record = RecordOf({1e-3, 2e-3}, 10);
+  trial::Channel volts = record.channels[0];
+  volts.unit = "V";
+  volts.values = {7, 8};
+  record.channels.insert(record.channels.begin(), volts);
+  EXPECT_EQ(FindingsOf(record, {}, dsp::BandPass{}).greatest_m, 2e-3);
 }
 
 TEST(CheckFindings, OfARecordWithoutAMeasurementSaySo) {

@@ -72,6 +72,8 @@ TEST_F(WallTime, WhatIsNoTimeIsRefused) {
     ASSERT_FALSE(until) << text;
     EXPECT_EQ(until.error().cause, Cause::kUsage);
   }
+  EXPECT_THAT(ParseUntil("9999-01-01T00:00", kNoon).error().Text(), HasSubstr("30 years"));
+  EXPECT_TRUE(ParseUntil("2056-01-01T00:00", kNoon));
   EXPECT_THAT(ParseUntil("2026-03-01T11:00", kNoon).error().Text(), HasSubstr("has passed"));
 }
 

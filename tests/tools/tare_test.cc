@@ -36,6 +36,8 @@ class Scripted final : public acquire::Sensor {
   MonotonicNs Begin() override { return clock_.Now(); }
   Outcome Next(acquire::Reading& reading) override {
     clock_.SleepUntil(clock_.Now() + 10 * kMs);
+    if (is_slow) clock_.SleepUntil(clock_.Now() + 990 * kMs);
+    reading.index = asked;
     ++asked;
     if (then && asked > rows) return *then;
     const auto status =
@@ -52,6 +54,7 @@ class Scripted final : public acquire::Sensor {
   int asked = 0;
   int rows = 0;
   int bad_every = 0;
+  bool is_slow = false;  ///< a row takes a second to come
   bool last_was_bad = false;
   std::optional<Outcome> then;
   trial::TrialHeader header_;
@@ -98,6 +101,70 @@ TEST(Tare, ASensorThatGoesAwayIsAnError) {
   const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
   ASSERT_FALSE(tare_m);
   EXPECT_EQ(tare_m.error().cause, Cause::kFailed);
+}
+
+TEST(Tare, OneThatWouldBeWaitedForIsLostToo) {
+  ManualClock clock;
+  Scripted sensor(clock);
+  sensor.rows = 5;
+  sensor.then = Outcome::kAway;
+  const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
+  ASSERT_FALSE(tare_m);
+  EXPECT_EQ(tare_m.error().cause, Cause::kFailed);
+  EXPECT_THAT(tare_m.error().Text(), ::testing::HasSubstr("connection was lost during --tare"));
+  EXPECT_EQ(sensor.asked, 6) << "at once";
+}
+
+TEST(Tare, InputThatEndsIsNoCable) {
+  ManualClock clock;
+  Scripted sensor(clock);
+  sensor.rows = 5;
+  sensor.then = Outcome::kEnd;
+  const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
+  ASSERT_FALSE(tare_m);
+  EXPECT_EQ(tare_m.error().cause, Cause::kCannotAnswer);
+  EXPECT_THAT(tare_m.error().Text(), ::testing::HasSubstr("ended during --tare"));
+  EXPECT_THAT(tare_m.error().Text(), ::testing::Not(::testing::HasSubstr("cable")));
+}
+
+// rows on a grid may come all at once, or at their leisure
+TEST(Tare, OfAUniformSourceIsASecondOfItsOwn) {
+  for (const bool is_slow : {false, true}) {
+    ManualClock clock;
+    Scripted sensor(clock);
+    sensor.header_.timing = trial::Timing::kUniform;
+    sensor.header_.rate_hz = 20;
+    sensor.is_slow = is_slow;
+    const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
+    ASSERT_TRUE(tare_m) << tare_m.error().Text();
+    EXPECT_EQ(sensor.asked, 20);
+    EXPECT_REL(*tare_m, 10.5e-6, 1e-14, "1 to 20 counts of 1 um; rounding");
+  }
+}
+
+TEST(Tare, OfAUniformSourceCountsBadRowsAsTime) {
+  ManualClock clock;
+  Scripted sensor(clock);
+  sensor.header_.timing = trial::Timing::kUniform;
+  sensor.header_.rate_hz = 20;
+  sensor.bad_every = 2;
+  const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
+  ASSERT_TRUE(tare_m);
+  EXPECT_EQ(sensor.asked, 20);
+  EXPECT_REL(*tare_m, 10e-6, 1e-14, "the mean of 1, 3, ... 19; rounding");
+}
+
+TEST(Tare, AUniformSourceThatFallsSilentIsNotWaitedForForEver) {
+  ManualClock clock;
+  Scripted sensor(clock);
+  sensor.header_.timing = trial::Timing::kUniform;
+  sensor.header_.rate_hz = 20;
+  sensor.rows = 5;
+  sensor.then = Outcome::kNothing;
+  const auto tare_m = MeasureTare(sensor, clock, kNeverStop, "port");
+  ASSERT_FALSE(tare_m);
+  EXPECT_EQ(tare_m.error().cause, Cause::kCannotAnswer);
+  EXPECT_LT(clock.Now(), 4 * kNsPerS);
 }
 
 TEST(Tare, NeedsADisplacement) {

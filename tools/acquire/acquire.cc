@@ -1,11 +1,11 @@
 // acquire: a sensor's readings become a trial.
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <ctime>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -28,6 +28,7 @@
 #include "tools/acquire/tare.h"
 #include "tools/acquire/time_base_review.h"
 #include "tools/acquire/trial_name.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
@@ -41,6 +42,7 @@ namespace {
 using acquire::Sensor;
 
 constexpr std::string_view kVerb = "acquire";
+constexpr int kOutputClosed = 128 + SIGPIPE;  // nobody reads what would be reported
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -62,6 +64,15 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
         return opened;
       },
       plan.longest_away_ns, clock);
+}
+
+// the sensor's remarks, without those that were said before: it may know more after a recording
+void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
+  for (const std::string& remark : sensor.Remarks()) {
+    if (std::ranges::find(said, remark) != said.end()) continue;
+    cli::Remark(kVerb, remark);
+    said.push_back(remark);
+  }
 }
 
 // what the zero is, where it is wanted
@@ -91,12 +102,13 @@ LiveStyle StyleOf(const cli::Options& options, bool live) {
 Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& sink, Clock& clock,
                                               const acquire::RecordingLimits& limits,
                                               const trial::TrialHeader& header,
-                                              const dsp::BandPass& band, LiveStyle style) {
+                                              const dsp::BandPass& band, LiveStyle style,
+                                              const std::function<void()>& output_closed = {}) {
   if (style == LiveStyle::kNone) {
     return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits);
   }
   LiveMeter meter(header, band);
-  LiveView view(meter, band, style);
+  LiveView view(meter, band, style, output_closed);
   return acquire::Record(
       sensor, sink, clock, cli::Interrupted(), limits,
       {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
@@ -140,10 +152,10 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
                                            const trial::TrialHeader& header,
                                            const dsp::BandPass& band, LiveStyle style) {
   if (file.empty()) {
-    // a reader of the lines that has seen enough ends the program: nothing is lost with it
-    if (style == LiveStyle::kOutputLines) std::signal(SIGPIPE, SIG_DFL);
     KeepNothing nothing;
-    return RecordShown(sensor, nothing, clock, limits, header, band, style);
+    // a reader of the lines that has seen enough ends the program: nothing is lost with it
+    return RecordShown(sensor, nothing, clock, limits, header, band, style,
+                       [] { cli::InterruptAsBy(SIGPIPE); });
   }
   auto writer = trial::TrialWriter::Create(file, header,
                                            {.flush_interval_s = 1, .overwrite = overwrite}, clock);
@@ -165,7 +177,8 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   if (!sensor) return fail(sensor.error());
   if (auto started = (*sensor)->Start(cli::Interrupted()); !started) return fail(started.error());
   cli::Remark(kVerb, "source: " + (*sensor)->header().metadata.source);
-  for (const std::string& remark : (*sensor)->Remarks()) cli::Remark(kVerb, remark);
+  std::vector<std::string> said;
+  SayNew(**sensor, said);
   if (wanted.check) return RunSensorCheck(options, wanted, band, words, **sensor, clock);
 
   // the recording's zero, head and end
@@ -173,7 +186,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   if (!tare_m) return fail(tare_m.error());
   trial::TrialHeader header =
       RecordingHeader(**sensor, wanted.sensor.sensor == "replay", plan.labels,
-                      fmt::format("{}", fmt::join(words, " ")));
+                      cli::CommandLine(words));
   if (*tare_m) header.metadata.tare_m = **tare_m;
   const auto limits = LimitsOf(plan, header, clock);
   if (!limits) return fail(limits.error());
@@ -183,6 +196,8 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
                                 band, StyleOf(options, wanted.live));
   if (!summary) return fail(summary.error());
+  if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
+  SayNew(**sensor, said);
   return Report(options, file, header, *summary, PortName(wanted.sensor));
 }
 

@@ -4,7 +4,9 @@
 #include <numbers>
 #include <string>
 
+#include "base/check.h"
 #include "dsp/band_analysis.h"
+#include "tools/acquire/displacement_channel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -29,7 +31,9 @@ void FindValues(const trial::Channel& channel, CheckFindings& findings) {
 CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSummary& summary,
                          const dsp::BandPass& band) {
   CheckFindings findings{.summary = summary};
-  const trial::Channel& channel = *record.Find(trial::ChannelRole::kDisplacement);
+  const auto number = DisplacementChannel(record);
+  HAPTOMETER_CHECK(number, "a record without displacement");
+  const trial::Channel& channel = record.channels[*number];
   findings.resolution_m = channel.resolution;
   FindValues(channel, findings);
   for (const trial::Stretch& stretch : record.stretches) {

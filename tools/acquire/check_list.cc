@@ -8,8 +8,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "acquire/protocol/dl_rs1a.h"
 #include "acquire/sensor/smallest_rms.h"
+#include "acquire/transport/latency_timer.h"
 #include "dsp/band_analysis.h"
+#include "trial/import/csv_comment.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::tools {
@@ -28,17 +31,6 @@ constexpr std::size_t kLeastForHeld = 20;        // rows below which equal value
 constexpr double kTimeUncertaintyPeriods = 0.1;  // as AnalyzeBand has it
 constexpr int kHighPassCode = 14;                // data 133 of an IL amplifier
 constexpr int kDifferenceCode = 13;
-
-// linear range about the reference distance (data sheet AS_98890_IL_C)
-struct LinearRange {
-  std::string_view head;
-  double reference_mm;
-  double half_range_mm;
-};
-constexpr std::array kLinearRanges = {
-    LinearRange{"IL-S025", 25, 5},   LinearRange{"IL-030", 30, 5},
-    LinearRange{"IL-065", 65, 10},   LinearRange{"IL-100", 100, 20},
-    LinearRange{"IL-300", 300, 140}, LinearRange{"IL-600", 600, 400}};
 
 CheckItem Ok(std::string finding) { return {{}, Verdict::kOk, std::move(finding), {}}; }
 CheckItem Fix(std::string finding, std::string remedy) {
@@ -72,6 +64,11 @@ CheckItem CheckSensorAnswers(const Context& c) {
   const std::string identity =
       fmt::format("{}{}{}, {}", metadata.sensor, metadata.head.empty() ? "" : " ", metadata.head,
                   metadata.source);
+  if (c.findings.summary.connection_lost) {
+    return Fix(fmt::format("the connection was lost after {} readings: {}",
+                           c.findings.summary.readings, identity),
+               "check power and cable, then " + c.question.command + " --check");
+  }
   if (c.findings.summary.readings > 0) return Ok(identity);
   return Fix("no reading came from " + identity,
              "check power and cable, then " + c.question.command + " --check");
@@ -83,17 +80,17 @@ CheckItem CheckDistance(const Context& c) {
     return Fix("no reading was a measurement",
                "put the target within the head's range, and see that the laser is on");
   }
-  const auto range = std::ranges::find(kLinearRanges, c.header.metadata.head, &LinearRange::head);
-  if (range == kLinearRanges.end()) {
+  const auto* head = acquire::dl_rs1a::FindHead(c.header.metadata.head);
+  if (head == nullptr || head->linear_half_range_mm == 0) {
     return Unknown(
         fmt::format("value {:.4f} mm; the head's linear range is not known", *f.level_m * kMmPerM));
   }
-  const double half_m = range->half_range_mm / kMmPerM;
+  const double half_m = head->linear_half_range_mm / kMmPerM;
   std::string where = fmt::format(
       "value {:.3f} mm, {:.3f} to {:.3f} mm; linear within +-{:g} mm of "
       "{:g} mm",
-      *f.level_m * kMmPerM, *f.least_m * kMmPerM, *f.greatest_m * kMmPerM, range->half_range_mm,
-      range->reference_mm);
+      *f.level_m * kMmPerM, *f.least_m * kMmPerM, *f.greatest_m * kMmPerM,
+      head->linear_half_range_mm, head->reference_mm);
   if (*f.least_m >= -half_m && *f.greatest_m <= half_m) return Ok(std::move(where));
   return Fix(std::move(where),
              fmt::format("move the head by {:.2f} mm, until the amplifier shows about 0",
@@ -154,14 +151,16 @@ CheckItem CheckRate(const Context& c) {
   const double needed_hz = dsp::kLeastRatePerUpperCorner * c.question.band.upper_hz;
   const double observable_hz = f.fresh_rate_hz / dsp::kLeastRatePerUpperCorner;
   std::string finding =
-      fmt::format("{:.6g} new readings/s show up to {:.4g} Hz (rate / 2.56); {:g} Hz needs {:.6g}",
+      fmt::format("{:.6g} new readings/s show up to {:.6g} Hz (rate / 2.56); {:g} Hz needs {:.6g}",
                   f.fresh_rate_hz, observable_hz, c.question.band.upper_hz, needed_hz);
   if (f.fresh_rate_hz >= needed_hz) return Ok(std::move(finding));
   std::string remedy =
       "record the analog output with a DAQ (acquire --sensor pipe), or a head that sends faster";
-  if (observable_hz > c.question.band.lower_hz) {
-    remedy += fmt::format("; or ask for less: {} --band {:g}-{:.3g}Hz --check", c.question.command,
-                          c.question.band.lower_hz, std::floor(observable_hz));
+  // down to whole Hz: what is asked for next must be observable
+  const double less_hz = std::floor(observable_hz);
+  if (less_hz > c.question.band.lower_hz) {
+    remedy += fmt::format("; or ask for less: {} --band {:g}-{:.0f}Hz --check", c.question.command,
+                          c.question.band.lower_hz, less_hz);
   }
   return Fix(std::move(finding), std::move(remedy));
 }
@@ -259,23 +258,16 @@ CheckItem CheckClock(const Context& c) {
              "the analog output and a DAQ (acquire --sensor pipe)");
 }
 
-// an FTDI adapter's latency timer in ms, as SerialPort::Source() says it
-std::optional<int> LatencyTimerMs(const std::string& source) {
-  constexpr std::string_view kWords = "latency timer ";
-  const auto at = source.find(kWords);
-  if (at == std::string::npos) return std::nullopt;
-  int timer_ms = 0;
-  const char* begin = source.data() + at + kWords.size();
-  const auto [end, error] = std::from_chars(begin, source.data() + source.size(), timer_ms);
-  if (error != std::errc{}) return std::nullopt;
-  return timer_ms;
-}
-
 CheckItem CheckLatency(const Context& c) {
-  const auto timer_ms = LatencyTimerMs(c.header.metadata.source);
-  if (!timer_ms) return Ok("no adapter with a latency timer");
-  if (*timer_ms <= 1) return Ok(fmt::format("the adapter's timer is {} ms", *timer_ms));
-  return Fix(fmt::format("the adapter may keep a reply for {} ms", *timer_ms),
+  constexpr double kFineMs = 1;
+  const auto& fields = c.header.metadata.fields;
+  const auto found = fields.find(std::string(acquire::kLatencyTimerField));
+  const auto timer_s =
+      found == fields.end() ? std::optional<double>() : trial::ReadNumber(found->second);
+  if (!timer_s) return Ok("no adapter with a latency timer");
+  const double timer_ms = *timer_s * 1e3;
+  if (timer_ms <= kFineMs) return Ok(fmt::format("the adapter's timer is {:g} ms", timer_ms));
+  return Fix(fmt::format("the adapter may keep a reply for {:g} ms", timer_ms),
              "echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB*/latency_timer");
 }
 

@@ -59,7 +59,7 @@ struct ToneGain {
 /// The whole list, always the same points in the same order: sensor, distance, hold, high-pass,
 /// averaging, rate, noise, repeated, bad, clock, latency. Pure.
 ///
-/// kFix where: no reading came; a value lies outside the head's linear range (data sheet of the
+/// kFix where: no reading came, or the connection was lost; a value lies outside the head's linear range (data sheet of the
 /// heads; others unknown); the amplifier holds; its high-pass or difference filter is on; averaging
 /// takes more than 10 % at 175 or 225 Hz or 3 dB at a corner; fewer than 2.56 new readings a period
 /// of the upper corner; the noise cannot be told, or is too large for question.smallest_rms_m; over

@@ -4,19 +4,20 @@
 #include <cstddef>
 #include <optional>
 
+#include "trial/record.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
 
 /// The number of the first displacement channel in metres, which tare, level and checks are about;
-/// nothing where there is none.
-[[nodiscard]] inline std::optional<std::size_t> DisplacementChannel(
-    const trial::TrialHeader& header) {
-  const auto found = std::ranges::find_if(header.channels, [](const trial::ChannelFormat& channel) {
+/// nothing where there is none. `source` is what has channels: a trial's header, or its record.
+template <typename Source>
+[[nodiscard]] std::optional<std::size_t> DisplacementChannel(const Source& source) {
+  const auto found = std::ranges::find_if(source.channels, [](const auto& channel) {
     return channel.role == trial::ChannelRole::kDisplacement && channel.unit == "m";
   });
-  if (found == header.channels.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - header.channels.begin());
+  if (found == source.channels.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - source.channels.begin());
 }
 
 /// The value of `sample` in the channel's unit: raw * scale + offset.

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 #include <vector>
 
 #include "tools/acquire/recording_output.h"
@@ -58,8 +59,9 @@ std::string LiveLine(const LiveFigures& figures, const dsp::BandPass& band) {
   return line;
 }
 
-LiveView::LiveView(const LiveMeter& meter, const dsp::BandPass& band, LiveStyle style)
-    : meter_(meter), band_(band), style_(style) {
+LiveView::LiveView(const LiveMeter& meter, const dsp::BandPass& band, LiveStyle style,
+                   std::function<void()> output_closed)
+    : meter_(meter), band_(band), style_(style), output_closed_(std::move(output_closed)) {
   if (style_ != LiveStyle::kNone) thread_ = std::thread([this] { Run(); });
 }
 
@@ -111,8 +113,9 @@ void LiveView::Show() {
       break;
     }
     case LiveStyle::kOutputLines:
-      fmt::print("{}\n", text);
-      std::fflush(stdout);
+      // not fmt::print, which throws where the output is closed
+      std::fputs((text + "\n").c_str(), stdout);
+      if (std::fflush(stdout) != 0 && output_closed_) output_closed_();
       break;
     case LiveStyle::kErrorLines:
       fmt::print(stderr, "{}\n", text);

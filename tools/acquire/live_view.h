@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -30,8 +31,10 @@ enum class LiveStyle : std::uint8_t {
 /// tens of milliseconds, which the reading thread does not have.
 class LiveView {
  public:
-  /// Begins to show; `meter` must outlive the view.
-  LiveView(const LiveMeter& meter, const dsp::BandPass& band, LiveStyle style);
+  /// Begins to show; `meter` must outlive the view. `output_closed` may be empty; it is called, from
+  /// another thread, whenever a line on stdout could not be written.
+  LiveView(const LiveMeter& meter, const dsp::BandPass& band, LiveStyle style,
+           std::function<void()> output_closed = {});
   /// Ends at once and clears what was written over.
   ~LiveView();
   LiveView(const LiveView&) = delete;
@@ -49,6 +52,7 @@ class LiveView {
   const LiveMeter& meter_;
   dsp::BandPass band_;
   LiveStyle style_;
+  std::function<void()> output_closed_;
   bool has_gnuplot_ = true;
   std::size_t lines_shown_ = 0;  ///< of a plot, above the cursor
 

@@ -9,21 +9,20 @@
 #include "tools/acquire/trial_name.h"
 #include "tools/acquire/wall_time.h"
 #include "tools/cli/key_values.h"
+#include "tools/longest_time.h"
 
 namespace haptometer::tools {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLongest_s = 1e9;  // 30 years still fit in nanoseconds
-
 // a time of up to 30 years
 Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
                              const std::string& remedy) {
-  if (NsFromSeconds(std::min(time_s.value, kLongest_s)) < 1) {
+  if (NsFromSeconds(std::min(time_s.value, kLongestTimeS)) < 1) {
     return Usage(option, "must be above 0", "write e.g. 10s");
   }
-  if (time_s.value > kLongest_s) return Usage(option, "is beyond 30 years", remedy);
+  if (time_s.value > kLongestTimeS) return Usage(option, "is beyond 30 years", remedy);
   return NsFromSeconds(time_s.value);
 }
 

@@ -31,7 +31,10 @@ class SceneSensor final : public acquire::Sensor {
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
   std::vector<std::string> Remarks() const override { return remarks; }
-  MonotonicNs Begin() override { return 0; }
+  MonotonicNs Begin() override {
+    next_ = 0;
+    return 0;
+  }
   acquire::Outcome Next(acquire::Reading& reading) override {
     if (next_ >= rows_) return acquire::Outcome::kEnd;
     const trial::HeadReading read = trial::ReadingAt(

@@ -1,7 +1,6 @@
 #include "tools/acquire/sensor_check.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <string_view>
 
@@ -11,6 +10,7 @@
 #include "tools/acquire/check_output.h"
 #include "tools/acquire/displacement_channel.h"
 #include "tools/acquire/memory_trial.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/report.h"
 
@@ -32,7 +32,7 @@ std::string CommandOf(const std::vector<std::string>& words) {
     }
     kept.push_back(words[word]);
   }
-  return fmt::format("{}", fmt::join(kept, " "));
+  return cli::CommandLine(kept);
 }
 
 }  // namespace
@@ -40,17 +40,17 @@ std::string CommandOf(const std::vector<std::string>& words) {
 int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
                    const dsp::BandPass& band, const std::vector<std::string>& words,
                    acquire::Sensor& sensor, Clock& clock) {
+  if (!DisplacementChannel(sensor.header())) {
+    return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
+                                    "has no displacement channel in metres to check",
+                                    "give the calibration of its voltage"});
+  }
   acquire::RecordingLimits limits;
   limits.duration_ns = wanted.recording.duration_s
                            ? NsFromSeconds(wanted.recording.duration_s->value)
                            : kUsualDurationNs;
   const auto trial = RecordInMemory(sensor, clock, cli::Interrupted(), limits);
   if (!trial) return cli::ReportError(kVerb, trial.error());
-  if (!DisplacementChannel(sensor.header())) {
-    return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
-                                    "has no displacement channel in metres to check",
-                                    "give the calibration of its voltage"});
-  }
   CheckQuestion question{.band = band, .command = CommandOf(words), .smallest_rms_m = {}};
   if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
   const CheckFindings findings = FindingsOf(trial->record, trial->summary, band);

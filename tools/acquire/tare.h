@@ -13,9 +13,11 @@ namespace haptometer::tools {
 /// that are no measurements do not count. The counts of a recording are not touched by it.
 ///
 /// `sensor` is started and has not begun; it is left where Sensor::Begin may be called again, with
-/// nothing outstanding. Returns early when `stop` is set. Takes a second, at most three. `name`
-/// stands in errors (Cause::kCannotAnswer: no such channel, no measurement came; Cause::kFailed:
-/// the connection was lost).
+/// nothing outstanding. Of a uniform source the second is its own (rate_hz rows, whenever they
+/// come, waited for up to 3 s each), of others the clock's, and 3 s where measurements are missing.
+/// Returns early when `stop` is set. `name` stands in errors (Cause::kCannotAnswer: no such channel,
+/// no measurement came, the source ended or fell silent; Cause::kFailed: the connection was lost,
+/// whether or not it would be waited for in a recording).
 [[nodiscard]] Result<double> MeasureTare(acquire::Sensor& sensor, Clock& clock,
                                          const std::atomic<bool>& stop, const std::string& name);
 

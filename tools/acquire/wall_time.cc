@@ -5,6 +5,8 @@
 
 #include <optional>
 
+#include "tools/longest_time.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -66,6 +68,10 @@ Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
     if (!instant) return NoSuchTime(text);
     if (*instant <= now) {
       return Usage("--until", fmt::format("'{}' has passed", text), "give a time that is to come");
+    }
+    if (std::difftime(*instant, now) > kLongestTimeS) {
+      return Usage("--until", fmt::format("'{}' is beyond 30 years", text),
+                   "leave it out to record until Ctrl-C");
     }
     return *instant;
   }

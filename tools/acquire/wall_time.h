@@ -13,7 +13,7 @@ namespace haptometer::tools {
 ///
 /// Across a change to or from summer time it is the wall's clock that counts; of an hour that comes
 /// twice, the system's choice. Errors (Cause::kUsage, naming --until): another form, a time that
-/// the calendar does not have, one that has passed.
+/// the calendar does not have, one that has passed or is beyond 30 years.
 [[nodiscard]] Result<std::time_t> ParseUntil(const std::string& text, std::time_t now);
 
 }  // namespace haptometer::tools

@@ -27,6 +27,8 @@ void CatchInterrupts() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
+void InterruptAsBy(int signal) { OnSignal(signal); }
+
 const std::atomic<bool>& Interrupted() { return interrupted; }
 
 int InterruptedStatus(int otherwise) { return interrupted.load() ? 128 + which.load() : otherwise; }

@@ -7,11 +7,11 @@
 
 #include "base/toml_table.h"
 #include "tools/daemon/sensor_keys.h"
+#include "tools/longest_time.h"
 
 namespace haptometer::tools {
 namespace {
 
-constexpr double kLongest_s = 1e9;  // 30 years still fit in nanoseconds
 constexpr long long kSmallestTrial = 65536;
 constexpr long long kSmallestReserve = 1 << 20;
 constexpr MonotonicNs kDefaultRotationNs = 3600 * kNsPerS;
@@ -28,7 +28,7 @@ bool IsPlainName(std::string_view name) {
 // a time within [least_s, 30 years]
 std::optional<double> Seconds(TomlTable& table, std::string_view key, double least_s) {
   const auto seconds = table.Number(key, Dimension::kTime);
-  if (seconds && !(*seconds >= least_s && *seconds <= kLongest_s)) {
+  if (seconds && !(*seconds >= least_s && *seconds <= kLongestTimeS)) {
     table.Refuse(key, fmt::format("is not from {:g} s to 30 years", least_s));
     return std::nullopt;
   }

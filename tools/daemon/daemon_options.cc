@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/report.h"
 #include "tools/daemon/daemon.h"
 #include "tools/daemon/daemon_config.h"
@@ -91,7 +92,7 @@ std::optional<int> RunDaemonOptions(const cli::Options& options, const DaemonOpt
   }
   if (wanted.wants_status) return ShowStatus(options, wanted.asked);
   const std::vector<std::string> words(argv, argv + argc);
-  return RunDaemon(wanted.config, fmt::format("{}", fmt::join(words, " ")));
+  return RunDaemon(wanted.config, cli::CommandLine(words));
 }
 
 }  // namespace haptometer::tools

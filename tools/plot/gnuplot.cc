@@ -1,22 +1,24 @@
 #include "tools/plot/gnuplot.h"
 
 #include <fmt/core.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "base/check.h"
+#include "base/clock.h"
 #include "tools/plot/envelope.h"
+#include "tools/plot/memory_file.h"
+#include "tools/plot/run_within.h"
 
 namespace haptometer::plot {
 namespace {
 
 constexpr std::size_t kMostPoints = 4000;
+// some thousand times what it needs: beyond, it hangs
+constexpr MonotonicNs kLongestTextNs = 5 * kNsPerS;
+constexpr MonotonicNs kLongestPanelsNs = 120 * kNsPerS;
 
 struct Terminal {
   std::string_view ending;
@@ -91,42 +93,12 @@ std::string Script(const std::string& path, const Terminal& terminal,
 
 // Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
 // file it left, or did not, is the evidence.
-Result<bool> RunGnuplot(const std::string& script, const std::string& where) {
-  std::FILE* gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
-  if (gnuplot == nullptr) return Failed(where, "gnuplot does not start");
-  const bool sent = std::fwrite(script.data(), 1, script.size(), gnuplot) == script.size();
-  const int status = pclose(gnuplot);
-  if (status == 127 << 8) {
-    return Failed(where, "gnuplot is not installed", "apt-get install gnuplot-nox");
-  }
-  return sent && status == 0;
+Result<bool> RunGnuplot(const std::string& script, const std::string& where,
+                        MonotonicNs longest_ns) {
+  const auto run = RunWithin({"gnuplot"}, script, longest_ns);
+  if (run) return *run;
+  return Failed(where, run.error().what, "is it installed (apt-get install gnuplot-nox)?");
 }
-
-// a file that exists in memory only, as long as somebody holds it open
-class MemoryFile {
- public:
-  MemoryFile() : descriptor_(memfd_create("plot", 0)) {}
-  ~MemoryFile() { close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  [[nodiscard]] std::string path() const {
-    return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
-  }
-  [[nodiscard]] std::string Content() const {
-    std::string content;
-    std::array<char, 4096> part{};
-    for (off_t at = 0;;) {
-      const ssize_t got = pread(descriptor_, part.data(), part.size(), at);
-      if (got <= 0) return content;
-      content.append(part.data(), static_cast<std::size_t>(got));
-      at += got;
-    }
-  }
-
- private:
-  int descriptor_;
-};
 
 }  // namespace
 
@@ -139,7 +111,8 @@ Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   for (std::size_t s = 0; s < panel.series.size(); ++s) {
     script += DataBlock(0, s, panel.series[s]);
   }
-  const auto run = RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot");
+  const auto run = RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot",
+                              kLongestTextNs);
   if (!run) return std::unexpected(run.error());
   std::string text = drawing.Content();
   if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");
@@ -170,7 +143,7 @@ Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panel
   const std::string part = path + ".part";
   const std::string script = Script(part, *TerminalOf(path), panels);
 
-  const auto run = RunGnuplot(script, path);
+  const auto run = RunGnuplot(script, path, kLongestPanelsNs);
   if (!run) return std::unexpected(run.error());
   std::error_code failure;
   if (*run) std::filesystem::rename(part, path, failure);

@@ -35,12 +35,12 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// which looks the same at this size. An older plot at
 /// `path` is replaced. Errors: as CheckPlotPath (Cause::kUsage); gnuplot absent or
 /// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
-/// for it.
+/// for it, 120 s at most.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
 /// Draws `panel` with characters, `columns` wide and `lines` high, for a terminal: its lines with
 /// their ends. Errors (Cause::kFailed): gnuplot absent or failing. Starts one gnuplot process and
-/// waits for it, some 30 ms.
+/// waits for it, some 30 ms and 5 s at most.
 [[nodiscard]] Result<std::string> DrawText(const Panel& panel, int columns, int lines);
 
 /// Whether DrawPanels can write `path`: its ending, its directory, and no directory or device in
