@@ -6,8 +6,6 @@
 namespace haptometer::acquire {
 namespace {
 
-constexpr MonotonicNs kFirstWaitNs = 50'000'000;
-constexpr MonotonicNs kLongestWaitNs = 250'000'000;
 constexpr MonotonicNs kSliceNs = 100'000'000;  // how long Next() waits at most
 
 bool SendsTheSame(const trial::TrialHeader& a, const trial::TrialHeader& b) {
@@ -54,8 +52,8 @@ void ReconnectingSensor::LetGo() {
   last_remarks_ = sensor_->Remarks();
   sensor_.reset();
   away_since_ns_ = clock_.Now();
-  wait_ns_ = kFirstWaitNs;
-  next_try_ns_ = away_since_ns_ + wait_ns_;
+  pause_.Reset();
+  next_try_ns_ = away_since_ns_ + pause_.Next();
 }
 
 Outcome ReconnectingSensor::TryAgain() {
@@ -72,8 +70,7 @@ Outcome ReconnectingSensor::TryAgain() {
   }
   if (!started) {
     last_refusal_ = started.error().Text();
-    wait_ns_ = std::min(2 * wait_ns_, kLongestWaitNs);
-    next_try_ns_ = clock_.Now() + wait_ns_;
+    next_try_ns_ = clock_.Now() + pause_.Next();
     return Outcome::kNothing;
   }
   sensor_ = std::move(*opened);

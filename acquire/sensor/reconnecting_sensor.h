@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "acquire/sensor/retry_pause.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
 #include "base/result.h"
@@ -16,9 +17,8 @@ namespace haptometer::acquire {
 /// A sensor that is opened again whenever its connection is lost.
 ///
 /// The port is let go at once, so that a replugged adapter gets its old name back; then it is tried
-/// again after 50 ms, 100 ms, ... at most every 250 ms, so that readings go on within a second of
-/// the device's return while the processor sleeps in between. What comes back must send the same
-/// channels; anything else is not taken, and tried again.
+/// again and again (sensor/retry_pause.h). What comes back must send the same channels; anything
+/// else is not taken, and tried again.
 ///
 /// Next() waits longer than other sensors' while the device that has come back is started.
 class ReconnectingSensor final : public Sensor {
@@ -54,11 +54,11 @@ class ReconnectingSensor final : public Sensor {
   std::unique_ptr<Sensor> sensor_;  ///< empty while away
   trial::TrialHeader header_;
   MonotonicNs away_since_ns_ = 0;
-  MonotonicNs wait_ns_ = 0;
+  RetryPause pause_;
   MonotonicNs next_try_ns_ = 0;
   std::string last_refusal_;
   std::vector<std::string> last_remarks_;  ///< of the sensor that is gone
-  std::uint64_t discarded_before_ = 0;  ///< by the sensors that are gone
+  std::uint64_t discarded_before_ = 0;     ///< by the sensors that are gone
 };
 
 }  // namespace haptometer::acquire

@@ -129,7 +129,7 @@ class ModbusPort final : public ModbusLink {
   std::string source_;
   MonotonicNs byte_ns_;  ///< of one character on the wire; 0: TCP
   std::optional<MonotonicNs> latency_ns_;
-  int seen_bytes_ = 0;   ///< of a reply that has begun, at the last look
+  int seen_bytes_ = 0;  ///< of a reply that has begun, at the last look
   std::array<std::uint8_t, kLongestModbusAdu> buffer_{};
 };
 

@@ -188,6 +188,14 @@ TEST(DlRs1aTables, HeadsSettingsErrors) {
   EXPECT_EQ(FindHead(311)->decimals, 1);
   EXPECT_EQ(FindHead(106)->name, "IL-S025");
   EXPECT_EQ(FindHead(0), nullptr);
+  // linear ranges, Keyence AS_98890_IL_C: 25 to 35 mm, 55 to 75 mm, 160 to 440 mm
+  EXPECT_EQ(FindHead("IL-030")->linear_half_range_mm, 5);
+  EXPECT_EQ(FindHead("IL-065")->linear_half_range_mm, 10);
+  EXPECT_EQ(FindHead("IL-100")->linear_half_range_mm, 20);
+  EXPECT_EQ(FindHead("IL-300")->linear_half_range_mm, 140);
+  EXPECT_EQ(FindHead("IL-600")->linear_half_range_mm, 400);
+  EXPECT_EQ(FindHead("IL-S025")->linear_half_range_mm, 5);
+  EXPECT_EQ(FindHead("IL-2000")->linear_half_range_mm, 0) << "not known";
   EXPECT_EQ(SamplingSeconds(0), std::nullopt);
   EXPECT_EQ(SamplingSeconds(1), 0.33e-3);
   EXPECT_EQ(SamplingSeconds(4), 5e-3);

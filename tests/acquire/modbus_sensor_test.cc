@@ -18,6 +18,10 @@ constexpr MonotonicNs kMs = 1'000'000;
 
 // --- what else may come ---
 
+TEST_F(ModbusSensorTest, TheHeaderHasTheAdaptersTimer) {
+  EXPECT_EQ(Started(Plain()).header().metadata.fields.at("latency_timer_s"), "0.016");
+}
+
 TEST_F(ModbusSensorTest, ARowHasTheTimesOfRequestAndReply) {
   Started(Plain());
   const Reading reading = NextRow();

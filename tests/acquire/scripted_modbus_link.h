@@ -60,6 +60,7 @@ class ScriptedModbusLink final : public acquire::ModbusLink {
 
   acquire::ModbusFraming framing() const override { return framing_; }
   std::string Source() const override { return "device: scripted"; }
+  std::optional<MonotonicNs> LatencyTimer() const override { return 16'000'000; }
   const std::string& name() const override { return name_; }
 
  private:

@@ -4,6 +4,7 @@
 #include <deque>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,8 +56,11 @@ class ScriptedTransport final : public acquire::Transport {
   }
 
   std::string Source() const override { return "device: scripted"; }
+  std::optional<MonotonicNs> LatencyTimer() const override { return latency_ns; }
   const std::string& name() const override { return name_; }
   const std::vector<std::string>& written() const { return written_; }
+
+  std::optional<MonotonicNs> latency_ns;  ///< of its adapter
 
  private:
   struct Event {

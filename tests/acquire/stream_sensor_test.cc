@@ -48,6 +48,17 @@ class StreamSensorTest : public ::testing::Test {
   MonotonicNs begin_ns_ = 0;
 };
 
+TEST_F(StreamSensorTest, TheHeaderHasTheAdaptersTimerWhereThereIsOne) {
+  Start();
+  EXPECT_FALSE(sensor_->header().metadata.fields.contains("latency_timer_s"));
+  auto transport = std::make_unique<ScriptedTransport>(clock_);
+  wire_ = transport.get();
+  wire_->latency_ns = 2 * kMs;
+  sensor_ = std::make_unique<StreamSensor>(std::move(transport), StreamSetup{}, clock_);
+  Start();
+  EXPECT_EQ(sensor_->header().metadata.fields.at("latency_timer_s"), "0.002");
+}
+
 TEST_F(StreamSensorTest, DropsTheFirstPartialLine) {
   // cut, it still looks like a line: "+01.2345" with its front missing must never be a reading
   wire_->Send("+00.5000\r+00.0001\r", kMs);

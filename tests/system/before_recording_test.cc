@@ -51,6 +51,13 @@ class BeforeRecording : public EmulatedDeviceTest {
     for (int row = 0; row < 100; ++row) csv << row * 0.01 << ',' << offset_m << '\n';
     return path;
   }
+  // a file of `rows` rows to pipe in: 0, 1, 2 ... mm
+  std::string Rows(int rows, int turn) const {
+    const fs::path path = directory_ / "rows.txt";
+    std::ofstream text(path);
+    for (int row = 0; row < rows; ++row) text << row % turn * 1e-3 << '\n';
+    return path;
+  }
 };
 
 // --- check -------------------------------------------------------------------------------------
@@ -116,6 +123,14 @@ TEST_F(BeforeRecording, BadReadingsAreSeen) {
   EXPECT_THAT(bad["finding"].get<std::string>(), HasSubstr("invalid"));
 }
 
+TEST_F(BeforeRecording, WithoutADisplacementThereIsNothingToCheck) {
+  const Outcome checked =
+      RunProgram({"acquire", "--sensor", "pipe", "--port", Rows(1000, 100), "--rate", "10Hz",
+                  "--format", "text", "--channels", "voltage:V", "--check"});
+  EXPECT_EQ(checked.status, 3);
+  EXPECT_THAT(checked.err, HasSubstr("has no displacement channel in metres to check"));
+}
+
 // --- live --------------------------------------------------------------------------------------
 
 TEST_F(BeforeRecording, LookingKeepsNothingAndShowsTheBand) {
@@ -138,7 +153,39 @@ TEST_F(BeforeRecording, LookingThroughASlowWireSaysThatTheBandCannotBeSeen) {
   EXPECT_EQ(json::parse(looked.out)["file"], nullptr);
 }
 
+TEST_F(BeforeRecording, AReaderWhoHasSeenEnoughEndsTheLooking) {
+  EmulateStream();
+  std::vector<std::string> arguments = Acquire({"--live"});
+  Process looking(arguments);
+  ASSERT_TRUE(looking.WaitForLine("", 30));
+  looking.CloseOutput();
+  EXPECT_EQ(looking.Wait(30).status, 128 + SIGPIPE);
+}
+
 // --- trigger, end, zero, name -------------------------------------------------------------------
+
+// a second of a pipe is what its rate says, however fast it is read, and no row beyond it is lost
+TEST_F(BeforeRecording, ATareTakesAPipesFirstSecondAndTheRecordingHasAllThatFollows) {
+  const std::vector<std::string> pipe{
+      "acquire",  "--sensor", "pipe",       "--port",         Rows(50, 50), "--rate", "10Hz",
+      "--format", "text",     "--channels", "displacement:m", "-o",         trial_,   "--tare"};
+  const Outcome all = RunProgram(pipe);
+  EXPECT_EQ(all.status, 0) << all.err;
+  EXPECT_THAT(all.err, HasSubstr("zero: 4.5 mm"));  // the mean of 0 to 9 mm
+  EXPECT_THAT(all.out, HasSubstr("40 readings"));
+  EXPECT_THAT(all.out, HasSubstr("0 gaps"));
+
+  std::vector<std::string> some = pipe;
+  some.insert(some.end(), {"--duration", "3s", "--overwrite"});
+  const Outcome limited = RunProgram(some);
+  EXPECT_EQ(limited.status, 0) << limited.err;
+  EXPECT_THAT(limited.out, HasSubstr("30 readings"));
+
+  some[4] = Rows(5, 5);
+  const Outcome ended = RunProgram(some);
+  EXPECT_EQ(ended.status, 3);
+  EXPECT_THAT(ended.err, HasSubstr("ended during --tare"));
+}
 
 TEST_F(BeforeRecording, ATriggerBeginsEachShotAndEarlierRowsAreKept) {
   EmulateStream();

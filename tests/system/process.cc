@@ -117,6 +117,13 @@ bool Process::HasEnded() const {
   return WaitUntil([&] { return std::filesystem::exists(path); }, deadline_s);
 }
 
+void Process::CloseOutput() {
+  // the number stays ours, at an end
+  const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
+  dup3(nothing, out_fd_, O_CLOEXEC);
+  close(nothing);
+}
+
 void Process::Signal(int signal) const { kill(pid_, signal); }
 
 Outcome Process::Wait(double deadline_s) {

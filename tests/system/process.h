@@ -43,6 +43,9 @@ class Process {
 
   void Signal(int signal) const;
 
+  /// Reads its standard output no more.
+  void CloseOutput();
+
   /// Waits for its end; kills it after `deadline_s`.
   [[nodiscard]] Outcome Wait(double deadline_s);
 

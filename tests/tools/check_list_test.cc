@@ -207,8 +207,7 @@ std::vector<Wrong> AllThatCanBeWrong() {
              s.findings.time_uncertainty_s = 0.2e-3;
            },
            "500 Hz needs 0.2 ms", "a clock of its own"},
-          {"latency",
-           [](Made& s) { s.header.metadata.fields["latency_timer_s"] = "0.016"; },
+          {"latency", [](Made& s) { s.header.metadata.fields["latency_timer_s"] = "0.016"; },
            "for 16 ms", "latency_timer"}};
 }
 

@@ -27,9 +27,9 @@ TEST(CommandLine, OfPlainWordsIsWhatWasTyped) {
 }
 
 TEST(CommandLine, IsTakenApartIntoTheSameWords) {
-  const std::vector<std::string> words{"acquire", "--trigger", "rising 0.1mm", "",   "it's",
-                                       "$HOME",   "a;b",       "*",            "~",  "\"x\"",
-                                       "a\\b",    "#",         "(",            "&&", "''"};
+  const std::vector<std::string> words{
+      "acquire", "--trigger", "rising 0.1mm", "",  "it's", "$HOME", "a;b", "*",
+      "~",       "\"x\"",     "a\\b",         "#", "(",    "&&",    "''"};
   std::string expected;
   for (const std::string& word : words) expected += word + "\n";
   EXPECT_EQ(WordsBySh(CommandLine(words)), expected);

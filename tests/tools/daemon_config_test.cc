@@ -6,9 +6,11 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
-#include "tools/daemon/trial_name.h"
+#include "tools/daemon/sensor_keys.h"
+#include "tools/daemon/trial_pattern.h"
 
 namespace haptometer::tools {
 namespace {
@@ -124,7 +126,28 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"reserve_bytes = 0", "reserve_bytes: must be 1048576 or more"},
         Wrong{"flush_s = -1", "flush_s: is not from 0.01 s"},
         Wrong{"file = 'a/{name}'\n[[sensor]]\nname = 'a'\nport = 'p'", "file: is a path"},
+        Wrong{"file = '{utc}.bin'\n[[sensor]]\nname = 'a'\nport = 'p'\n"
+              "[[sensor]]\nname = 'b'\nport = 'q'",
+              "d.toml: file: \"{utc}.bin\" names all sensors' trials the same; write {name} in it"},
         Wrong{"file = '{nam}'\n[[sensor]]\nname = 'a'\nport = 'p'", "brace that means nothing"}));
+
+TEST(DaemonConfig, TheKeysOfASensorAreThoseThatThePageLists) {
+  std::ifstream page(std::string(HAPTOMETER_FIXTURES) + "/../docs/daemon.md");
+  const std::string text{std::istreambuf_iterator<char>(page), {}};
+  const auto begin = text.find("The options of a sensor are those of `acquire`");
+  const auto end = text.find("What changes a device", begin);
+  ASSERT_NE(begin, std::string::npos);
+  ASSERT_NE(end, std::string::npos);
+  const std::string list = text.substr(begin, end - begin);
+  std::vector<std::string> listed;
+  const std::regex code("`([a-z_]+)`");
+  for (std::sregex_iterator at(list.begin(), list.end(), code); at != std::sregex_iterator();
+       ++at) {
+    if ((*at)[1] != "acquire") listed.push_back((*at)[1]);
+  }
+  const auto names = SensorKeyNames();
+  EXPECT_THAT(listed, ::testing::UnorderedElementsAreArray(names.begin(), names.end()));
+}
 
 TEST(TrialName, IsFilledInAndNeverThatOfAnotherFile) {
   const fs::path directory =

@@ -25,6 +25,7 @@
 #include "tools/acquire/recording_header.h"
 #include "tools/acquire/recording_output.h"
 #include "tools/acquire/sensor_check.h"
+#include "tools/acquire/sensor_kind.h"
 #include "tools/acquire/tare.h"
 #include "tools/acquire/time_base_review.h"
 #include "tools/acquire/trial_name.h"
@@ -185,7 +186,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   const auto tare_m = Tare(**sensor, wanted, clock);
   if (!tare_m) return fail(tare_m.error());
   trial::TrialHeader header =
-      RecordingHeader(**sensor, wanted.sensor.sensor == "replay", plan.labels,
+      RecordingHeader(**sensor, IsSensor(wanted.sensor.sensor, SensorType::kReplay), plan.labels,
                       cli::CommandLine(words));
   if (*tare_m) header.metadata.tare_m = **tare_m;
   const auto limits = LimitsOf(plan, header, clock);

@@ -59,13 +59,13 @@ struct ToneGain {
 /// The whole list, always the same points in the same order: sensor, distance, hold, high-pass,
 /// averaging, rate, noise, repeated, bad, clock, latency. Pure.
 ///
-/// kFix where: no reading came, or the connection was lost; a value lies outside the head's linear range (data sheet of the
-/// heads; others unknown); the amplifier holds; its high-pass or difference filter is on; averaging
-/// takes more than 10 % at 175 or 225 Hz or 3 dB at a corner; fewer than 2.56 new readings a period
-/// of the upper corner; the noise cannot be told, or is too large for question.smallest_rms_m; over
-/// 10 % of the readings are repeated, or one value stood for half of them; over 0.1 % are bad; a
-/// gap; a polled reading's time is uncertain by a tenth of the upper corner's period; an adapter's
-/// latency timer is above 1 ms.
+/// kFix where: no reading came, or the connection was lost; a value lies outside the head's linear
+/// range (data sheet of the heads; others unknown); the amplifier holds; its high-pass or
+/// difference filter is on; averaging takes more than 10 % at 175 or 225 Hz or 3 dB at a corner;
+/// fewer than 2.56 new readings a period of the upper corner; the noise cannot be told, or is too
+/// large for question.smallest_rms_m; over 10 % of the readings are repeated, or one value stood
+/// for half of them; over 0.1 % are bad; a gap; a polled reading's time is uncertain by a tenth of
+/// the upper corner's period; an adapter's latency timer is above 1 ms.
 [[nodiscard]] std::vector<CheckItem> CheckList(const trial::TrialHeader& header,
                                                const CheckFindings& findings,
                                                const CheckQuestion& question);

@@ -31,8 +31,8 @@ enum class LiveStyle : std::uint8_t {
 /// tens of milliseconds, which the reading thread does not have.
 class LiveView {
  public:
-  /// Begins to show; `meter` must outlive the view. `output_closed` may be empty; it is called, from
-  /// another thread, whenever a line on stdout could not be written.
+  /// Begins to show; `meter` must outlive the view. `output_closed` may be empty; it is called,
+  /// from another thread, whenever a line on stdout could not be written.
   LiveView(const LiveMeter& meter, const dsp::BandPass& band, LiveStyle style,
            std::function<void()> output_closed = {});
   /// Ends at once and clears what was written over.

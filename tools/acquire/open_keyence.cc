@@ -12,6 +12,7 @@
 #include "acquire/sensor/keyence_il.h"
 #include "acquire/sensor/keyence_lkg.h"
 #include "acquire/transport/open_port.h"
+#include "tools/acquire/sensor_kind.h"
 
 namespace haptometer::tools {
 namespace {
@@ -20,8 +21,8 @@ using acquire::Sensor;
 
 constexpr int kDefaultBaud = 9600;
 
-bool IsLkg(const SensorOptions& wanted) { return wanted.sensor == "keyence-lkg"; }
-bool IsEn1(const SensorOptions& wanted) { return wanted.sensor == "keyence-en1"; }
+bool IsLkg(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceLkg); }
+bool IsEn1(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceEn1); }
 
 int BaudOf(const SensorOptions& wanted) {
   return static_cast<int>(wanted.baud.value_or(kDefaultBaud));
@@ -102,26 +103,24 @@ Result<void> CheckCommand(const SensorOptions& wanted) {
 
 }  // namespace
 
-bool IsKeyence(const std::string& sensor) { return sensor.starts_with("keyence-"); }
-
-Result<void> CheckKeyence(const SensorOptions& wanted) {
-  const bool is_il = IsKeyence(wanted.sensor) && !IsLkg(wanted);
-  if (!is_il && !wanted.settings.empty()) {
+Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
+  if (!kind.is_il && !wanted.settings.empty()) {
     return Usage("--set", "is for the amplifiers of the IL series", "leave it out");
   }
-  if (!is_il && wanted.device_zero) {
+  if (!kind.is_il && wanted.device_zero) {
     return Usage("--device-zero", "is for the amplifiers of the IL series", "leave it out");
   }
   if (wanted.decimals && !IsEn1(wanted) && !IsLkg(wanted)) {
     return Usage("--decimals", "is for keyence-en1 and keyence-lkg: others send the point",
                  "leave it out");
   }
-  if (!IsKeyence(wanted.sensor)) {
+  if (!kind.is_keyence) {
     if (wanted.command.empty()) return {};
     return Usage("--command", "is for keyence-en1, keyence-il and keyence-lkg", "leave it out");
   }
   const auto& bauds = acquire::dl_rs1a::kBauds;
-  if (wanted.sensor == "keyence-il" && std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
+  if (kind.type == SensorType::kKeyenceIl &&
+      std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
     return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", BaudOf(wanted)),
                  "use 2400, 4800, 9600, 19200 or 38400");
   }

@@ -13,8 +13,10 @@
 #include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
+#include "base/check.h"
 #include "tools/acquire/open_keyence.h"
 #include "tools/acquire/scene_sensor.h"
+#include "tools/acquire/sensor_kind.h"
 
 namespace haptometer::tools {
 namespace {
@@ -81,10 +83,24 @@ Result<std::unique_ptr<Sensor>> OpenPlayed(const SensorOptions& wanted, Clock& c
 }  // namespace
 
 Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& clock) {
-  if (wanted.sensor == "replay" || wanted.is_scene()) return OpenPlayed(wanted, clock);
-  if (wanted.sensor == "pipe") return OpenPipe(wanted, clock);
-  if (wanted.sensor == "modbus") return OpenModbus(wanted, clock);
-  return IsKeyence(wanted.sensor) ? OpenKeyence(wanted, clock) : OpenStream(wanted, clock);
+  const SensorKind* kind = FindSensorKind(wanted.sensor);
+  HAPTOMETER_CHECK(kind != nullptr, "sensor '{}' was not checked", wanted.sensor);
+  switch (kind->type) {
+    case SensorType::kKeyenceEn1:
+    case SensorType::kKeyenceIl:
+    case SensorType::kKeyenceLkg:
+      return OpenKeyence(wanted, clock);
+    case SensorType::kModbus:
+      return OpenModbus(wanted, clock);
+    case SensorType::kPipe:
+      return OpenPipe(wanted, clock);
+    case SensorType::kReplay:
+    case SensorType::kScene:
+      return OpenPlayed(wanted, clock);
+    case SensorType::kStream:
+      break;
+  }
+  return OpenStream(wanted, clock);
 }
 
 }  // namespace haptometer::tools

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "tools/acquire/sensor_kind.h"
 #include "tools/acquire/trial_name.h"
 #include "tools/acquire/wall_time.h"
 #include "tools/cli/key_values.h"
@@ -69,10 +70,10 @@ Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
 Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOptions& sensor,
                               RecordingPlan& plan) {
   if (wanted.reconnect.empty()) return {};
-  const bool is_scene = sensor.is_scene();
-  if (sensor.sensor == "replay" || sensor.sensor == "pipe" || is_scene) {
+  const SensorKind* kind = FindSensorKind(sensor.sensor);
+  if (kind != nullptr && kind->ends_by_itself) {
     return Usage("--reconnect",
-                 fmt::format("a {} cannot come back", is_scene ? "scene" : sensor.sensor),
+                 fmt::format("a {} cannot come back", sensor.is_scene() ? "scene" : kind->name),
                  "leave it out");
   }
   plan.reconnects = true;
@@ -125,7 +126,7 @@ Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const Sensor
   if (auto planned = PlanReconnection(wanted, sensor, plan); !planned) {
     return std::unexpected(planned.error());
   }
-  if (wanted.tare && sensor.sensor == "replay") {
+  if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
     return Usage("--tare", "a replay has the zero of its recording", "leave it out");
   }
   return plan;
@@ -144,7 +145,7 @@ Result<void> CheckOutput(const RecordingOptions& wanted, const SensorOptions& se
     }
     return {};
   }
-  if (sensor.sensor == "replay" && fs::equivalent(sensor.port, output, error)) {
+  if (IsSensor(sensor.sensor, SensorType::kReplay) && fs::equivalent(sensor.port, output, error)) {
     return Usage(output, "is the trial that is played", "give another file to -o");
   }
   if (!wanted.overwrite && fs::exists(fs::symlink_status(output, error))) {

@@ -1,28 +1,22 @@
 #include "tools/acquire/sensor_options.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "tools/acquire/open_keyence.h"
+#include "tools/acquire/sensor_kind.h"
 #include "trial/import/csv_comment.h"
 
 namespace haptometer::tools {
 namespace {
 
-constexpr std::array<std::string_view, 7> kSensors{
-    "keyence-en1", "keyence-il", "keyence-lkg", "modbus", "pipe", "replay", "stream"};
-
 // options that only some sensors have, given to one that has not
-Result<void> CheckBelonging(const SensorOptions& wanted) {
-  const bool is_pipe = wanted.sensor == "pipe";
-  const bool is_played = wanted.sensor == "replay" || wanted.is_scene();
-  if (!wanted.format.empty() && wanted.sensor != "stream" && !is_pipe) {
+Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind) {
+  const bool is_pipe = kind.type == SensorType::kPipe;
+  if (!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe) {
     return Usage("--format", "is for lines that come unasked and for samples",
                  "add --sensor stream or --sensor pipe");
   }
@@ -30,11 +24,11 @@ Result<void> CheckBelonging(const SensorOptions& wanted) {
                                        std::pair("--calibration", !wanted.calibration.empty())}) {
     if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
   }
-  if (wanted.rate_hz && !is_pipe && wanted.sensor != "modbus" && !IsKeyence(wanted.sensor)) {
+  if (wanted.rate_hz && !is_pipe && !kind.is_asked) {
     return Usage("--rate", "is for samples, and for what is asked: the others have their own",
                  "leave it out");
   }
-  if (!wanted.speed.empty() && !is_played) {
+  if (!wanted.speed.empty() && !kind.is_played) {
     return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
   }
   return {};
@@ -54,8 +48,8 @@ Result<void> CheckPipe(const SensorOptions& wanted) {
   return {};
 }
 
-Result<void> CheckModbus(const SensorOptions& wanted) {
-  const bool is_modbus = wanted.sensor == "modbus";
+Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
+  const bool is_modbus = kind.type == SensorType::kModbus;
   if (is_modbus == wanted.profile.empty()) {
     return Usage("--profile", "belongs to --sensor modbus, and that needs it",
                  "give both, e.g. --sensor modbus --profile baumer-om20");
@@ -115,21 +109,22 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
 }
 
 Result<void> CheckSensor(const SensorOptions& wanted) {
-  if (!wanted.is_scene() && std::ranges::find(kSensors, wanted.sensor) == kSensors.end()) {
+  const SensorKind* kind = FindSensorKind(wanted.sensor);
+  if (kind == nullptr) {
     return Usage("--sensor", fmt::format("'{}' is not known", wanted.sensor),
-                 fmt::format("use one of {}, scene:FILE", fmt::join(kSensors, ", ")));
+                 "use one of " + SensorNames());
   }
   if (wanted.is_scene() && !wanted.port.empty()) {
     return Usage("--port", "a scene has none", "leave it out");
   }
-  if (auto belongs = CheckBelonging(wanted); !belongs) return belongs;
-  if (auto checked = CheckKeyence(wanted); !checked) return checked;
+  if (auto belongs = CheckBelonging(wanted, *kind); !belongs) return belongs;
+  if (auto checked = CheckKeyence(wanted, *kind); !checked) return checked;
   if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
-  if (auto fits = CheckModbus(wanted); !fits) return fits;
+  if (auto fits = CheckModbus(wanted, *kind); !fits) return fits;
   if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
     return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");
   }
-  if (wanted.sensor == "pipe") return CheckPipe(wanted);
+  if (kind->type == SensorType::kPipe) return CheckPipe(wanted);
   if (wanted.port.empty() && !wanted.is_scene()) {
     return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
   }

@@ -17,7 +17,10 @@ constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 class TareMean {
  public:
   TareMean(const trial::TrialHeader& header, std::size_t channel, MonotonicNs begin_ns)
-      : header_(header), channel_(channel), begin_ns_(begin_ns), patient_until_ns_(Later(begin_ns)) {}
+      : header_(header),
+        channel_(channel),
+        begin_ns_(begin_ns),
+        patient_until_ns_(Later(begin_ns)) {}
 
   void Add(const acquire::Reading& reading, MonotonicNs now_ns) {
     const trial::Sample& sample = reading.samples[channel_];

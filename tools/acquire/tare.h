@@ -15,9 +15,9 @@ namespace haptometer::tools {
 /// `sensor` is started and has not begun; it is left where Sensor::Begin may be called again, with
 /// nothing outstanding. Of a uniform source the second is its own (rate_hz rows, whenever they
 /// come, waited for up to 3 s each), of others the clock's, and 3 s where measurements are missing.
-/// Returns early when `stop` is set. `name` stands in errors (Cause::kCannotAnswer: no such channel,
-/// no measurement came, the source ended or fell silent; Cause::kFailed: the connection was lost,
-/// whether or not it would be waited for in a recording).
+/// Returns early when `stop` is set. `name` stands in errors (Cause::kCannotAnswer: no such
+/// channel, no measurement came, the source ended or fell silent; Cause::kFailed: the connection
+/// was lost, whether or not it would be waited for in a recording).
 [[nodiscard]] Result<double> MeasureTare(acquire::Sensor& sensor, Clock& clock,
                                          const std::atomic<bool>& stop, const std::string& name);
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "base/toml_table.h"
+#include "tools/acquire/sensor_kind.h"
 #include "tools/daemon/sensor_keys.h"
 #include "tools/longest_time.h"
 
@@ -68,11 +69,6 @@ DaemonSensor ReadSensor(TomlTable& table, const std::map<std::string, std::strin
   return sensor;
 }
 
-// nothing to wait for once it is over
-bool EndsByItself(const SensorOptions& options) {
-  return options.sensor == "pipe" || options.sensor == "replay" || options.is_scene();
-}
-
 // what the keys alone do not show, once all are read
 Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) {
   if (config.sensors.empty()) {
@@ -89,7 +85,9 @@ Result<void> CheckSensors(const DaemonConfig& config, const std::string& where) 
       return Usage(place, fmt::format("{} is another sensor's port too", sensor.options.port),
                    "give each [[sensor]] its own port");
     }
-    if (EndsByItself(sensor.options)) {
+    // nothing to wait for once it is over
+    const SensorKind* kind = FindSensorKind(sensor.options.sensor);
+    if (kind != nullptr && kind->ends_by_itself) {
       return Usage(place, fmt::format("{} ends by itself", sensor.options.sensor),
                    "record it with acquire, without --daemon");
     }
@@ -116,7 +114,9 @@ Result<DaemonConfig> Read(TomlTable table) {
     config.sensors.push_back(ReadSensor(*sensor, labels));
   }
   if (auto done = table.Finish(); !done) return std::unexpected(done.error());
-  if (auto checked = CheckPattern(config.trials.file, table.where() + ": file"); !checked) {
+  if (auto checked =
+          CheckPattern(config.trials.file, config.sensors.size(), table.where() + ": file");
+      !checked) {
     return std::unexpected(checked.error());
   }
   if (auto checked = CheckSensors(config, table.where()); !checked) {

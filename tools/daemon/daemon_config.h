@@ -9,7 +9,7 @@
 #include "acquire/recorder/trial_rotation.h"
 #include "base/result.h"
 #include "tools/acquire/sensor_options.h"
-#include "tools/daemon/trial_name.h"
+#include "tools/daemon/trial_pattern.h"
 
 namespace haptometer::tools {
 

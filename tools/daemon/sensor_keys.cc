@@ -74,4 +74,10 @@ SensorOptions ReadSensorKeys(TomlTable& table) {
   return options;
 }
 
+std::vector<std::string_view> SensorKeyNames() {
+  std::vector<std::string_view> names;
+  for (const Key& key : kKeys) names.push_back(key.name);
+  return names;
+}
+
 }  // namespace haptometer::tools

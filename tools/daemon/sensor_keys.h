@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string_view>
+#include <vector>
+
 #include "base/toml_table.h"
 #include "tools/acquire/sensor_options.h"
 
@@ -9,5 +12,8 @@ namespace haptometer::tools {
 /// `refresh_s = "7ms"`. What is wrong shows in the table's Finish(); what the sensor does not have,
 /// in CheckSensor().
 [[nodiscard]] SensorOptions ReadSensorKeys(TomlTable& table);
+
+/// The names of all these keys.
+[[nodiscard]] std::vector<std::string_view> SensorKeyNames();
 
 }  // namespace haptometer::tools

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "acquire/sensor/retry_pause.h"
 #include "tools/acquire/open_sensor.h"
 #include "tools/acquire/recording_header.h"
 #include "tools/cli/report.h"
@@ -14,8 +15,6 @@ namespace haptometer::tools {
 namespace {
 
 constexpr MonotonicNs kMs = 1'000'000;
-constexpr MonotonicNs kFirstWaitNs = 50 * kMs;
-constexpr MonotonicNs kLongestWaitNs = 250 * kMs;  // a device that comes is noticed within a second
 constexpr MonotonicNs kLookForRoomEveryNs = kNsPerS;
 constexpr MonotonicNs kLongestRetryNs = 60 * kNsPerS;  // each attempt may leave an empty file
 constexpr MonotonicNs kRateOverNs = 2 * kNsPerS;
@@ -101,7 +100,7 @@ bool SensorLoop::WaitForRoom() {
 
 std::unique_ptr<acquire::ReconnectingSensor> SensorLoop::WaitForDevice() {
   const auto open = [this] { return OpenSensor(wanted_.options, clock_); };
-  MonotonicNs wait_ns = kFirstWaitNs;
+  acquire::RetryPause pause;
   while (!stop_.load()) {
     reading_.Beat(clock_.Now());
     auto sensor = std::make_unique<acquire::ReconnectingSensor>(open, std::nullopt, clock_);
@@ -115,8 +114,7 @@ std::unique_ptr<acquire::ReconnectingSensor> SensorLoop::WaitForDevice() {
       refused_ = started.error();
       break;
     }
-    Nap(wait_ns);
-    wait_ns = std::min(2 * wait_ns, kLongestWaitNs);
+    Nap(pause.Next());
   }
   return nullptr;
 }

@@ -111,8 +111,8 @@ Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   for (std::size_t s = 0; s < panel.series.size(); ++s) {
     script += DataBlock(0, s, panel.series[s]);
   }
-  const auto run = RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot",
-                              kLongestTextNs);
+  const auto run =
+      RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot", kLongestTextNs);
   if (!run) return std::unexpected(run.error());
   std::string text = drawing.Content();
   if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");

@@ -19,7 +19,9 @@ MemoryFile::MemoryFile(std::string_view content) : descriptor_(memfd_create("plo
 
 MemoryFile::~MemoryFile() { close(descriptor_); }
 
-std::string MemoryFile::path() const { return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_); }
+std::string MemoryFile::path() const {
+  return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
+}
 
 std::string MemoryFile::Content() const {
   std::string content;

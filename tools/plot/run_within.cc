@@ -66,8 +66,8 @@ Result<bool> RunWithin(const std::vector<std::string>& words, const std::string&
   if (status) return WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
   kill(*process, SIGKILL);
   waitpid(*process, nullptr, 0);
-  return Failed("", fmt::format("{} did not end within {:g} s", words[0],
-                                SecondsFromNs(longest_ns)));
+  return Failed("",
+                fmt::format("{} did not end within {:g} s", words[0], SecondsFromNs(longest_ns)));
 }
 
 }  // namespace haptometer::plot

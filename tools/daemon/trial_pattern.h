@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -15,8 +16,10 @@ struct TrialPattern {
   std::string file = "{name}-{utc}-{part}.bin";
 };
 
-/// Errors (Cause::kUsage), naming `where`: empty, a directory in it, another brace.
-[[nodiscard]] Result<void> CheckPattern(std::string_view file, std::string_view where);
+/// Errors (Cause::kUsage), naming `where`: empty, a directory in it, another brace, no {name} for
+/// several `sensors`.
+[[nodiscard]] Result<void> CheckPattern(std::string_view file, std::size_t sensors,
+                                        std::string_view where);
 
 /// The path of the next trial. `utc` is UtcNow()'s. Where a file of this name is there already (the
 /// wall clock was set back), "-2", "-3", ... makes it another.

@@ -1,14 +1,13 @@
-#include "tools/daemon/trial_name.h"
+#include "tools/daemon/trial_pattern.h"
 
 #include <fmt/core.h>
 
 #include <filesystem>
-#include <system_error>
+
+#include "tools/new_trial_path.h"
 
 namespace haptometer::tools {
 namespace {
-
-namespace fs = std::filesystem;
 
 void Replace(std::string& text, std::string_view placeholder, std::string_view by) {
   for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos;) {
@@ -26,16 +25,9 @@ std::string Filled(std::string_view pattern, std::string_view name, std::string_
   return text;
 }
 
-// 2026-03-01T12:00:00.000Z -> 20260301T120000Z
-std::string Compact(std::string_view utc) {
-  std::string text(utc.substr(0, utc.find('.')));
-  std::erase_if(text, [](char c) { return c == '-' || c == ':'; });
-  return text + "Z";
-}
-
 }  // namespace
 
-Result<void> CheckPattern(std::string_view file, std::string_view where) {
+Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::string_view where) {
   constexpr const char* kRemedy = "write a name with {name}, {utc} and {part} in it";
   if (file.empty()) return Usage(std::string(where), "is empty", kRemedy);
   const std::string filled = Filled(file, "n", "u", 1);
@@ -46,20 +38,17 @@ Result<void> CheckPattern(std::string_view file, std::string_view where) {
     return Usage(std::string(where), fmt::format("\"{}\" has a brace that means nothing", file),
                  kRemedy);
   }
+  if (sensors > 1 && !file.contains("{name}")) {
+    return Usage(std::string(where), fmt::format("\"{}\" names all sensors' trials the same", file),
+                 "write {name} in it");
+  }
   return {};
 }
 
 std::string NextTrialPath(const TrialPattern& pattern, std::string_view name, std::string_view utc,
                           std::uint64_t part) {
-  const fs::path path =
-      fs::path(pattern.directory) / Filled(pattern.file, name, Compact(utc), part);
-  fs::path free = path;
-  std::error_code error;
-  for (int attempt = 2; fs::exists(fs::symlink_status(free, error)); ++attempt) {
-    free = path.parent_path() /
-           fmt::format("{}-{}{}", path.stem().string(), attempt, path.extension().string());
-  }
-  return free;
+  const std::string file = Filled(pattern.file, name, CompactUtc(utc), part);
+  return FirstFreePath((std::filesystem::path(pattern.directory) / file).string(), '-');
 }
 
 }  // namespace haptometer::tools
