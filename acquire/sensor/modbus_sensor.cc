@@ -219,14 +219,13 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
 MonotonicNs ModbusSensor::Begin() {
   const MonotonicNs now = clock_.Now();
   next_poll_ns_ = now;
-  const bool start_was_silent = std::exchange(start_was_silent_, false);
   if (phase_ == Phase::kWaiting && !is_rtu()) {
     phase_ = Phase::kFree;  // its identifier will tell
   } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
     // what was asked before stays outstanding, but its row is none of this recording
     phase_ = has_checks_ ? Phase::kDraining : Phase::kSettling;
     drain_until_ns_ = request_ns_ + profile_.longest_reply_ns;
-  } else if (phase_ == Phase::kFree && start_was_silent && is_rtu()) {
+  } else if (phase_ == Phase::kFree && std::exchange(start_was_silent_, false) && is_rtu()) {
     phase_ = Phase::kSettling;
     drain_until_ns_ = now + profile_.longest_reply_ns;
   }

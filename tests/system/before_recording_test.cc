@@ -187,6 +187,28 @@ TEST_F(BeforeRecording, ATareTakesAPipesFirstSecondAndTheRecordingHasAllThatFoll
   EXPECT_THAT(ended.err, HasSubstr("ended during --tare"));
 }
 
+TEST_F(BeforeRecording, ASceneIsPlayedFromItsStartAfterATareToo) {
+  const auto rows = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"acquire", "--sensor", "scene:" + kScene, "--speed",    "max",
+                                   "-o",      trial_,     "--overwrite",     "--duration", "0.1s"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome acquired = RunProgram(words);
+    EXPECT_EQ(acquired.status, 0) << acquired.err;
+    const Outcome exported = RunProgram(
+        {"haptometer", "trial", "export", trial_, "-o", directory_ / "rows.csv", "--overwrite"});
+    EXPECT_EQ(exported.status, 0) << exported.err;
+    std::ifstream csv(directory_ / "rows.csv");
+    std::string text;
+    for (std::string line; std::getline(csv, line);) {
+      if (!line.starts_with('#')) text += line + '\n';
+    }
+    return text;
+  };
+  const std::string plain = rows({});
+  EXPECT_GT(plain.size(), 1000U);
+  EXPECT_EQ(rows({"--tare"}), plain);
+}
+
 TEST_F(BeforeRecording, ATriggerBeginsEachShotAndEarlierRowsAreKept) {
   EmulateStream();
   // +-283 um at 225 Hz: it rises through 0.1 mm every 44 rows

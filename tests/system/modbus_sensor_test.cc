@@ -40,6 +40,24 @@ TEST_P(ModbusSystem, ATrialHoldsWhatTheSensorSent) {
 
 INSTANTIATE_TEST_SUITE_P(Wires, ModbusSystem, ::testing::Bool());
 
+TEST(ModbusCommand, TellsTheErrorsOnTheWireAfterTheRecording) {
+  Process emulator({"haptometer", "emulate", "--scene", kScene, "--protocol", "modbus", "--profile",
+                    "baumer-om20", "--fault", "crc:5"});
+  const auto port = emulator.WaitForLine("ready ", 20);
+  ASSERT_TRUE(port);
+  const std::string trial =
+      fs::path(::testing::TempDir()) / ("modbus_errors_" + std::to_string(::getpid()) + ".bin");
+  const Outcome acquired = RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20",
+                                       "--port", *port, "--samples", "30", "-o", trial});
+  fs::remove(trial);
+  EXPECT_EQ(acquired.status, 0) << acquired.err;
+  EXPECT_THAT(acquired.err, ::testing::HasSubstr("errors on the wire: "));
+  // what was said before the recording is not said again
+  const auto first = acquired.err.find("readings/s");
+  EXPECT_NE(first, std::string::npos);
+  EXPECT_EQ(acquired.err.find("at most 91 readings/s", first + 1), std::string::npos);
+}
+
 TEST(ModbusCommand, SaysWhatIsMissing) {
   const Outcome bare = RunProgram({"acquire", "--sensor", "modbus", "--port", "x", "-o", "/x"});
   EXPECT_EQ(bare.status, 2);
