@@ -62,7 +62,7 @@ class CountingSensor final : public Sensor {
 
   std::vector<trial::SampleStatus> statuses;  ///< in turn; empty: all ok
   bool waits_for_us = false;
-  std::vector<std::int64_t> lost_before;      ///< in turn; empty: none
+  std::vector<std::int64_t> lost_before;  ///< in turn; empty: none
 
  private:
   Clock& clock_;

@@ -14,8 +14,8 @@ void InterruptAsBy(int signal);
 /// Set to true by the first signal; a recorder polls it.
 [[nodiscard]] const std::atomic<bool>& Interrupted();
 
-/// 130 after SIGINT, 143 after SIGTERM, 129 after SIGHUP, 141 for SIGPIPE, `otherwise` when no signal
-/// came.
+/// 130 after SIGINT, 143 after SIGTERM, 129 after SIGHUP, 141 for SIGPIPE, `otherwise` when no
+/// signal came.
 [[nodiscard]] int InterruptedStatus(int otherwise);
 
 }  // namespace haptometer::cli

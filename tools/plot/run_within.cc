@@ -22,6 +22,7 @@ constexpr MonotonicNs kLookEveryNs = 5'000'000;
 // the program's process, or why there is none
 Result<pid_t> Start(const std::vector<std::string>& words, int input) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   posix_spawn_file_actions_t actions;
