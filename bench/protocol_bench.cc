@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/line_framer.h"
 #include "acquire/protocol/stream_line.h"
 

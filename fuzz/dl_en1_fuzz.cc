@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/dl_en1.h"
+#include "acquire/protocol/keyence/dl_en1.h"
 #include "fuzz/require.h"
 
 namespace {

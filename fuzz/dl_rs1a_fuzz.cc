@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "fuzz/split_lines.h"
 
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/lkg.h"
+#include "acquire/protocol/keyence/lkg.h"
 #include "fuzz/split_lines.h"
 
 namespace {

@@ -12,7 +12,7 @@
 #include "acquire/emulator/lkg_unit.h"
 #include "acquire/emulator/server.h"
 #include "acquire/emulator/stream_head.h"
-#include "acquire/protocol/dl_en1.h"
+#include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/interrupt.h"

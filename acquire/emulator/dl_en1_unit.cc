@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "acquire/protocol/dl_en1.h"
+#include "acquire/protocol/keyence/dl_en1.h"
 #include "base/check.h"
 
 namespace haptometer::acquire::emulator {

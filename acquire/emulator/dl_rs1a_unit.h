@@ -5,7 +5,7 @@
 #include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "base/result.h"
 
 namespace haptometer::acquire::emulator {

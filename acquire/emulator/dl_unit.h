@@ -8,7 +8,7 @@
 
 #include "acquire/emulator/asked_unit.h"
 #include "acquire/emulator/il_amplifier.h"
-#include "acquire/protocol/dl_line.h"
+#include "acquire/protocol/keyence/dl_line.h"
 
 namespace haptometer::acquire::emulator {
 

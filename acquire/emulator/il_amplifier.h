@@ -6,7 +6,7 @@
 #include <string>
 
 #include "acquire/emulator/moving_head.h"
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/value.h"
 #include "base/result.h"
 

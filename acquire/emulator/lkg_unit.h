@@ -7,7 +7,7 @@
 #include "acquire/emulator/asked_unit.h"
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
-#include "acquire/protocol/lkg.h"
+#include "acquire/protocol/keyence/lkg.h"
 #include "base/result.h"
 
 namespace haptometer::acquire::emulator {

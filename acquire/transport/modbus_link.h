@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/modbus_frame.h"
+#include "acquire/protocol/modbus/modbus_frame.h"
 #include "base/clock.h"
 
 namespace haptometer::acquire {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "acquire/protocol/modbus_frame.h"
+#include "acquire/protocol/modbus/modbus_frame.h"
 #include "acquire/transport/modbus_link.h"
 #include "base/result.h"
 

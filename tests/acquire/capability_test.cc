@@ -1,5 +1,5 @@
 // What sensors can answer, against numbers worked out from their manuals.
-#include "acquire/sensor/capability.h"
+#include "acquire/ability/capability.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

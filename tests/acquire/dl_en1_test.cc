@@ -1,5 +1,5 @@
 // The DL-EN1's lines against the maker's manual: bytes as they stand there, never as we write them.
-#include "acquire/protocol/dl_en1.h"
+#include "acquire/protocol/keyence/dl_en1.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The DL-RS1A's lines against the maker's manual: bytes as they stand there, never as we write
 // them.
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 
 #include <gtest/gtest.h>
 

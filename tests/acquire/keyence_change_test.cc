@@ -8,7 +8,7 @@
 
 #include "acquire/emulator/dl_en1_unit.h"
 #include "acquire/emulator/dl_rs1a_unit.h"
-#include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
 #include "tests/acquire/sensor_rows.h"

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/scripted_il_unit.h"
 #include "tests/residual.h"
 

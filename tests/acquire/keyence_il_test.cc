@@ -1,5 +1,5 @@
 // A DL-RS1A on a scripted wire and a manual clock: every way in which a reply can come, or not.
-#include "acquire/sensor/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_il.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // An LK-G3001 on a manual clock: what its start finds, and what its values become.
-#include "acquire/sensor/keyence_lkg.h"
+#include "acquire/sensor/keyence/keyence_lkg.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

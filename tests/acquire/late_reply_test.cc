@@ -10,11 +10,11 @@
 #include <random>
 #include <string>
 
-#include "acquire/protocol/dl_en1.h"
-#include "acquire/protocol/dl_rs1a.h"
-#include "acquire/protocol/lkg.h"
-#include "acquire/sensor/keyence_il.h"
-#include "acquire/sensor/keyence_lkg.h"
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/protocol/keyence/lkg.h"
+#include "acquire/sensor/keyence/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_lkg.h"
 #include "tests/acquire/scripted_transport.h"
 
 namespace haptometer::acquire {

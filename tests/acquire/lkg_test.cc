@@ -1,5 +1,5 @@
 // The LK-G3001's lines against the maker's manual (p. 5-5, 5-6, 5-24): bytes as they stand there.
-#include "acquire/protocol/lkg.h"
+#include "acquire/protocol/keyence/lkg.h"
 
 #include <gtest/gtest.h>
 

@@ -20,7 +20,7 @@
 #include "acquire/emulator/endpoint.h"
 #include "acquire/emulator/modbus_unit.h"
 #include "acquire/emulator/server.h"
-#include "acquire/sensor/modbus_sensor.h"
+#include "acquire/sensor/modbus/modbus_sensor.h"
 #include "tests/acquire/pty_pair.h"
 #include "tests/acquire/sensor_rows.h"
 #include "tests/residual.h"

@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "acquire/protocol/modbus_frame.h"
-#include "acquire/protocol/modbus_value.h"
+#include "acquire/protocol/modbus/modbus_frame.h"
+#include "acquire/protocol/modbus/modbus_value.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {

@@ -1,5 +1,5 @@
 // A Modbus sensor on a scripted link and a manual clock: what may come, and what it means.
-#include "acquire/sensor/modbus_sensor.h"
+#include "acquire/sensor/modbus/modbus_sensor.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

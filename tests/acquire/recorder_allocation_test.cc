@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "acquire/recorder/recorder.h"
-#include "acquire/sensor/keyence_il.h"
-#include "acquire/sensor/keyence_lkg.h"
-#include "acquire/sensor/modbus_sensor.h"
+#include "acquire/sensor/keyence/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_lkg.h"
+#include "acquire/sensor/modbus/modbus_sensor.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/stream_sensor.h"
 #include "tests/acquire/counting_sensor.h"

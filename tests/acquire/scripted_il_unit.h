@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "acquire/protocol/dl_rs1a.h"
-#include "acquire/sensor/keyence_il.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
 

@@ -1,5 +1,5 @@
 // Sensor profiles: the built-in ones against the makers' frames, and the file format as documented.
-#include "acquire/sensor/sensor_profile.h"
+#include "acquire/sensor/modbus/sensor_profile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The smallest RMS that may be reported, against its equation and against noise from a generator.
-#include "acquire/sensor/smallest_rms.h"
+#include "acquire/ability/smallest_rms.h"
 
 #include <gtest/gtest.h>
 

@@ -45,11 +45,11 @@ TEST(ModbusCommand, TellsTheErrorsOnTheWireAfterTheRecording) {
                     "baumer-om20", "--fault", "crc:5"});
   const auto port = emulator.WaitForLine("ready ", 20);
   ASSERT_TRUE(port);
-  const std::string trial =
-      fs::path(::testing::TempDir()) / ("modbus_errors_" + std::to_string(::getpid()) + ".bin");
+  const std::string trial = std::filesystem::path(::testing::TempDir()) /
+                            ("modbus_errors_" + std::to_string(::getpid()) + ".bin");
   const Outcome acquired = RunProgram({"acquire", "--sensor", "modbus", "--profile", "baumer-om20",
                                        "--port", *port, "--samples", "30", "-o", trial});
-  fs::remove(trial);
+  std::filesystem::remove(trial);
   EXPECT_EQ(acquired.status, 0) << acquired.err;
   EXPECT_THAT(acquired.err, ::testing::HasSubstr("errors on the wire: "));
   // what was said before the recording is not said again

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/ability/smallest_rms.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
-#include "acquire/sensor/smallest_rms.h"
 #include "tests/residual.h"
 #include "trial/sensor_head.h"
 

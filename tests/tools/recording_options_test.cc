@@ -1,5 +1,5 @@
 // The options of a recording: what is understood, and what is refused before anything is touched.
-#include "tools/acquire/recording_options.h"
+#include "tools/acquire/options/recording_options.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "tools/acquire/options/wall_time.h"
 #include "tools/acquire/trial_name.h"
-#include "tools/acquire/wall_time.h"
 
 namespace haptometer::tools {
 namespace {

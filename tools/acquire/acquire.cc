@@ -15,16 +15,16 @@
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
-#include "tools/acquire/acquire_options.h"
-#include "tools/acquire/keep_nothing.h"
+#include "tools/acquire/check/sensor_check.h"
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"
-#include "tools/acquire/live_meter.h"
-#include "tools/acquire/live_view.h"
+#include "tools/acquire/live/keep_nothing.h"
+#include "tools/acquire/live/live_meter.h"
+#include "tools/acquire/live/live_view.h"
 #include "tools/acquire/open_sensor.h"
+#include "tools/acquire/options/acquire_options.h"
 #include "tools/acquire/recording_header.h"
 #include "tools/acquire/recording_output.h"
-#include "tools/acquire/sensor_check.h"
 #include "tools/acquire/sensor_kind.h"
 #include "tools/acquire/tare.h"
 #include "tools/acquire/time_base_review.h"
@@ -99,6 +99,15 @@ LiveStyle StyleOf(const cli::Options& options, bool live) {
   return options.json() ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
 }
 
+// a device that goes away and comes back is worth a line each
+std::function<void(const acquire::RecordingSummary&)> TellAbsences() {
+  return [was_away = false](const acquire::RecordingSummary& summary) mutable {
+    if (summary.is_away == was_away) return;
+    was_away = summary.is_away;
+    cli::Remark(kVerb, was_away ? "the device is gone, and waited for" : "the device is back");
+  };
+}
+
 // the recording with those who look on
 Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& sink, Clock& clock,
                                               const acquire::RecordingLimits& limits,
@@ -106,7 +115,8 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
                                               const dsp::BandPass& band, LiveStyle style,
                                               const std::function<void()>& output_closed = {}) {
   if (style == LiveStyle::kNone) {
-    return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits);
+    return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
+                           {.progress = TellAbsences()});
   }
   LiveMeter meter(header, band);
   LiveView view(meter, band, style, output_closed);
@@ -117,11 +127,11 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
 }
 
 int Report(const cli::Options& options, const std::string& file, const trial::TrialHeader& header,
-           acquire::RecordingSummary summary, const std::string& port) {
+           acquire::RecordingSummary summary, const std::string& port, bool reconnects) {
   const auto time_base = ReviewTimeBase(file, header.timing, summary);
   if (time_base) {
     // the holes between shots are meant to be
-    if (summary.triggers == 0) summary.gaps = std::max(summary.gaps, time_base->gaps);
+    if (summary.triggers == 0) summary.gaps = time_base->gaps;
     cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
   }
   if (options.json()) {
@@ -130,21 +140,26 @@ int Report(const cli::Options& options, const std::string& file, const trial::Tr
     fmt::print("{}\n", SummaryLine(file, summary));
   }
   if (summary.connection_lost) {
-    return cli::ReportError(kVerb, {Cause::kFailed, port, "the connection was lost",
-                                    fmt::format("{}check cable and power, or let --reconnect TIME "
-                                                "wait for it",
-                                                file.empty() ? std::string()
-                                                             : file + " holds everything up to "
-                                                                      "then; ")});
+    const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
+    return cli::ReportError(
+        kVerb,
+        {Cause::kFailed, port,
+         reconnects ? "the device did not come back in time" : "the connection was lost",
+         kept + (reconnects ? "check cable and power, or give --reconnect longer"
+                            : "check cable and power, or let --reconnect TIME wait for it")});
   }
   const int status = cli::InterruptedStatus(0);
-  if (status == 0 && summary.bad() == summary.readings) {
-    return cli::ReportError(
-        kVerb, {Cause::kCannotAnswer, port,
-                summary.readings == 0 ? "no reading came" : "no reading was a measurement",
-                "check that the laser is on and meets its target within the range"});
+  if (status != 0 || summary.measured > 0) return status;
+  if (summary.readings == 0 && summary.seen > 0) {
+    return cli::ReportError(kVerb,
+                            {Cause::kCannotAnswer, port,
+                             fmt::format("the trigger did not fire in {} readings", summary.seen),
+                             "look at the values with --live, and set --trigger within them"});
   }
-  return status;
+  return cli::ReportError(
+      kVerb, {Cause::kCannotAnswer, port,
+              summary.readings == 0 ? "no reading came" : "no reading was a measurement",
+              "check that the laser is on and meets its target within the range"});
 }
 
 // into a trial, or, where none is named, past the eyes only
@@ -199,7 +214,7 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   if (!summary) return fail(summary.error());
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
   SayNew(**sensor, said);
-  return Report(options, file, header, *summary, PortName(wanted.sensor));
+  return Report(options, file, header, *summary, PortName(wanted.sensor), plan.reconnects);
 }
 
 int ListPorts(const cli::Options& options) {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "acquire/protocol/dl_rs1a.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
 #include "tools/cli/json.h"
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "acquire/sensor/capability.h"
+#include "acquire/ability/capability.h"
 #include "base/quantity.h"
 #include "base/result.h"
 

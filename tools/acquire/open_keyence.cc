@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "acquire/protocol/dl_en1.h"
-#include "acquire/protocol/dl_rs1a.h"
-#include "acquire/protocol/il_setting.h"
-#include "acquire/sensor/keyence_il.h"
-#include "acquire/sensor/keyence_lkg.h"
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/protocol/keyence/il_setting.h"
+#include "acquire/sensor/keyence/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_lkg.h"
 #include "acquire/transport/open_port.h"
 #include "tools/acquire/sensor_kind.h"
 

@@ -5,7 +5,7 @@
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
 #include "base/result.h"
-#include "tools/acquire/sensor_options.h"
+#include "tools/acquire/options/sensor_options.h"
 
 namespace haptometer::tools {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tools/acquire/sensor_options.h"
+#include "tools/acquire/options/sensor_options.h"
 
 namespace haptometer::tools {
 namespace {

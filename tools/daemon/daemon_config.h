@@ -8,7 +8,7 @@
 
 #include "acquire/recorder/trial_rotation.h"
 #include "base/result.h"
-#include "tools/acquire/sensor_options.h"
+#include "tools/acquire/options/sensor_options.h"
 #include "tools/daemon/trial_pattern.h"
 
 namespace haptometer::tools {

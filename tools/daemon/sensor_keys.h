@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/toml_table.h"
-#include "tools/acquire/sensor_options.h"
+#include "tools/acquire/options/sensor_options.h"
 
 namespace haptometer::tools {
 

@@ -1,0 +1,169 @@
+#include "acquire/protocol/keyence/lkg.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "acquire/protocol/digits.h"
+#include "acquire/protocol/keyence/fields.h"
+#include "base/check.h"
+
+namespace haptometer::acquire::lkg {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr std::size_t kValueWidth = 8;  // sign and seven characters
+constexpr int kMostDecimals = 5;
+constexpr std::array kCommands = {Command::kM0, Command::kM1, Command::kM2, Command::kQ0,
+                                  Command::kR0};
+
+char Upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+bool SameWord(std::string_view a, std::string_view b) {
+  return std::ranges::equal(a, b, [](char x, char y) { return Upper(x) == Upper(y); });
+}
+
+bool ReadValues(std::span<const std::string_view> fields, Reply& reply) {
+  if (fields.size() > kMostOuts) return false;
+  for (const std::string_view field : fields) {
+    const std::optional<Value> value = ParseValue(field);
+    if (!value) return false;
+    reply.values[reply.outs++] = *value;
+  }
+  return true;
+}
+
+bool ReadError(std::span<const std::string_view> fields, Reply& reply) {
+  if (fields.size() != 2 || fields[1].size() != 2) return false;
+  const std::optional<int> number = ParseDigits(fields[1]);
+  if (!number) return false;
+  reply.kind = ReplyKind::kError;
+  reply.refused = fields[0];
+  reply.error = *number;
+  return true;
+}
+
+}  // namespace
+
+std::string_view Name(Command command) {
+  switch (command) {
+    case Command::kM0:
+      return "M0";
+    case Command::kM1:
+      return "M1";
+    case Command::kM2:
+      return "M2";
+    case Command::kQ0:
+      return "Q0";
+    case Command::kR0:
+      return "R0";
+  }
+  return "";
+}
+
+std::size_t ValuesOf(Command command) {
+  if (command == Command::kM0) return 2;
+  return command == Command::kM1 || command == Command::kM2 ? 1 : 0;
+}
+
+std::string_view ErrorText(int number) {
+  switch (number) {
+    case kInvalidCommand:
+      return "the controller does not know the command";
+    case kStatus:
+      return "not in the controller's present mode";
+    case kCommandLength:
+      return "wrong length of the command";
+    case kParameterCount:
+      return "wrong number of parameters";
+    case kParameter:
+      return "a parameter is out of range";
+    case kTimeout:
+      return "the controller ran out of time";
+    case kOther:
+      return "another error";
+    default:
+      return "unknown error";
+  }
+}
+
+std::optional<Value> ParseValue(std::string_view text) {
+  if (text.size() != kValueWidth) return std::nullopt;
+  if (ConsistsOf(text, 'X') || ConsistsOf(text, '-')) {
+    return Value{kNoCounts, 0, SampleStatus::kInvalid};
+  }
+  const char sign = text[0];
+  if (sign != '+' && sign != '-') return std::nullopt;
+  text.remove_prefix(1);
+  if (ConsistsOf(text, 'F')) {
+    return Value{kNoCounts, 0, sign == '-' ? SampleStatus::kUnder : SampleStatus::kOver};
+  }
+  const std::size_t point = text.find('.');
+  if (point == 0 || point + 1 == text.size()) return std::nullopt;
+  std::string digits(text.substr(0, point));
+  if (point != std::string_view::npos) digits.append(text.substr(point + 1));
+  const std::optional<std::int32_t> size = ParseDigits(digits);
+  if (!size) return std::nullopt;
+  const int decimals =
+      point == std::string_view::npos ? 0 : static_cast<int>(text.size() - point - 1);
+  return Value{sign == '-' ? -*size : *size, decimals, SampleStatus::kOk};
+}
+
+std::string FormatValue(const Value& value) {
+  if (value.status == SampleStatus::kOver) return "+FFFFFFF";
+  if (value.status == SampleStatus::kUnder) return "-FFFFFFF";
+  if (!trial::IsMeasurement(value.status)) return std::string(kValueWidth, 'X');
+  HAPTOMETER_CHECK(value.decimals >= 0 && value.decimals <= kMostDecimals, "decimals = {}",
+                   value.decimals);
+  const int digits = value.decimals == 0 ? 7 : 6;
+  const std::int32_t size = std::abs(value.counts);
+  HAPTOMETER_CHECK(size < PowerOfTen(digits), "counts = {}", value.counts);
+  std::string text = fmt::format("{}{:0{}}", value.counts < 0 ? '-' : '+', size, digits);
+  if (value.decimals > 0) text.insert(text.size() - static_cast<std::size_t>(value.decimals), ".");
+  return text;
+}
+
+std::optional<Command> ParseRequest(std::string_view line) {
+  const auto known = std::ranges::find_if(
+      kCommands, [=](Command command) { return SameWord(Name(command), line); });
+  return known == kCommands.end() ? std::nullopt : std::optional(*known);
+}
+
+std::string FormatRequest(Command command) { return fmt::format("{}{}", Name(command), kLineEnd); }
+
+std::optional<Reply> ParseReply(std::string_view line) {
+  const Fields fields(line);
+  if (fields.too_many()) return std::nullopt;
+  const std::span<const std::string_view> rest = fields.Rest();
+  Reply reply;
+  bool valid = false;
+  if (fields[0] == "ER") {
+    valid = ReadError(rest, reply);
+  } else if (fields[0] == "G1" || fields[0] == "G2") {
+    reply.kind = ReplyKind::kOutput;
+    valid = rest.size() == 1 && ReadValues(rest, reply);
+  } else if (const std::optional<Command> command = ParseRequest(fields[0])) {
+    reply.command = *command;
+    valid = rest.size() == ValuesOf(*command) && ReadValues(rest, reply);
+  }
+  return valid ? std::optional(reply) : std::nullopt;
+}
+
+std::string FormatReply(Command command, std::span<const Value> values) {
+  std::string line(Name(command));
+  for (const Value& value : values) line.append(",").append(FormatValue(value));
+  return line + kLineEnd;
+}
+
+std::string FormatErrorReply(std::string_view command, int number) {
+  return fmt::format("ER,{},{:02}{}", command, number, kLineEnd);
+}
+
+bool Answers(const Reply& reply, Command command) {
+  if (reply.kind == ReplyKind::kError) return SameWord(reply.refused, Name(command));
+  return reply.kind == ReplyKind::kCommand && reply.command == command;
+}
+
+}  // namespace haptometer::acquire::lkg

@@ -1,0 +1,187 @@
+#include "acquire/protocol/modbus/modbus_frame.h"
+
+#include <array>
+
+#include "base/check.h"
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr std::size_t kMbapBytes = 7;
+constexpr std::size_t kLongestRtu = 256;
+constexpr std::size_t kMostData = 252;
+constexpr std::uint8_t kExceptionBit = 0x80;
+
+std::uint8_t ByteAt(std::string_view bytes, std::size_t index) {
+  return static_cast<std::uint8_t>(bytes[index]);
+}
+
+void AppendWord(std::uint16_t word, std::string& out) {
+  out += static_cast<char>(word >> 8U);
+  out += static_cast<char>(word & 0xFFU);
+}
+
+ParsedAdu ParseRtu(std::string_view bytes) {
+  if (bytes.size() < 4 || bytes.size() > kLongestRtu) return {.state = AduState::kBadLength};
+  const std::string_view body = bytes.substr(0, bytes.size() - 2);
+  const std::uint16_t crc = ModbusCrc(body);
+  if (ByteAt(bytes, body.size()) != (crc & 0xFFU) || ByteAt(bytes, body.size() + 1) != crc >> 8U) {
+    return {.state = AduState::kBadCrc};
+  }
+  return {.state = AduState::kWhole,
+          .adu = {.transaction = 0,
+                  .unit = ByteAt(bytes, 0),
+                  .function = ByteAt(bytes, 1),
+                  .data = body.substr(2)},
+          .bytes = bytes.size()};
+}
+
+ParsedAdu ParseTcp(std::string_view bytes) {
+  if (bytes.size() < kMbapBytes + 1) return {.state = AduState::kNeedMore};
+  const std::uint16_t protocol = RegisterAt(bytes, 1);
+  const std::size_t length = RegisterAt(bytes, 2);  // from the unit on
+  const std::size_t whole = kMbapBytes - 1 + length;
+  if (protocol != 0 || length < 2 || whole > kLongestModbusAdu) {
+    return {.state = AduState::kBadLength};
+  }
+  if (bytes.size() < whole) return {.state = AduState::kNeedMore};
+  return {.state = AduState::kWhole,
+          .adu = {.transaction = RegisterAt(bytes, 0),
+                  .unit = ByteAt(bytes, 6),
+                  .function = ByteAt(bytes, 7),
+                  .data = bytes.substr(kMbapBytes + 1, length - 2)},
+          .bytes = whole};
+}
+
+ReadReply Faulty(ModbusFault fault) { return {.fault = fault}; }
+
+}  // namespace
+
+std::string_view Name(ModbusFraming framing) {
+  return framing == ModbusFraming::kRtu ? "rtu" : "tcp";
+}
+
+std::string_view ModbusExceptionText(int code) {
+  constexpr std::array<std::string_view, 12> kTexts{"unknown",
+                                                    "illegal function",
+                                                    "illegal data address",
+                                                    "illegal data value",
+                                                    "device failure",
+                                                    "acknowledge",
+                                                    "device busy",
+                                                    "negative acknowledge",
+                                                    "memory parity error",
+                                                    "unknown",
+                                                    "gateway path unavailable",
+                                                    "gateway target silent"};
+  return code > 0 && static_cast<std::size_t>(code) < kTexts.size()
+             ? kTexts[static_cast<std::size_t>(code)]
+             : kTexts[0];
+}
+
+std::uint16_t ModbusCrc(std::string_view bytes) {
+  constexpr std::uint32_t kReflectedPolynomial = 0xA001;
+  std::uint32_t crc = 0xFFFF;
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    crc ^= ByteAt(bytes, i);
+    for (int bit = 0; bit < 8; ++bit) {
+      crc = (crc & 1U) != 0 ? (crc >> 1U) ^ kReflectedPolynomial : crc >> 1U;
+    }
+  }
+  return static_cast<std::uint16_t>(crc);
+}
+
+std::string_view Name(Parity parity) {
+  constexpr std::array<std::string_view, 3> kNames{"none", "even", "odd"};
+  return kNames[static_cast<std::size_t>(parity)];
+}
+
+int BitsPerCharacter(const ModbusWire& wire) {
+  return 9 + (wire.parity == Parity::kNone ? 0 : 1) + wire.stop_bits;
+}
+
+MonotonicNs SilentIntervalNs(const ModbusWire& wire) {
+  HAPTOMETER_CHECK(wire.baud > 0, "baud = {}", wire.baud);
+  constexpr MonotonicNs kAbove19200Ns = 1'750'000;
+  if (wire.baud > 19200) return kAbove19200Ns;
+  return 7 * MonotonicNs{BitsPerCharacter(wire)} * kNsPerS / (2 * MonotonicNs{wire.baud});
+}
+
+void AppendAdu(ModbusFraming framing, const ModbusAdu& adu, std::string& out) {
+  HAPTOMETER_CHECK(adu.data.size() <= kMostData, "{} bytes", adu.data.size());
+  const std::size_t begin = out.size();
+  if (framing == ModbusFraming::kTcp) {
+    AppendWord(adu.transaction, out);
+    AppendWord(0, out);
+    AppendWord(static_cast<std::uint16_t>(adu.data.size() + 2), out);
+  }
+  out += static_cast<char>(adu.unit);
+  out += static_cast<char>(adu.function);
+  out += adu.data;
+  if (framing == ModbusFraming::kRtu) {
+    const std::uint16_t crc = ModbusCrc(std::string_view(out).substr(begin));
+    out += static_cast<char>(crc & 0xFFU);
+    out += static_cast<char>(crc >> 8U);
+  }
+}
+
+ParsedAdu ParseAdu(ModbusFraming framing, std::string_view bytes) {
+  return framing == ModbusFraming::kRtu ? ParseRtu(bytes) : ParseTcp(bytes);
+}
+
+void AppendReadRequest(ModbusFraming framing, const ReadRequest& request, std::string& out) {
+  const std::array<char, 4> data{
+      static_cast<char>(request.address >> 8U), static_cast<char>(request.address & 0xFFU),
+      static_cast<char>(request.count >> 8U), static_cast<char>(request.count & 0xFFU)};
+  AppendAdu(framing,
+            {.transaction = request.transaction,
+             .unit = request.unit,
+             .function = request.function,
+             .data = {data.data(), data.size()}},
+            out);
+}
+
+std::size_t ReplyBytes(ModbusFraming framing, std::size_t count) {
+  const std::size_t pdu = 2 + 2 * count;  // function, byte count, registers
+  return framing == ModbusFraming::kRtu ? 1 + pdu + 2 : kMbapBytes + pdu;
+}
+
+std::string_view Name(ModbusFault fault) {
+  constexpr std::array<std::string_view, kModbusFaultCount> kNames{
+      "none",        "timeout",        "wrong CRC",        "wrong length",
+      "wrong slave", "wrong function", "wrong transaction"};
+  return kNames[static_cast<std::size_t>(fault)];
+}
+
+ReadReply ParseReadReply(ModbusFraming framing, const ReadRequest& request,
+                         std::string_view bytes) {
+  const ParsedAdu parsed = ParseAdu(framing, bytes);
+  if (parsed.state == AduState::kBadCrc) return Faulty(ModbusFault::kCrc);
+  if (parsed.state != AduState::kWhole || parsed.bytes != bytes.size()) {
+    return Faulty(ModbusFault::kLength);
+  }
+  // whose it is, before what it says
+  const ModbusAdu& adu = parsed.adu;
+  if (framing == ModbusFraming::kTcp && adu.transaction != request.transaction) {
+    return Faulty(ModbusFault::kTransaction);
+  }
+  if (adu.unit != request.unit) return Faulty(ModbusFault::kUnit);
+  if (adu.function == (request.function | kExceptionBit)) {
+    // there is no exception 0; it must not pass for "registers came"
+    if (adu.data.size() != 1 || adu.data[0] == 0) return Faulty(ModbusFault::kLength);
+    return {.fault = ModbusFault::kNone, .exception = ByteAt(adu.data, 0)};
+  }
+  if (adu.function != request.function) return Faulty(ModbusFault::kFunction);
+  const std::size_t asked = 2 * std::size_t{request.count};
+  if (adu.data.size() != 1 + asked || ByteAt(adu.data, 0) != asked) {
+    return Faulty(ModbusFault::kLength);
+  }
+  return {.fault = ModbusFault::kNone, .exception = 0, .registers = adu.data.substr(1)};
+}
+
+std::uint16_t RegisterAt(std::string_view registers, std::size_t index) {
+  return static_cast<std::uint16_t>((ByteAt(registers, 2 * index) << 8U) |
+                                    ByteAt(registers, 2 * index + 1));
+}
+
+}  // namespace haptometer::acquire

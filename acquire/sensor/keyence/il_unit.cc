@@ -1,0 +1,92 @@
+#include "acquire/sensor/keyence/il_unit.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+
+namespace haptometer::acquire {
+namespace {
+
+bool IsDirect(dl::Command command) {
+  return command != dl::Command::kM0 && command != dl::Command::kMs;
+}
+
+// whether `reply` is to `request`: an error may name half a command that somebody else left behind
+bool IsReplyTo(const dl::Request& request, const dl::Reply& reply) {
+  if (reply.kind == dl::ReplyKind::kError) return true;
+  if (!dl::Answers(reply, request.command)) return false;
+  return !IsDirect(request.command) ||
+         (reply.unit == request.unit && reply.number == request.number);
+}
+
+}  // namespace
+
+const IlUnitTraits& TraitsOf(IlUnit unit) {
+  static const IlUnitTraits kDlRs1a{
+      .sensor = "keyence-il",
+      .name = "DL-RS1A",
+      .spelling = dl_rs1a::Spelling(),
+      .first_unit = 0,
+      .longest_line = dl_rs1a::kLongestLine,
+      .error_text = dl_rs1a::ErrorText,
+      .refresh_ns = dl_rs1a::RefreshNs,
+      .format_number = [](int number) { return fmt::to_string(number); },
+      .write_locked = dl_rs1a::kWriteControl,
+      .write_remedy = "slide the R/W switch of the DL-RS1A to W, and back to R afterwards"};
+  static const IlUnitTraits kDlEn1{.sensor = "keyence-en1",
+                                   .name = "DL-EN1",
+                                   .spelling = dl_en1::Spelling(),
+                                   .first_unit = dl_en1::kFirstUnit,
+                                   .longest_line = dl_en1::kLongestLine,
+                                   .error_text = dl_en1::ErrorText,
+                                   .refresh_ns = dl_en1::RefreshNs,
+                                   .format_number = dl_en1::FormatNumber,
+                                   .write_locked = dl_en1::kWriteProtected,
+                                   .write_remedy = "allow writing in the DL-EN1's own settings"};
+  return unit == IlUnit::kDlRs1a ? kDlRs1a : kDlEn1;
+}
+
+Result<std::optional<dl::Reply>> IlTalk::Ask(const dl::Request& request) {
+  std::optional<dl::Reply> reply;
+  const auto take = [&](std::string_view line) {
+    reply = dl::ParseReply(traits_.spelling, line);
+    if (reply && !IsReplyTo(request, *reply)) reply.reset();
+    return reply.has_value();
+  };
+  const auto answered = line_.Exchange(dl::FormatRequest(request), take, stop_);
+  if (!answered) return std::unexpected(answered.error());
+  silences_ = *answered ? 0 : silences_ + 1;
+  return reply;
+}
+
+Result<std::optional<std::string>> IlTalk::Read(int unit, int number) {
+  const auto reply = Ask({.command = dl::Command::kSr, .unit = unit, .number = number});
+  if (!reply) return std::unexpected(reply.error());
+  if (!*reply || (*reply)->kind != dl::ReplyKind::kSr) return std::nullopt;
+  return std::string((*reply)->data);
+}
+
+Result<void> IlTalk::Write(int unit, int number, std::string_view data) {
+  const auto reply =
+      Ask({.command = dl::Command::kSw, .unit = unit, .number = number, .data = data});
+  if (!reply) return std::unexpected(reply.error());
+  if (!*reply) {
+    return CannotAnswer(
+        name(),
+        fmt::format("the {} does not answer the writing of data {:03}", traits_.name, number),
+        "check cable and power");
+  }
+  if ((*reply)->kind == dl::ReplyKind::kSw) return {};
+  const int error = (*reply)->number;
+  return CannotAnswer(
+      name(),
+      fmt::format("the {} refuses to write data {:03} with error {:0{}}: {}", traits_.name, number,
+                  error, traits_.spelling.error_digits, traits_.error_text(error)),
+      error == traits_.write_locked
+          ? std::string(traits_.write_remedy)
+          : fmt::format("see the error list of the {}'s manual", traits_.name));
+}
+
+}  // namespace haptometer::acquire

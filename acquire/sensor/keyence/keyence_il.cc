@@ -1,0 +1,284 @@
+#include "acquire/sensor/keyence/keyence_il.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/protocol/wire.h"
+#include "acquire/transport/latency_timer.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using dl::Command;
+using dl::Reply;
+using dl::ReplyKind;
+
+constexpr int kProbes = 3;
+constexpr int kMostSilences = 2;  // a unit that does not know SR is not asked for long
+
+// "2400, 4800, 9600 or 19200": the rates of the unit but `baud`
+std::string OtherBauds(int baud) {
+  std::vector<int> others(dl_rs1a::kBauds.begin(), dl_rs1a::kBauds.end());
+  std::erase(others, baud);
+  std::ranges::sort(others);
+  std::string text;
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    const std::string_view comma = i == 0 ? "" : i + 1 == others.size() ? " or " : ", ";
+    text += fmt::format("{}{}", comma, others[i]);
+  }
+  return text;
+}
+
+// what is behind a channel's or field's name for an amplifier that is not the first
+std::string Suffix(std::size_t place, int unit) {
+  return place == 0 ? "" : fmt::format("_{:02}", unit);
+}
+
+}  // namespace
+
+KeyenceIl::KeyenceIl(std::unique_ptr<Transport> transport, KeyenceIlSetup setup, Clock& clock)
+    : setup_(std::move(setup)),
+      traits_(TraitsOf(setup_.unit)),
+      clock_(clock),
+      line_(std::move(transport), clock, Delimiter::kCrLf, traits_.longest_line),
+      poll_(traits_.spelling, setup_.command) {}
+
+Result<void> KeyenceIl::Start(const std::atomic<bool>& stop) {
+  IlTalk talk(line_, traits_, stop);
+  if (auto done = Probe(talk); !done) return done;
+  if (auto done = ReadSettings(talk); !done) return done;
+  if (auto done = ReadDecimals(talk); !done) return done;
+  if (auto done = Change(talk); !done) return done;
+  MakeHeader();
+  return {};
+}
+
+// --- what is there ---
+
+Result<void> KeyenceIl::Probe(IlTalk& talk) {
+  std::optional<int> refusal;
+  for (int probe = 0; probe < kProbes; ++probe) {
+    const auto reply = talk.Ask({});
+    if (!reply) return std::unexpected(reply.error());
+    if (!*reply) continue;
+    // half a command left in the unit by somebody else spoils our first one: ask again
+    if ((*reply)->kind == ReplyKind::kError) {
+      refusal = (*reply)->number;
+      continue;
+    }
+    for (std::size_t i = 0; i < (*reply)->units; ++i) {
+      decimals_.push_back((*reply)->values[i].decimals);
+    }
+    settings_.resize(decimals_.size());
+    return {};
+  }
+  if (refusal) {
+    return CannotAnswer(line_.name(),
+                        fmt::format("the unit refuses M0 with error {:0{}}: {}", *refusal,
+                                    traits_.spelling.error_digits, traits_.error_text(*refusal)),
+                        fmt::format("see the error list of the {}'s manual", traits_.name));
+  }
+  return std::unexpected(NoAnswer());
+}
+
+Error KeyenceIl::NoAnswer() const {
+  const bool heard_bytes = discarded_bytes() > 0;
+  Error error{Cause::kCannotAnswer, line_.name(), {}, {}};
+  if (setup_.unit == IlUnit::kDlEn1) {
+    error.what = heard_bytes ? "bytes come, but no reply of a DL-EN1" : "nothing answers";
+    error.remedy =
+        "check the address, that the unit's socket port is the one given (64000 as delivered), and "
+        "that nobody else is connected: it serves one at a time";
+    return error;
+  }
+  error.what = heard_bytes
+                   ? fmt::format("bytes come at {} baud, but no reply of a DL-RS1A", setup_.baud)
+                   : fmt::format("nothing answers at {} baud", setup_.baud);
+  error.remedy = fmt::format(
+      "try --baud {}, and check that the amplifier is on, the unit set to 8 data bits "
+      "without parity, and the cable the maker's",
+      OtherBauds(setup_.baud));
+  return error;
+}
+
+std::vector<int> KeyenceIl::Units() const {
+  std::vector<int> units;
+  units.reserve(settings_.size());
+  for (std::size_t i = 0; i < settings_.size(); ++i) {
+    units.push_back(traits_.first_unit + static_cast<int>(i));
+  }
+  return units;
+}
+
+Result<void> KeyenceIl::ReadSettings(IlTalk& talk) {
+  const std::vector<int> units = Units();
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    for (const int number : UnitSettings::kNumbers) {
+      const auto data = talk.Read(units[i], number);
+      if (!data) return std::unexpected(data.error());
+      if (talk.silences() == kMostSilences) return {};
+      if (*data) settings_[i].Set(number, **data);
+    }
+  }
+  return {};
+}
+
+// where a line's values have no point: FR tells, else the head, else the user
+Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
+  std::vector<IlChannel> channels;
+  channels.reserve(decimals_.size());
+  for (std::size_t i = 0; i < decimals_.size(); ++i) {
+    const dl_rs1a::Head* head = settings_[i].head();
+    channels.push_back({.sent_decimals = decimals_[i],
+                        .has_il_specials = setup_.unit == IlUnit::kDlEn1 && head != nullptr});
+  }
+  poll_.SetChannels(std::move(channels));
+  if (setup_.unit == IlUnit::kDlRs1a) return {};
+
+  const std::vector<int> units = Units();
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    std::optional<int> told = setup_.decimals;
+    if (!told && talk.silences() < kMostSilences) {
+      const auto reply =
+          talk.Ask({.command = Command::kFr, .unit = units[i], .number = dl_rs1a::kPresentValue});
+      if (!reply) return std::unexpected(reply.error());
+      if (*reply && (*reply)->kind == ReplyKind::kFr) told = dl::NumberOf((*reply)->data);
+    }
+    if (!told && settings_[i].head() != nullptr) told = settings_[i].head()->decimals;
+    if (!told || *told < 0 || *told > 9) {
+      return CannotAnswer(line_.name(),
+                          fmt::format("amplifier {:02} does not tell its decimal places", units[i]),
+                          "give them with --decimals, e.g. 3 for an IL-030");
+    }
+    decimals_[i] = *told;
+  }
+  return {};
+}
+
+// --- what the user wants changed ---
+
+Result<void> KeyenceIl::Change(IlTalk& talk) {
+  const std::vector<int> units = Units();
+  auto changes = WriteSettings(talk, units, setup_.writes);
+  if (!changes) return std::unexpected(changes.error());
+  changes_ = std::move(*changes);
+  if (!changes_.empty()) {
+    if (auto read = ReadSettings(talk); !read) return read;
+    // the longest averaging of all, twice, and what the amplifier needs besides
+    double longest_s = 2;
+    for (const UnitSettings& settings : settings_) {
+      longest_s = std::max(longest_s, 2 + 2 * settings.ResponseSeconds());
+    }
+    const auto valid = WaitUntilValid(talk, RefreshNs(), NsFromSeconds(longest_s), clock_);
+    if (!valid) return std::unexpected(valid.error());
+    is_unsettled_ = !*valid;
+  }
+  if (!setup_.device_zero) return {};
+  auto shifts = ShiftZeros(talk, units, clock_);
+  if (!shifts) return std::unexpected(shifts.error());
+  changes_.insert(changes_.end(), shifts->begin(), shifts->end());
+  return {};
+}
+
+// --- what is said of it ---
+
+MonotonicNs KeyenceIl::RefreshNs() const {
+  return setup_.refresh_ns.value_or(traits_.refresh_ns(settings_.size()));
+}
+
+// what the wire allows (nobody knows how fast a DL-EN1 answers), or what the user wants
+std::optional<double> KeyenceIl::NominalRateHz() const {
+  if (setup_.unit == IlUnit::kDlEn1) return setup_.rate_hz;
+  const double most_hz =
+      1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command));
+  return setup_.rate_hz ? std::min(most_hz, *setup_.rate_hz) : most_hz;
+}
+
+void KeyenceIl::MakeHeader() {
+  header_.timing = trial::Timing::kPolled;
+  header_.channels.clear();
+  const std::vector<int> units = Units();
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    trial::ChannelFormat channel;
+    channel.name = "displacement" + Suffix(i, units[i]);
+    channel.role = trial::ChannelRole::kDisplacement;
+    channel.unit = "m";
+    channel.encoding = trial::Encoding::kI32;
+    channel.scale = channel.resolution = 1e-3 * std::pow(10.0, -decimals_[i]);
+    if (const dl_rs1a::Head* head = settings_[i].head(); head && head->farthest_mm > 0) {
+      channel.range_min = 1e-3 * (head->reference_mm - head->farthest_mm);
+      channel.range_max = 1e-3 * (head->reference_mm - head->nearest_mm);
+    }
+    header_.channels.push_back(channel);
+  }
+  for (std::size_t i = 0; setup_.command == Command::kMs && i < units.size(); ++i) {
+    trial::ChannelFormat channel;
+    channel.name = "outputs" + Suffix(i, units[i]);
+    channel.encoding = trial::Encoding::kI32;
+    header_.channels.push_back(channel);
+  }
+  trial::Metadata& metadata = header_.metadata;
+  metadata.sensor = traits_.sensor;
+  metadata.source = line_.link().Source(settings_.front().is_emulated());
+  AddLatencyTimer(line_.link().transport().LatencyTimer(), metadata);
+  metadata.nominal_rate_hz = NominalRateHz();
+  settings_.front().Describe(metadata);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    settings_[i].AddFields(metadata, Suffix(i, units[i]));
+  }
+  for (const IlChange& change : changes_) {
+    const auto place = static_cast<std::size_t>(change.unit - traits_.first_unit);
+    metadata.fields["changed_" + change.key + Suffix(place, change.unit)] =
+        change.before + " -> " + change.after;
+  }
+}
+
+std::vector<std::string> KeyenceIl::Remarks() const {
+  const double fresh_hz = 1.0 / SecondsFromNs(RefreshNs());
+  const double poll_hz = NominalRateHz().value_or(fresh_hz);
+  const double rate_hz = std::min(poll_hz, fresh_hz);
+  const double best_hz = setup_.unit == IlUnit::kDlEn1
+                             ? 1.0 / SecondsFromNs(traits_.refresh_ns(1))
+                             : 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(38400, 1));
+  const std::string wire =
+      setup_.unit == IlUnit::kDlRs1a ? fmt::format(" at {} baud", setup_.baud) : std::string();
+  const std::string repeats =
+      fresh_hz < poll_hz ? fmt::format(", {:.1f} of them fresh", fresh_hz) : "";
+  std::vector<std::string> remarks{
+      fmt::format("a {}{} gives at most {:.1f} readings/s{}: motion up to {:.1f} Hz can be "
+                  "observed (rate / 2.56)",
+                  traits_.name, wire, poll_hz, repeats, HighestObservableHz(rate_hz)),
+      fmt::format("20-500 Hz vibration cannot be observed through a {}{} ({:.0f} readings/s at "
+                  "most, 1280 are needed): record the amplifier's analog output with a DAQ, or a "
+                  "head that sends lines by itself (--sensor stream)",
+                  traits_.name, setup_.unit == IlUnit::kDlRs1a ? " at any baud rate" : "",
+                  best_hz)};
+  if (setup_.unit == IlUnit::kDlRs1a) {
+    const std::string latency = line_.link().transport().LatencyCost(
+        dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command));
+    if (!latency.empty()) remarks.push_back(latency);
+  }
+  for (const IlChange& change : changes_) remarks.push_back("changed " + change.Text());
+  if (is_unsettled_) {
+    remarks.emplace_back(
+        "the amplifier shows no value since its settings were changed: is there a target?");
+  }
+  const std::vector<int> units = Units();
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    for (const std::string& remark : settings_[i].Remarks()) {
+      remarks.push_back(i == 0 ? remark : fmt::format("amplifier {:02}: {}", units[i], remark));
+    }
+  }
+  return remarks;
+}
+
+MonotonicNs KeyenceIl::Begin() {
+  return line_.Begin(
+      poll_, {.channels = poll_.samples(), .refresh_ns = RefreshNs(), .rate_hz = setup_.rate_hz});
+}
+
+}  // namespace haptometer::acquire

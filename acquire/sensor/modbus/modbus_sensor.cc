@@ -1,0 +1,399 @@
+#include "acquire/sensor/modbus/modbus_sensor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "acquire/sensor/modbus/modbus_reading.h"
+#include "acquire/transport/latency_timer.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr MonotonicNs kSliceNs = 80'000'000;  // with the link's 20 ms: a tenth of a second
+constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
+constexpr int kTries = 3;
+constexpr int kMostBadRows = 8;
+
+// a sound one with registers, as many as were asked for
+bool IsReplyTo(const ReadRequest& request, const ModbusReply& reply) {
+  if (reply.arrival != ModbusArrival::kFrame) return false;
+  // lengths are told apart on RTU alone
+  const ReadReply parsed = ParseReadReply(ModbusFraming::kRtu, request, reply.bytes);
+  return parsed.fault == ModbusFault::kNone && parsed.exception == 0;
+}
+
+}  // namespace
+
+ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, Clock& clock)
+    : profile_(std::move(setup.profile)),
+      rate_hz_(setup.rate_hz),
+      link_(std::move(link)),
+      clock_(clock) {
+  frame_.reserve(kLongestModbusAdu);
+  timestamp_.reserve(kLongestModbusAdu);
+}
+
+// --- before the recording ---
+
+Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
+                                         const std::atomic<bool>& stop) {
+  ReadReply answer{.fault = ModbusFault::kTimeout};
+  for (int attempt = 0; attempt < tries; ++attempt) {
+    clock_.SleepUntil(free_from_ns_);
+    if (!Send(request, Phase::kFree)) {
+      return Failed(link_->name(), "the connection was lost", "check cable and power");
+    }
+    const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+    while (clock_.Now() < deadline) {
+      if (stop.load()) {
+        return Failed(link_->name(), "was not recorded: interrupted before the first reading");
+      }
+      const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+      if (reply.arrival == ModbusArrival::kGone) {
+        return Failed(link_->name(), "the connection was lost", "check cable and power");
+      }
+      if (reply.arrival == ModbusArrival::kNothing) continue;
+      answer = Parse(reply);
+      if (answer.fault == ModbusFault::kNone) return answer;
+      discarded_bytes_ += reply.bytes.size();
+    }
+    start_was_silent_ = true;
+  }
+  return answer;
+}
+
+// the registers, or why there are none
+Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
+  const auto answer = Exchange(request, kTries, stop);
+  if (!answer) return std::unexpected(answer.error());
+  if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
+    return std::string(answer->registers);
+  }
+  const std::string asked =
+      fmt::format("slave {}, function {:02}, {} registers from {}", request.unit, request.function,
+                  request.count, request.address + profile_.address_base);
+  if (answer->exception != 0) {
+    return CannotAnswer(
+        link_->name(),
+        fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
+                    ModbusExceptionText(answer->exception)),
+        profile_.advice.empty() ? "give the --profile of this sensor" : profile_.advice);
+  }
+  const std::string settings =
+      fmt::format("{} baud, parity {}", profile_.wire.baud, Name(profile_.wire.parity));
+  std::string remedy = fmt::format("check that the sensor is on, --slave{}",
+                                   is_rtu() ? ", baud rate and parity in the profile, and A and B "
+                                              "of the cable"
+                                            : " and the --profile");
+  if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
+  return CannotAnswer(
+      link_->name(),
+      answer->fault == ModbusFault::kTimeout
+          ? fmt::format("nothing answers to {}{}", asked, is_rtu() ? " at " + settings : "")
+          : fmt::format("answers to {} come damaged ({})", asked, Name(answer->fault)),
+      remedy);
+}
+
+Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
+  double register_scale = 1;
+  if (profile_.scale_address) {
+    ReadRequest request = ReadingRequest(profile_);
+    request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
+    request.count = 1;
+    const auto registers = Ask(request, stop);
+    if (!registers) return std::unexpected(registers.error());
+    register_scale = RegisterAt(*registers, 0);
+    if (register_scale == 0) {
+      return CannotAnswer(
+          link_->name(),
+          fmt::format("register {}, which scales its values, holds 0", *profile_.scale_address),
+          profile_.advice.empty() ? "check the --profile" : profile_.advice);
+    }
+  }
+  const auto registers = Ask(ReadingRequest(profile_), stop);
+  if (!registers) return std::unexpected(registers.error());
+  MakeHeader(register_scale);
+  return LearnCheck(stop);
+}
+
+// TCP needs no checks: there replies are told apart by their identifiers
+Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
+  if (!is_rtu()) return {};
+  const bool was_silent = std::exchange(start_was_silent_, false);
+  const auto answer = Exchange(CheckRequest(profile_), 1, stop);
+  if (!answer) return std::unexpected(answer.error());
+  has_checks_ = answer->fault == ModbusFault::kNone && answer->exception == 0;
+  // registers of a check are behind everything older
+  start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
+  errors_ = {};
+  return {};
+}
+
+void ModbusSensor::MakeHeader(double register_scale) {
+  header_.timing = trial::Timing::kPolled;
+  header_.channels = {ChannelOf(profile_, register_scale)};
+  Describe(header_.metadata);
+  if (!profile_.timestamp_address && profile_.fastest_rate_hz) {
+    repeats_.emplace(NsFromSeconds(1.0 / *profile_.fastest_rate_hz));
+  }
+}
+
+void ModbusSensor::Describe(trial::Metadata& metadata) const {
+  metadata.sensor = "modbus";
+  metadata.source = link_->Source();
+  AddLatencyTimer(link_->LatencyTimer(), metadata);
+  metadata.head = profile_.model.empty() ? profile_.name : profile_.maker + " " + profile_.model;
+  double highest_hz = profile_.fastest_rate_hz.value_or(std::numeric_limits<double>::infinity());
+  if (is_rtu()) highest_hz = HighestRateHz(profile_);
+  highest_hz = std::min(highest_hz, rate_hz_.value_or(highest_hz));
+  if (highest_hz < std::numeric_limits<double>::infinity()) metadata.nominal_rate_hz = highest_hz;
+  const ReadRequest request = ReadingRequest(profile_);
+  metadata.fields["modbus_profile"] = profile_.name;
+  metadata.fields["modbus_slave"] = std::to_string(request.unit);
+  metadata.fields["modbus_function"] = std::to_string(request.function);
+  metadata.fields["modbus_address_on_the_wire"] = std::to_string(request.address);
+  metadata.fields["modbus_count"] = std::to_string(request.count);
+  metadata.fields["modbus_value"] =
+      fmt::format("{} {} at {}", Name(profile_.type), Name(profile_.order), profile_.value_address);
+}
+
+std::vector<std::string> ModbusSensor::Remarks() const {
+  std::vector<std::string> remarks{WireRemarks(profile_)};
+  if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
+    remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
+  }
+  if (is_rtu() && !has_checks_) {
+    remarks.push_back(fmt::format(
+        "{} does not answer the check request of its profile with registers: replies later than "
+        "{:g} s cannot be told from the next (longest_reply_s, check_address and check_count)",
+        profile_.name, SecondsFromNs(profile_.longest_reply_ns)));
+  }
+  if (const std::string errors = InWords(errors_); !errors.empty()) {
+    remarks.push_back("errors on the wire: " + errors);
+  }
+  return remarks;
+}
+
+// --- the wire ---
+
+bool ModbusSensor::Send(ReadRequest request, Phase next) {
+  // whatever is there now answers nothing that is still asked; over TCP its identifier says so, and
+  // a call is saved while all is well
+  if (is_rtu() || bad_rows_ > 0) discarded_bytes_ += link_->Flush();
+  request.transaction = next_transaction_++;
+  frame_.clear();
+  AppendReadRequest(link_->framing(), request, frame_);
+  request_ = request;
+  request_ns_ = clock_.Now();
+  other_transaction_ = false;
+  phase_ = next;
+  return link_->Send(frame_);
+}
+
+ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
+  const ModbusReply reply = link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
+    const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
+    free_from_ns_ = clock_.Now() + std::max(silent_ns, profile_.least_gap_ns);
+  }
+  return reply;
+}
+
+ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
+  ReadReply parsed{.fault = reply.fault};
+  if (reply.arrival == ModbusArrival::kFrame) {
+    parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
+  }
+  if (parsed.fault != ModbusFault::kNone) ++errors_.faults[static_cast<std::size_t>(parsed.fault)];
+  if (parsed.exception != 0) ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
+  return parsed;
+}
+
+// --- the recording ---
+
+MonotonicNs ModbusSensor::Begin() {
+  const MonotonicNs now = clock_.Now();
+  next_poll_ns_ = now;
+  if (phase_ == Phase::kWaiting && !is_rtu()) {
+    phase_ = Phase::kFree;  // its identifier will tell
+  } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
+    // what was asked before stays outstanding, but its row is none of this recording
+    phase_ = has_checks_ ? Phase::kDraining : Phase::kSettling;
+    drain_until_ns_ = request_ns_ + profile_.longest_reply_ns;
+  } else if (phase_ == Phase::kFree && std::exchange(start_was_silent_, false) && is_rtu()) {
+    phase_ = Phase::kSettling;
+    drain_until_ns_ = now + profile_.longest_reply_ns;
+  }
+  return now;
+}
+
+Outcome ModbusSensor::Next(Reading& reading) {
+  switch (phase_) {
+    case Phase::kDraining:
+    case Phase::kSettling:
+      return Drain();
+    case Phase::kStepping:
+      return WaitForStep(reading);
+    case Phase::kFree: {
+      const Outcome asked = AskForReading();
+      if (phase_ != Phase::kWaiting || asked == Outcome::kGone) return asked;
+      break;
+    }
+    case Phase::kWaiting:
+      break;
+  }
+  return Wait(reading);
+}
+
+// sends the request when its time has come
+Outcome ModbusSensor::AskForReading() {
+  const MonotonicNs due_ns = std::max(free_from_ns_, next_poll_ns_);
+  const MonotonicNs latest_ns = clock_.Now() + kSliceNs;
+  if (due_ns > clock_.Now()) clock_.SleepUntil(std::min(due_ns, latest_ns));
+  if (clock_.Now() < due_ns) return Outcome::kNothing;
+  if (!Send(ReadingRequest(profile_), Phase::kWaiting)) return Outcome::kGone;
+  if (rate_hz_) {
+    // on a grid; polls that could not be made are not made up for
+    const MonotonicNs period_ns = NsFromSeconds(1.0 / *rate_hz_);
+    next_poll_ns_ = std::max(next_poll_ns_ + period_ns, request_ns_);
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::Wait(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + profile_.response_timeout_ns;
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  switch (reply.arrival) {
+    case ModbusArrival::kGone:
+      return Outcome::kGone;
+    case ModbusArrival::kFrame:
+      if (has_checks_ && IsReplyTo(CheckRequest(profile_), reply)) {
+        // to one of several that were sent; all of them are older than this reading
+        discarded_bytes_ += reply.bytes.size();
+        return Outcome::kNothing;
+      }
+      return TakeReply(Parse(reply), reading);
+    case ModbusArrival::kDamaged:
+      return TakeReply(Parse(reply), reading);
+    case ModbusArrival::kNothing:
+      break;
+  }
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  if (!other_transaction_) ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveFault(reading, ModbusFault::kTimeout);
+}
+
+Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
+  if (reply.fault == ModbusFault::kTransaction) {
+    // an older request's reply; ours may still come
+    discarded_bytes_ += ReplyBytes(ModbusFraming::kTcp, request_.count);
+    other_transaction_ = true;
+    return Outcome::kNothing;
+  }
+  if (reply.fault != ModbusFault::kNone) return GiveFault(reading, reply.fault);
+  bad_rows_ = 0;
+  if (reply.exception != 0) {
+    // an exception has no length: it may be one in reply to an older check
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                   has_checks_ ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
+  }
+  const Outcome given = GiveRow(reading, DecodeReading(profile_, reply.registers), Phase::kFree, 0);
+  MarkRepeated(reply.registers, reading);
+  return given;
+}
+
+// A row without a reading. What may still come of it is waited for before the next question, but
+// over TCP a missing reply can be told from the next by its identifier.
+Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
+  const bool is_late = fault == ModbusFault::kTimeout;
+  if (!is_rtu() && ++bad_rows_ > kMostBadRows) return Outcome::kGone;
+  const SampleStatus status =
+      is_late && !other_transaction_ ? SampleStatus::kLate : SampleStatus::kBadFrame;
+  const bool wait_long = is_late || (is_rtu() && !has_checks_);
+  const MonotonicNs until_ns =
+      wait_long ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
+  Phase next = has_checks_ ? Phase::kDraining : Phase::kSettling;
+  if (!is_rtu() && is_late) next = Phase::kFree;
+  return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
+}
+
+Outcome ModbusSensor::Drain() {
+  const MonotonicNs now = clock_.Now();
+  if (now >= drain_until_ns_) {
+    if (phase_ == Phase::kSettling) {
+      phase_ = Phase::kFree;
+      return Outcome::kNothing;
+    }
+    const ReadRequest step =
+        next_step_is_check_ ? CheckRequest(profile_) : ReadingRequest(profile_);
+    return Send(step, Phase::kStepping) ? Outcome::kNothing : Outcome::kGone;
+  }
+  const ModbusReply reply = Receive(std::min(drain_until_ns_, now + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  if (reply.arrival == ModbusArrival::kNothing) return Outcome::kNothing;
+  discarded_bytes_ += reply.bytes.size();
+  if (phase_ == Phase::kSettling) {
+    drain_until_ns_ = std::max(drain_until_ns_, clock_.Now() + kQuietNs);
+  } else {
+    // the late reply may be the one that a step would wait for
+    const bool is_sound = IsReplyTo(ReadingRequest(profile_), reply);
+    next_step_is_check_ = next_step_is_check_ || is_sound;
+    drain_until_ns_ = is_sound ? free_from_ns_ : clock_.Now() + kQuietNs;
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::WaitForStep(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  discarded_bytes_ += reply.bytes.size();
+  if (IsReplyTo(request_, reply)) {
+    const bool is_over = std::exchange(next_step_is_check_, !next_step_is_check_);
+    phase_ = is_over ? Phase::kFree : Phase::kDraining;
+    drain_until_ns_ = free_from_ns_;
+    return Outcome::kNothing;
+  }
+  if (reply.arrival == ModbusArrival::kFrame && !next_step_is_check_) {
+    const ReadReply refused = ParseReadReply(link_->framing(), request_, reply.bytes);
+    if (refused.exception != 0) {
+      ++errors_.exceptions[static_cast<std::size_t>(refused.exception)];
+      return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                     Phase::kDraining, clock_.Now() + kQuietNs);
+    }
+  }
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate}, Phase::kDraining,
+                 free_from_ns_);
+}
+
+// --- rows ---
+
+void ModbusSensor::MarkRepeated(std::string_view registers, Reading& reading) {
+  if (repeats_) repeats_->Mark(reading);
+  if (!profile_.timestamp_address) return;
+  const std::string_view stamp = TimestampOf(profile_, registers);
+  trial::Sample& sample = reading.samples.front();
+  if (stamp == timestamp_ && sample.status == SampleStatus::kOk) {
+    sample.status = SampleStatus::kRepeated;
+  }
+  timestamp_.assign(stamp);
+}
+
+Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next,
+                              MonotonicNs drain_until_ns) {
+  reading.time_ns = request_ns_;
+  reading.reply_ns = clock_.Now();
+  reading.samples.assign(1, sample);
+  phase_ = next;
+  drain_until_ns_ = drain_until_ns;
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire
