@@ -59,6 +59,17 @@ TEST_F(ModbusSensorTest, DamageIsABadFrameCountedByKind) {
   }
 }
 
+TEST_F(ModbusSensorTest, AWireThatNeverFallsSilentGivesBadRows) {
+  Started(Plain());
+  EXPECT_EQ(NextStatus(), SampleStatus::kOk);
+  for (int i = 0; i < 1000; ++i)
+    device_->wire->Reply("?", kMs * (1 + 10 * i), ModbusFault::kLength);
+  int bad = 0;
+  const MonotonicNs until_ns = clock_.Now() + 9 * kNsPerS;
+  while (clock_.Now() < until_ns) bad += NextStatus() == SampleStatus::kBadFrame ? 1 : 0;
+  EXPECT_GE(bad, 4) << "9 s of it";
+}
+
 TEST_F(ModbusSensorTest, AHangUpEndsIt) {
   Started(Plain());
   device_->wire->HangUp();

@@ -1,8 +1,12 @@
 // A Modbus sensor through real processes: emulate, acquire, and what the trial then says.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/system/emulated_device.h"
 

@@ -218,7 +218,7 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
 
 MonotonicNs ModbusSensor::Begin() {
   const MonotonicNs now = clock_.Now();
-  next_poll_ns_ = now;
+  next_poll_ns_ = settle_since_ns_ = now;
   if (phase_ == Phase::kWaiting && !is_rtu()) {
     phase_ = Phase::kFree;  // its identifier will tell
   } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
@@ -236,7 +236,7 @@ Outcome ModbusSensor::Next(Reading& reading) {
   switch (phase_) {
     case Phase::kDraining:
     case Phase::kSettling:
-      return Drain();
+      return Drain(reading);
     case Phase::kStepping:
       return WaitForStep(reading);
     case Phase::kFree: {
@@ -322,8 +322,14 @@ Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
   return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
 }
 
-Outcome ModbusSensor::Drain() {
+Outcome ModbusSensor::Drain(Reading& reading) {
   const MonotonicNs now = clock_.Now();
+  // a wire that never falls silent gives bad rows, not nothing for ever
+  if (now - settle_since_ns_ > profile_.longest_reply_ns + kNsPerS) {
+    request_ns_ = now;
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kBadFrame}, phase_,
+                   now + kQuietNs);
+  }
   if (now >= drain_until_ns_) {
     if (phase_ == Phase::kSettling) {
       phase_ = Phase::kFree;
@@ -393,6 +399,7 @@ Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next
   reading.samples.assign(1, sample);
   phase_ = next;
   drain_until_ns_ = drain_until_ns;
+  settle_since_ns_ = reading.reply_ns;
   return Outcome::kReading;
 }
 

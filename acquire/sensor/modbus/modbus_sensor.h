@@ -83,7 +83,7 @@ class ModbusSensor final : public Sensor {
   Outcome AskForReading();
   Outcome Wait(Reading& reading);
   Outcome TakeReply(const ReadReply& reply, Reading& reading);
-  Outcome Drain();
+  Outcome Drain(Reading& reading);
   Outcome WaitForStep(Reading& reading);
   void MarkRepeated(std::string_view registers, Reading& reading);
   Outcome GiveRow(Reading& reading, trial::Sample sample, Phase next, MonotonicNs drain_until_ns);
@@ -104,8 +104,9 @@ class ModbusSensor final : public Sensor {
   std::string frame_;    ///< its bytes
   std::uint16_t next_transaction_ = 1;
   MonotonicNs request_ns_ = 0;
-  MonotonicNs free_from_ns_ = 0;  ///< the wire's silent interval is over
-  MonotonicNs next_poll_ns_ = 0;  ///< by rate_hz
+  MonotonicNs free_from_ns_ = 0;     ///< the wire's silent interval is over
+  MonotonicNs next_poll_ns_ = 0;     ///< by rate_hz
+  MonotonicNs settle_since_ns_ = 0;  ///< how long nothing could be asked for
   MonotonicNs drain_until_ns_ = 0;
   bool other_transaction_ = false;   ///< a reply to another request came while waiting
   int bad_rows_ = 0;                 ///< in a row
