@@ -240,7 +240,11 @@ Ending Reader::Run() {
   if (ring_.given_up()) ending = Ending::kWriterGaveUp;
   if (ending == Ending::kStopped) tally_.End(clock_.Now() - origin_ns_);
   NoteLost();
-  if (ending == Ending::kConnectionLost) Say(trial::EventKind::kRemark, "the connection was lost");
+  if (ending == Ending::kConnectionLost) {
+    // a device that was away and given up was told of when it went
+    const bool is_told = tally_.Summary().is_away;
+    Say(trial::EventKind::kRemark, is_told ? "the device was given up" : "the connection was lost");
+  }
   return ending;
 }
 

@@ -112,6 +112,10 @@ TEST_F(ReconnectingTest, IsGivenUpWhenItStaysAway) {
   EXPECT_TRUE(summary->connection_lost);
   EXPECT_EQ(summary->readings, 10U);
   EXPECT_THAT(sensor.last_refusal(), HasSubstr("./port: is not there"));
+  Counts(path_);
+  ASSERT_EQ(events_.size(), 2U);
+  EXPECT_EQ(events_[0].text, "the connection was lost");
+  EXPECT_EQ(events_[1].text, "the device was given up");
 }
 
 TEST_F(ReconnectingTest, AnotherDeviceInItsPlaceIsNotTaken) {
