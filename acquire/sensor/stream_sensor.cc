@@ -78,7 +78,8 @@ Error StreamSensor::NoLines(const std::string& example) const {
   if (!example.empty()) {
     return {Cause::kCannotAnswer, name,
             fmt::format("sends lines of another form at {} baud: \"{}\"", setup_.baud, example),
-            "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
+            "give the sensor's --baud, or its line as --format +00.0000,mm,CR; a Keyence unit "
+            "that is asked is --sensor keyence-il, keyence-en1 or keyence-lkg"};
   }
   if (discarded_bytes() > 0 || link_.waiting_bytes() > 0) {
     return {Cause::kCannotAnswer, name,

@@ -93,6 +93,7 @@ Error KeyenceIl::NoAnswer() const {
     error.remedy =
         "check the address, that the unit's socket port is the one given (64000 as delivered), and "
         "that nobody else is connected: it serves one at a time";
+    if (heard_bytes) error.remedy += "; what sends without being asked is read by --sensor stream";
     return error;
   }
   error.what = heard_bytes
@@ -102,6 +103,7 @@ Error KeyenceIl::NoAnswer() const {
       "try --baud {}, and check that the amplifier is on, the unit set to 8 data bits "
       "without parity, and the cable the maker's",
       OtherBauds(setup_.baud));
+  if (heard_bytes) error.remedy += "; what sends without being asked is read by --sensor stream";
   return error;
 }
 
