@@ -63,7 +63,7 @@ TEST_F(ModbusSensorTest, AWireThatNeverFallsSilentGivesBadRows) {
   Started(Plain());
   EXPECT_EQ(NextStatus(), SampleStatus::kOk);
   for (int i = 0; i < 1000; ++i)
-    device_->wire->Reply("?", kMs * (1 + 10 * i), ModbusFault::kLength);
+    device_->wire->Reply("?", kMs * (1 + MonotonicNs{10} * i), ModbusFault::kLength);
   int bad = 0;
   const MonotonicNs until_ns = clock_.Now() + 9 * kNsPerS;
   while (clock_.Now() < until_ns) bad += NextStatus() == SampleStatus::kBadFrame ? 1 : 0;
@@ -94,7 +94,8 @@ TEST_F(ModbusSensorTest, TheRateIsAGridThatDoesNotDrift) {
   Started(Plain(), 50);
   (void)NextRow();  // behind the start's silent interval
   const MonotonicNs first_ns = NextRow().time_ns;
-  for (int row = 1; row < 500; ++row) EXPECT_EQ(NextRow().time_ns, first_ns + row * 20 * kMs);
+  for (int row = 1; row < 500; ++row)
+    EXPECT_EQ(NextRow().time_ns, first_ns + MonotonicNs{20} * row * kMs);
 }
 
 // --- what the registers mean ---
