@@ -50,7 +50,7 @@ TEST_F(WallTime, ADateIsInLocalTime) {
   Zone("UTC");
   EXPECT_EQ(ParseUntil("2026-03-02T12:00", kNoon).value(), kNoon + 86'400);
   Zone("JST-9");
-  EXPECT_EQ(ParseUntil("2026-03-02T12:00:30", kNoon).value(), kNoon + 15 * 3600 + 30);
+  EXPECT_EQ(ParseUntil("2026-03-02T12:00:30", kNoon).value(), kNoon + 54'030) << "15 h and 30 s";
 }
 
 TEST_F(WallTime, TheWallsClockCountsAcrossSummerTime) {
@@ -58,7 +58,7 @@ TEST_F(WallTime, TheWallsClockCountsAcrossSummerTime) {
   // needed
   Zone("CET-1CEST,M3.5.0,M10.5.0/3");
   const std::time_t evening = 1'774'738'800;  // 2026-03-28T23:00:00Z, midnight in Berlin
-  EXPECT_EQ(ParseUntil("06:00", evening).value(), evening + 5 * 3600) << "one hour is missing";
+  EXPECT_EQ(ParseUntil("06:00", evening).value(), evening + 18'000) << "one hour is missing";
   const auto skipped = ParseUntil("2026-03-29T02:30", evening);
   ASSERT_FALSE(skipped);
   EXPECT_THAT(skipped.error().Text(), HasSubstr("the calendar here does not have"));
@@ -252,7 +252,7 @@ TEST_F(Output, ADirectoryNamesTheTrialAndNothingIsOverwritten) {
   const std::string first =
       NewTrialName(directory_, "2026-03-01T12:00:00.123Z", "keyence-il", labels);
   EXPECT_EQ(first, directory_ / "20260301T120000Z_keyence-il_condition-a_b____subject-3.bin");
-  std::ofstream{first};
+  const std::ofstream made(first);
   const std::string second =
       NewTrialName(directory_, "2026-03-01T12:00:00.123Z", "keyence-il", labels);
   EXPECT_EQ(second, directory_ / "20260301T120000Z_keyence-il_condition-a_b____subject-3_2.bin");
@@ -276,7 +276,7 @@ TEST_F(Output, IsCheckedBeforeTheRecording) {
     return checked ? std::string() : checked.error().Text();
   };
   const std::string there = directory_ / "there.bin";
-  std::ofstream{there};
+  const std::ofstream made(there);
   EXPECT_EQ(check(directory_ / "new.bin"), "");
   EXPECT_EQ(check(directory_), "");
   EXPECT_EQ(check(directory_.string() + "/"), "");

@@ -76,6 +76,7 @@ SensorOptions ReadSensorKeys(TomlTable& table) {
 
 std::vector<std::string_view> SensorKeyNames() {
   std::vector<std::string_view> names;
+  names.reserve(kKeys.size());
   for (const Key& key : kKeys) names.push_back(key.name);
   return names;
 }

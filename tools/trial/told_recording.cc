@@ -1,5 +1,7 @@
 #include "tools/trial/told_recording.h"
 
+#include <fmt/core.h>
+
 #include "tools/cli/report.h"
 #include "trial/read_recording.h"
 
@@ -10,10 +12,10 @@ Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& p
   auto recording = trial::ReadRecording(path, import);
   if (!recording) return recording;
   for (const trial::Loss& loss : recording->report.losses) {
-    cli::Remark(verb, path + ": " + Describe(loss));
+    cli::Remark(verb, fmt::format("{}: {}", path, Describe(loss)));
   }
   for (const std::string& remark : recording->report.remarks) {
-    cli::Remark(verb, path + ": " + remark);
+    cli::Remark(verb, fmt::format("{}: {}", path, remark));
   }
   return recording;
 }

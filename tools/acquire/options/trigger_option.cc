@@ -76,6 +76,7 @@ Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
         std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
     if (found == header.channels.end()) {
       std::vector<std::string> names;
+      names.reserve(header.channels.size());
       for (const trial::ChannelFormat& channel : header.channels) names.push_back(channel.name);
       return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
                    fmt::format("the sensor has {}", fmt::join(names, ", ")));
