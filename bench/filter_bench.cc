@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/cascade.h"
-#include "dsp/rms.h"
-#include "dsp/settled.h"
-#include "dsp/sine_fit.h"
-#include "dsp/zero_phase.h"
+#include "dsp/filter/cascade.h"
+#include "dsp/filter/settled.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/sine_fit.h"
+#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {

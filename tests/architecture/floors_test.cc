@@ -30,7 +30,7 @@ const std::map<std::string, std::set<std::string>> kFloors{
 
 struct Include {
   fs::path file;
-  std::string target;  // "dsp/rms.h" or "ceres/ceres.h"
+  std::string target;  // "dsp/statistics/moments.h" or "ceres/ceres.h"
 };
 
 std::vector<Include> IncludesBelow(const std::string& room) {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 namespace haptometer::dsp {
 

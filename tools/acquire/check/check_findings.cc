@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/check.h"
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/displacement_channel.h"
 
 namespace haptometer::tools {

@@ -6,7 +6,7 @@
 
 #include "acquire/recorder/recorder.h"
 #include "base/result.h"
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {

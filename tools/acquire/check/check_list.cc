@@ -11,7 +11,7 @@
 #include "acquire/ability/smallest_rms.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 #include "trial/import/csv_comment.h"
 #include "trial/sensor_head.h"
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 #include "tools/acquire/check/check_findings.h"
 #include "trial/trial_format.h"
 

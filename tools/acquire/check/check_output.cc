@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 #include "tools/cli/json.h"
 
 namespace haptometer::tools {

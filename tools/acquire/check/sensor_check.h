@@ -5,7 +5,7 @@
 
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 #include "tools/acquire/options/acquire_options.h"
 #include "tools/cli/options.h"
 

@@ -8,10 +8,10 @@
 #include <span>
 
 #include "base/check.h"
-#include "dsp/band_analysis.h"
-#include "dsp/rms.h"
-#include "dsp/tone.h"
-#include "dsp/zero_phase.h"
+#include "dsp/analysis/band_analysis.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
 #include "tools/acquire/displacement_channel.h"
 
 namespace haptometer::tools {
@@ -19,7 +19,7 @@ namespace {
 
 constexpr MonotonicNs kLearningNs = kNsPerS;
 constexpr std::uint64_t kLeastToLearn = 16;
-constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/segments.h bridges
+constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/analysis/segments.h bridges
 constexpr double kDecayed = 1e-3;
 constexpr double kWindowPeriods = 4;
 constexpr std::size_t kLongestWindow = std::size_t{1} << 20;  // 8 MiB

@@ -9,8 +9,8 @@
 
 #include "acquire/recorder/interval_statistics.h"
 #include "acquire/sensor/sensor.h"
-#include "dsp/butterworth.h"
-#include "dsp/cascade.h"
+#include "dsp/filter/butterworth.h"
+#include "dsp/filter/cascade.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
@@ -39,11 +39,11 @@ struct LiveExtremes {
 /// Looks on while readings come: level, band RMS, strongest tone, counters, and the last seconds
 /// for a plot. The first displacement channel in metres, or else the first channel.
 ///
-/// The band-pass is one causal pass (dsp/cascade.h) of the asked order with -3 dB at its corners
-/// and starts from the first value, so a constant distance does not ring. It is designed once the
-/// rate is known: a uniform source's is, others are counted for a second. The RMS is that of the
-/// last second or four periods of the lower corner (whichever is longer, rounded up to a power of
-/// two of readings); it is one for the eye: `analyze` says more of a recording.
+/// The band-pass is one causal pass (dsp/filter/cascade.h) of the asked order with -3 dB at its
+/// corners and starts from the first value, so a constant distance does not ring. It is designed
+/// once the rate is known: a uniform source's is, others are counted for a second. The RMS is that
+/// of the last second or four periods of the lower corner (whichever is longer, rounded up to a
+/// power of two of readings); it is one for the eye: `analyze` says more of a recording.
 ///
 /// A row that holds no measurement is not fed to the filter, whose state stands still meanwhile, so
 /// up to three in a row only shift the phase by as many samples. After more, and after as many

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "acquire/recorder/recorder.h"
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 #include "tools/acquire/live/live_meter.h"
 
 namespace haptometer::tools {

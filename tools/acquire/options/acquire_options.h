@@ -5,7 +5,7 @@
 
 #include "base/quantity.h"
 #include "base/result.h"
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 #include "tools/acquire/options/recording_options.h"
 #include "tools/acquire/options/sensor_options.h"
 #include "tools/cli/options.h"

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/record.h"
 

@@ -1,4 +1,4 @@
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 
 #include <fmt/core.h>
 
@@ -9,11 +9,11 @@
 #include <span>
 
 #include "base/check.h"
-#include "dsp/rms.h"
-#include "dsp/segments.h"
-#include "dsp/settled.h"
-#include "dsp/tone.h"
-#include "dsp/zero_phase.h"
+#include "dsp/analysis/segments.h"
+#include "dsp/filter/settled.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::dsp {

@@ -1,4 +1,4 @@
-#include "dsp/segments.h"
+#include "dsp/analysis/segments.h"
 
 #include <algorithm>
 #include <cmath>

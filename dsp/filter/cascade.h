@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 namespace haptometer::dsp {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "dsp/sine_fit.h"
+#include "dsp/spectrum/sine_fit.h"
 
 namespace haptometer::dsp {
 

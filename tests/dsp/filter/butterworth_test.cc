@@ -1,4 +1,4 @@
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-#include "tests/dsp/scipy_reference.h"
+#include "tests/dsp/filter/scipy_reference.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {

@@ -1,4 +1,4 @@
-#include "dsp/sine_fit.h"
+#include "dsp/spectrum/sine_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/rms.h"
-#include "dsp/tone.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

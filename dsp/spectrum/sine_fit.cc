@@ -1,4 +1,4 @@
-#include "dsp/sine_fit.h"
+#include "dsp/spectrum/sine_fit.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "dsp/rms.h"
+#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {

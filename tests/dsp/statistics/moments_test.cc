@@ -1,4 +1,4 @@
-#include "dsp/rms.h"
+#include "dsp/statistics/moments.h"
 
 #include <gtest/gtest.h>
 

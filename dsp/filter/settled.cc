@@ -1,10 +1,10 @@
-#include "dsp/settled.h"
+#include "dsp/filter/settled.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "dsp/rms.h"
-#include "dsp/zero_phase.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -1,4 +1,4 @@
-"""Writes tests/dsp/scipy_reference.h, or checks with --check that it still holds.
+"""Writes tests/dsp/filter/scipy_reference.h, or checks with --check that it still holds.
 
 SciPy's own design (poles and zeros) and its own second-order sections: an implementation of the
 band-pass that shares nothing with dsp/. The signal is an integer congruential noise on 1 mm of

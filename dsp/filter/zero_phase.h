@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 namespace haptometer::dsp {
 
@@ -21,8 +21,8 @@ enum class Continuation : std::uint8_t { kOdd, kConstant };
 /// The signal is continued at both ends by as many samples as the slowest pole needs to decay to
 /// 1e-12 (where an odd continuation runs out of samples, its last value stays), and both passes
 /// start exactly from their first value. What the continuation cannot know is in the first and last
-/// tenths of a second: dsp/settled.h finds where it ends. Returns signal.size() samples. Memory:
-/// the signal and its continuation once more.
+/// tenths of a second: dsp/filter/settled.h finds where it ends. Returns signal.size() samples.
+/// Memory: the signal and its continuation once more.
 [[nodiscard]] std::vector<double> FilterZeroPhase(const FilterDesign& design,
                                                   std::span<const double> signal,
                                                   Continuation continuation = Continuation::kOdd);

@@ -1,10 +1,10 @@
-#include "dsp/zero_phase.h"
+#include "dsp/filter/zero_phase.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "base/check.h"
-#include "dsp/cascade.h"
+#include "dsp/filter/cascade.h"
 
 namespace haptometer::dsp {
 namespace {

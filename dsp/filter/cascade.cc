@@ -1,4 +1,4 @@
-#include "dsp/cascade.h"
+#include "dsp/filter/cascade.h"
 
 #include <algorithm>
 

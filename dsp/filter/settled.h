@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 namespace haptometer::dsp {
 

@@ -1,4 +1,4 @@
-#include "dsp/butterworth.h"
+#include "dsp/filter/butterworth.h"
 
 #include <fmt/core.h>
 

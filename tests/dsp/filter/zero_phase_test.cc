@@ -1,4 +1,4 @@
-#include "dsp/zero_phase.h"
+#include "dsp/filter/zero_phase.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/rms.h"
-#include "dsp/settled.h"
-#include "tests/dsp/scipy_reference.h"
+#include "dsp/filter/settled.h"
+#include "dsp/statistics/moments.h"
+#include "tests/dsp/filter/scipy_reference.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

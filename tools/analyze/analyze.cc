@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/band_analysis.h"
-#include "tools/analyze_output.h"
+#include "dsp/analysis/band_analysis.h"
+#include "tools/analyze/analyze_output.h"
 #include "tools/cli/band.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"

@@ -1,4 +1,4 @@
-#include "dsp/tone.h"
+#include "dsp/spectrum/tone.h"
 
 #include <fftw3.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "dsp/rms.h"
+#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/analyze_output.h"
+#include "tools/analyze/analyze_output.h"
 
 #include <fmt/core.h>
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/result.h"
-#include "dsp/butterworth.h"
-#include "dsp/sine_fit.h"
+#include "dsp/filter/butterworth.h"
+#include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
@@ -77,12 +77,12 @@ struct BandAnalysis {
 
 /// Answers how much a record vibrates within a band.
 ///
-/// The first displacement channel is split into segments (dsp/segments.h); each is filtered with
-/// zero phase on its own. The window is the longest settled part of any segment (dsp/settled.h),
-/// shortened to whole periods of the strongest tone in it. Too little settled (below 2 periods of
-/// the lower corner): the order is lowered as far as 2, as long as what leaks from below the band
-/// changes the RMS by less than 1 %; otherwise the record is not answered. The tone's amplitude is
-/// divided by |H|^2 at its frequency.
+/// The first displacement channel is split into segments (dsp/analysis/segments.h); each is
+/// filtered with zero phase on its own. The window is the longest settled part of any segment
+/// (dsp/filter/settled.h), shortened to whole periods of the strongest tone in it. Too little
+/// settled (below 2 periods of the lower corner): the order is lowered as far as 2, as long as what
+/// leaks from below the band changes the RMS by less than 1 %; otherwise the record is not
+/// answered. The tone's amplitude is divided by |H|^2 at its frequency.
 ///
 /// The standard uncertainty of the RMS is that of a tone of amplitude A in Gaussian noise of RMS s,
 /// flat over the band of width B, observed for T seconds:

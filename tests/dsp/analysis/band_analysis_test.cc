@@ -1,4 +1,4 @@
-#include "dsp/band_analysis.h"
+#include "dsp/analysis/band_analysis.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/rms.h"
-#include "dsp/zero_phase.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/statistics/moments.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"

@@ -1,4 +1,4 @@
-#include "dsp/cascade.h"
+#include "dsp/filter/cascade.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/dsp/scipy_reference.h"
+#include "tests/dsp/filter/scipy_reference.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

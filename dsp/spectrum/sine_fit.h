@@ -38,7 +38,7 @@ struct SineFitOptions {
                                 double frequency_hz);
 
 /// Fits the frequency too, by Gauss-Newton from `start_hz`, which must lie within about 1/duration
-/// of the truth (dsp/tone.h finds it).
+/// of the truth (dsp/spectrum/tone.h finds it).
 ///
 /// IEEE Std 1057-2017, 4.6.3 (four-parameter fit). For white noise of variance s^2 over N samples
 /// and T seconds, u(amplitude)^2 = 2 s^2/N and u(2 pi frequency)^2 = 24 s^2/(amplitude^2 N T^2).
