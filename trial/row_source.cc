@@ -1,0 +1,45 @@
+#include "trial/row_source.h"
+
+#include <algorithm>
+
+#include "base/check.h"
+
+namespace haptometer::trial {
+namespace {
+
+Record HeadOf(const Record& record) {
+  Record head;
+  head.rows = record.rows;
+  head.timing = record.timing;
+  head.stretches = record.stretches;
+  head.metadata = record.metadata;
+  head.channels.reserve(record.channels.size());
+  for (const Channel& channel : record.channels) {
+    head.channels.push_back({channel.name,
+                             channel.role,
+                             channel.unit,
+                             {},
+                             {},
+                             channel.range_min,
+                             channel.range_max,
+                             channel.resolution});
+  }
+  return head;
+}
+
+}  // namespace
+
+RecordRows::RecordRows(const Record& record) : record_(record), head_(HeadOf(record)) {}
+
+Result<void> RecordRows::Read(std::size_t channel, std::size_t first, std::span<double> values,
+                              std::span<SampleStatus> statuses) const {
+  HAPTOMETER_CHECK(channel < record_.channels.size() && values.size() == statuses.size() &&
+                       first <= record_.rows && values.size() <= record_.rows - first,
+                   "channel {}, rows {} + {} of {}", channel, first, values.size(), record_.rows);
+  const Channel& column = record_.channels[channel];
+  std::ranges::copy(std::span(column.values).subspan(first, values.size()), values.begin());
+  std::ranges::copy(std::span(column.statuses).subspan(first, values.size()), statuses.begin());
+  return {};
+}
+
+}  // namespace haptometer::trial
