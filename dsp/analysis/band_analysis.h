@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
@@ -22,12 +23,6 @@ struct BandQuestion {
   BandPass band;
   /// Whether a lower order may be taken where the asked one leaves too little settled.
   bool may_lower_order = true;
-};
-
-/// From `begin_s` up to and without `end_s`, on the record's time base.
-struct TimeWindow {
-  double begin_s = 0;
-  double end_s = 0;
 };
 
 /// Motion below the band and what of it the filter lets through.
