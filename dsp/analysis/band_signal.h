@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
+#include "dsp/filter/zero_phase_blocks.h"
 
 namespace haptometer::dsp {
 
@@ -25,13 +26,19 @@ struct Extremes {
 
 /// One segment, filtered forward and backward, readable by range whatever its length.
 ///
-/// Samples are counted from the segment's first. Every number depends on the samples alone: not on
-/// the ranges that are asked for, nor on the number of threads. Threads may read at the same time.
+/// Only the cells stay in memory (24 B each); samples are filtered again when they are read. They
+/// are counted from the segment's first. Every number depends on the samples alone: not on the
+/// ranges that are asked for, nor on the number of threads. Threads may read at the same time.
 class BandSignal {
  public:
-  /// Filters with zero phase (dsp/filter/zero_phase.h) and finds what has settled
-  /// (dsp/filter/settled.h). What `samples` refers to must outlive the signal. `threads` >= 1.
-  /// Errors: as SegmentSamples::Read.
+  /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
+  /// finds what has settled. What `samples` refers to must outlive the signal.
+  ///
+  /// Settled cells reach from the middle outwards to the last one on each side in which the odd and
+  /// the constant continuation agree to kSettledTolerance times the RMS over the settled cells
+  /// themselves (repeated until that holds; dsp/filter/settled.h). Farther from an end than a
+  /// lead-in, they agree to rounding whatever the signal.
+  /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells.
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads);
 
@@ -43,17 +50,21 @@ class BandSignal {
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
 
-  /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends.
+  /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
+  /// whole cells.
   [[nodiscard]] std::size_t settled_begin() const { return settled_begin_; }
   [[nodiscard]] std::size_t settled_end() const { return settled_end_; }
 
   /// Cell k sums up samples [k n, (k + 1) n), n = cell_samples(), the last one what is left.
   ///
-  /// n is a power of two: 0.5 to 1 ms, or more where that would be over 2^21 cells.
+  /// n is the greatest divisor of kTileSamples that lasts 1 ms at most, or the least one that gives
+  /// at most 2^21 cells.
   [[nodiscard]] std::span<const BandCell> cells() const { return cells_; }
   [[nodiscard]] std::size_t cell_samples() const { return cell_samples_; }
 
-  /// Filtered samples [first, first + out.size()), within size(). Errors: as SegmentSamples::Read.
+  /// Filtered samples [first, first + out.size()), within size().
+  /// Errors: as SegmentSamples::Read. Cost: every block that the range touches is filtered; read in
+  /// large pieces.
   [[nodiscard]] Result<void> Read(std::size_t first, std::span<double> out) const;
 
   /// Sum of the squares of samples [begin, end): whole cells, and the cut ones at the two ends
@@ -64,8 +75,23 @@ class BandSignal {
   [[nodiscard]] Result<Extremes> ExtremesOf(std::size_t begin, std::size_t end) const;
 
  private:
-  BandSignal(const SegmentSamples& samples, const FilterDesign& design)
-      : samples_(samples), design_(design) {}
+  // cells [begin, end)
+  struct CellRange {
+    std::size_t begin = 0;
+    std::size_t end = 0;
+  };
+
+  BandSignal(const SegmentSamples& samples, const FilterDesign& design);
+
+  // what the segment's samples are asked for by
+  [[nodiscard]] ReadSamples reading() const;
+  [[nodiscard]] Result<void> FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch);
+  [[nodiscard]] Result<void> FindSettled(int threads);
+  // greatest difference of the two continuations within each of `cells`
+  [[nodiscard]] Result<void> CompareContinuations(const CellRange& cells,
+                                                  std::span<double> differences) const;
+  // from the middle outwards, over cells in which the continuations differ little enough
+  void GrowSettled(std::span<const double> differences);
 
   // the cells that make up [begin, end), cut ones worked out anew
   [[nodiscard]] Result<std::vector<BandCell>> CellsOf(std::size_t begin, std::size_t end) const;
@@ -73,11 +99,11 @@ class BandSignal {
 
   SegmentSamples samples_;
   FilterDesign design_;
+  ZeroPhaseBlocks blocks_;
   std::size_t settled_begin_ = 0;
   std::size_t settled_end_ = 0;
   std::size_t cell_samples_ = 1;
   std::vector<BandCell> cells_;
-  std::vector<double> filtered_;
 };
 
 }  // namespace haptometer::dsp

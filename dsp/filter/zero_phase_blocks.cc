@@ -116,8 +116,18 @@ Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
 Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
                                      Continuation continuation, std::span<double> out,
                                      Scratch& scratch) const {
-  HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
-                   range.first, range.count, size_, out.size());
+  HAPTOMETER_CHECK(out.size() == range.count, "{} out of {}", out.size(), range.count);
+  const auto filtered = Filter(range, read, continuation, scratch);
+  if (!filtered) return std::unexpected(filtered.error());
+  std::ranges::copy(*filtered, out.begin());
+  return {};
+}
+
+Result<std::span<const double>> ZeroPhaseBlocks::Filter(const SampleRange& range,
+                                                        const ReadSamples& read,
+                                                        Continuation continuation,
+                                                        Scratch& scratch) const {
+  HAPTOMETER_CHECK(range.end() <= size_, "{} + {} of {}", range.first, range.count, size_);
   if (range.count == 0) return {};
   const std::size_t inner = WholeTiles(range.count);
   scratch.samples.resize(inner + 2 * lead_in_);
@@ -125,7 +135,7 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
   const Continued signal(size_, read, continuation);
   const auto first = static_cast<std::ptrdiff_t>(range.first);
   if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), samples); !done) {
-    return done;
+    return std::unexpected(done.error());
   }
 
   LaneCascade cascade(plan_);
@@ -135,8 +145,7 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
   cascade.StartFrom(samples.back());
   cascade.Advance(samples.last(lead_in_), Direction::kBackward);
   cascade.Process(samples.subspan(lead_in_, inner), Direction::kBackward);
-  std::ranges::copy(samples.subspan(lead_in_, range.count), out.begin());
-  return {};
+  return samples.subspan(lead_in_, range.count);
 }
 
 ReadSamples ReadFrom(std::span<const double> signal) {

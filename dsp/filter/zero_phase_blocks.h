@@ -76,6 +76,12 @@ class ZeroPhaseBlocks {
                                     Continuation continuation, std::span<double> out,
                                     Scratch& scratch) const;
 
+  /// The same left in `scratch`, until its next use.
+  [[nodiscard]] Result<std::span<const double>> Filter(const SampleRange& range,
+                                                       const ReadSamples& read,
+                                                       Continuation continuation,
+                                                       Scratch& scratch) const;
+
  private:
   LanePlan plan_;
   std::size_t size_;
