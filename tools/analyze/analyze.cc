@@ -1,86 +1,44 @@
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
-#include <thread>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
-#include "tools/analyze/analyze_output.h"
-#include "tools/cli/band.h"
-#include "tools/cli/import_words.h"
-#include "tools/cli/options.h"
+#include "tools/analyze/analysis_json.h"
+#include "tools/analyze/analysis_lines.h"
+#include "tools/analyze/analysis_panels.h"
+#include "tools/analyze/analysis_report.h"
+#include "tools/analyze/analyze_options.h"
+#include "tools/analyze/spectrum_output.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/report.h"
-#include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 #include "trial/open_rows.h"
-#include "trial/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "analyze";
-constexpr std::int64_t kMostThreads = 64;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
     .summary = "Say how much a trial vibrates within a band, and over which part of it.",
-    .examples = {"analyze trial.bin", "analyze --json a.bin b.bin c.csv",
-                 "analyze trial.bin --band 40-400Hz --order 4 --plot trial.svg"}};
+    .examples = {"analyze trial.bin", "analyze --floor drive_off.bin trial.bin --report trial.html",
+                 "analyze --json a.bin b.bin c.csv --window 1s:3s"}};
 
-struct Wanted {
-  std::vector<std::string> files;
-  std::string band = "20-500Hz";
-  std::optional<std::int64_t> order;
-  std::string corner = "whole";
-  std::string plot;
-  std::optional<std::int64_t> threads;
-  cli::ImportWords import;
-};
-
-void Declare(cli::Options& options, Wanted& wanted) {
-  options.Positionals("files", &wanted.files,
-                      "Trials (trial.bin) or CSV with time_s,displacement_m");
-  options.Text("--band", &wanted.band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
-  options.Count("--order", &wanted.order, 1, dsp::kHighestOrder,
-                "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
-                "record is too short for it)");
-  options.Choice("--corner", &wanted.corner, {"whole", "each"},
-                 "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
-  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
-               "Draw the trial and what was used of it");
-  options.Count(
-      "--threads", &wanted.threads, 1, kMostThreads,
-      "Threads that filter (default: as many as there are cores); no number depends on it",
-      cli::Shown::kHelpAll);
-  cli::DeclareImport(&options, &wanted.import);
-}
-
-Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
-  if (!wanted.plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(wanted.plot); !drawable) {
-      return std::unexpected(drawable.error());
-    }
-    if (wanted.files.size() > 1) {
-      return Usage("--plot", fmt::format("draws one trial, not {}", wanted.files.size()),
-                   "give one file");
-    }
-  }
-  const auto band = cli::ParseBand(wanted.band);
-  if (!band) return std::unexpected(band.error());
+// what all files are asked alike
+struct Job {
   dsp::BandQuestion question;
-  question.band.lower_hz = band->lower_hz;
-  question.band.upper_hz = band->upper_hz;
-  question.may_lower_order = !wanted.order.has_value();
-  question.band.order = static_cast<int>(wanted.order.value_or(question.band.order));
-  question.band.corners = wanted.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
-  // whether the band is one, before any file is read
-  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
-  if (!possible) return std::unexpected(possible.error());
-  return question;
-}
+  trial::ImportOptions import;
+  int threads = 1;
+  std::string plot;
+  bool report = false;
+  SpectrumQuestion spectrum{};
+};
 
 // what could not be read of the file
 std::vector<std::string> LossesOf(const trial::ReadReport& report) {
@@ -92,43 +50,94 @@ std::vector<std::string> LossesOf(const trial::ReadReport& report) {
   return remarks;
 }
 
+Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const Job& job) {
+  const auto opened = trial::OpenRows(path, job.import);
+  if (!opened) return std::unexpected(opened.error());
+  dsp::BandQuestion question = job.question;
+  question.choice = dsp::WindowChoice::kAll;
+  question.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(*opened->rows, question, job.threads);
+  if (!analysis) return std::unexpected(analysis.error());
+  const auto floor = dsp::FloorOf(*analysis, path);
+  if (floor) return *floor;
+  return CannotAnswer(
+      path,
+      analysis->reasons.empty() ? "tells no noise floor in the band" : analysis->reasons.front(),
+      "record the sensor at rest, drive off, as long and as fast as the trials");
+}
+
+// spectra of the window, into their files and the report
+Result<void> AddSpectra(const trial::RowSource& rows, const Job& job, ReportedFile& reported) {
+  const bool asked = !job.spectrum.spectrum.empty() || !job.spectrum.spectrogram.empty();
+  if (!reported.file.analysis->numbers || (!asked && !job.report)) return {};
+  const auto window = dsp::ReadWindow(rows, *reported.file.analysis, kMostInSpectrum);
+  if (!window) return std::unexpected(window.error());
+  if (auto written = WriteSpectra(*window, job.spectrum); !written) return written;
+  if (!job.report) return {};
+  const auto panel = SpectrumPanel(*window, job.spectrum);
+  if (!panel) return std::unexpected(panel.error());
+  reported.figures.push_back({*panel});
+  reported.captions.emplace_back("Spectrum of the unfiltered window (Welch, one-sided).");
+  return {};
+}
+
+// draws one file into its plot and its part of the report
+Result<void> Draw(const trial::RowSource& rows, const Job& job, ReportedFile& reported) {
+  if (job.plot.empty() && !job.report) return {};
+  auto panels = AnalysisPanels(rows, *reported.file.analysis);
+  if (!panels) return std::unexpected(panels.error());
+  if (!job.plot.empty()) {
+    if (auto drawn = DrawPanels(job.plot, *panels); !drawn) return drawn;
+  }
+  if (!job.report) return {};
+  reported.figures.push_back(std::move(*panels));
+  reported.captions.emplace_back(
+      "The record, the filtered signal and a part of it. Grey: no number is of it.");
+  return {};
+}
+
 // reads, analyses and, where asked, draws one file
-AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
-                     const trial::ImportOptions& import, const std::string& plot, int threads) {
-  AnalyzedFile file;
+ReportedFile Analyze(const std::string& path, const Job& job) {
+  ReportedFile reported;
+  AnalyzedFile& file = reported.file;
   file.path = path;
   const auto fail = [&](Error error) {
     if (error.where.empty()) error.where = path;
     file.error = std::move(error);
-    return file;
+    return reported;
   };
-  const auto opened = trial::OpenRows(path, import);
+  const auto opened = trial::OpenRows(path, job.import);
   if (!opened) return fail(opened.error());
   file.source = opened->rows->head().metadata.source;
   file.remarks = LossesOf(opened->report);
-  auto analysis = dsp::AnalyzeBand(*opened->rows, question, threads);
+  auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);
   if (!analysis) return fail(analysis.error());
-  if (!plot.empty()) {
-    // what is drawn is in memory as a whole
-    const auto recording = trial::ReadRecording(path, import);
-    if (!recording) return fail(recording.error());
-    if (auto drawn = DrawPanels(plot, AnalysisPanels(recording->record, *analysis)); !drawn) {
-      return fail(drawn.error());
-    }
-  }
   file.analysis = std::move(*analysis);
-  return file;
+  if (auto drawn = Draw(*opened->rows, job, reported); !drawn) return fail(drawn.error());
+  if (auto added = AddSpectra(*opened->rows, job, reported); !added) return fail(added.error());
+  file.analysis->filtered_m = {};
+  return reported;
 }
 
-int ThreadsOf(const Wanted& wanted) {
-  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
-  return static_cast<int>(wanted.threads.value_or(std::min(cores, kMostThreads)));
+void PrintLines(const std::vector<AnalysisLine>& lines) {
+  for (const AnalysisLine& line : lines) fmt::print("  {:<17}{}\n", line.label, line.text);
+}
+
+void Print(const AnalyzedFile& file, bool all) {
+  if (!file.analysis) return;
+  fmt::print("{}\n", file.path);
+  if (!all) return PrintLines(ShortLines(file));
+  for (const AnalysisSection& section : AllSections(file)) {
+    fmt::print(" {}\n", section.heading);
+    PrintLines(section.lines);
+  }
 }
 
 // 0, or the status of the worst file: failing outranks not answering
-int StatusOf(const std::vector<AnalyzedFile>& files) {
+int StatusOf(const std::vector<ReportedFile>& files) {
   int status = 0;
-  for (const AnalyzedFile& file : files) {
+  for (const ReportedFile& reported : files) {
+    const AnalyzedFile& file = reported.file;
     if (file.error && file.error->cause != Cause::kCannotAnswer)
       return ExitStatus(file.error->cause);
     if (file.error || !file.analysis->answered) status = ExitStatus(Cause::kCannotAnswer);
@@ -136,28 +145,60 @@ int StatusOf(const std::vector<AnalyzedFile>& files) {
   return status;
 }
 
+Result<Job> JobOf(const AnalyzeWords& words) {
+  auto question = QuestionOf(words);
+  if (!question) return std::unexpected(question.error());
+  auto import = cli::ImportOf(words.import);
+  if (!import) return std::unexpected(import.error());
+  auto spectrum = SpectrumQuestionOf(words.spectrum);
+  if (!spectrum) return std::unexpected(spectrum.error());
+  Job job{std::move(*question), std::move(*import),    ThreadsOf(words),
+          words.plot,           !words.report.empty(), std::move(*spectrum)};
+  if (words.floor.empty()) return job;
+  auto floor = ReadFloor(words.floor, job);
+  if (!floor) return std::unexpected(floor.error());
+  job.question.floor = std::move(*floor);
+  return job;
+}
+
+Result<void> WritePage(const std::string& path, const std::vector<ReportedFile>& files,
+                       const std::string& command) {
+  const auto page = AnalysisReport(files, command);
+  if (!page) return std::unexpected(page.error());
+  return report::WriteReport(path, *page);
+}
+
 }  // namespace
 
 int RunAnalyze(int argc, const char* const* argv) {
   cli::Options options(kText);
-  Wanted wanted;
-  Declare(options, wanted);
+  AnalyzeWords words;
+  DeclareAnalyze(&options, &words);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  const auto question = QuestionOf(wanted);
-  if (!question) return cli::ReportError(kVerb, question.error());
-  const auto import = cli::ImportOf(wanted.import);
-  if (!import) return cli::ReportError(kVerb, import.error());
+  const auto job = JobOf(words);
+  if (!job) return cli::ReportError(kVerb, job.error());
 
   // one after the other: an error of one file does not keep the others from their answer
-  std::vector<AnalyzedFile> files;
-  for (const std::string& path : wanted.files) {
-    files.push_back(Analyze(path, *question, *import, wanted.plot, ThreadsOf(wanted)));
-    AnalyzedFile& file = files.back();
+  std::vector<ReportedFile> files;
+  files.reserve(words.files.size());
+  for (const std::string& path : words.files) {
+    files.push_back(Analyze(path, *job));
+    const AnalyzedFile& file = files.back().file;
     if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
-    if (!options.json()) PrintAnalysis(file);
-    if (file.analysis) file.analysis->filtered_m = {};
+    if (!options.json()) Print(file, words.all);
   }
-  if (options.json()) fmt::print("{}", AnalysisJson(files));
+  if (options.json()) {
+    std::vector<AnalyzedFile> answers;
+    answers.reserve(files.size());
+    for (const ReportedFile& reported : files) answers.push_back(reported.file);
+    fmt::print("{}", AnalysisJson(answers));
+  }
+  if (!words.report.empty()) {
+    const std::vector<std::string> typed(argv, argv + argc);
+    if (auto written = WritePage(words.report, files, cli::CommandLine(typed)); !written) {
+      return cli::ReportError(kVerb, written.error());
+    }
+  }
   return StatusOf(files);
 }
 

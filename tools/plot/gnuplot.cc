@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
+#include <limits>
 
 #include "base/check.h"
 #include "base/clock.h"
@@ -16,6 +18,7 @@ namespace haptometer::plot {
 namespace {
 
 constexpr std::size_t kMostPoints = 4000;
+constexpr std::size_t kMostCells = 1000;  // of a map, along each axis
 // some thousand times what it needs: beyond, it hangs
 constexpr MonotonicNs kLongestTextNs = 5 * kNsPerS;
 constexpr MonotonicNs kLongestPanelsNs = 120 * kNsPerS;
@@ -105,6 +108,44 @@ std::string Script(const std::string& path, const Terminal& terminal,
   return script + "unset multiplot\nunset output\n";
 }
 
+// the least run of cells that leaves at most kMostCells of `size`
+std::size_t RunOf(std::size_t size) { return (size + kMostCells - 1) / kMostCells; }
+
+// the greatest value of a run of columns and rows
+double GreatestOf(const Map& map, std::size_t column, std::size_t columns, std::size_t row,
+                  std::size_t rows) {
+  double greatest = -std::numeric_limits<double>::infinity();
+  for (std::size_t c = column; c < std::min(column + columns, map.values.size()); ++c) {
+    for (std::size_t r = row; r < std::min(row + rows, map.values[c].size()); ++r) {
+      greatest = std::max(greatest, map.values[c][r]);
+    }
+  }
+  return greatest;
+}
+
+std::string MapScript(const std::string& path, const Terminal& terminal, const Map& map) {
+  std::string script =
+      "set encoding utf8\nset terminal " + fmt::format(fmt::runtime(terminal.words), 480, 4.8) +
+      "\nset termoption noenhanced\nset output " + Quoted(path) + "\n$map << EOD\n";
+  const std::size_t columns = RunOf(map.values.size());
+  const std::size_t rows = RunOf(map.values[0].size());
+  for (std::size_t c = 0; c < map.values.size(); c += columns) {
+    for (std::size_t r = 0; r < map.values[c].size(); r += rows) {
+      fmt::format_to(std::back_inserter(script), "{:.9g} {:.9g} {:.6g}\n",
+                     map.x_start + map.x_step * static_cast<double>(c),
+                     map.y_start + map.y_step * static_cast<double>(r),
+                     GreatestOf(map, c, columns, r, rows));
+    }
+    script += "\n";
+  }
+  return script + fmt::format(
+                      "EOD\nset title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
+                      "set autoscale fix\nset palette viridis\n"
+                      "plot $map using 1:2:3 with image notitle\nunset output\n",
+                      Quoted(map.title), Quoted(map.x_label), Quoted(map.y_label),
+                      Quoted(map.value_label));
+}
+
 // Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
 // file it left, or did not, is the evidence.
 Result<bool> RunGnuplot(const std::string& script, const std::string& where,
@@ -112,6 +153,22 @@ Result<bool> RunGnuplot(const std::string& script, const std::string& where,
   const auto run = RunWithin({"gnuplot"}, script, longest_ns);
   if (run) return *run;
   return Failed(where, run.error().what, "is it installed (apt-get install gnuplot-nox)?");
+}
+
+// drawn beside its place, so that a failure costs no older plot
+template <typename MakeScript>
+Result<void> DrawInto(const std::string& path, const MakeScript& script) {
+  if (auto known = CheckPlotPath(path); !known) return known;
+  const std::string part = path + ".part";
+  const auto run = RunGnuplot(script(part, *TerminalOf(path)), path, kLongestPanelsNs);
+  if (!run) return std::unexpected(run.error());
+  std::error_code failure;
+  if (*run) std::filesystem::rename(part, path, failure);
+  if (!*run || failure) {
+    std::filesystem::remove(part, failure);
+    return Failed(path, "the plot could not be written", "is there room, and may you write there?");
+  }
+  return {};
 }
 
 }  // namespace
@@ -163,20 +220,16 @@ Result<void> CheckPlotPath(const std::string& path) {
 
 Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
-  if (auto known = CheckPlotPath(path); !known) return known;
-  // drawn beside its place, so that a failure costs no older plot
-  const std::string part = path + ".part";
-  const std::string script = Script(part, *TerminalOf(path), panels);
+  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
+    return Script(part, terminal, panels);
+  });
+}
 
-  const auto run = RunGnuplot(script, path, kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
-  std::error_code failure;
-  if (*run) std::filesystem::rename(part, path, failure);
-  if (!*run || failure) {
-    std::filesystem::remove(part, failure);
-    return Failed(path, "the plot could not be written", "is there room, and may you write there?");
-  }
-  return {};
+Result<void> DrawMap(const std::string& path, const Map& map) {
+  HAPTOMETER_CHECK(!map.values.empty() && !map.values[0].empty(), "an empty map");
+  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
+    return MapScript(part, terminal, map);
+  });
 }
 
 }  // namespace haptometer::plot

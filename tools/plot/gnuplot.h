@@ -43,7 +43,24 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// for it, 120 s at most.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
-/// The same as one SVG document. Errors (Cause::kFailed): gnuplot absent or failing.
+/// A quantity over two axes, shown by colour.
+struct Map {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::string value_label;
+  double x_start = 0;
+  double x_step = 1;
+  double y_start = 0;
+  double y_step = 1;
+  std::vector<std::vector<double>> values;  ///< (columns along x, rows along y)
+};
+
+/// Draws `map` as DrawPanels does; of more than 1000 columns or rows the greatest of each run is
+/// shown. Errors: as DrawPanels.
+[[nodiscard]] Result<void> DrawMap(const std::string& path, const Map& map);
+
+/// DrawPanels as one SVG document. Errors (Cause::kFailed): gnuplot absent or failing.
 [[nodiscard]] Result<std::string> DrawSvg(const std::vector<Panel>& panels);
 
 /// Draws `panel` with characters, `columns` wide and `lines` high, for a terminal: its lines with

@@ -18,18 +18,19 @@ h1 { font-size: 1.6rem; margin-bottom: 0; overflow-wrap: anywhere; }
 h2 { font-size: 1.2rem; margin-top: 2rem; border-bottom: 1px solid #ccc; }
 p.subtitle { color: #555; margin-top: .2rem; overflow-wrap: anywhere; }
 p.warning { border-left: .3rem solid #d55e00; background: #fdf3ec; padding: .5rem 1rem; }
+h3 { font-size: 1rem; margin: 1.5rem 0 .3rem; }
 table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; vertical-align: top; padding: .25rem .75rem .25rem 0;
          border-bottom: 1px solid #e4e4e4; overflow-wrap: anywhere; }
 thead th { border-bottom: 2px solid #888; }
-tbody th { font-weight: normal; color: #555; }
+tbody th { font-weight: normal; color: #555; width: 11rem; }
 figure { margin: 1.5rem 0; }
 figure svg { width: 100%; height: auto; }
 figcaption { color: #555; font-size: .9rem; }
 @media print {
   body { margin: 0; max-width: none; font-size: 10pt; }
   figure, tr, p.warning { break-inside: avoid; }
-  h2 { break-after: avoid; }
+  h2, h3 { break-after: avoid; }
 }
 )";
 
@@ -92,6 +93,10 @@ void HtmlPage::Section(std::string_view heading) {
   body_ += fmt::format("<h2>{}</h2>\n", Escaped(heading));
 }
 
+void HtmlPage::Subsection(std::string_view heading) {
+  body_ += fmt::format("<h3>{}</h3>\n", Escaped(heading));
+}
+
 void HtmlPage::Paragraph(std::string_view text) {
   body_ += fmt::format("<p>{}</p>\n", Escaped(text));
 }
@@ -108,14 +113,18 @@ void HtmlPage::List(const std::vector<std::string>& items) {
 
 void HtmlPage::Table(const std::vector<std::string>& header,
                      const std::vector<std::vector<std::string>>& rows) {
-  body_ += "<table>\n<thead><tr>";
-  for (const std::string& cell : header) {
-    body_ += fmt::format("<th scope=\"col\">{}</th>", Escaped(cell));
+  body_ += "<table>\n";
+  if (!header.empty()) {
+    body_ += "<thead><tr>";
+    for (const std::string& cell : header) {
+      body_ += fmt::format("<th scope=\"col\">{}</th>", Escaped(cell));
+    }
+    body_ += "</tr></thead>\n";
   }
-  body_ += "</tr></thead>\n<tbody>\n";
+  body_ += "<tbody>\n";
   for (const std::vector<std::string>& row : rows) {
-    HAPTOMETER_CHECK(row.size() == header.size(), "{} cells under {} headings", row.size(),
-                     header.size());
+    const std::size_t cells = header.empty() ? rows.front().size() : header.size();
+    HAPTOMETER_CHECK(row.size() == cells, "{} cells, not {}", row.size(), cells);
     body_ += "<tr>";
     for (std::size_t i = 0; i < row.size(); ++i) {
       const std::string_view kind = i == 0 ? "th scope=\"row\"" : "td";

@@ -19,11 +19,13 @@ class HtmlPage {
   HtmlPage(std::string_view title, std::string_view subtitle);
 
   void Section(std::string_view heading);
+  void Subsection(std::string_view heading);
   void Paragraph(std::string_view text);
   /// What a reader must not miss: why nothing was answered, what was assumed.
   void Warning(std::string_view text);
   void List(const std::vector<std::string>& items);
-  /// `rows` each have as many cells as `header`; the first cell is the row's heading.
+  /// `rows` each have as many cells as `header`, or as each other where it is empty; the first cell
+  /// is the row's heading.
   void Table(const std::vector<std::string>& header,
              const std::vector<std::vector<std::string>>& rows);
   /// Draws the panels with gnuplot into the page. Errors: as plot::DrawSvg.

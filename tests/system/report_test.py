@@ -1,0 +1,68 @@
+"""The page of `analyze --report`, looked at in a real browser: it shows the numbers that `--json`
+gives, draws its figures, fetches nothing, fits a narrow screen and prints on a few pages.
+"""
+import json
+import math
+import os
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import browser  # noqa: E402
+from programs import check, run  # noqa: E402
+
+RATE_HZ = 5000
+MOST_PAGES = 6
+
+
+def trial(path):
+    """50 um at 225 Hz from 0.6 s to 1.8 s of 2.4 s, 30 mm of offset, tremor, a quiet beginning."""
+    with open(path, "w") as file:
+        file.write("# sampling_s = 0.0002\n# averages = 1\n# label.condition = <b>stock</b>\n"
+                   "time_s,displacement_m\n")
+        for k in range(int(2.4 * RATE_HZ)):
+            t = k / RATE_HZ
+            on = 0.6 <= t < 1.8
+            noise = 1e-6 * math.sin(1e4 * math.sin(k * 12.9898))
+            x = (30e-3 + 1e-4 * math.sin(2 * math.pi * 7.1 * t) + noise
+                 + on * 50e-6 * math.sin(2 * math.pi * 225 * t))
+            file.write(f"{t:.6f},{x:.9f}\n")
+
+
+def main():
+    with tempfile.TemporaryDirectory() as directory:
+        data = os.path.join(directory, "driven & on.csv")
+        report = os.path.join(directory, "report.html")
+        trial(data)
+        answer = json.loads(run("analyze", data, "--json").stdout)["trials"][0]
+        run("analyze", data, "--report", report)
+        check(os.path.getsize(report) < 3_000_000, "the page is no larger than 3 MB")
+
+        with browser.page(report) as shown:
+            text = shown.text()
+            check("driven & on.csv" in shown.title(), shown.title())
+            amplitude_um = answer["tone_amplitude_m"] * 1e6
+            check(abs(amplitude_um - 50) < 0.5, amplitude_um)
+            check(f"{answer['band_rms_m'] * 1e6:.1f}" in text, "the RMS is on the page")
+            for words in ("20-500 Hz, Butterworth of order", "Uncertainty of the RMS",
+                          "noise floor", "225.0", "THD", "haptometer analyze"):
+                check(words in text, f"'{words}' is on the page")
+            check("nan" not in text.lower().split(), "no NaN is shown")
+
+            figures = shown.figures()
+            check(len(figures) >= 2, figures)
+            for width, height, marks in figures:
+                check(width > 300 and height > 200 and marks > 20, figures)
+            words = shown.figure_text()
+            for label in ("time / s", "in band / um", "frequency / Hz"):
+                check(label in words, f"an axis says {label}: {words}")
+
+            check(shown.fetched() == [], shown.fetched())
+            check(shown.complaints() == [], shown.complaints())
+            check(shown.overflow(browser.NARROW) <= 0, "a telephone shows all of it")
+            check(shown.overflow(browser.WIDE) <= 0, "a screen shows all of it")
+            check(1 <= shown.printed_pages() <= MOST_PAGES, shown.printed_pages())
+
+
+if __name__ == "__main__":
+    main()

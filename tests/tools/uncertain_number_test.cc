@@ -1,0 +1,33 @@
+#include "tools/cli/uncertain_number.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace haptometer::cli {
+namespace {
+
+TEST(WithUncertainty, ShowsTwoDigitsOfIt) {
+  EXPECT_EQ(WithUncertainty(70.7106, 0.1234), "70.71(12)");
+  EXPECT_EQ(WithUncertainty(0.00123456, 0.00045), "0.00123(45)");
+  EXPECT_EQ(WithUncertainty(-3.14159, 0.00020), "-3.14159(20)");
+}
+
+TEST(WithUncertainty, CarriesWhenRoundingGivesAThirdDigit) {
+  EXPECT_EQ(WithUncertainty(1.23456, 0.0996), "1.23(10)");
+  EXPECT_EQ(WithUncertainty(1.23456, 0.00994), "1.2346(99)");
+}
+
+TEST(WithUncertainty, RoundsBothBeforeThePoint) {
+  EXPECT_EQ(WithUncertainty(12346.7, 670), "12350(670)");
+  EXPECT_EQ(WithUncertainty(98.7, 23.4), "99(23)");
+  EXPECT_EQ(WithUncertainty(98.7, 2.34), "98.7(23)");
+}
+
+TEST(WithUncertainty, WithoutOneGivesSixDigits) {
+  EXPECT_EQ(WithUncertainty(1.23456789, 0), "1.23457");
+  EXPECT_EQ(WithUncertainty(1.23456789, std::numeric_limits<double>::quiet_NaN()), "1.23457");
+}
+
+}  // namespace
+}  // namespace haptometer::cli

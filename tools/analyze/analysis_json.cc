@@ -1,0 +1,242 @@
+#include "tools/analyze/analysis_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/json.h"
+
+namespace haptometer::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using cli::NumberOrNull;
+
+Json Pair(double lower, double upper) {
+  return Json::array({NumberOrNull(lower), NumberOrNull(upper)});
+}
+
+Json WindowJson(const dsp::TimeWindow& window) { return Pair(window.begin_s, window.end_s); }
+
+Json BandJson(const dsp::BandPass& band) {
+  return {{"lower_hz", band.lower_hz},
+          {"upper_hz", band.upper_hz},
+          {"order", band.order},
+          {"corner", band.corners == dsp::Corners::kWhole ? "whole" : "each"}};
+}
+
+Json BelowBandJson(const std::optional<dsp::BelowBand>& below) {
+  if (!below) return nullptr;
+  return {{"frequency_hz", below->frequency_hz},
+          {"amplitude_m", below->amplitude_m},
+          {"leaked_rms_m", below->leaked_rms_m},
+          {"modelled", below->modelled}};
+}
+
+Json FaultsJson(const dsp::Faults& faults) {
+  Json json = Json::object();
+  for (std::size_t k = 0; k < dsp::kFaultKindCount; ++k) {
+    const auto kind = static_cast<dsp::FaultKind>(k);
+    json[std::string(dsp::Name(kind))] = {{"count", faults.Count(kind)},
+                                          {"readings", faults.Rows(kind)}};
+  }
+  json["list"] = Json::array();
+  for (const dsp::Fault& fault : faults.list) {
+    json["list"].push_back({{"kind", dsp::Name(fault.kind)},
+                            {"first_row", fault.first_row},
+                            {"rows", fault.rows},
+                            {"size_m", NumberOrNull(fault.size)}});
+  }
+  return json;
+}
+
+Json DriveJson(const dsp::UsedPart& part) {
+  Json on = Json::array();
+  for (const dsp::OnPart& one : part.drive.on) {
+    on.push_back({{"whole_s", WindowJson(one.whole)},
+                  {"steady_s", WindowJson(one.steady)},
+                  {"steady", one.is_steady}});
+  }
+  Json quiet = Json::array();
+  for (const dsp::TimeWindow& window : part.drive.quiet) quiet.push_back(WindowJson(window));
+  return {{"why", part.drive.why},
+          {"on", std::move(on)},
+          {"quiet_s", std::move(quiet)},
+          {"window_is_a_part_of_the_drive", part.from_drive},
+          {"told_by_a_drive_channel", part.from_channel}};
+}
+
+Json BudgetJson(const dsp::RmsEstimate& rms) {
+  Json budget = Json::array();
+  for (const dsp::UncertaintyLine& line : rms.budget) {
+    budget.push_back({{"name", line.name},
+                      {"type", line.evaluation == dsp::Evaluation::kStatistical ? "A" : "B"},
+                      {"standard_uncertainty_m", NumberOrNull(line.standard_uncertainty_m)},
+                      {"how", line.how}});
+  }
+  return budget;
+}
+
+Json SensorJson(const dsp::SensorNumbers& sensor) {
+  return {{"averaging", dsp::Describe(sensor.averaging)},
+          {"gain_at_tone", NumberOrNull(sensor.gain_at_tone)},
+          {"gain_in_band", sensor.gain_in_band
+                               ? Pair(sensor.gain_in_band->least, sensor.gain_in_band->greatest)
+                               : Json(nullptr)},
+          {"divided_out", sensor.divided_out},
+          {"amplitude_verified", sensor.amplitude_verified}};
+}
+
+Json HarmonicsJson(const std::optional<dsp::Harmonics>& harmonics) {
+  if (!harmonics || !harmonics->converged) return nullptr;
+  Json list = Json::array();
+  for (const dsp::Harmonic& harmonic : harmonics->harmonics) {
+    list.push_back(
+        {{"order", harmonic.order},
+         {"frequency_hz", harmonic.frequency_hz},
+         {"amplitude_m", harmonic.amplitude},
+         {"amplitude_standard_uncertainty_m", NumberOrNull(harmonic.amplitude_uncertainty)},
+         {"phase_rad", NumberOrNull(harmonic.phase_rad)},
+         {"stands_out", harmonic.stands_out}});
+  }
+  return {{"list", std::move(list)},
+          {"thd", NumberOrNull(harmonics->thd)},
+          {"thd_standard_uncertainty",
+           harmonics->thd ? NumberOrNull(harmonics->thd_uncertainty) : Json(nullptr)},
+          {"thd_at_most", NumberOrNull(harmonics->thd_at_most)}};
+}
+
+Json OnsetJson(const std::optional<dsp::OnsetNumbers>& onset) {
+  if (!onset) return nullptr;
+  const dsp::Edge& edge = onset->edge;
+  return {{"time_s", edge.time_s},
+          {"time_standard_uncertainty_s", NumberOrNull(edge.time_uncertainty_s)},
+          {"level_of_steady", edge.low_level},
+          {"rise_s", NumberOrNull(edge.rise_s)},
+          {"rise_standard_uncertainty_s",
+           edge.rise_s ? NumberOrNull(edge.rise_uncertainty_s) : Json(nullptr)},
+          {"rise_at_most_s", NumberOrNull(edge.rise_at_most_s)},
+          {"drive_s", NumberOrNull(onset->drive_s)},
+          {"latency_s", NumberOrNull(onset->latency_s)}};
+}
+
+constexpr const char* kKeys[] = {
+    // the record
+    "readings", "measured", "bridged", "segments", "sample_rate_hz", "new_readings_per_s",
+    "duration_s", "observable_upper_hz", "offset_m", "peak_to_peak_m", "faults",
+    // the band
+    "band", "window_s", "window_why", "band_rms_m", "band_rms_standard_uncertainty_m",
+    "band_rms_interval_m", "band_rms_at_most_m", "below_floor", "band_rms_as_measured_m",
+    "band_rms_whole_m", "band_peak_to_peak_m", "residual_rms_m", "noise_rms_m", "noise_source",
+    "bridged_rms_m", "below_band", "uncertainty_budget", "drive", "sensor", "sensor_gain_at_tone",
+    // the tone
+    "tone_frequency_hz", "tone_frequency_standard_uncertainty_hz", "tone_frequency_interval_hz",
+    "tone_amplitude_m", "tone_amplitude_standard_uncertainty_m", "tone_amplitude_interval_m",
+    "tone_share_of_rms", "velocity_amplitude_m_per_s", "acceleration_amplitude_m_per_s2",
+    "harmonics", "onset", "known_tone", "estimate"};
+
+// the keys of every trial, all null
+Json EmptyTrial(const AnalyzedFile& file) {
+  Json trial{{"file", file.path},
+             {"answered", false},
+             {"reasons", Json::array()},
+             {"remarks", file.remarks}};
+  trial["source"] = cli::TextOrNull(file.source);
+  for (const char* key : kKeys) trial[key] = nullptr;
+  return trial;
+}
+
+void FillRecord(const dsp::BandAnalysis& analysis, Json& trial) {
+  trial["answered"] = analysis.answered;
+  trial["reasons"] = analysis.reasons;
+  for (const std::string& remark : analysis.remarks) trial["remarks"].push_back(remark);
+  const dsp::RecordFacts& record = analysis.record;
+  trial["readings"] = record.rows;
+  trial["measured"] = record.measured;
+  trial["bridged"] = record.bridged;
+  trial["segments"] = record.segments;
+  trial["sample_rate_hz"] = NumberOrNull(record.rate_hz);
+  trial["new_readings_per_s"] = NumberOrNull(record.fresh_rate_hz);
+  trial["duration_s"] = NumberOrNull(record.duration_s);
+  trial["observable_upper_hz"] = NumberOrNull(record.observable_upper_hz);
+  trial["offset_m"] = NumberOrNull(record.offset_m);
+  trial["peak_to_peak_m"] = NumberOrNull(record.peak_to_peak_m);
+  trial["faults"] = FaultsJson(analysis.faults);
+  trial["band"] = BandJson(analysis.band);
+}
+
+void FillRms(const dsp::RmsEstimate& rms, Json& trial) {
+  trial["below_floor"] = rms.below_floor;
+  trial["band_rms_at_most_m"] = NumberOrNull(rms.at_most_m);
+  trial["band_rms_as_measured_m"] = NumberOrNull(rms.as_measured_m);
+  trial["noise_rms_m"] = NumberOrNull(rms.floor_m);
+  trial["uncertainty_budget"] = BudgetJson(rms);
+  if (rms.below_floor) return;
+  trial["band_rms_m"] = NumberOrNull(rms.rms_m);
+  trial["band_rms_standard_uncertainty_m"] = NumberOrNull(rms.standard_uncertainty_m);
+  trial["band_rms_interval_m"] = Pair(rms.lower_m, rms.upper_m);
+}
+
+void FillTone(const dsp::ToneNumbers& tone, Json& trial) {
+  trial["tone_frequency_hz"] = NumberOrNull(tone.fit.frequency_hz);
+  trial["tone_frequency_standard_uncertainty_hz"] = NumberOrNull(tone.fit.frequency_uncertainty_hz);
+  trial["tone_frequency_interval_hz"] = Pair(tone.frequency_lower_hz, tone.frequency_upper_hz);
+  trial["tone_amplitude_m"] = NumberOrNull(tone.amplitude_m);
+  trial["tone_amplitude_standard_uncertainty_m"] = NumberOrNull(tone.amplitude_uncertainty_m);
+  trial["tone_amplitude_interval_m"] = Pair(tone.amplitude_lower_m, tone.amplitude_upper_m);
+  trial["tone_share_of_rms"] = NumberOrNull(tone.share_of_rms);
+  trial["velocity_amplitude_m_per_s"] = NumberOrNull(tone.velocity_m_per_s);
+  trial["acceleration_amplitude_m_per_s2"] = NumberOrNull(tone.acceleration_m_per_s2);
+}
+
+void FillNumbers(const dsp::BandNumbers& numbers, Json& trial) {
+  trial["window_s"] = WindowJson(numbers.part.window);
+  trial["window_why"] = numbers.part.why;
+  FillRms(numbers.rms, trial);
+  trial["band_rms_whole_m"] = NumberOrNull(numbers.whole_rms_m);
+  trial["band_peak_to_peak_m"] = NumberOrNull(numbers.peak_to_peak_m);
+  trial["residual_rms_m"] = NumberOrNull(numbers.residual_rms_m);
+  if (numbers.floor) trial["noise_source"] = numbers.floor->source;
+  trial["bridged_rms_m"] = NumberOrNull(numbers.bridged_rms_m);
+  trial["below_band"] = BelowBandJson(numbers.below_band);
+  trial["drive"] = DriveJson(numbers.part);
+  trial["sensor"] = SensorJson(numbers.sensor);
+  trial["sensor_gain_at_tone"] = NumberOrNull(numbers.sensor.gain_at_tone);
+  if (numbers.tone) FillTone(*numbers.tone, trial);
+  trial["harmonics"] = HarmonicsJson(numbers.harmonics);
+  trial["onset"] = OnsetJson(numbers.onset);
+}
+
+Json KnownToneJson(const dsp::KnownTone& known) {
+  return {{"frequency_hz", known.fit.frequency_hz},
+          {"amplitude_m", NumberOrNull(known.fit.amplitude)},
+          {"amplitude_standard_uncertainty_m", NumberOrNull(known.fit.amplitude_uncertainty)},
+          {"aliased", known.aliased}};
+}
+
+Json TrialJson(const AnalyzedFile& file) {
+  Json trial = EmptyTrial(file);
+  if (file.error) trial["reasons"].push_back(file.error->Text());
+  if (!file.analysis) return trial;
+  const dsp::BandAnalysis& analysis = *file.analysis;
+  FillRecord(analysis, trial);
+  if (analysis.known_tone) trial["known_tone"] = KnownToneJson(*analysis.known_tone);
+  if (!analysis.numbers) return trial;
+  if (analysis.answered) {
+    FillNumbers(*analysis.numbers, trial);
+  } else {
+    Json estimate = Json::object();
+    FillNumbers(*analysis.numbers, estimate);
+    trial["estimate"] = std::move(estimate);
+  }
+  return trial;
+}
+
+}  // namespace
+
+std::string AnalysisJson(const std::vector<AnalyzedFile>& files) {
+  Json trials = Json::array();
+  for (const AnalyzedFile& file : files) trials.push_back(TrialJson(file));
+  // a path need not be UTF-8
+  return cli::JsonText({{"trials", std::move(trials)}});
+}
+
+}  // namespace haptometer::tools

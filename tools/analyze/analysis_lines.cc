@@ -1,0 +1,293 @@
+#include "tools/analyze/analysis_lines.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "tools/cli/uncertain_number.h"
+
+namespace haptometer::tools {
+namespace {
+
+using cli::WithUncertainty;
+using Lines = std::vector<AnalysisLine>;
+
+constexpr double kUm = 1e-6;  // in metres
+constexpr double kMs = 1e-3;  // in seconds
+// where a latency begins to cost errors, and where it is perceived
+constexpr double kLatencyCostsS = 0.025;
+constexpr double kLatencyPerceivedS = 0.050;
+
+std::string Um(double metres) { return fmt::format("{:.5g} um", metres / kUm); }
+
+std::string Um(double metres, double uncertainty_m) {
+  return WithUncertainty(metres / kUm, uncertainty_m / kUm) + " um";
+}
+
+std::string Ms(double seconds, double uncertainty_s) {
+  return WithUncertainty(seconds / kMs, uncertainty_s / kMs) + " ms";
+}
+
+std::string Seconds(const dsp::TimeWindow& window) {
+  return fmt::format("{:.4f} s to {:.4f} s", window.begin_s, window.end_s);
+}
+
+std::string BandName(const dsp::BandPass& band) {
+  return fmt::format("{:g}-{:g} Hz", band.lower_hz, band.upper_hz);
+}
+
+// the RMS and its interval, or the limit where the floor is not exceeded
+std::string RmsText(const dsp::RmsEstimate& rms, const dsp::BandPass& band) {
+  if (rms.below_floor) {
+    return fmt::format("at most {} RMS in {} (95 %): not above the noise floor of {}",
+                       Um(rms.at_most_m), BandName(band), Um(rms.floor_m.value_or(0)));
+  }
+  return fmt::format("{} RMS in {}; 95 %: {:.5g} to {:.5g} um",
+                     Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band), rms.lower_m / kUm,
+                     rms.upper_m / kUm);
+}
+
+// how the number came from what was measured; nothing where it is the same
+std::optional<std::string> CorrectionText(const dsp::BandNumbers& numbers) {
+  std::string text = fmt::format("{} as measured", Um(numbers.rms.as_measured_m));
+  if (numbers.rms.floor_m) {
+    text += fmt::format("; noise floor of {} taken off in power", Um(*numbers.rms.floor_m));
+  }
+  if (numbers.sensor.divided_out && numbers.sensor.gain_at_tone) {
+    text += fmt::format("; sensor gain of {:.4g} divided out of the tone",
+                        *numbers.sensor.gain_at_tone);
+  }
+  if (!numbers.rms.floor_m && !numbers.sensor.divided_out) return std::nullopt;
+  return text;
+}
+
+std::string ToneText(const dsp::ToneNumbers& tone) {
+  return fmt::format("{} Hz, amplitude {}",
+                     WithUncertainty(tone.fit.frequency_hz, tone.fit.frequency_uncertainty_hz),
+                     Um(tone.amplitude_m, tone.amplitude_uncertainty_m));
+}
+
+std::string_view LatencyVerdict(double latency_s) {
+  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
+  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
+  return "above 50 ms, where it is perceived";
+}
+
+std::string RiseText(const dsp::Edge& edge) {
+  if (edge.rise_s) return Ms(*edge.rise_s, edge.rise_uncertainty_s) + " from 10 % to 90 %";
+  if (edge.rise_at_most_s) return fmt::format("at most {:.3g} ms", *edge.rise_at_most_s / kMs);
+  return "not determined: the noise hides its beginning";
+}
+
+std::string LatencyText(const dsp::OnsetNumbers& onset) {
+  if (!onset.latency_s) return "not known (rise time only): no drive channel or trigger";
+  return fmt::format("{}: {}", Ms(*onset.latency_s, onset.edge.time_uncertainty_s),
+                     LatencyVerdict(*onset.latency_s));
+}
+
+void AddRemarks(const AnalyzedFile& file, Lines& lines) {
+  for (const std::string& remark : file.remarks) lines.push_back({"remark", remark});
+  for (const std::string& remark : file.analysis->remarks) lines.push_back({"remark", remark});
+  for (const std::string& reason : file.analysis->reasons) {
+    lines.push_back({"not answered", reason});
+  }
+}
+
+AnalysisSection RecordSection(const AnalyzedFile& file) {
+  const dsp::RecordFacts& record = file.analysis->record;
+  AnalysisSection section{"Record", {}};
+  Lines& lines = section.lines;
+  if (!file.source.empty()) lines.push_back({"source", file.source});
+  lines.push_back(
+      {"readings",
+       fmt::format("{} in {:.3f} s, {:.6g} a second; {} measured, {} bridged", record.rows,
+                   record.duration_s, record.rate_hz, record.measured, record.bridged)});
+  lines.push_back({"observable", fmt::format("up to {:.4g} Hz", record.observable_upper_hz)});
+  lines.push_back({"offset", Um(record.offset_m)});
+  lines.push_back({"peak to peak", Um(record.peak_to_peak_m) + ", unfiltered"});
+  for (std::size_t k = 0; k < dsp::kFaultKindCount; ++k) {
+    const auto kind = static_cast<dsp::FaultKind>(k);
+    const dsp::Faults& faults = file.analysis->faults;
+    if (faults.Count(kind) == 0) continue;
+    lines.push_back({std::string(dsp::Name(kind)),
+                     fmt::format("{} times, {} readings", faults.Count(kind), faults.Rows(kind))});
+  }
+  return section;
+}
+
+AnalysisSection VibrationSection(const dsp::BandAnalysis& analysis) {
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  AnalysisSection section{analysis.answered ? "Vibration" : "Vibration: an estimate, no answer",
+                          {}};
+  Lines& lines = section.lines;
+  lines.push_back({"filter", DescribeFilter(analysis.band)});
+  lines.push_back({"window", Seconds(numbers.part.window)});
+  lines.push_back({"", numbers.part.why});
+  if (numbers.part.drive.why != numbers.part.why)
+    lines.push_back({"drive", numbers.part.drive.why});
+  lines.push_back({"RMS", RmsText(numbers.rms, analysis.band)});
+  lines.push_back({"", Um(numbers.rms.as_measured_m) + " as measured in the window"});
+  lines.push_back(
+      {"", Um(numbers.whole_rms_m) + " over the whole record, unsettled ends included"});
+  lines.push_back({"peak to peak", Um(numbers.peak_to_peak_m) + " in the window"});
+  lines.push_back({"without the tone", Um(numbers.residual_rms_m) + " RMS in the window"});
+  if (numbers.floor) {
+    lines.push_back(
+        {"noise floor", fmt::format("{} RMS, from {}", Um(numbers.rms.floor_m.value_or(0)),
+                                    numbers.floor->source)});
+  } else {
+    lines.push_back(
+        {"noise floor", "not known: no quiet part, and no --floor FILE; not taken off"});
+  }
+  if (numbers.below_band) {
+    lines.push_back(
+        {"below the band",
+         fmt::format("{} at {:.3g} Hz, of which {:.2g} um RMS leak in{}",
+                     Um(numbers.below_band->amplitude_m), numbers.below_band->frequency_hz,
+                     numbers.below_band->leaked_rms_m / kUm,
+                     numbers.below_band->modelled ? "; modelled and taken out" : "")});
+  }
+  return section;
+}
+
+AnalysisSection UncertaintySection(const dsp::RmsEstimate& rms) {
+  AnalysisSection section{"Uncertainty of the RMS", {}};
+  for (const dsp::UncertaintyLine& line : rms.budget) {
+    section.lines.push_back(
+        {line.name,
+         fmt::format("{:.2g} um ({}): {}", line.standard_uncertainty_m / kUm,
+                     line.evaluation == dsp::Evaluation::kStatistical ? "type A" : "type B",
+                     line.how)});
+  }
+  section.lines.push_back({"together", fmt::format("{:.2g} um (standard uncertainty)",
+                                                   rms.standard_uncertainty_m / kUm)});
+  return section;
+}
+
+void AddHarmonics(const dsp::Harmonics& harmonics, Lines& lines) {
+  for (const dsp::Harmonic& harmonic : harmonics.harmonics) {
+    if (harmonic.order == 1 || !harmonic.stands_out) continue;
+    lines.push_back({fmt::format("harmonic {}", harmonic.order),
+                     fmt::format("{:.5g} Hz, amplitude {}", harmonic.frequency_hz,
+                                 Um(harmonic.amplitude, harmonic.amplitude_uncertainty))});
+  }
+  if (harmonics.thd) {
+    lines.push_back({"THD", fmt::format("{} %", WithUncertainty(100 * *harmonics.thd,
+                                                                100 * harmonics.thd_uncertainty))});
+  } else if (harmonics.thd_at_most) {
+    lines.push_back({"THD", fmt::format("not determined; at most {:.2g} % (95 %)",
+                                        100 * *harmonics.thd_at_most)});
+  }
+}
+
+AnalysisSection ToneSection(const dsp::BandNumbers& numbers) {
+  AnalysisSection section{"Strongest tone", {}};
+  Lines& lines = section.lines;
+  if (!numbers.tone) {
+    lines.push_back({"tone", "none stands out of the noise"});
+    return section;
+  }
+  const dsp::ToneNumbers& tone = *numbers.tone;
+  lines.push_back({"tone", ToneText(tone)});
+  lines.push_back({"", fmt::format("95 %: {:.8g} to {:.8g} Hz, {:.5g} to {:.5g} um",
+                                   tone.frequency_lower_hz, tone.frequency_upper_hz,
+                                   tone.amplitude_lower_m / kUm, tone.amplitude_upper_m / kUm)});
+  lines.push_back({"sine fit", fmt::format("RMS {}: {:.4f} of the filtered RMS",
+                                           Um(tone.sine_rms_m), tone.share_of_rms)});
+  lines.push_back({"velocity", fmt::format("amplitude {:.4g} mm/s", tone.velocity_m_per_s * 1e3)});
+  lines.push_back(
+      {"acceleration", fmt::format("amplitude {:.4g} m/s^2", tone.acceleration_m_per_s2)});
+  if (numbers.harmonics) AddHarmonics(*numbers.harmonics, lines);
+  return section;
+}
+
+AnalysisSection SensorSection(const dsp::SensorNumbers& sensor) {
+  AnalysisSection section{"Sensor", {}};
+  Lines& lines = section.lines;
+  lines.push_back({"averaging", dsp::Describe(sensor.averaging)});
+  if (sensor.gain_at_tone) {
+    lines.push_back({"gain at the tone", fmt::format("{:.4g}{}", *sensor.gain_at_tone,
+                                                     sensor.divided_out ? ", divided out" : "")});
+  }
+  if (sensor.gain_in_band) {
+    lines.push_back({"gain in the band", fmt::format("{:.4g} to {:.4g}", sensor.gain_in_band->least,
+                                                     sensor.gain_in_band->greatest)});
+  }
+  return section;
+}
+
+AnalysisSection OnsetSection(const dsp::OnsetNumbers& onset) {
+  AnalysisSection section{"Onset", {}};
+  section.lines.push_back(
+      {"begins", fmt::format("{} s ({:.0f} % of the steady amplitude)",
+                             WithUncertainty(onset.edge.time_s, onset.edge.time_uncertainty_s),
+                             100 * onset.edge.low_level)});
+  section.lines.push_back({"rise", RiseText(onset.edge)});
+  section.lines.push_back({"latency", LatencyText(onset)});
+  return section;
+}
+
+void AddKnownTone(const dsp::KnownTone& known, Lines& lines) {
+  lines.push_back(
+      {"at the drive", fmt::format("{:g} Hz: amplitude {}{}", known.fit.frequency_hz,
+                                   Um(known.fit.amplitude, known.fit.amplitude_uncertainty),
+                                   known.aliased ? ", seen as an alias" : "")});
+}
+
+}  // namespace
+
+std::string DescribeFilter(const dsp::BandPass& band) {
+  return fmt::format("{}, Butterworth of order {}, forward and backward, -3 dB of {}",
+                     BandName(band), band.order,
+                     band.corners == dsp::Corners::kWhole ? "both together" : "each");
+}
+
+std::vector<AnalysisLine> ShortLines(const AnalyzedFile& file) {
+  const dsp::BandAnalysis& analysis = *file.analysis;
+  Lines lines;
+  if (!analysis.numbers) {
+    const AnalysisSection record = RecordSection(file);
+    lines = record.lines;
+    if (analysis.known_tone) AddKnownTone(*analysis.known_tone, lines);
+    AddRemarks(file, lines);
+    return lines;
+  }
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  lines.push_back(
+      {analysis.answered ? "vibration" : "estimate", RmsText(numbers.rms, analysis.band)});
+  if (const auto correction = CorrectionText(numbers)) lines.push_back({"", *correction});
+  lines.push_back(
+      {"window", fmt::format("{}: {}", Seconds(numbers.part.window), numbers.part.why)});
+  lines.push_back(
+      {"whole record", Um(numbers.whole_rms_m) + " RMS, unsettled ends and pauses included"});
+  lines.push_back(
+      {"tone", numbers.tone ? ToneText(*numbers.tone) : "none stands out of the noise"});
+  if (numbers.onset) {
+    lines.push_back({"rise", RiseText(numbers.onset->edge)});
+    lines.push_back({"latency", LatencyText(*numbers.onset)});
+  }
+  AddRemarks(file, lines);
+  return lines;
+}
+
+std::vector<AnalysisSection> AllSections(const AnalyzedFile& file) {
+  const dsp::BandAnalysis& analysis = *file.analysis;
+  std::vector<AnalysisSection> sections{RecordSection(file)};
+  if (analysis.known_tone) AddKnownTone(*analysis.known_tone, sections.front().lines);
+  if (analysis.numbers) {
+    const dsp::BandNumbers& numbers = *analysis.numbers;
+    sections.push_back(VibrationSection(analysis));
+    sections.push_back(UncertaintySection(numbers.rms));
+    sections.push_back(ToneSection(numbers));
+    if (numbers.onset) sections.push_back(OnsetSection(*numbers.onset));
+    sections.push_back(SensorSection(numbers.sensor));
+  }
+  AnalysisSection remarks{"Remarks", {}};
+  AddRemarks(file, remarks.lines);
+  if (!remarks.lines.empty()) sections.push_back(std::move(remarks));
+  return sections;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,118 @@
+#include "tools/analyze/analyze_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "tools/cli/band.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/report/html_page.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::int64_t kMostThreads = 64;
+
+// "1s:3s": from a time up to a time
+Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) {
+    return Usage("--window", fmt::format("'{}' is no window", text),
+                 "say auto, all, or two times as 1s:3s");
+  }
+  const auto begin_s = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
+  if (!begin_s) return std::unexpected(begin_s.error());
+  const auto end_s = ParseQuantity(text.substr(colon + 1), Dimension::kTime, "--window");
+  if (!end_s) return std::unexpected(end_s.error());
+  if (!(end_s->value > begin_s->value)) {
+    return Usage("--window", fmt::format("'{}' ends before it begins", text),
+                 "give the earlier time first");
+  }
+  return dsp::TimeWindow{begin_s->value, end_s->value};
+}
+
+Result<void> CheckPictures(const AnalyzeWords& words) {
+  if (!words.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(words.plot); !drawable) return drawable;
+    if (words.files.size() > 1) {
+      return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
+                   "give one file, or --report FILE.html for several");
+    }
+  }
+  return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
+}
+
+Result<void> ReadWindow(const std::string& text, dsp::BandQuestion& question) {
+  if (text == "auto") return {};
+  if (text == "all") {
+    question.choice = dsp::WindowChoice::kAll;
+    return {};
+  }
+  const auto window = ParseWindow(text);
+  if (!window) return std::unexpected(window.error());
+  question.choice = dsp::WindowChoice::kGiven;
+  question.window = *window;
+  return {};
+}
+
+}  // namespace
+
+void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
+  options->Positionals("files", &words->files,
+                       "Trials (trial.bin) or CSV with time_s,displacement_m");
+  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
+  options->Text("--window", &words->window, "auto|all|FROM:TO",
+                "Which part: the steady drive (auto, default), all that has settled, or 1s:3s");
+  options->Text("--floor", &words->floor, "FILE",
+                "A drive-off trial: its noise in the band is taken off in power");
+  options->Flag("--all", &words->all,
+                "Print everything that is known, with the uncertainty budget");
+  options->Text("--plot", &words->plot, "FILE.svg|png|pdf",
+                "Draw the trial and what was used of it");
+  options->Text("--report", &words->report, "FILE.html",
+                "One page with figures, numbers, assumptions and settings");
+  options->Count("--order", &words->order, 1, dsp::kHighestOrder,
+                 "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
+                 "record is too short for it)");
+  options->Choice("--corner", &words->corner, {"whole", "each"},
+                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+  options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
+                  "Of the drive: fitted where a record is too slow for the band (default: what the "
+                  "file says)",
+                  cli::Shown::kHelpAll);
+  options->Count(
+      "--threads", &words->threads, 1, kMostThreads,
+      "Threads that filter (default: as many as there are cores); no number depends on it",
+      cli::Shown::kHelpAll);
+  DeclareSpectrum(options, &words->spectrum);
+  cli::DeclareImport(options, &words->import);
+}
+
+Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
+  if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
+  const auto band = cli::ParseBand(words.band);
+  if (!band) return std::unexpected(band.error());
+  dsp::BandQuestion question;
+  question.band.lower_hz = band->lower_hz;
+  question.band.upper_hz = band->upper_hz;
+  question.may_lower_order = !words.order.has_value();
+  question.band.order = static_cast<int>(words.order.value_or(question.band.order));
+  question.band.corners = words.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
+  question.keep_filtered = !words.plot.empty() || !words.report.empty();
+  if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
+  if (auto window = ReadWindow(words.window, question); !window) {
+    return std::unexpected(window.error());
+  }
+  // whether the band is one, before any file is read
+  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
+  if (!possible) return std::unexpected(possible.error());
+  return question;
+}
+
+int ThreadsOf(const AnalyzeWords& words) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
+}
+
+}  // namespace haptometer::tools
