@@ -1,0 +1,149 @@
+#include "dsp/filter/zero_phase_blocks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+
+namespace haptometer::dsp {
+namespace {
+
+// of the begin of a pass: 1000 times the signal then is 1e-15 of it
+constexpr double kLeadInRemainder = 1e-18;
+// lead-ins a block: the more, the less is computed twice, up to blocks of 32 MiB
+constexpr std::size_t kLeadInsPerBlock = 16;
+constexpr std::size_t kMostBlockSamples = std::size_t{1} << 22;
+
+std::size_t WholeTiles(std::size_t samples) {
+  return (samples + kTileSamples - 1) / kTileSamples * kTileSamples;
+}
+
+std::size_t BlockSize(std::size_t lead_in) {
+  const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, WholeTiles(kMostBlockSamples));
+  return std::max(lead_in, wanted);
+}
+
+// reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
+class Continued {
+ public:
+  Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
+      : size_(static_cast<std::ptrdiff_t>(size)),
+        reach_(continuation == Continuation::kOdd ? size_ - 1 : 0),
+        read_(read) {}
+
+  Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
+    const std::ptrdiff_t end = first + std::ssize(out);
+    const std::ptrdiff_t inner_first = std::clamp<std::ptrdiff_t>(first, 0, size_);
+    const std::ptrdiff_t inner_end = std::clamp<std::ptrdiff_t>(end, 0, size_);
+    const auto part = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      return out.subspan(static_cast<std::size_t>(from - first),
+                         static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
+    };
+    Result<void> done = ReadBefore(part(first, std::min<std::ptrdiff_t>(end, 0)), first);
+    if (done && inner_end > inner_first) {
+      done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
+    }
+    const std::ptrdiff_t after = std::max(first, size_);
+    if (done) done = ReadAfter(part(after, end), after);
+    return done;
+  }
+
+ private:
+  // indices first .. first + out.size() - 1, all below 0
+  Result<void> ReadBefore(std::span<double> out, std::ptrdiff_t first) const {
+    return ReadTurned(out, -first, -1, 0);
+  }
+  // the same, all from size_ on
+  Result<void> ReadAfter(std::span<double> out, std::ptrdiff_t first) const {
+    return ReadTurned(out, first - (size_ - 1), 1, size_ - 1);
+  }
+
+  // out[k] is `distance` + k `step` samples away from the end point at `pivot`
+  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t distance, std::ptrdiff_t step,
+                          std::ptrdiff_t pivot) const {
+    if (out.empty()) return {};
+    double end_value = 0;
+    if (auto read = read_(static_cast<std::size_t>(pivot), {&end_value, 1}); !read) return read;
+    // the turned samples that are used: those at distances near to far, as far as they reach
+    const std::ptrdiff_t other = distance + step * (std::ssize(out) - 1);
+    const std::ptrdiff_t near = std::min({distance, other, reach_});
+    const std::ptrdiff_t far = std::min(std::max(distance, other), reach_);
+    std::vector<double> turned(static_cast<std::size_t>(far - near + 1));
+    const bool before = pivot == 0 && step < 0;
+    const std::ptrdiff_t first = before ? near : pivot - far;
+    if (auto read = read_(static_cast<std::size_t>(first), turned); !read) return read;
+    for (std::ptrdiff_t k = 0; k < std::ssize(out); ++k) {
+      const std::ptrdiff_t away = std::min(distance + step * k, reach_);
+      const double value = turned[static_cast<std::size_t>(before ? away - near : far - away)];
+      out[static_cast<std::size_t>(k)] = away == 0 ? end_value : 2 * end_value - value;
+    }
+    return {};
+  }
+
+  std::ptrdiff_t size_;
+  std::ptrdiff_t reach_;  // how far the signal can be turned about its ends
+  const ReadSamples& read_;
+};
+
+}  // namespace
+
+std::size_t RingingSamples(const FilterDesign& design, double remainder) {
+  HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
+  return static_cast<std::size_t>(
+      std::ceil(-std::log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
+}
+
+ZeroPhaseBlocks::ZeroPhaseBlocks(const FilterDesign& design, std::size_t size, InstructionSet set)
+    : plan_(design, set),
+      size_(size),
+      lead_in_(std::max(WholeTiles(RingingSamples(design, kLeadInRemainder)), kTileSamples)),
+      block_size_(BlockSize(lead_in_)) {}
+
+std::size_t ZeroPhaseBlocks::blocks() const { return (size_ + block_size_ - 1) / block_size_; }
+
+SampleRange ZeroPhaseBlocks::Range(std::size_t block) const {
+  HAPTOMETER_CHECK(block < blocks(), "block {} of {}", block, blocks());
+  const std::size_t first = block * block_size_;
+  return {first, std::min(block_size_, size_ - first)};
+}
+
+Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
+                                     Continuation continuation, std::span<double> out,
+                                     Scratch& scratch) const {
+  return Filter(Range(block), read, continuation, out, scratch);
+}
+
+Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
+                                     Continuation continuation, std::span<double> out,
+                                     Scratch& scratch) const {
+  HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
+                   range.first, range.count, size_, out.size());
+  if (range.count == 0) return {};
+  const std::size_t inner = WholeTiles(range.count);
+  scratch.samples.resize(inner + 2 * lead_in_);
+  const std::span<double> samples(scratch.samples);
+  const Continued signal(size_, read, continuation);
+  const auto first = static_cast<std::ptrdiff_t>(range.first);
+  if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), samples); !done) {
+    return done;
+  }
+
+  LaneCascade cascade(plan_);
+  cascade.StartFrom(samples.front());
+  cascade.Advance(samples.first(lead_in_), Direction::kForward);
+  cascade.Process(samples.subspan(lead_in_), Direction::kForward);
+  cascade.StartFrom(samples.back());
+  cascade.Advance(samples.last(lead_in_), Direction::kBackward);
+  cascade.Process(samples.subspan(lead_in_, inner), Direction::kBackward);
+  std::ranges::copy(samples.subspan(lead_in_, range.count), out.begin());
+  return {};
+}
+
+ReadSamples ReadFrom(std::span<const double> signal) {
+  return [signal](std::size_t first, std::span<double> out) -> Result<void> {
+    std::ranges::copy(signal.subspan(first, out.size()), out.begin());
+    return {};
+  };
+}
+
+}  // namespace haptometer::dsp
