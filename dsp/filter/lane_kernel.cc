@@ -11,27 +11,31 @@
 namespace haptometer::dsp {
 namespace {
 
-using Row = std::experimental::fixed_size_simd<double, kLanes>;
+// as many lanes as one register holds: a row of several registers is copied through memory, which
+// costs up to ten times as much (g++ 12)
+using Lanes = std::experimental::native_simd<double>;
+static_assert(kLanes % Lanes::size() == 0);
 using std::experimental::vector_aligned;
 
-Row Load(const double* values) {
-  Row row;
-  row.copy_from(values, vector_aligned);
-  return row;
+Lanes Load(const double* values) {
+  Lanes lanes;
+  lanes.copy_from(values, vector_aligned);
+  return lanes;
 }
 
+// runs Lanes::size() lanes from `first_lane` on
 template <FilterKind kKind, int kOrder, bool kKeepsOutput>
-void Run(const DeltaSection* given, double* rows, LaneStates& states) {
+void RunLanes(const DeltaSection* given, double* rows, LaneStates& states, std::size_t first_lane) {
   constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
-  using Step = CascadeStep<kShape, Row>;
+  using Step = CascadeStep<kShape, Lanes>;
   Step step;
   DeltaSection sections[Step::kCount];
   for (std::size_t k = 0; k < Step::kCount; ++k) {
     sections[k] = given[k];
-    step.output[k] = Load(states.output[k]);
-    step.step[k] = Load(states.step[k]);
+    step.output[k] = Load(&states.output[k][first_lane]);
+    step.step[k] = Load(&states.step[k][first_lane]);
     if (k == 0) {
-      step.input_before[k] = Load(states.input_before);
+      step.input_before[k] = Load(&states.input_before[first_lane]);
     } else if (TakesSums(KindAt(kShape, k))) {
       // y[n-1] + y[n-2] of the section before
       step.input_before[k] = step.output[k - 1] + (step.output[k - 1] - step.step[k - 1]);
@@ -39,17 +43,24 @@ void Run(const DeltaSection* given, double* rows, LaneStates& states) {
       step.input_before[k] = step.step[k - 1];
     }
   }
-  step.last_input = Load(states.last_input);
+  step.last_input = Load(&states.last_input[first_lane]);
 
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    double* row = rows + kLanes * n;
-    const Row out = step.Advance(sections, Load(row));
+    double* row = rows + kLanes * n + first_lane;
+    const Lanes out = step.Advance(sections, Load(row));
     if constexpr (kKeepsOutput) out.copy_to(row, vector_aligned);
   }
 
   for (std::size_t k = 0; k < Step::kCount; ++k) {
-    step.output[k].copy_to(states.output[k], vector_aligned);
-    step.step[k].copy_to(states.step[k], vector_aligned);
+    step.output[k].copy_to(&states.output[k][first_lane], vector_aligned);
+    step.step[k].copy_to(&states.step[k][first_lane], vector_aligned);
+  }
+}
+
+template <FilterKind kKind, int kOrder, bool kKeepsOutput>
+void Run(const DeltaSection* sections, double* rows, LaneStates& states) {
+  for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+    RunLanes<kKind, kOrder, kKeepsOutput>(sections, rows, states, lane);
   }
 }
 
