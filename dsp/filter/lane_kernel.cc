@@ -25,7 +25,8 @@ Lanes Load(const double* values) {
 
 // runs Lanes::size() lanes from `first_lane` on
 template <FilterKind kKind, int kOrder, bool kKeepsOutput>
-void RunLanes(const DeltaSection* given, double* rows, LaneStates& states, std::size_t first_lane) {
+void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
+              LaneStates& states, std::size_t first_lane) {
   constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
   using Step = CascadeStep<kShape, Lanes>;
   Step step;
@@ -45,10 +46,14 @@ void RunLanes(const DeltaSection* given, double* rows, LaneStates& states, std::
   }
   step.last_input = Load(&states.last_input[first_lane]);
 
+  const bool forward = direction == Direction::kForward;
+  const std::ptrdiff_t stride = forward ? kLanes : -static_cast<std::ptrdiff_t>(kLanes);
+  std::ptrdiff_t at =
+      static_cast<std::ptrdiff_t>(first_lane + (forward ? 0 : kTileSamples - kLanes));
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    double* row = rows + kLanes * n + first_lane;
-    const Lanes out = step.Advance(sections, Load(row));
-    if constexpr (kKeepsOutput) out.copy_to(row, vector_aligned);
+    const Lanes result = step.Advance(sections, Load(rows + at));
+    if constexpr (kKeepsOutput) result.copy_to(out + at, vector_aligned);
+    at += stride;
   }
 
   for (std::size_t k = 0; k < Step::kCount; ++k) {
@@ -57,25 +62,20 @@ void RunLanes(const DeltaSection* given, double* rows, LaneStates& states, std::
   }
 }
 
-template <FilterKind kKind, int kOrder, bool kKeepsOutput>
-void Run(const DeltaSection* sections, double* rows, LaneStates& states) {
-  for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
-    RunLanes<kKind, kOrder, kKeepsOutput>(sections, rows, states, lane);
-  }
-}
-
-using RunFunction = void (*)(const DeltaSection*, double*, LaneStates&);
+using RunFunction = void (*)(const DeltaSection*, Direction, const double*, double*, LaneStates&,
+                             std::size_t);
 
 template <FilterKind kKind, bool kKeepsOutput>
 RunFunction RunOfOrder(int order) {
   return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
-    constexpr RunFunction kByOrder[] = {Run<kKind, kIndex + 1, kKeepsOutput>...};
+    constexpr RunFunction kByOrder[] = {RunLanes<kKind, kIndex + 1, kKeepsOutput>...};
     return kByOrder[order - 1];
   }(std::make_integer_sequence<int, kHighestOrder>());
 }
 
 template <bool kKeepsOutput>
-void RunDesign(const FilterDesign& design, double* rows, LaneStates& states) {
+void Run(const FilterDesign& design, Direction direction, const double* rows, double* out,
+         LaneStates& states) {
   RunFunction run = nullptr;
   switch (design.kind) {
     case FilterKind::kBandPass:
@@ -88,29 +88,79 @@ void RunDesign(const FilterDesign& design, double* rows, LaneStates& states) {
       run = RunOfOrder<FilterKind::kLowPass, kKeepsOutput>(design.order);
       break;
   }
-  run(&design.sections.front(), rows, states);
+  for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+    run(&design.sections.front(), direction, rows, out, states, lane);
+  }
 }
 
-void Gather(const double* tile, Direction direction, double* rows) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    for (std::size_t n = 0; n < kLaneSamples; ++n) {
-      const std::size_t k = lane * kLaneSamples + n;
-      rows[kLanes * n + lane] = tile[direction == Direction::kForward ? k : kTileSamples - 1 - k];
+void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
+            LaneStates& states) {
+  Run<true>(design, direction, rows, out, states);
+}
+
+void Advance(const FilterDesign& design, Direction direction, const double* rows,
+             LaneStates& states) {
+  Run<false>(design, direction, rows, nullptr, states);
+}
+
+// Squares of kWidth x kWidth samples are turned in registers (Eklundh: in log2 kWidth steps, each
+// of which exchanges the off-diagonal blocks of size kBlock of all 2 kBlock squares).
+constexpr std::size_t kWidth = Lanes::size();
+using Register [[gnu::vector_size(kWidth * sizeof(double))]] = double;
+static_assert(kLaneSamples % kWidth == 0);
+
+template <std::size_t kBlock, std::size_t... kIndex>
+void Exchange(Register& upper, Register& lower, std::index_sequence<kIndex...>) {
+  const Register a = upper;
+  const Register b = lower;
+  upper = __builtin_shufflevector(a, b,
+                                  ((kIndex & kBlock) == 0 ? kIndex : kWidth + kIndex - kBlock)...);
+  lower = __builtin_shufflevector(a, b,
+                                  ((kIndex & kBlock) == 0 ? kIndex + kBlock : kWidth + kIndex)...);
+}
+
+template <std::size_t kBlock = 1>
+void Turn(Register (&square)[kWidth]) {
+  if constexpr (kBlock < kWidth) {
+    for (std::size_t k = 0; k < kWidth; ++k) {
+      if ((k & kBlock) == 0) {
+        Exchange<kBlock>(square[k], square[k + kBlock], std::make_index_sequence<kWidth>());
+      }
+    }
+    Turn<2 * kBlock>(square);
+  }
+}
+
+// the square at `from`, its rows `from_stride` apart, turned to `to`
+void TurnSquare(const double* from, std::size_t from_stride, double* to, std::size_t to_stride) {
+  Register square[kWidth];
+  for (std::size_t k = 0; k < kWidth; ++k) {
+    __builtin_memcpy(&square[k], from + k * from_stride, sizeof(Register));
+  }
+  Turn(square);
+  for (std::size_t k = 0; k < kWidth; ++k) {
+    __builtin_memcpy(to + k * to_stride, &square[k], sizeof(Register));
+  }
+}
+
+void Gather(const double* tile, double* rows) {
+  for (std::size_t n = 0; n < kLaneSamples; n += kWidth) {
+    for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+      TurnSquare(tile + lane * kLaneSamples + n, kLaneSamples, rows + n * kLanes + lane, kLanes);
     }
   }
 }
 
-void Scatter(const double* rows, Direction direction, double* tile) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    for (std::size_t n = 0; n < kLaneSamples; ++n) {
-      const std::size_t k = lane * kLaneSamples + n;
-      tile[direction == Direction::kForward ? k : kTileSamples - 1 - k] = rows[kLanes * n + lane];
+void Scatter(const double* rows, double* tile) {
+  for (std::size_t n = 0; n < kLaneSamples; n += kWidth) {
+    for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+      TurnSquare(rows + n * kLanes + lane, kLanes, tile + lane * kLaneSamples + n, kLaneSamples);
     }
   }
 }
 
 }  // namespace
 
-const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, RunDesign<true>, RunDesign<false>};
+const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Advance};
 
 }  // namespace haptometer::dsp

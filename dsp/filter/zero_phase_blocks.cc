@@ -1,6 +1,7 @@
 #include "dsp/filter/zero_phase_blocks.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/check.h"
@@ -85,6 +86,16 @@ class Continued {
   const ReadSamples& read_;
 };
 
+// `count` samples in `storage`, from a multiple of 64 bytes on; its memory only grows
+std::span<double> Aligned(std::vector<double>& storage, std::size_t count) {
+  constexpr std::size_t kAlignment = 64;
+  constexpr std::size_t kMore = kAlignment / sizeof(double);
+  if (storage.size() < count + kMore) storage.resize(count + kMore);
+  const auto address = std::bit_cast<std::uintptr_t>(storage.data());
+  const std::size_t skipped = (kAlignment - address % kAlignment) % kAlignment / sizeof(double);
+  return std::span(storage).subspan(skipped, count);
+}
+
 }  // namespace
 
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
@@ -120,8 +131,7 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
   const std::size_t inner = WholeTiles(range.count);
-  scratch.samples.resize(inner + 2 * lead_in_);
-  const std::span<double> samples(scratch.samples);
+  const std::span<double> samples = Aligned(scratch.samples_, inner + 2 * lead_in_);
   const Continued signal(size_, read, continuation);
   const auto first = static_cast<std::ptrdiff_t>(range.first);
   if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), samples); !done) {
@@ -130,12 +140,11 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
 
   LaneCascade cascade(plan_);
   cascade.StartFrom(samples.front());
-  cascade.Advance(samples.first(lead_in_), Direction::kForward);
-  cascade.Process(samples.subspan(lead_in_), Direction::kForward);
-  cascade.StartFrom(samples.back());
-  cascade.Advance(samples.last(lead_in_), Direction::kBackward);
-  cascade.Process(samples.subspan(lead_in_, inner), Direction::kBackward);
-  std::ranges::copy(samples.subspan(lead_in_, range.count), out.begin());
+  cascade.AdvanceForward(samples.first(lead_in_));
+  cascade.ProcessForward(samples.subspan(lead_in_));
+  cascade.StartFrom(samples.back());  // the last row's last lane
+  cascade.AdvanceBackward(samples.last(lead_in_));
+  cascade.ProcessBackward(samples.subspan(lead_in_, inner), out);
   return {};
 }
 

@@ -47,8 +47,10 @@ struct SampleRange {
 class ZeroPhaseBlocks {
  public:
   /// Buffers of one thread, which keep their memory from block to block.
-  struct Scratch {
-    std::vector<double> samples;  ///< block_size() + 2 lead_in() of them
+  class Scratch {
+   private:
+    friend class ZeroPhaseBlocks;
+    std::vector<double> samples_;  // block_size() + 2 lead_in() of them, and 64 bytes
   };
 
   /// `size` samples: any number, also far beyond memory.
