@@ -117,15 +117,16 @@ void LaneCascade::AdvanceForward(std::span<const double> tiles) {
   }
 }
 
-void LaneCascade::ProcessForward(std::span<double> tiles) {
-  HAPTOMETER_CHECK(tiles.size() % kTileSamples == 0, "{} samples", tiles.size());
+void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double> rows) {
+  HAPTOMETER_CHECK(tiles.size() % kTileSamples == 0 && rows.size() == tiles.size(),
+                   "{} samples to {}", tiles.size(), rows.size());
   const FlushSubnormals flush;
   for (std::size_t tile = 0; tile < tiles.size(); tile += kTileSamples) {
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
     StartLanes();
-    plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &tiles[tile], lanes_);
+    plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile], lanes_);
   }
 }
 

@@ -49,8 +49,8 @@ class LaneCascade {
 
   /// Takes in tiles, in order of time, without giving their output: half the work.
   void AdvanceForward(std::span<const double> tiles);
-  /// Filters tiles in order of time; their outputs take their place as rows (aligned to 64 bytes).
-  void ProcessForward(std::span<double> tiles);
+  /// Filters tiles in order of time to as many `rows` (aligned to 64 bytes).
+  void ProcessForward(std::span<const double> tiles, std::span<double> rows);
 
   /// Takes in tiles of rows, the last one first.
   void AdvanceBackward(std::span<const double> rows);

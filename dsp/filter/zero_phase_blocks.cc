@@ -11,9 +11,12 @@ namespace {
 
 // of the begin of a pass: 1000 times the signal then is 1e-15 of it
 constexpr double kLeadInRemainder = 1e-18;
-// lead-ins a block: the more, the less is computed twice, up to blocks of 32 MiB
+// lead-ins a block: the more, the less is computed twice, up to blocks of 16 MiB
 constexpr std::size_t kLeadInsPerBlock = 16;
-constexpr std::size_t kMostBlockSamples = std::size_t{1} << 22;
+constexpr std::size_t kMostBlockSamples = std::size_t{1} << 21;
+
+// read at a time: half a megabyte, which stays in the processor's second cache
+constexpr std::size_t kPieceSamples = 16 * kTileSamples;
 
 std::size_t WholeTiles(std::size_t samples) {
   return (samples + kTileSamples - 1) / kTileSamples * kTileSamples;
@@ -131,20 +134,39 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
   const std::size_t inner = WholeTiles(range.count);
-  const std::span<double> samples = Aligned(scratch.samples_, inner + 2 * lead_in_);
-  const Continued signal(size_, read, continuation);
-  const auto first = static_cast<std::ptrdiff_t>(range.first);
-  if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), samples); !done) {
-    return done;
-  }
-
+  const std::span<double> rows = Aligned(scratch.rows_, inner + lead_in_);
   LaneCascade cascade(plan_);
-  cascade.StartFrom(samples.front());
-  cascade.AdvanceForward(samples.first(lead_in_));
-  cascade.ProcessForward(samples.subspan(lead_in_));
-  cascade.StartFrom(samples.back());  // the last row's last lane
-  cascade.AdvanceBackward(samples.last(lead_in_));
-  cascade.ProcessBackward(samples.subspan(lead_in_, inner), out);
+  auto done = FilterForward(range, read, continuation, rows, scratch, cascade);
+  if (!done) return done;
+  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.ProcessBackward(rows.first(inner), out);
+  return {};
+}
+
+// the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on
+Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const ReadSamples& read,
+                                            Continuation continuation, std::span<double> rows,
+                                            Scratch& scratch, LaneCascade& cascade) const {
+  const Continued signal(size_, read, continuation);
+  scratch.piece_.resize(kPieceSamples);
+  const std::size_t whole = lead_in_ + rows.size();
+  for (std::size_t at = 0; at < whole;) {
+    const std::size_t end = at < lead_in_ ? lead_in_ : whole;
+    const std::span<double> piece =
+        std::span(scratch.piece_).first(std::min(kPieceSamples, end - at));
+    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
+    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), piece); !done) {
+      return done;
+    }
+    if (at == 0) cascade.StartFrom(piece.front());
+    if (at < lead_in_) {
+      cascade.AdvanceForward(piece);
+    } else {
+      cascade.ProcessForward(piece, rows.subspan(at - lead_in_, piece.size()));
+    }
+    at += piece.size();
+  }
   return {};
 }
 
