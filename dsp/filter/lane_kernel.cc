@@ -103,57 +103,36 @@ void Advance(const FilterDesign& design, Direction direction, const double* rows
   Run<false>(design, direction, rows, nullptr, states);
 }
 
-// Squares of kWidth x kWidth samples are turned in registers (Eklundh: in log2 kWidth steps, each
-// of which exchanges the off-diagonal blocks of size kBlock of all 2 kBlock squares).
-constexpr std::size_t kWidth = Lanes::size();
-using Register [[gnu::vector_size(kWidth * sizeof(double))]] = double;
-static_assert(kLaneSamples % kWidth == 0);
+// Two samples of two lanes are turned at once: wider squares are slower (g++ 12).
+using Two [[gnu::vector_size(2 * sizeof(double))]] = double;
 
-template <std::size_t kBlock, std::size_t... kIndex>
-void Exchange(Register& upper, Register& lower, std::index_sequence<kIndex...>) {
-  const Register a = upper;
-  const Register b = lower;
-  upper = __builtin_shufflevector(a, b,
-                                  ((kIndex & kBlock) == 0 ? kIndex : kWidth + kIndex - kBlock)...);
-  lower = __builtin_shufflevector(a, b,
-                                  ((kIndex & kBlock) == 0 ? kIndex + kBlock : kWidth + kIndex)...);
+Two LoadTwo(const double* from) {
+  Two two;
+  __builtin_memcpy(&two, from, sizeof(two));
+  return two;
 }
 
-template <std::size_t kBlock = 1>
-void Turn(Register (&square)[kWidth]) {
-  if constexpr (kBlock < kWidth) {
-    for (std::size_t k = 0; k < kWidth; ++k) {
-      if ((k & kBlock) == 0) {
-        Exchange<kBlock>(square[k], square[k + kBlock], std::make_index_sequence<kWidth>());
-      }
-    }
-    Turn<2 * kBlock>(square);
-  }
-}
-
-// the square at `from`, its rows `from_stride` apart, turned to `to`
+// the square of a, b at `from`, c, d `from_stride` further, becomes a, c at `to` and b, d
 void TurnSquare(const double* from, std::size_t from_stride, double* to, std::size_t to_stride) {
-  Register square[kWidth];
-  for (std::size_t k = 0; k < kWidth; ++k) {
-    __builtin_memcpy(&square[k], from + k * from_stride, sizeof(Register));
-  }
-  Turn(square);
-  for (std::size_t k = 0; k < kWidth; ++k) {
-    __builtin_memcpy(to + k * to_stride, &square[k], sizeof(Register));
-  }
+  const Two upper = LoadTwo(from);
+  const Two lower = LoadTwo(from + from_stride);
+  const Two firsts = __builtin_shufflevector(upper, lower, 0, 2);
+  const Two seconds = __builtin_shufflevector(upper, lower, 1, 3);
+  __builtin_memcpy(to, &firsts, sizeof(Two));
+  __builtin_memcpy(to + to_stride, &seconds, sizeof(Two));
 }
 
 void Gather(const double* tile, double* rows) {
-  for (std::size_t n = 0; n < kLaneSamples; n += kWidth) {
-    for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+  for (std::size_t n = 0; n < kLaneSamples; n += 2) {
+    for (std::size_t lane = 0; lane < kLanes; lane += 2) {
       TurnSquare(tile + lane * kLaneSamples + n, kLaneSamples, rows + n * kLanes + lane, kLanes);
     }
   }
 }
 
 void Scatter(const double* rows, double* tile) {
-  for (std::size_t n = 0; n < kLaneSamples; n += kWidth) {
-    for (std::size_t lane = 0; lane < kLanes; lane += kWidth) {
+  for (std::size_t n = 0; n < kLaneSamples; n += 2) {
+    for (std::size_t lane = 0; lane < kLanes; lane += 2) {
       TurnSquare(rows + n * kLanes + lane, kLanes, tile + lane * kLaneSamples + n, kLaneSamples);
     }
   }
