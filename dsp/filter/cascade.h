@@ -11,14 +11,16 @@ namespace haptometer::dsp {
 /// A causal run of a cascade of delta-form sections, with its state between calls.
 ///
 /// The output depends only on the samples fed so far, never on how they were split: chunks of 1, 7,
-/// 4096 or all samples give the same bytes. Not for two threads at once. No allocation.
+/// 4096 or all samples give the same bytes. Samples are finite (checked by who reads them: a NaN
+/// would stay for ever); magnitudes below 2.2e-308 count as 0, so that silence after a signal costs
+/// no more than the signal did. Not for two threads at once. No allocation.
 class Cascade {
  public:
   /// Begins at rest: as if the input had been 0 for ever.
   explicit Cascade(const FilterDesign& design);
 
-  /// Sets the state as if the input had been `input` for ever. Exact for a filter whose first
-  /// section blocks a constant: every output was 0.
+  /// Sets the state as if the input had been `input` for ever. Exact: a constant leaves a filter
+  /// whose first section blocks it as exactly 0, and a low-pass as exactly itself.
   void StartFrom(double input);
 
   /// Filters in.size() samples; `out` has the same size and may be `in` itself.
@@ -28,16 +30,26 @@ class Cascade {
   struct State {
     double output = 0;        // y[n-1]
     double step = 0;          // d[n-1] = y[n-1] - y[n-2]
-    double input_before = 0;  // of high-pass and band-pass: x[n-1] - x[n-2]; low-pass: the sum
+    double input_before = 0;  // x[n-1] - x[n-2], or the sum where the section takes sums
   };
+  using RunFunction = void (Cascade::*)(std::span<const double>, std::span<double>);
 
-  template <std::size_t kPairs, std::size_t kMiddle>
+  template <FilterKind kKind, int kOrder>
   void Run(std::span<const double> in, std::span<double> out);
+  static RunFunction RunOf(FilterKind kind, int order);
 
   std::array<DeltaSection, kHighestOrder> sections_{};
   std::array<State, kHighestOrder> states_{};
   std::size_t count_ = 0;
+  RunFunction run_ = nullptr;
   double last_input_ = 0;  // x[n-1]
 };
+
+/// Aborts unless `design` has the sections that its kind and order say.
+void CheckSections(const FilterDesign& design);
+
+/// What a section gives for ever where its input is 1 for ever: exactly 1 or 0 in every design but
+/// the last section of a band-pass.
+[[nodiscard]] double ConstantGain(const DeltaSection& section);
 
 }  // namespace haptometer::dsp

@@ -1,0 +1,105 @@
+#pragma once
+
+// One step of a cascade of delta-form sections, for one signal or for several side by side: the one
+// definition of the recursion. Internal to dsp/filter.
+
+#include <cstddef>
+
+#include "dsp/filter/butterworth.h"
+
+namespace haptometer::dsp {
+// Unnamed on purpose: a file compiled for one instruction set must never hand its copy of a
+// function to a file compiled for another.
+namespace {
+
+/// Which sections a cascade has, in order: `high` high-pass ones, `middle` (0 or 1) of the kind
+/// `middle_kind`, `low` low-pass ones.
+struct CascadeShape {
+  std::size_t high = 0;
+  std::size_t middle = 0;
+  SectionKind middle_kind = SectionKind::kBandPass;
+  std::size_t low = 0;
+
+  [[nodiscard]] constexpr std::size_t count() const { return high + middle + low; }
+};
+
+constexpr CascadeShape ShapeOf(FilterKind kind, int order) {
+  const auto pairs = static_cast<std::size_t>(order / 2);
+  const std::size_t odd = order % 2 == 1 ? 1 : 0;
+  switch (kind) {
+    case FilterKind::kBandPass:
+      return {pairs, odd, SectionKind::kBandPass, pairs};
+    case FilterKind::kHighPass:
+      return {pairs, odd, SectionKind::kFirstOrderHighPass, 0};
+    case FilterKind::kLowPass:
+      return {0, odd, SectionKind::kFirstOrderLowPass, pairs};
+  }
+  return {};
+}
+
+constexpr SectionKind KindAt(const CascadeShape& shape, std::size_t section) {
+  if (section < shape.high) return SectionKind::kHighPass;
+  if (section < shape.high + shape.middle) return shape.middle_kind;
+  return SectionKind::kLowPass;
+}
+
+/// Whether a section takes sums of neighbouring inputs, not differences.
+constexpr bool TakesSums(SectionKind kind) {
+  return kind == SectionKind::kLowPass || kind == SectionKind::kFirstOrderLowPass;
+}
+
+/// Whether `Value` is a double or a row of them: the same operations in the same order.
+template <CascadeShape kShape, typename Value>
+struct CascadeStep {
+  static constexpr std::size_t kCount = kShape.count();
+
+  Value output[kCount];        // y[n-1]
+  Value step[kCount];          // d[n-1] = y[n-1] - y[n-2]
+  Value input_before[kCount];  // x[n-1] - x[n-2], or the sum where the section takes sums
+  Value last_input;            // x[n-1] of the first section
+
+  // One sample runs through all sections before the next: the processor overlaps the sections of
+  // neighbouring samples.
+  [[gnu::always_inline]] inline Value Advance(const DeltaSection* sections, const Value& input) {
+    const Value input_step = input - last_input;  // exact within a factor of two (Sterbenz)
+    const Value before = last_input;
+    last_input = input;
+    return From<0>(sections, input, before, input_step);
+  }
+
+ private:
+  // section k with its input x[n], x[n-1] and x[n] - x[n-1], and all that follow
+  template <std::size_t k>
+  [[gnu::always_inline]] inline Value From(const DeltaSection* sections, const Value& x,
+                                           const Value& x_before, const Value& x_step) {
+    if constexpr (k == kCount) {
+      return x;
+    } else {
+      // the numerator's combination of inputs, and what it needs next time
+      constexpr SectionKind kKind = KindAt(kShape, k);
+      const Value now = TakesSums(kKind) ? x + x_before : x_step;
+      const Value combined = Combined<kKind>(now, input_before[k]);
+      input_before[k] = now;
+      const Value y_before = output[k];
+      step[k] =
+          step[k] - sections[k].f * step[k] - sections[k].e * y_before + sections[k].b * combined;
+      output[k] = y_before + step[k];
+      // a section's own step is the next one's difference of inputs, exactly
+      return From<k + 1>(sections, output[k], y_before, step[k]);
+    }
+  }
+
+  template <SectionKind kKind>
+  [[gnu::always_inline]] static inline Value Combined(const Value& now, const Value& before) {
+    if constexpr (kKind == SectionKind::kHighPass) {
+      return now - before;
+    } else if constexpr (kKind == SectionKind::kBandPass || kKind == SectionKind::kLowPass) {
+      return now + before;
+    } else {
+      return now;
+    }
+  }
+};
+
+}  // namespace
+}  // namespace haptometer::dsp

@@ -1,0 +1,50 @@
+#pragma once
+
+// What lane_kernel.cc, compiled once for each instruction set, gives to lane_cascade.cc.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dsp/filter/butterworth.h"
+
+namespace haptometer::dsp {
+
+inline constexpr std::size_t kLanes = 8;
+/// Samples of one lane. Not a power of two: lanes 4096 bytes apart would share one set of the
+/// cache.
+inline constexpr std::size_t kLaneSamples = 504;
+/// Samples that the lanes hold together: 31.5 KiB.
+inline constexpr std::size_t kTileSamples = kLanes * kLaneSamples;
+
+/// Which way a filter goes through a signal in time.
+enum class Direction : std::uint8_t { kForward, kBackward };
+
+/// The states of one cascade in each lane: y[n-1] and d[n-1] of each section, and of the first
+/// section's input the last value and what the section needs of the one before.
+struct alignas(64) LaneStates {
+  double output[kHighestOrder][kLanes];
+  double step[kHighestOrder][kLanes];
+  double last_input[kLanes];
+  double input_before[kLanes];
+};
+
+/// The functions of one instruction set. `rows` are kLaneSamples rows of kLanes values, aligned to
+/// 64 bytes: row n holds sample n of each lane, lane j the j-th eighth of the tile.
+struct LaneKernel {
+  void (*gather)(const double* tile, double* rows);
+  /// The same, back in order of time.
+  void (*scatter)(const double* rows, double* tile);
+  /// Runs the cascade through all lanes, each from its first sample to its last or the other way,
+  /// and leaves the states. `out` may be `rows`.
+  void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
+                 LaneStates& states);
+  /// The states only.
+  void (*advance)(const FilterDesign& design, Direction direction, const double* rows,
+                  LaneStates& states);
+};
+
+extern const LaneKernel kLaneKernelBaseline;
+extern const LaneKernel kLaneKernelAvx2;
+extern const LaneKernel kLaneKernelAvx512;
+
+}  // namespace haptometer::dsp

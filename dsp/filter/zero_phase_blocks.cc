@@ -1,0 +1,185 @@
+#include "dsp/filter/zero_phase_blocks.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/check.h"
+
+namespace haptometer::dsp {
+namespace {
+
+// of the begin of a pass: 1000 times the signal then is 1e-15 of it
+constexpr double kLeadInRemainder = 1e-18;
+// lead-ins a block: the more, the less is computed twice, up to blocks of 16 MiB
+constexpr std::size_t kLeadInsPerBlock = 16;
+constexpr std::size_t kMostBlockSamples = std::size_t{1} << 21;
+
+// read at a time: half a megabyte, which stays in the processor's second cache
+constexpr std::size_t kPieceSamples = 16 * kTileSamples;
+
+std::size_t WholeTiles(std::size_t samples) {
+  return (samples + kTileSamples - 1) / kTileSamples * kTileSamples;
+}
+
+std::size_t BlockSize(std::size_t lead_in) {
+  const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, WholeTiles(kMostBlockSamples));
+  return std::max(lead_in, wanted);
+}
+
+// reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
+class Continued {
+ public:
+  Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
+      : size_(static_cast<std::ptrdiff_t>(size)),
+        reach_(continuation == Continuation::kConstant ? 0 : size_ - 1),
+        difference_(continuation == Continuation::kOddLessConstant),
+        read_(read) {}
+
+  Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
+    const std::ptrdiff_t end = first + std::ssize(out);
+    const std::ptrdiff_t inner_first = std::clamp<std::ptrdiff_t>(first, 0, size_);
+    const std::ptrdiff_t inner_end = std::clamp<std::ptrdiff_t>(end, 0, size_);
+    const auto part = [&](std::ptrdiff_t from, std::ptrdiff_t to) {
+      return out.subspan(static_cast<std::size_t>(from - first),
+                         static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
+    };
+    Result<void> done = ReadBefore(part(first, std::min<std::ptrdiff_t>(end, 0)), first);
+    if (difference_) {
+      std::ranges::fill(part(inner_first, inner_end), 0.0);
+    } else if (done && inner_end > inner_first) {
+      done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
+    }
+    const std::ptrdiff_t after = std::max(first, size_);
+    if (done) done = ReadAfter(part(after, end), after);
+    return done;
+  }
+
+ private:
+  // indices first .. first + out.size() - 1, all below 0
+  Result<void> ReadBefore(std::span<double> out, std::ptrdiff_t first) const {
+    return ReadTurned(out, -first, -1, 0);
+  }
+  // the same, all from size_ on
+  Result<void> ReadAfter(std::span<double> out, std::ptrdiff_t first) const {
+    return ReadTurned(out, first - (size_ - 1), 1, size_ - 1);
+  }
+
+  // out[k] is `distance` + k `step` samples away from the end point at `pivot`
+  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t distance, std::ptrdiff_t step,
+                          std::ptrdiff_t pivot) const {
+    if (out.empty()) return {};
+    double end_value = 0;
+    if (auto read = read_(static_cast<std::size_t>(pivot), {&end_value, 1}); !read) return read;
+    // the turned samples that are used: those at distances near to far, as far as they reach
+    const std::ptrdiff_t other = distance + step * (std::ssize(out) - 1);
+    const std::ptrdiff_t near = std::min({distance, other, reach_});
+    const std::ptrdiff_t far = std::min(std::max(distance, other), reach_);
+    std::vector<double> turned(static_cast<std::size_t>(far - near + 1));
+    const bool before = pivot == 0 && step < 0;
+    const std::ptrdiff_t first = before ? near : pivot - far;
+    if (auto read = read_(static_cast<std::size_t>(first), turned); !read) return read;
+    for (std::ptrdiff_t k = 0; k < std::ssize(out); ++k) {
+      const std::ptrdiff_t away = std::min(distance + step * k, reach_);
+      const double value = turned[static_cast<std::size_t>(before ? away - near : far - away)];
+      const double turned_value = away == 0 ? end_value : 2 * end_value - value;
+      out[static_cast<std::size_t>(k)] = difference_ ? turned_value - end_value : turned_value;
+    }
+    return {};
+  }
+
+  std::ptrdiff_t size_;
+  std::ptrdiff_t reach_;  // how far the signal can be turned about its ends
+  bool difference_;
+  const ReadSamples& read_;
+};
+
+// `count` samples in `storage`, from a multiple of 64 bytes on; its memory only grows
+std::span<double> Aligned(std::vector<double>& storage, std::size_t count) {
+  constexpr std::size_t kAlignment = 64;
+  constexpr std::size_t kMore = kAlignment / sizeof(double);
+  if (storage.size() < count + kMore) storage.resize(count + kMore);
+  const auto address = std::bit_cast<std::uintptr_t>(storage.data());
+  const std::size_t skipped = (kAlignment - address % kAlignment) % kAlignment / sizeof(double);
+  return std::span(storage).subspan(skipped, count);
+}
+
+}  // namespace
+
+std::size_t RingingSamples(const FilterDesign& design, double remainder) {
+  HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
+  return static_cast<std::size_t>(
+      std::ceil(-std::log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
+}
+
+ZeroPhaseBlocks::ZeroPhaseBlocks(const FilterDesign& design, std::size_t size, InstructionSet set)
+    : plan_(design, set),
+      size_(size),
+      lead_in_(std::max(WholeTiles(RingingSamples(design, kLeadInRemainder)), kTileSamples)),
+      block_size_(BlockSize(lead_in_)) {}
+
+std::size_t ZeroPhaseBlocks::blocks() const { return (size_ + block_size_ - 1) / block_size_; }
+
+SampleRange ZeroPhaseBlocks::Range(std::size_t block) const {
+  HAPTOMETER_CHECK(block < blocks(), "block {} of {}", block, blocks());
+  const std::size_t first = block * block_size_;
+  return {first, std::min(block_size_, size_ - first)};
+}
+
+Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
+                                     Continuation continuation, std::span<double> out,
+                                     Scratch& scratch) const {
+  return Filter(Range(block), read, continuation, out, scratch);
+}
+
+Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
+                                     Continuation continuation, std::span<double> out,
+                                     Scratch& scratch) const {
+  HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
+                   range.first, range.count, size_, out.size());
+  if (range.count == 0) return {};
+  const std::size_t inner = WholeTiles(range.count);
+  const std::span<double> rows = Aligned(scratch.rows_, inner + lead_in_);
+  LaneCascade cascade(plan_);
+  auto done = FilterForward(range, read, continuation, rows, scratch, cascade);
+  if (!done) return done;
+  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.ProcessBackward(rows.first(inner), out);
+  return {};
+}
+
+// the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on
+Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const ReadSamples& read,
+                                            Continuation continuation, std::span<double> rows,
+                                            Scratch& scratch, LaneCascade& cascade) const {
+  const Continued signal(size_, read, continuation);
+  scratch.piece_.resize(kPieceSamples);
+  const std::size_t whole = lead_in_ + rows.size();
+  for (std::size_t at = 0; at < whole;) {
+    const std::size_t end = at < lead_in_ ? lead_in_ : whole;
+    const std::span<double> piece =
+        std::span(scratch.piece_).first(std::min(kPieceSamples, end - at));
+    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
+    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), piece); !done) {
+      return done;
+    }
+    if (at == 0) cascade.StartFrom(piece.front());
+    if (at < lead_in_) {
+      cascade.AdvanceForward(piece);
+    } else {
+      cascade.ProcessForward(piece, rows.subspan(at - lead_in_, piece.size()));
+    }
+    at += piece.size();
+  }
+  return {};
+}
+
+ReadSamples ReadFrom(std::span<const double> signal) {
+  return [signal](std::size_t first, std::span<double> out) -> Result<void> {
+    std::ranges::copy(signal.subspan(first, out.size()), out.begin());
+    return {};
+  };
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/filter/butterworth.h"
+#include "dsp/filter/instruction_set.h"
+#include "dsp/filter/lane_cascade.h"
+
+namespace haptometer::dsp {
+
+/// How a signal is thought to go on beyond its ends: turned about the end point (2 x[0] - x[k], and
+/// beyond the turned signal its last value), or staying at the end value. The difference of the two
+/// continuations is a signal of its own: 0 inside, x[0] - x[k] beyond.
+enum class Continuation : std::uint8_t { kOdd, kConstant, kOddLessConstant };
+
+/// Samples after which the slowest pole has decayed to `remainder` (0 to 1).
+[[nodiscard]] std::size_t RingingSamples(const FilterDesign& design, double remainder);
+
+/// Fills `out` with the samples from `first` on. Called only with whole ranges of the signal, from
+/// the threads that filter, with up to 64 512 samples at a time; every value must be finite. An
+/// error ends the block with that error.
+using ReadSamples = std::function<Result<void>(std::size_t first, std::span<double> out)>;
+
+/// `count` samples from `first` on.
+struct SampleRange {
+  std::size_t first = 0;
+  std::size_t count = 0;
+
+  [[nodiscard]] std::size_t end() const { return first + count; }
+};
+
+/// A zero-phase filter over a signal of any length, block by block: gain |H|^2, no phase.
+///
+/// Each block is filtered on its own, from a lead-in before it (forward pass) to a lead-in after it
+/// (backward pass); each pass begins exactly as if its first value had stood for ever. The lead-in
+/// lets the slowest pole decay to 1e-18, so that a wrong begin stays below rounding even where the
+/// motion is 1000 times the signal. So any block can be made alone, in any order, on any thread,
+/// always with the same bytes: the grid depends on the design only. Beyond the signal's ends the
+/// continuation takes the place of samples; what it cannot know is in the first and last tenths of
+/// a second (dsp/filter/settled.h finds where that ends).
+///
+/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 21 MB at 392 kHz.
+/// Cost: 4 + 5 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
+/// Scratch of its own.
+class ZeroPhaseBlocks {
+ public:
+  /// Buffers of one thread, which keep their memory from block to block.
+  class Scratch {
+   private:
+    friend class ZeroPhaseBlocks;
+    std::vector<double> rows_;   // the forward pass's output: block_size() + lead_in(), 64 bytes
+    std::vector<double> piece_;  // of the signal
+  };
+
+  /// `size` samples: any number, also far beyond memory.
+  ZeroPhaseBlocks(const FilterDesign& design, std::size_t size,
+                  InstructionSet set = WidestInstructionSet());
+
+  /// Length of the signal.
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// Samples of every block but the last, which may have fewer.
+  [[nodiscard]] std::size_t block_size() const { return block_size_; }
+  /// How far a block looks beyond its ends.
+  [[nodiscard]] std::size_t lead_in() const { return lead_in_; }
+  /// Number of blocks; 0 of an empty signal.
+  [[nodiscard]] std::size_t blocks() const;
+  /// Where `block` lies; below blocks().
+  [[nodiscard]] SampleRange Range(std::size_t block) const;
+
+  /// Filters `block` into `out`, which has Range(block).count samples. Errors: those of `read`.
+  [[nodiscard]] Result<void> Filter(std::size_t block, const ReadSamples& read,
+                                    Continuation continuation, std::span<double> out,
+                                    Scratch& scratch) const;
+
+  /// The same for a range of one's own, begun as a block is: within rounding of the blocks' values.
+  [[nodiscard]] Result<void> Filter(const SampleRange& range, const ReadSamples& read,
+                                    Continuation continuation, std::span<double> out,
+                                    Scratch& scratch) const;
+
+ private:
+  Result<void> FilterForward(const SampleRange& range, const ReadSamples& read,
+                             Continuation continuation, std::span<double> rows, Scratch& scratch,
+                             LaneCascade& cascade) const;
+
+  LanePlan plan_;
+  std::size_t size_;
+  std::size_t lead_in_;
+  std::size_t block_size_;
+};
+
+/// Samples that are in memory already; `signal` outlives the result.
+[[nodiscard]] ReadSamples ReadFrom(std::span<const double> signal);
+
+}  // namespace haptometer::dsp
