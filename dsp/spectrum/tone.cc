@@ -1,64 +1,32 @@
 #include "dsp/spectrum/tone.h"
 
-#include <fftw3.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <memory>
-#include <mutex>
 #include <numbers>
 #include <vector>
 
 #include "base/check.h"
+#include "dsp/spectrum/fft.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr double kFalseAlarm = 1e-3;
-constexpr std::size_t kLongestTransform = std::size_t{1} << 30;  // FFTW counts in int
-
-// FFTW's planner is the one part of it that threads may not share
-std::mutex& PlannerMutex() {
-  static std::mutex mutex;
-  return mutex;
-}
-
-struct FreeFftw {
-  void operator()(void* memory) const { fftw_free(memory); }
-};
 
 // squared magnitudes of the transform of `signal`, without its mean and under a Hann window
 std::vector<double> HannPower(std::span<const double> signal) {
   const std::size_t n = signal.size();
-  const std::size_t bins = n / 2 + 1;
-  const std::unique_ptr<double, FreeFftw> buffer(fftw_alloc_real(2 * bins));
-  HAPTOMETER_CHECK(buffer != nullptr, "no memory for {} samples", n);
-  double* const values = buffer.get();
-  auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
-
-  // ESTIMATE leaves the array alone while planning
-  fftw_plan plan = nullptr;
-  {
-    const std::scoped_lock lock(PlannerMutex());
-    plan = fftw_plan_dft_r2c_1d(static_cast<int>(n), values, spectrum, FFTW_ESTIMATE);
-  }
-  HAPTOMETER_CHECK(plan != nullptr, "no plan for {} samples", n);
-
   const double mean = Mean(signal);
+  std::vector<double> windowed(n);
   for (std::size_t k = 0; k < n; ++k) {
     const double phase = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
-    values[k] = (signal[k] - mean) * (0.5 - 0.5 * std::cos(phase));
+    windowed[k] = (signal[k] - mean) * (0.5 - 0.5 * std::cos(phase));
   }
-  fftw_execute(plan);
-
-  std::vector<double> power(bins);
-  for (std::size_t k = 0; k < bins; ++k) {
-    power[k] = spectrum[k][0] * spectrum[k][0] + spectrum[k][1] * spectrum[k][1];
-  }
-  const std::scoped_lock lock(PlannerMutex());
-  fftw_destroy_plan(plan);
+  const std::vector<std::complex<double>> bins = RealSpectrum(windowed);
+  std::vector<double> power(bins.size());
+  for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
   return power;
 }
 
