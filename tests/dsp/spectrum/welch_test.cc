@@ -84,11 +84,11 @@ TEST(Welch, WindowsAreTheLiteratures) {
     double bandwidth;
     double flatness_db;
   };
-  for (const Row& row : {Row{WindowShape::kRectangular, 1, -3.9224},
-                         Row{WindowShape::kHann, 1.5, -1.4236},
-                         Row{WindowShape::kHamming, 1.3628, -1.7514},
-                         Row{WindowShape::kBlackmanHarris, 2.0044, -0.8256},
-                         Row{WindowShape::kFlatTop, 3.8832, -0.0039}}) {
+  for (const Row& row :
+       {Row{WindowShape::kRectangular, 1, -3.9224}, Row{WindowShape::kHann, 1.5, -1.4236},
+        Row{WindowShape::kHamming, 1.3628, -1.7514},
+        Row{WindowShape::kBlackmanHarris, 2.0044, -0.8256},
+        Row{WindowShape::kFlatTop, 3.8832, -0.0039}}) {
     const std::vector<double> window = WindowValues(row.shape, 4096);
     EXPECT_ABS(NoiseBandwidthBins(window), row.bandwidth, 5e-5, "printed with four decimals");
     std::complex<double> between = 0;
@@ -100,8 +100,7 @@ TEST(Welch, WindowsAreTheLiteratures) {
     if (row.shape == WindowShape::kFlatTop) {
       EXPECT_LE(std::abs(20 * std::log10(ratio)), 0.0039 + 5e-5);
     } else {
-      EXPECT_ABS(20 * std::log10(ratio), row.flatness_db, 5e-5,
-                 "printed with four decimals");
+      EXPECT_ABS(20 * std::log10(ratio), row.flatness_db, 5e-5, "printed with four decimals");
     }
   }
 }
