@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "base/check.h"
+#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
@@ -17,121 +19,209 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kBlock = PhasorBlocks::kBlock;
+constexpr int kMostColumns = 4 + kHighestDriftDegree;
 constexpr int kMostIterations = 30;
-constexpr double kAtRestRad = 1e-10;  // last change of the phase at the signal's ends
+constexpr int kMostHalvings = 12;
+constexpr double kAtRestRad = 1e-10;   // last change of the phase at the signal's ends
+constexpr double kAtRestShare = 1e-3;  // the same, of its uncertainty
+constexpr double kLeastCondition = 1e-10;
 
-// Calls visit(x, tau, cos(w t), sin(w t)) for every sample, t counted from the middle of the signal
-// and tau = t / (T/2) from -1 to 1. Sine and cosine are exact at each block's start and turned from
-// there by a table.
-template <typename Visit>
-void ForEachSample(std::span<const double> signal, double rad_per_sample, const Visit& visit) {
-  std::array<double, kBlock> cosines{};
-  std::array<double, kBlock> sines{};
-  for (std::size_t k = 0; k < kBlock; ++k) {
-    cosines[k] = std::cos(rad_per_sample * static_cast<double>(k));
-    sines[k] = std::sin(rad_per_sample * static_cast<double>(k));
-  }
-  const double middle = 0.5 * static_cast<double>(signal.size() - 1);
-  for (std::size_t begin = 0; begin < signal.size(); begin += kBlock) {
-    const double angle = rad_per_sample * (static_cast<double>(begin) - middle);
-    const double c = std::cos(angle);
-    const double s = std::sin(angle);
-    const std::size_t size = std::min(kBlock, signal.size() - begin);
-    for (std::size_t k = 0; k < size; ++k) {
-      visit(signal[begin + k], (static_cast<double>(begin + k) - middle) / middle,
-            c * cosines[k] - s * sines[k], s * cosines[k] + c * sines[k]);
-    }
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostColumns, kMostColumns>;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostColumns, 1>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kBlock, kMostColumns>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kBlock, 1>;
+
+// Samples and where they lie, times counted from the middle in units of one sample (or, with
+// uneven times, in seconds); tau runs from -1 to 1 over them.
+struct Signal {
+  std::vector<double> values;  // without their mean
+  std::vector<double> times;   // empty: evenly spaced, one unit apart
+  double mean = 0;
+  double half = 0;          // from the middle to an end
+  double to_reference = 0;  // from the middle to where the phase is stated
+  double units_per_s = 0;
+};
+
+// x = a cos(w t) + b sin(w t) + sum of drift_k P_k(tau): w per unit, then a, b, drift in one vector
+struct Coefficients {
+  double rad_per_unit = 0;
+  Vector linear;
+};
+
+// the columns of one block of rows; the last, for w * half, where the frequency is free
+struct Block {
+  std::size_t begin = 0;
+  std::size_t size = 0;
+  Columns columns;
+  Rows tau;
+};
+
+// P_1 .. P_3 from the column of tau and P_0 = 1
+void FillDrift(int degree, Block& block) {
+  const auto& tau = block.tau.array();
+  block.columns.col(2).setOnes();
+  if (degree >= 1) block.columns.col(3) = block.tau;
+  if (degree >= 2) block.columns.col(4) = 1.5 * tau.square() - 0.5;
+  if (degree >= 3) block.columns.col(5) = (2.5 * tau.square() - 1.5) * tau;
+}
+
+// cosine and sine of uneven times
+void FillAtTimes(const Signal& signal, double rad_per_unit, Block& block) {
+  for (std::size_t k = 0; k < block.size; ++k) {
+    const double t = signal.times[block.begin + k];
+    const auto row = static_cast<Eigen::Index>(k);
+    block.tau[row] = t / signal.half;
+    block.columns(row, 0) = std::cos(rad_per_unit * t);
+    block.columns(row, 1) = std::sin(rad_per_unit * t);
   }
 }
 
-// x = a cos(w t) + b sin(w t) + offset, t from the middle
-struct Coefficients {
-  double rad_per_sample = 0;
-  double a = 0;
-  double b = 0;
-  double offset = 0;
-};
+// cosine and sine of even times
+void FillEvenly(const Signal& signal, const PhasorBlocks& phasors, Block& block) {
+  const double first = static_cast<double>(block.begin) - signal.half;
+  phasors.Fill(first, {block.columns.col(0).data(), block.size},
+               {block.columns.col(1).data(), block.size});
+  for (std::size_t k = 0; k < block.size; ++k) {
+    block.tau[static_cast<Eigen::Index>(k)] = (first + static_cast<double>(k)) / signal.half;
+  }
+}
 
-// normal equations of one least-squares step, for parameters a, b, offset and w * (T/2)
+// normal equations of one least-squares step about some coefficients
 struct Normal {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Zero();
-  Eigen::Vector4d right = Eigen::Vector4d::Zero();
+  Matrix matrix;
+  Vector right;
+  Vector bend;            // how the residual bends the last row: Newton's matrix is matrix + bend
   double square_sum = 0;  // of the residuals
 };
 
-// Linearises about `at`, blockwise so that rounding grows with the block and the blocks only.
-Normal Linearise(std::span<const double> signal, const Coefficients& at) {
-  Normal total;
-  Normal block;
-  std::size_t in_block = 0;
-  const auto flush = [&] {
-    total.matrix += block.matrix;
-    total.right += block.right;
-    total.square_sum += block.square_sum;
-    block = {};
-    in_block = 0;
-  };
-  ForEachSample(signal, at.rad_per_sample, [&](double x, double tau, double c, double s) {
-    const double residual = x - (at.a * c + at.b * s + at.offset);
-    const Eigen::Vector4d row(c, s, 1, tau * (at.b * c - at.a * s));
-    block.matrix.noalias() += row * row.transpose();
-    block.right += row * residual;
-    block.square_sum += residual * residual;
-    if (++in_block == kBlock) flush();
-  });
-  flush();
+// adds - residual times the model's second derivatives by w half and a, b, w half
+void AddBend(const Block& block, const Coefficients& at, const Rows& residual, Vector& bend) {
+  const Rows turned = residual.cwiseProduct(block.tau);
+  const auto cosines = block.columns.col(0);
+  const auto sines = block.columns.col(1);
+  bend[0] += turned.dot(sines);
+  bend[1] -= turned.dot(cosines);
+  bend[bend.size() - 1] +=
+      turned.cwiseProduct(block.tau).dot(at.linear[0] * cosines + at.linear[1] * sines);
+}
+
+// Linearises about `at`, blockwise so that rounding grows with the block and the blocks only. With
+// `free_frequency` the last parameter is w * half.
+Normal Linearise(const Signal& signal, const Coefficients& at, bool free_frequency) {
+  const Eigen::Index linear = at.linear.size();
+  const Eigen::Index all = linear + (free_frequency ? 1 : 0);
+  const PhasorBlocks phasors(at.rad_per_unit);
+  Normal total{Matrix::Zero(all, all), Vector::Zero(all), Vector::Zero(all), 0};
+  Block block;
+  for (block.begin = 0; block.begin < signal.values.size(); block.begin += kBlock) {
+    block.size = std::min(kBlock, signal.values.size() - block.begin);
+    const auto rows = static_cast<Eigen::Index>(block.size);
+    block.columns.resize(rows, all);
+    block.tau.resize(rows);
+    if (signal.times.empty()) {
+      FillEvenly(signal, phasors, block);
+    } else {
+      FillAtTimes(signal, at.rad_per_unit, block);
+    }
+    FillDrift(static_cast<int>(linear) - 3, block);
+    if (free_frequency) {
+      block.columns.col(linear) = block.tau.cwiseProduct(at.linear[1] * block.columns.col(0) -
+                                                         at.linear[0] * block.columns.col(1));
+    }
+    const Eigen::Map<const Eigen::VectorXd> values(signal.values.data() + block.begin, rows);
+    const Rows residual = values - block.columns.leftCols(linear) * at.linear;
+    total.matrix.noalias() += block.columns.transpose() * block.columns;
+    total.right.noalias() += block.columns.transpose() * residual;
+    total.square_sum += residual.squaredNorm();
+    if (free_frequency) AddBend(block, at, residual, total.bend);
+  }
   return total;
 }
 
-// a, b and offset at a fixed frequency: one step solves it, a second removes its rounding
-bool SolveLinear(std::span<const double> signal, Coefficients& c) {
+// the step of `matrix` and `right`, if the columns, brought to one length, can be told apart
+std::optional<Vector> Step(const Matrix& matrix, const Vector& right) {
+  const Vector scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
+  if (!scale.allFinite()) return std::nullopt;
+  const Matrix scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+  const Eigen::LDLT<Matrix> solver(scaled);
+  if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
+  if (!(solver.rcond() > kLeastCondition)) return std::nullopt;
+  Vector change = scale.cwiseProduct(solver.solve(scale.cwiseProduct(right)));
+  if (!change.allFinite()) return std::nullopt;
+  return change;
+}
+
+// Newton's step where it leads downhill, else Gauss and Newton's, which always does
+std::optional<Vector> NewtonStep(const Normal& normal) {
+  const Eigen::Index last = normal.right.size() - 1;
+  Matrix matrix = normal.matrix;
+  matrix.row(last) += normal.bend.transpose();
+  matrix.col(last).head(last) += normal.bend.head(last);
+  const auto newton = Step(matrix, normal.right);
+  return newton ? newton : Step(normal.matrix, normal.right);
+}
+
+// the linear coefficients at a fixed frequency: one step solves it, a second removes its rounding
+bool SolveLinear(const Signal& signal, Coefficients& c) {
   for (int step = 0; step < 2; ++step) {
-    const Normal normal = Linearise(signal, c);
-    const Eigen::LDLT<Eigen::Matrix3d> solver(normal.matrix.topLeftCorner<3, 3>());
-    if (solver.info() != Eigen::Success) return false;
-    const Eigen::Vector3d change = solver.solve(normal.right.head<3>());
-    if (!change.allFinite()) return false;
-    c.a += change[0];
-    c.b += change[1];
-    c.offset += change[2];
+    const Normal normal = Linearise(signal, c, false);
+    const auto change = Step(normal.matrix, normal.right);
+    if (!change) return false;
+    c.linear += *change;
   }
   return true;
 }
 
-// the fit's public form, with covariances from the residual; `free` is 3 or 4 parameters
-SineFit Describe(std::span<const double> signal, const SineFitOptions& options,
-                 const Coefficients& c, double mean, int free) {
-  const auto n = static_cast<double>(signal.size());
-  const double middle = 0.5 * (n - 1);
-  const Normal normal = Linearise(signal, c);
+// values that count as independent: noise confined to a band leaves fewer
+double IndependentSamples(const Signal& signal, const SineFitOptions& options) {
+  const auto n = static_cast<double>(signal.values.size());
+  return options.noise_bandwidth_hz > 0 ? n * 2 * options.noise_bandwidth_hz / options.rate_hz : n;
+}
+
+// the fit's public form, with covariances from the residual
+SineFit Describe(const Signal& signal, const SineFitOptions& options, const Coefficients& c,
+                 bool free_frequency) {
+  const auto n = static_cast<double>(signal.values.size());
+  const Normal normal = Linearise(signal, c, free_frequency);
+  const Eigen::Index all = normal.right.size();
+  const double a = c.linear[0];
+  const double b = c.linear[1];
 
   SineFit fit;
-  fit.frequency_hz = c.rad_per_sample * options.rate_hz / kTwoPi;
-  fit.amplitude = std::hypot(c.a, c.b);
-  // a cos + b sin = A cos(w t - atan2(b, a)); the first sample is at t = -middle
-  fit.phase_rad = std::remainder(-std::atan2(c.b, c.a) - c.rad_per_sample * middle, kTwoPi);
-  fit.offset = c.offset + mean;
+  fit.frequency_hz = c.rad_per_unit * signal.units_per_s / kTwoPi;
+  fit.amplitude = std::hypot(a, b);
+  // a cos + b sin = A cos(w t - atan2(b, a))
+  fit.phase_rad =
+      std::remainder(std::fma(c.rad_per_unit, signal.to_reference, -std::atan2(b, a)), kTwoPi);
+  fit.offset = c.linear[2] + signal.mean;
   fit.residual_rms = std::sqrt(normal.square_sum / n);
 
-  // covariance of (a, b, offset[, w T/2]); noise confined to a band leaves fewer free samples
-  const double bandwidth_hz =
-      options.noise_bandwidth_hz > 0 ? options.noise_bandwidth_hz : options.rate_hz / 2;
-  const double variance = normal.square_sum / (n - free) * options.rate_hz / (2 * bandwidth_hz);
-  const Eigen::MatrixXd covariance =
-      normal.matrix.topLeftCorner(free, free).ldlt().solve(Eigen::MatrixXd::Identity(free, free)) *
-      variance;
-  const Eigen::Vector2d along(c.a / fit.amplitude, c.b / fit.amplitude);
+  // covariance of (a, b, drift[, w half])
+  const double independent = IndependentSamples(signal, options);
+  fit.degrees_of_freedom = independent - static_cast<double>(all);
+  const double variance = normal.square_sum / fit.degrees_of_freedom;
+  const Matrix covariance = normal.matrix.ldlt().solve(Matrix::Identity(all, all)) * variance;
+  const Eigen::Vector2d along = fit.amplitude > 0
+                                    ? Eigen::Vector2d(a / fit.amplitude, b / fit.amplitude)
+                                    : Eigen::Vector2d::UnitX();
   fit.amplitude_uncertainty = std::sqrt(along.dot(covariance.topLeftCorner<2, 2>() * along));
-  // phase at the first sample: across (a, b), and the frequency's share over half the signal
-  Eigen::VectorXd across = Eigen::VectorXd::Zero(free);
-  across[0] = c.b / (fit.amplitude * fit.amplitude);
-  across[1] = -c.a / (fit.amplitude * fit.amplitude);
-  if (free == 4) {
-    across[3] = -1;
-    fit.frequency_uncertainty_hz = std::sqrt(covariance(3, 3)) / middle * options.rate_hz / kTwoPi;
+  fit.offset_uncertainty = std::sqrt(covariance(2, 2));
+  const double half_s = signal.half / signal.units_per_s;
+  if (options.drift_degree > 0) {
+    fit.slope_per_s = c.linear[3] / half_s;
+    fit.slope_uncertainty_per_s = std::sqrt(covariance(3, 3)) / half_s;
+  }
+  // phase: across (a, b), and the frequency's share between the middle and the reference
+  Vector across = Vector::Zero(all);
+  across[0] = b / (fit.amplitude * fit.amplitude);
+  across[1] = -a / (fit.amplitude * fit.amplitude);
+  if (free_frequency) {
+    across[all - 1] = signal.to_reference / signal.half;
+    fit.frequency_uncertainty_hz = std::sqrt(covariance(all - 1, all - 1)) / half_s / kTwoPi;
   }
   fit.phase_uncertainty_rad = std::sqrt(across.dot(covariance * across));
+  fit.converged = true;
   return fit;
 }
 
@@ -141,67 +231,141 @@ SineFit NotConverged(double frequency_hz, int iterations) {
   fit.frequency_uncertainty_hz = kNotANumber;
   fit.amplitude_uncertainty = kNotANumber;
   fit.phase_uncertainty_rad = kNotANumber;
+  fit.offset_uncertainty = kNotANumber;
+  fit.slope_uncertainty_per_s = kNotANumber;
   fit.iterations = iterations;
   return fit;
 }
 
-bool Enough(std::span<const double> signal, const SineFitOptions& options, double frequency_hz,
-            std::size_t least_samples) {
-  const double periods = static_cast<double>(signal.size()) / options.rate_hz * frequency_hz;
-  return signal.size() >= least_samples && periods >= 0.5 && frequency_hz < options.rate_hz / 2;
+Signal EvenSignal(std::span<const double> values, const SineFitOptions& options) {
+  Signal signal;
+  signal.mean = Mean(values);
+  signal.values.assign(values.begin(), values.end());
+  for (double& x : signal.values) x -= signal.mean;
+  signal.half = 0.5 * static_cast<double>(values.size() - 1);
+  signal.to_reference = -signal.half;
+  signal.units_per_s = options.rate_hz;
+  return signal;
 }
 
-std::vector<double> WithoutMean(std::span<const double> signal, double mean) {
-  std::vector<double> rest(signal.begin(), signal.end());
-  for (double& x : rest) x -= mean;
-  return rest;
+Signal TimedSignal(std::span<const double> values, std::span<const double> times_s) {
+  Signal signal = EvenSignal(values, {.rate_hz = 1});
+  const auto [first, last] = std::ranges::minmax(times_s);
+  const double middle = first + 0.5 * (last - first);
+  signal.times.assign(times_s.begin(), times_s.end());
+  for (double& t : signal.times) t -= middle;
+  signal.half = 0.5 * (last - first);
+  signal.to_reference = -middle;
+  return signal;
+}
+
+void CheckOptions(const SineFitOptions& options) {
+  HAPTOMETER_CHECK(options.rate_hz > 0 && options.drift_degree >= 0 &&
+                       options.drift_degree <= kHighestDriftDegree,
+                   "rate_hz = {}, drift_degree = {}", options.rate_hz, options.drift_degree);
+}
+
+// whether `parameters` can be had from that many samples and periods
+bool Enough(const SineFitOptions& options, std::size_t samples, double frequency_hz,
+            int parameters) {
+  if (samples < 2 || !(frequency_hz > 0 && frequency_hz < options.rate_hz / 2)) return false;
+  const auto n = static_cast<double>(samples);
+  const double share =
+      options.noise_bandwidth_hz > 0 ? 2 * options.noise_bandwidth_hz / options.rate_hz : 1;
+  return n / options.rate_hz * frequency_hz >= 0.5 && n * share > parameters;
+}
+
+Coefficients StartAt(double rad_per_unit, int drift_degree) {
+  return {rad_per_unit, Vector::Zero(3 + drift_degree)};
+}
+
+SineFit FitLinear(const Signal& signal, const SineFitOptions& options, double frequency_hz) {
+  Coefficients c = StartAt(kTwoPi * frequency_hz / signal.units_per_s, options.drift_degree);
+  if (!SolveLinear(signal, c)) return NotConverged(frequency_hz, 1);
+  SineFit fit = Describe(signal, options, c, false);
+  fit.frequency_hz = frequency_hz;
+  fit.iterations = 1;
+  return fit;
+}
+
+// c moved by `share` of `change`
+Coefficients Moved(const Coefficients& c, const Vector& change, double share, double half) {
+  const Eigen::Index linear = c.linear.size();
+  return {c.rad_per_unit + share * change[linear] / half, c.linear + share * change.head(linear)};
+}
+
+// one step that leaves no more behind than before, halved where needed; its normal equations go to
+// `normal`. Nothing: no step helps, or none is defined.
+std::optional<double> Improve(const Signal& signal, Coefficients& c, Normal& normal) {
+  const auto change = NewtonStep(normal);
+  if (!change) return std::nullopt;
+  double share = 1;
+  for (int halving = 0; halving < kMostHalvings; ++halving, share /= 2) {
+    const Coefficients moved = Moved(c, *change, share, signal.half);
+    Normal next = Linearise(signal, moved, true);
+    if (!(next.square_sum <= normal.square_sum * (1 + 1e-9)) && halving + 1 < kMostHalvings) {
+      continue;
+    }
+    c = moved;
+    normal = next;
+    return share * (*change)[change->size() - 1];
+  }
+  return std::nullopt;
+}
+
+// a change of the phase at the ends that is nothing beside its uncertainty
+bool AtRest(const Normal& normal, double change, double degrees_of_freedom) {
+  const Eigen::Index last = normal.right.size() - 1;
+  const Vector unit = Vector::Unit(last + 1, last);
+  const double variance = normal.matrix.ldlt().solve(unit)[last] * normal.square_sum;
+  const double uncertainty = std::sqrt(std::max(0.0, variance / degrees_of_freedom));
+  return std::abs(change) <= std::max(kAtRestRad, kAtRestShare * uncertainty);
 }
 
 }  // namespace
 
 SineFit FitSineAt(std::span<const double> signal, const SineFitOptions& options,
                   double frequency_hz) {
-  HAPTOMETER_CHECK(options.rate_hz > 0, "rate_hz = {}", options.rate_hz);
-  if (!Enough(signal, options, frequency_hz, 4)) return NotConverged(frequency_hz, 0);
-  const double mean = Mean(signal);
-  const std::vector<double> rest = WithoutMean(signal, mean);
-  Coefficients c;
-  c.rad_per_sample = kTwoPi * frequency_hz / options.rate_hz;
-  if (!SolveLinear(rest, c)) return NotConverged(frequency_hz, 1);
-  SineFit fit = Describe(rest, options, c, mean, 3);
-  fit.frequency_hz = frequency_hz;
-  fit.iterations = 1;
-  fit.converged = true;
-  return fit;
+  CheckOptions(options);
+  if (!Enough(options, signal.size(), frequency_hz, 3 + options.drift_degree)) {
+    return NotConverged(frequency_hz, 0);
+  }
+  return FitLinear(EvenSignal(signal, options), options, frequency_hz);
+}
+
+SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> times_s,
+                       double frequency_hz, int drift_degree) {
+  const SineFitOptions options{.rate_hz = 1, .drift_degree = drift_degree};
+  CheckOptions(options);
+  HAPTOMETER_CHECK(values.size() == times_s.size(), "{} values, {} times", values.size(),
+                   times_s.size());
+  if (values.size() < static_cast<std::size_t>(4 + drift_degree)) {
+    return NotConverged(frequency_hz, 0);
+  }
+  const Signal signal = TimedSignal(values, times_s);
+  if (!(2 * signal.half * frequency_hz >= 0.5)) return NotConverged(frequency_hz, 0);
+  return FitLinear(signal, options, frequency_hz);
 }
 
 SineFit FitSine(std::span<const double> signal, const SineFitOptions& options, double start_hz) {
-  HAPTOMETER_CHECK(options.rate_hz > 0, "rate_hz = {}", options.rate_hz);
-  if (!Enough(signal, options, start_hz, 5)) return NotConverged(start_hz, 0);
-  const double mean = Mean(signal);
-  const std::vector<double> rest = WithoutMean(signal, mean);
-  const double half_samples = 0.5 * static_cast<double>(signal.size() - 1);
+  CheckOptions(options);
+  const int parameters = 4 + options.drift_degree;
+  if (!Enough(options, signal.size(), start_hz, parameters)) return NotConverged(start_hz, 0);
+  const Signal even = EvenSignal(signal, options);
   const double start = kTwoPi * start_hz / options.rate_hz;
-  Coefficients c;
-  c.rad_per_sample = start;
-  if (!SolveLinear(rest, c)) return NotConverged(start_hz, 1);
+  Coefficients c = StartAt(start, options.drift_degree);
+  if (!SolveLinear(even, c)) return NotConverged(start_hz, 1);
 
-  // Gauss-Newton, until the phase at the ends rests
+  // step by step, until the frequency rests
+  const double freedom = IndependentSamples(even, options) - parameters;
+  Normal normal = Linearise(even, c, true);
   for (int iteration = 1; iteration <= kMostIterations; ++iteration) {
-    const Normal normal = Linearise(rest, c);
-    const Eigen::LDLT<Eigen::Matrix4d> solver(normal.matrix);
-    const Eigen::Vector4d change = solver.solve(normal.right);
-    if (solver.info() != Eigen::Success || !change.allFinite()) break;
-    c.a += change[0];
-    c.b += change[1];
-    c.offset += change[2];
-    c.rad_per_sample += change[3] / half_samples;
-    // 2/T in rad per sample, twice half_samples being T
-    if (!(std::abs(c.rad_per_sample - start) <= kTwoPi / half_samples)) break;
-    if (std::abs(change[3]) <= kAtRestRad && SolveLinear(rest, c)) {
-      SineFit fit = Describe(rest, options, c, mean, 4);
+    const auto change = Improve(even, c, normal);
+    // 2/T in rad per sample, twice `half` being T
+    if (!change || !(std::abs(c.rad_per_unit - start) <= kTwoPi / even.half)) break;
+    if (AtRest(normal, *change, freedom) && SolveLinear(even, c)) {
+      SineFit fit = Describe(even, options, c, true);
       fit.iterations = iteration;
-      fit.converged = true;
       return fit;
     }
   }

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
-#include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -101,50 +101,176 @@ TEST(SineFit, StatedUncertaintiesAreTheScatter) {
   EXPECT_ABS(held.amplitude_ratio, 1, 0.14, kReason);
 }
 
-TEST(SineFit, UncertaintiesAreTheClosedFormForWhiteNoise) {
+// The Fisher information of A cos(w t + p) + o + s t, t over T about its middle, white noise of
+// deviation d, many periods: its blocks for A, (w, p at the middle), o and s do not mix;
+// N/2, A^2 N/2 (T^2/12 for w, 1 for p), N, N T^2/12, each over d^2.
+TEST(SineFit, UncertaintiesAreCramerAndRaosBound) {
   constexpr std::size_t kCount = 5000;
   std::vector<double> signal = Samples(kRateHz, kCount, 0, {{1, 300, 0}});
   Noise noise(3);
   for (double& x : signal) x += 0.1 * noise();
-  const SineFit fit = FitSine(signal, {kRateHz, 0}, 300);
-  const double s = fit.residual_rms;
-  const double duration_s = kCount / kRateHz;
-  EXPECT_REL(fit.amplitude_uncertainty, s * std::sqrt(2.0 / kCount), 1e-3, "N - 4 for N");
-  EXPECT_REL(2 * kPi * fit.frequency_uncertainty_hz,
-             s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 1e-3, "as above");
-}
-
-TEST(Tone, FindsTheStrongestOfTheBandAndNothingOutside) {
-  const ToneSearch search{kRateHz, 20, 500, 0};
-  const auto tone = StrongestTone(
-      Samples(kRateHz, 20'000, 0.03, {{1e-6, 225.17, 1}, {3e-7, 450, 2}, {4e-6, 900}}), search);
-  ASSERT_TRUE(tone);
-  // side lobes fall as 1/(pi T distance): 4/(pi 2 675) and 0.3/(pi 2 225) of the amplitude
-  EXPECT_REL(tone->amplitude, 1e-6, 1.2e-3, "side lobes of the other tones");
-  EXPECT_REL(tone->frequency_hz, 225.17, 3e-6, "side lobes of the other tones");
-}
-
-TEST(Tone, EveryFrequencyBetweenTheBinsIsFound) {
-  for (const double hz : {20.0, 21.3, 100.0, 100.25, 100.499, 100.5, 225.77, 499.9, 500.0}) {
-    const auto tone =
-        StrongestTone(Samples(kRateHz, 10'000, 0, {{1e-6, hz, 0.1}}), {kRateHz, 20, 500, 0});
-    ASSERT_TRUE(tone) << hz;
-    EXPECT_REL(tone->frequency_hz, hz, 1e-14, "rounding");
+  for (const int degree : {0, 1}) {
+    const SineFit fit = FitSine(signal, {kRateHz, 0, degree}, 300);
+    const double s = fit.residual_rms * std::sqrt(kCount / fit.degrees_of_freedom);
+    const double duration_s = kCount / kRateHz;
+    constexpr const char* kReason = "columns mix by 1/(pi periods) squared, and N - 1 for N";
+    EXPECT_EQ(fit.degrees_of_freedom, kCount - 4 - degree);
+    EXPECT_REL(fit.amplitude_uncertainty, s * std::sqrt(2.0 / kCount), 4e-4, kReason);
+    EXPECT_REL(2 * kPi * fit.frequency_uncertainty_hz,
+               s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 4e-4, kReason);
+    EXPECT_REL(fit.phase_uncertainty_rad, s / fit.amplitude * std::sqrt(8.0 / kCount), 4e-4,
+               kReason);
+    EXPECT_REL(fit.offset_uncertainty, s / std::sqrt(kCount), 4e-4, kReason);
+    const double slope = degree == 1 ? s * std::sqrt(12.0 / kCount) / duration_s : 0;
+    EXPECT_ABS(fit.slope_uncertainty_per_s, slope, 4e-4 * s * std::sqrt(12.0 / kCount) / duration_s,
+               kReason);
   }
 }
 
-TEST(Tone, NoiseIsNoTone) {
-  int found = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    Noise noise(seed);
-    std::vector<double> signal(5000);
-    for (double& x : signal) x = noise();
-    if (StrongestTone(signal, {kRateHz, 20, 500, 0})) ++found;
+TEST(SineFit, DriftIsFittedAlong) {
+  // a cubic of 1 mm over the record, Legendre-orthogonal on [-1, 1]: mean and slope by hand
+  constexpr std::size_t kCount = 3001;
+  std::vector<double> signal = Samples(kRateHz, kCount, 0.03, {{2e-6, 225, 0.3}});
+  for (std::size_t k = 0; k < kCount; ++k) {
+    const double tau = static_cast<double>(k) / 1500 - 1;
+    signal[k] += 1e-3 * (tau + 0.5 * tau * tau - tau * tau * tau);
   }
-  EXPECT_LE(found, 2) << "1e-3 of 200 records";
-  EXPECT_FALSE(StrongestTone(std::vector<double>(5000, 0.03), {kRateHz, 20, 500, 0}));
-  EXPECT_FALSE(StrongestTone(Samples(kRateHz, 900, 0, {{1, 100}}), {kRateHz, 20, 500, 0}))
-      << "0.09 s hold 1.8 periods of 20 Hz";
+  const SineFit fit = FitSine(signal, {kRateHz, 0, 3}, 225.5);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_REL(fit.amplitude, 2e-6, 1e-12, "the input's rounding at 30 mm");
+  EXPECT_REL(fit.frequency_hz, 225, 1e-13, "the same");
+  EXPECT_REL(fit.offset, 0.03 + 1e-3 / 6, 1e-14, "tau^2 = 1/3 + (2/3) P2");
+  EXPECT_REL(fit.slope_per_s, 1e-3 * (1 - 0.6) / 0.15, 1e-11, "tau^3 = (3/5) P1 + (2/5) P3");
+  const SineFit without = FitSine(signal, {kRateHz, 0, 0}, 225.5);
+  EXPECT_GT(std::abs(without.amplitude - 2e-6), 1e-7) << "an offset alone is not enough";
+}
+
+TEST(SineFit, UnevenTimesBeyondHalfTheRate) {
+  // 48 readings/s of a 225 Hz drive, each taken within its period at a known time
+  std::vector<double> times_s(200);
+  std::vector<double> values(times_s.size());
+  Noise noise(11);
+  for (std::size_t k = 0; k < times_s.size(); ++k) {
+    times_s[k] = 17.0 + (static_cast<double>(k) + 0.2 * noise()) / 48;
+    const double t_s = times_s[k] - 19;
+    values[k] = 0.03 + 1e-4 * t_s + 5e-6 * std::cos(2 * kPi * 225 * times_s[k] + 1.2);
+  }
+  const SineFit fit = FitSineAtTimes(values, times_s, 225, 1);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_REL(fit.amplitude, 5e-6, 1e-11, "phases of 3e4 rad, rounded to 4e-12, and 30 mm");
+  EXPECT_ABS(fit.phase_rad, 1.2, 1e-10, "the same over sqrt(N), at t = 0, 17 s before");
+  EXPECT_REL(fit.slope_per_s, 1e-4, 1e-11, "rounding at 30 mm");
+  EXPECT_FALSE(FitSineAtTimes(values, times_s, 225, 1).amplitude_uncertainty > 1e-15);
+}
+
+TEST(SineFit, TimesThatSeeOnePhaseAreRefused) {
+  std::vector<double> times_s(40);
+  for (std::size_t k = 0; k < times_s.size(); ++k) times_s[k] = static_cast<double>(k) / 45;
+  const std::vector<double> values(times_s.size(), 1.0);
+  EXPECT_FALSE(FitSineAtTimes(values, times_s, 225).converged) << "225 Hz is five times 45 Hz";
+  EXPECT_TRUE(FitSineAtTimes(values, times_s, 226).converged);
+  EXPECT_FALSE(
+      FitSineAtTimes(std::vector<double>(3, 1.0), std::vector<double>{1, 2, 3}, 0.5).converged)
+      << "three values for three parameters";
+}
+
+// how often the 95 % interval of each quantity holds the truth, of 2000
+struct Coverage {
+  int amplitude = 0;
+  int frequency = 0;
+  int phase = 0;
+  int offset = 0;
+  int slope = 0;
+};
+
+void Count(const SineFit& fit, double t, Coverage& held) {
+  const double truth_phase = 0.5;
+  held.amplitude += std::abs(fit.amplitude - 1) <= t * fit.amplitude_uncertainty ? 1 : 0;
+  held.frequency += std::abs(fit.frequency_hz - 1003) <= t * fit.frequency_uncertainty_hz ? 1 : 0;
+  held.phase += std::abs(fit.phase_rad - truth_phase) <= t * fit.phase_uncertainty_rad ? 1 : 0;
+  held.offset += std::abs(fit.offset - 0.2) <= t * fit.offset_uncertainty ? 1 : 0;
+  held.slope += std::abs(fit.slope_per_s - 3) <= t * fit.slope_uncertainty_per_s ? 1 : 0;
+}
+
+constexpr int kRepetitions = 2000;
+// of 2000, 95 % +- 2 %: four deviations of the count
+constexpr int kLeast = 1860;
+constexpr int kMost = 1940;
+
+void ExpectCoverage(int held, const char* what) {
+  EXPECT_GE(held, kLeast) << what;
+  EXPECT_LE(held, kMost) << what;
+}
+
+TEST(SineFit, IntervalsOfAFitWithDriftHoldTheTruth) {
+  constexpr std::size_t kCount = 65;
+  constexpr double kT60 = 2.0002978;  // Student's t, 97.5 %, 60 degrees of freedom
+  const double middle_s = 0.5 * (kCount - 1) / kRateHz;
+  Noise noise(42);
+  Coverage held;
+  for (int r = 0; r < kRepetitions; ++r) {
+    std::vector<double> signal =
+        Samples(kRateHz, kCount, 0.2 - 3 * middle_s, {{1, 1003, 0.5 + kPi / 2}});
+    for (std::size_t k = 0; k < kCount; ++k) {
+      signal[k] += 3 * static_cast<double>(k) / kRateHz + 0.1 * noise();
+    }
+    Count(FitSine(signal, {kRateHz, 0, 1}, 1000), kT60, held);
+  }
+  ExpectCoverage(held.amplitude, "amplitude");
+  ExpectCoverage(held.frequency, "frequency");
+  ExpectCoverage(held.phase, "phase");
+  ExpectCoverage(held.offset, "offset");
+  ExpectCoverage(held.slope, "slope");
+}
+
+TEST(SineFit, IntervalsOfAFitAtUnevenTimesHoldTheTruth) {
+  constexpr std::size_t kCount = 15;
+  constexpr double kT10 = 2.2281389;  // Student's t, 97.5 %, 10 degrees of freedom
+  Noise noise(43);
+  Coverage held;
+  std::vector<double> times_s(kCount);
+  std::vector<double> values(kCount);
+  for (int r = 0; r < kRepetitions; ++r) {
+    for (std::size_t k = 0; k < kCount; ++k) {
+      times_s[k] = (static_cast<double>(k) - 7 + 0.3 * noise()) / 480;
+    }
+    const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
+    const double middle_s = 0.5 * (*first + *last);
+    for (std::size_t k = 0; k < kCount; ++k) {
+      values[k] = 0.2 + 3 * (times_s[k] - middle_s) + std::cos(2 * kPi * 1003 * times_s[k] + 0.5) +
+                  0.05 * noise();
+    }
+    Count(FitSineAtTimes(values, times_s, 1003, 1), kT10, held);
+  }
+  ExpectCoverage(held.amplitude, "amplitude");
+  ExpectCoverage(held.phase, "phase");
+  ExpectCoverage(held.offset, "offset");
+  ExpectCoverage(held.slope, "slope");
+}
+
+TEST(SineFit, ADecayingToneComesToRest) {
+  // a quarter of its duration per decay: the nearest sine is less, and its residual is no noise
+  std::vector<double> signal(20'000);
+  for (std::size_t k = 0; k < signal.size(); ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    signal[k] = std::exp(-t_s / 0.5) * std::cos(2 * kPi * 439.15 * t_s + 1);
+  }
+  const SineFit fit = FitSine(signal, {kRateHz, 0}, 439.3);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_ABS(fit.frequency_hz, 439.15, 1e-3,
+             "half a thousandth of 1/duration: the other side lobe");
+  EXPECT_LT(fit.iterations, 15);
+}
+
+TEST(SineFit, NothingFiniteNothingSaid) {
+  std::vector<double> signal = Samples(kRateHz, 2000, 0, {{1, 300, 0}});
+  signal[700] = std::nan("");
+  EXPECT_FALSE(FitSine(signal, {kRateHz, 0}, 300).converged);
+  EXPECT_FALSE(FitSineAt(signal, {kRateHz, 0, 1}, 300).converged);
+  const SineFit rest = FitSineAt(std::vector<double>(2000, 0.03), {kRateHz, 0}, 300);
+  EXPECT_TRUE(rest.converged);
+  EXPECT_EQ(rest.amplitude, 0);
+  EXPECT_TRUE(std::isnan(rest.phase_uncertainty_rad));
 }
 
 }  // namespace

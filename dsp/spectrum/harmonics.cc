@@ -1,0 +1,207 @@
+#include "dsp/spectrum/harmonics.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/check.h"
+#include "dsp/spectrum/chi_squared.h"
+#include "dsp/spectrum/phasor_blocks.h"
+#include "dsp/statistics/moments.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr std::size_t kBlock = PhasorBlocks::kBlock;
+constexpr double kStandsOut = 0.99;
+constexpr double kOneSided95 = 1.6448536269514722;  // standard deviations
+constexpr double kLeastCondition = 1e-10;
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The question in samples; parameters are a_1, b_1, a_2, b_2 .. and the drift, t from the middle.
+struct Question {
+  std::vector<double> values;  // without their mean
+  double rad_per_sample = 0;
+  int count = 0;  // of harmonics
+  int drift_degree = 0;
+
+  [[nodiscard]] Index parameters() const { return 2 * count + 1 + drift_degree; }
+  [[nodiscard]] double half() const { return 0.5 * static_cast<double>(values.size() - 1); }
+};
+
+// columns of the rows from `begin`: cosines and sines by turning, Legendre's polynomials by their
+// recurrence
+void FillColumns(const Question& question, const PhasorBlocks& phasors, std::size_t begin,
+                 MatrixXd& columns) {
+  const auto rows = static_cast<std::size_t>(columns.rows());
+  const double first = static_cast<double>(begin) - question.half();
+  phasors.Fill(first, {columns.col(0).data(), rows}, {columns.col(1).data(), rows});
+  const auto c = columns.col(0).array();
+  const auto s = columns.col(1).array();
+  for (Index h = 1; h < question.count; ++h) {
+    const auto c_before = columns.col(2 * h - 2).array();
+    const auto s_before = columns.col(2 * h - 1).array();
+    columns.col(2 * h) = c * c_before - s * s_before;
+    columns.col(2 * h + 1) = s * c_before + c * s_before;
+  }
+  const Index drift = 2 * question.count;
+  columns.col(drift).setOnes();
+  const VectorXd tau =
+      VectorXd::LinSpaced(columns.rows(), first, first + static_cast<double>(rows - 1)) /
+      question.half();
+  if (question.drift_degree >= 1) columns.col(drift + 1) = tau;
+  for (Index k = 2; k <= question.drift_degree; ++k) {
+    const auto degree = static_cast<double>(k);
+    columns.col(drift + k) = ((2 * degree - 1) * tau.cwiseProduct(columns.col(drift + k - 1)) -
+                              (degree - 1) * columns.col(drift + k - 2)) /
+                             degree;
+  }
+}
+
+struct Normal {
+  MatrixXd matrix;
+  VectorXd right;
+  double square_sum = 0;  // of the residuals
+};
+
+// normal equations about `at`, block by block
+Normal Linearise(const Question& question, const VectorXd& at) {
+  const Index p = question.parameters();
+  const PhasorBlocks phasors(question.rad_per_sample);
+  Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
+  MatrixXd columns;
+  for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
+    const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
+    columns.resize(rows, p);
+    FillColumns(question, phasors, begin, columns);
+    const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
+    const VectorXd residual = values - columns * at;
+    total.matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+    total.right.noalias() += columns.transpose() * residual;
+    total.square_sum += residual.squaredNorm();
+  }
+  total.matrix.triangularView<Eigen::StrictlyUpper>() = total.matrix.transpose();
+  return total;
+}
+
+// a and b of order h: amplitude and phase, with their uncertainties
+Harmonic Describe(const Question& question, const VectorXd& at, const MatrixXd& covariance,
+                  int order) {
+  const Index column = 2 * (order - 1);
+  const double a = at[column];
+  const double b = at[column + 1];
+  Harmonic harmonic;
+  harmonic.order = order;
+  harmonic.amplitude = std::hypot(a, b);
+  // the first sample lies `half` before the middle, where the phase is -atan2(b, a)
+  harmonic.phase_rad =
+      std::remainder(-std::atan2(b, a) - order * question.rad_per_sample * question.half(), kTwoPi);
+  const Eigen::Matrix2d block = covariance.block<2, 2>(column, column);
+  const Eigen::Vector2d along = Eigen::Vector2d(a, b).stableNormalized();
+  const Eigen::Vector2d across(-along[1], along[0]);
+  harmonic.amplitude_uncertainty = std::sqrt(along.dot(block * along));
+  harmonic.phase_uncertainty_rad = std::sqrt(across.dot(block * across)) / harmonic.amplitude;
+  // two normal values of variance u^2 each: amplitude^2 / u^2 is chi-squared with 2
+  const double u_square = 0.5 * block.trace();
+  harmonic.stands_out =
+      harmonic.amplitude * harmonic.amplitude > u_square * ChiSquaredQuantile(kStandsOut, 2);
+  return harmonic;
+}
+
+// fills in thd, its uncertainty and its bound
+void DescribeDistortion(Harmonics& found) {
+  if (found.harmonics.size() < 2) return;
+  double power = 0;     // sum of amplitude^2 - 2 u^2
+  double variance = 0;  // of that sum
+  double in_noises = 0;
+  for (const Harmonic& h : std::span(found.harmonics).subspan(1)) {
+    const double a_square = h.amplitude * h.amplitude;
+    const double u_square = h.amplitude_uncertainty * h.amplitude_uncertainty;
+    power += a_square - 2 * u_square;
+    variance += 4 * u_square * std::max(u_square, a_square - u_square);
+    in_noises += u_square > 0 ? a_square / u_square : 0;
+  }
+  const Harmonic& first = found.harmonics.front();
+  const double u_first = first.amplitude_uncertainty;
+  const double fundamental_power = first.amplitude * first.amplitude - 2 * u_first * u_first;
+  if (!first.stands_out || !(fundamental_power > 0)) return;
+  const double fundamental = std::sqrt(fundamental_power);
+  found.thd_at_most =
+      std::sqrt(std::max(0.0, power) + kOneSided95 * std::sqrt(variance)) / fundamental;
+  const auto freedom = static_cast<double>(2 * (found.harmonics.size() - 1));
+  if (!(in_noises > ChiSquaredQuantile(kStandsOut, freedom)) || !(power > 0)) return;
+  const double thd = std::sqrt(power) / fundamental;
+  found.thd = thd;
+  found.thd_uncertainty =
+      std::hypot(std::sqrt(variance / power) / (2 * fundamental), thd * u_first / fundamental);
+}
+
+// how many multiples lie up to `upper_hz` and below rate/2
+int CountBelow(double fundamental_hz, double upper_hz, double rate_hz) {
+  const double most = std::min(upper_hz / fundamental_hz * (1 + 1e-12),
+                               std::nextafter(0.5 * rate_hz, 0) / fundamental_hz);
+  return static_cast<int>(std::clamp(std::floor(most), 0.0, static_cast<double>(kMostHarmonics)));
+}
+
+Question Ask(std::span<const double> signal, const SineFitOptions& options, double fundamental_hz,
+             int count) {
+  Question question;
+  const double mean = Mean(signal);
+  question.values.assign(signal.begin(), signal.end());
+  for (double& x : question.values) x -= mean;
+  question.rad_per_sample = kTwoPi * fundamental_hz / options.rate_hz;
+  question.count = count;
+  question.drift_degree = options.drift_degree;
+  return question;
+}
+
+}  // namespace
+
+Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& options,
+                       double fundamental_hz, double upper_hz) {
+  HAPTOMETER_CHECK(options.rate_hz > 0 && options.drift_degree >= 0 &&
+                       options.drift_degree <= kHighestDriftDegree,
+                   "rate_hz = {}, drift_degree = {}", options.rate_hz, options.drift_degree);
+  Harmonics found;
+  if (!(fundamental_hz > 0) || signal.size() < 4) return found;
+  const int count = CountBelow(fundamental_hz, upper_hz, options.rate_hz);
+  const auto n = static_cast<double>(signal.size());
+  if (count < 1 || n / options.rate_hz * fundamental_hz < 1) return found;
+  const Question question = Ask(signal, options, fundamental_hz, count);
+  const double share =
+      options.noise_bandwidth_hz > 0 ? 2 * options.noise_bandwidth_hz / options.rate_hz : 1;
+  const double freedom = n * share - static_cast<double>(question.parameters());
+  if (!(freedom > 0)) return found;
+
+  // one step solves it, the second removes its rounding
+  VectorXd at = VectorXd::Zero(question.parameters());
+  Normal normal = Linearise(question, at);
+  const Eigen::LDLT<MatrixXd> solver(normal.matrix);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > kLeastCondition)) return found;
+  for (int step = 0; step < 2; ++step) {
+    at += solver.solve(normal.right);
+    normal = Linearise(question, at);
+  }
+  if (!at.allFinite()) return found;
+
+  const MatrixXd covariance =
+      solver.solve(MatrixXd::Identity(at.size(), at.size())) * (normal.square_sum / freedom);
+  found.harmonics.reserve(static_cast<std::size_t>(count));
+  for (int order = 1; order <= count; ++order) {
+    found.harmonics.push_back(Describe(question, at, covariance, order));
+    found.harmonics.back().frequency_hz = order * fundamental_hz;
+  }
+  found.residual_rms = std::sqrt(normal.square_sum / n);
+  found.degrees_of_freedom = freedom;
+  found.converged = true;
+  DescribeDistortion(found);
+  return found;
+}
+
+}  // namespace haptometer::dsp
