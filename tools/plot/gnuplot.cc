@@ -92,14 +92,19 @@ std::string_view LogWords(LogAxes axes) {
 std::string AxisWords(const Panel& panel) {
   std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
   if (panel.ticks.empty()) return words + "set xtics autofreq\nset xrange [*:*]\n";
-  constexpr double kFurther = 0.7;
+  double least = 1;  // between two of them
+  for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
+    const double distance = panel.ticks[i].x - panel.ticks[i - 1].x;
+    least = i == 1 ? distance : std::min(least, distance);
+  }
+  const double further = 0.7 * least;
   words += "set xtics (";
   for (const Tick& tick : panel.ticks) {
     fmt::format_to(std::back_inserter(words), "{}{} {:.9g}",
                    &tick == panel.ticks.data() ? "" : ", ", Quoted(tick.name), tick.x);
   }
-  return words + fmt::format(")\nset xrange [{:.9g}:{:.9g}]\n", panel.ticks.front().x - kFurther,
-                             panel.ticks.back().x + kFurther);
+  return words + fmt::format(")\nset xrange [{:.9g}:{:.9g}]\n", panel.ticks.front().x - further,
+                             panel.ticks.back().x + further);
 }
 
 std::string PanelScript(std::size_t number, const Panel& panel) {

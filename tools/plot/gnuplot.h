@@ -35,7 +35,8 @@ struct Panel {
   std::string y_label;
   std::vector<Series> series;
   LogAxes log_axes = LogAxes::kNone;
-  std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers; the axis reaches 0.7 further
+  /// The axis reaches further by 0.7 of the least distance of two.
+  std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
   bool y_from_zero = false;
 };
 

@@ -137,6 +137,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
   std::vector<plot::Panel> panels;
   panels.reserve(result.conditions.size());
   for (const MatchedCondition& condition : result.conditions) {
+    plot::Panel panel;
     plot::Series points{"mean and standard deviation over subjects",
                         fmt::format("yerrorbars pt 7 lc rgb '{}'", plot::kBlue),
                         {},
@@ -144,10 +145,10 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
                         {}};
     for (const MatchedRatio& level : condition.levels) {
       points.x.push_back(*level.reference_v);
+      panel.ticks.push_back({*level.reference_v, fmt::format("{:g}", *level.reference_v)});
       points.y.push_back(level.matched_v.mean);
       points.y_error.push_back(level.matched_v.standard_deviation.value_or(0));
     }
-    plot::Panel panel;
     panel.title = condition.name;
     panel.x_label = "reference / V";
     panel.y_label = "matched / V";
