@@ -16,6 +16,7 @@
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/study/contrast.h"
+#include "tools/study/further_statistics.h"
 #include "tools/study/linearity_result.h"
 #include "tools/study/manifest.h"
 #include "tools/study/matching_result.h"
@@ -223,6 +224,9 @@ TEST(LabelsOf, MatchesNamesAndFolders) {
   EXPECT_EQ(labels->at("condition"), "ia1");
   EXPECT_EQ(labels->at("repeat"), "2");
   EXPECT_EQ(LabelsOf("x/p(1)+a.bin", "p({subject})+{condition}")->at("subject"), "1");
+  const auto least = LabelsOf("s1_ia1_big_2.csv", "{subject}_{condition}_{repeat}");
+  EXPECT_EQ(least->at("subject"), "s1") << "a label takes as little as it can";
+  EXPECT_EQ(least->at("repeat"), "big_2");
   EXPECT_FALSE(LabelsOf("ia1.csv", "{condition}_{repeat}"));
 }
 
@@ -296,6 +300,32 @@ TEST(FindOutlying, NamesTrialsAndCellsThatStandApartAndKeepsThem) {
   EXPECT_EQ(outlying[1].subject, "1");
   EXPECT_EQ(outlying[1].condition, "b");
   EXPECT_EQ(table.cells[0][2].rms_m.size(), 3U) << "it counts";
+}
+
+TEST(DescribeFurther, FindsATrendOverRepeatsOrStarts) {
+  std::vector<StudyTrial> trials;
+  for (int s = 0; s < 3; ++s) {
+    for (const std::string condition : {"a", "b"}) {
+      for (int repeat = 1; repeat <= 10; repeat += 3) {
+        // 1, 4, 7, 10 are places 0 to 3; subjects grow by 1, 2 and 3 % a place
+        const double rms_m = 20e-6 * std::exp(0.01 * (s + 1) * (repeat - 1) / 3.0);
+        trials.push_back(Answered(s, condition, repeat, condition == "a" ? rms_m : 3 * rms_m));
+      }
+    }
+  }
+  const FurtherStatistics further = DescribeFurther(MakeStudyTable(trials, {}));
+  ASSERT_TRUE(further.trend);
+  EXPECT_FALSE(further.trend->by_start);
+  EXPECT_REL(further.trend->per_trial.mean, 0.02, 1e-12, "logarithms of about 10");
+  EXPECT_REL(*further.trend->per_trial.standard_deviation, 0.01, 1e-12, "logarithms of about 10");
+
+  // by their starts, backwards and the conditions one after the other
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    trials[i].utc_start = fmt::format("2026-03-01T12:00:{:02}Z", trials.size() - i);
+  }
+  const FurtherStatistics started = DescribeFurther(MakeStudyTable(trials, {}));
+  EXPECT_TRUE(started.trend->by_start);
+  EXPECT_REL(started.trend->per_trial.mean, -0.02, 1e-12, "logarithms of about 10");
 }
 
 TEST(MakeStudyTable, NumbersRepeatsAndRefusesTheSameTwice) {

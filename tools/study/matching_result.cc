@@ -71,6 +71,8 @@ Result<Settings> Sort(const TextTable& table) {
 MatchedRatio LevelOf(double reference_v, const std::map<std::string, Halves>& subjects) {
   std::vector<double> logs;
   std::vector<double> volts;
+  logs.reserve(subjects.size());
+  volts.reserve(subjects.size());
   for (const auto& [subject, halves] : subjects) {
     logs.push_back(halves.mean());
     volts.push_back(reference_v * std::exp(logs.back()));
@@ -78,20 +80,28 @@ MatchedRatio LevelOf(double reference_v, const std::map<std::string, Halves>& su
   return {reference_v, dsp::TestMean(logs), {}, dsp::TestMean(volts)};
 }
 
+using BySubject = std::map<std::string, std::vector<double>>;
+
+// one mean a subject
+dsp::OneSample TestSubjectMeans(const BySubject& by_subject) {
+  std::vector<double> means;
+  means.reserve(by_subject.size());
+  for (const auto& [subject, logs] : by_subject) means.push_back(dsp::Mean(logs));
+  return dsp::TestMean(means);
+}
+
 // each subject's mean over the levels it has
 MatchedRatio OverallOf(const Levels& levels) {
-  std::map<std::string, std::vector<double>> by_subject;
+  BySubject by_subject;
   for (const auto& [level, subjects] : levels) {
     for (const auto& [subject, halves] : subjects) by_subject[subject].push_back(halves.mean());
   }
-  std::vector<double> means;
-  for (const auto& [subject, logs] : by_subject) means.push_back(dsp::Mean(logs));
-  return {{}, dsp::TestMean(means), {}, {}};
+  return {{}, TestSubjectMeans(by_subject), {}, {}};
 }
 
 // over subjects, the mean of ln(high / low) of the levels that have both starts
 std::optional<dsp::OneSample> StartOf(const Levels& levels) {
-  std::map<std::string, std::vector<double>> by_subject;
+  BySubject by_subject;
   for (const auto& [level, subjects] : levels) {
     for (const auto& [subject, halves] : subjects) {
       if (!halves.is_whole()) continue;
@@ -99,9 +109,7 @@ std::optional<dsp::OneSample> StartOf(const Levels& levels) {
     }
   }
   if (by_subject.empty()) return std::nullopt;
-  std::vector<double> means;
-  for (const auto& [subject, logs] : by_subject) means.push_back(dsp::Mean(logs));
-  return dsp::TestMean(means);
+  return TestSubjectMeans(by_subject);
 }
 
 void CorrectByHolm(std::vector<MatchedRatio>& levels) {

@@ -82,8 +82,9 @@ TEST(SignFlipP, CountsAllSigns) {
   EXPECT_EQ(SignFlipP(std::vector{1.0, 2.0, 4.0}), 0.25);
   EXPECT_EQ(SignFlipP(std::vector{1.0, 2.0, -4.0}), 1);
   EXPECT_EQ(SignFlipP(std::vector<double>(8, 0.1)), 2.0 / 256);
-  // ties in another rounding: 0.1 + 0.2 - 0.3 and its mirror are as large as each other
-  EXPECT_EQ(SignFlipP(std::vector{0.1, 0.2, -0.3}), 1);
+  // ties in another rounding: |-7 - 9 + 9| and its like, in tenths
+  EXPECT_EQ(SignFlipP(std::vector{-0.7, -0.9, 0.9}), 1);
+  EXPECT_EQ(SignFlipP(std::vector{-0.9, -0.8, 0.2, 0.6}), 0.625);
   EXPECT_FALSE(SignFlipP(std::vector<double>(21, 1.0)));
   EXPECT_FALSE(SignFlipP({}));
 }
