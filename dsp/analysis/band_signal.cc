@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 #include "base/jobs.h"
@@ -11,7 +12,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kLongestCellS = 1e-3;
-constexpr std::size_t kMostCells = std::size_t{1} << 21U;
+constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
 // a divisor of kTileSamples, so that no cell lies in two blocks
 std::size_t CellSamples(std::size_t size, double rate_hz) {
@@ -167,40 +168,46 @@ Result<BandCell> BandSignal::CutCell(std::size_t begin, std::size_t end) const {
   return CellOf(samples);
 }
 
-Result<std::vector<BandCell>> BandSignal::CellsOf(std::size_t begin, std::size_t end) const {
+Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin <= end && end <= size(), "samples {} to {} of {}", begin, end, size());
-  std::vector<BandCell> found;
-  found.reserve((end - begin) / cell_samples_ + 2);
-  for (std::size_t at = begin; at < end;) {
-    const std::size_t k = at / cell_samples_;
-    const std::size_t cell_end = std::min((k + 1) * cell_samples_, size());
-    const std::size_t stop = std::min(cell_end, end);
-    if (at == k * cell_samples_ && stop == cell_end) {
-      found.push_back(cells_[k]);
-    } else {
-      const auto cut = CutCell(at, stop);
-      if (!cut) return std::unexpected(cut.error());
-      found.push_back(*cut);
-    }
-    at = stop;
+  // the first and one past the last of the whole cells
+  const std::size_t first = (begin + cell_samples_ - 1) / cell_samples_;
+  const std::size_t last = end == size() ? cells_.size() : end / cell_samples_;
+  CutRange range;
+  const auto take = [&](std::size_t from, std::size_t to) -> Result<void> {
+    if (from >= to) return {};
+    const auto cut = CutCell(from, to);
+    if (!cut) return std::unexpected(cut.error());
+    range.cut.push_back(*cut);
+    return {};
+  };
+  Result<void> taken = take(begin, std::min(first * cell_samples_, end));
+  if (first <= last) {
+    range.whole = std::span(cells_).subspan(first, last - first);
+    if (taken) taken = take(std::min(last * cell_samples_, end), end);
   }
-  return found;
+  if (!taken) return std::unexpected(taken.error());
+  return range;
 }
 
 Result<double> BandSignal::SquareSum(std::size_t begin, std::size_t end) const {
-  const auto found = CellsOf(begin, end);
-  if (!found) return std::unexpected(found.error());
-  return SquareSumOf(*found);
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  return SquareSumOf(range->whole) + SquareSumOf(range->cut);
 }
 
 Result<Extremes> BandSignal::ExtremesOf(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin < end, "samples {} to {}", begin, end);
-  const auto found = CellsOf(begin, end);
-  if (!found) return std::unexpected(found.error());
-  Extremes extremes{found->front().least, found->front().most};
-  for (const BandCell& cell : *found) {
-    extremes.least = std::min(extremes.least, cell.least);
-    extremes.most = std::max(extremes.most, cell.most);
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  Extremes extremes{std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
+  for (const std::span<const BandCell> cells :
+       {range->whole, std::span<const BandCell>(range->cut)}) {
+    for (const BandCell& cell : cells) {
+      extremes.least = std::min(extremes.least, cell.least);
+      extremes.most = std::max(extremes.most, cell.most);
+    }
   }
   return extremes;
 }

@@ -58,7 +58,7 @@ class BandSignal {
   /// Cell k sums up samples [k n, (k + 1) n), n = cell_samples(), the last one what is left.
   ///
   /// n is the greatest divisor of kTileSamples that lasts 1 ms at most, or the least one that gives
-  /// at most 2^21 cells.
+  /// at most 2^20 cells.
   [[nodiscard]] std::span<const BandCell> cells() const { return cells_; }
   [[nodiscard]] std::size_t cell_samples() const { return cell_samples_; }
 
@@ -93,8 +93,12 @@ class BandSignal {
   // from the middle outwards, over cells in which the continuations differ little enough
   void GrowSettled(std::span<const double> differences);
 
-  // the cells that make up [begin, end), cut ones worked out anew
-  [[nodiscard]] Result<std::vector<BandCell>> CellsOf(std::size_t begin, std::size_t end) const;
+  // what a range falls into: whole cells and the samples of the cut ones at its ends
+  struct CutRange {
+    std::vector<BandCell> cut;  // at most two
+    std::span<const BandCell> whole;
+  };
+  [[nodiscard]] Result<CutRange> Cut(std::size_t begin, std::size_t end) const;
   [[nodiscard]] Result<BandCell> CutCell(std::size_t begin, std::size_t end) const;
 
   SegmentSamples samples_;
