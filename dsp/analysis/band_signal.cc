@@ -1,6 +1,7 @@
 #include "dsp/analysis/band_signal.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -24,12 +25,27 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
   return samples;
 }
 
+// four running sums, so that no step waits for the one before it
 BandCell CellOf(std::span<const double> samples) {
-  BandCell cell{0, samples.front(), samples.front()};
-  for (const double sample : samples) {
+  constexpr std::size_t kLanes = 4;
+  std::array<BandCell, kLanes> lanes;
+  lanes.fill({0, samples.front(), samples.front()});
+  const auto take = [](BandCell& cell, double sample) {
     cell.square_sum += sample * sample;
-    cell.least = std::min(cell.least, sample);
-    cell.most = std::max(cell.most, sample);
+    cell.least = sample < cell.least ? sample : cell.least;
+    cell.most = sample > cell.most ? sample : cell.most;
+  };
+  std::size_t k = 0;
+  for (; k + kLanes <= samples.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lanes[lane], samples[k + lane]);
+  }
+  for (; k < samples.size(); ++k) take(lanes[k % kLanes], samples[k]);
+  BandCell cell = lanes[0];
+  cell.square_sum =
+      (lanes[0].square_sum + lanes[1].square_sum) + (lanes[2].square_sum + lanes[3].square_sum);
+  for (const BandCell& lane : lanes) {
+    cell.least = std::min(cell.least, lane.least);
+    cell.most = std::max(cell.most, lane.most);
   }
   return cell;
 }
