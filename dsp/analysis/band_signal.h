@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
+#include "dsp/filter/settled.h"
 #include "dsp/filter/zero_phase_blocks.h"
 
 namespace haptometer::dsp {
@@ -34,10 +35,8 @@ class BandSignal {
   /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
   /// finds what has settled. What `samples` refers to must outlive the signal.
   ///
-  /// Settled cells reach from the middle outwards to the last one on each side in which the odd and
-  /// the constant continuation agree to kSettledTolerance times the RMS over the settled cells
-  /// themselves (repeated until that holds; dsp/filter/settled.h). Farther from an end than a
-  /// lead-in, they agree to rounding whatever the signal.
+  /// Settled cells are found as settled samples are (SettledRange), by what each depends on the
+  /// ends at most.
   /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells.
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads);
@@ -75,23 +74,22 @@ class BandSignal {
   [[nodiscard]] Result<Extremes> ExtremesOf(std::size_t begin, std::size_t end) const;
 
  private:
-  // cells [begin, end)
-  struct CellRange {
-    std::size_t begin = 0;
-    std::size_t end = 0;
+  // what filtering a block needs; of one thread
+  struct Buffers {
+    ZeroPhaseBlocks::Scratch scratch;
+    std::vector<double> samples;
   };
 
   BandSignal(const SegmentSamples& samples, const FilterDesign& design);
 
   // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
-  [[nodiscard]] Result<void> FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch);
-  [[nodiscard]] Result<void> FindSettled(int threads);
-  // greatest difference of the two continuations within each of `cells`
-  [[nodiscard]] Result<void> CompareContinuations(const CellRange& cells,
-                                                  std::span<double> differences) const;
-  // from the middle outwards, over cells in which the continuations differ little enough
-  void GrowSettled(std::span<const double> differences);
+  [[nodiscard]] Result<void> FilterAll(int threads);
+  // a block, filtered; it lies in `buffers`
+  [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
+                                                   Buffers& buffers) const;
+  [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);
+  void FindSettled(const EndDependence& dependence);
 
   // what a range falls into: whole cells and the samples of the cut ones at its ends
   struct CutRange {
