@@ -40,7 +40,7 @@ RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logar
   for (Position k = 0; k < directions.cols(); ++k) {
     if (!is_logarithm[static_cast<std::size_t>(k)]) directions.col(k).setZero();
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
   const Position rank =
       (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
   return svd.matrixV().leftCols(rank).transpose();

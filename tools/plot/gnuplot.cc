@@ -59,10 +59,24 @@ std::string DataBlock(std::size_t panel, std::size_t number, const Series& serie
   return data + "EOD\n";
 }
 
+std::string_view LogWords(LogAxes axes) {
+  switch (axes) {
+    case LogAxes::kNone:
+      return "unset logscale";
+    case LogAxes::kX:
+      return "unset logscale; set logscale x";
+    case LogAxes::kY:
+      return "unset logscale; set logscale y";
+    case LogAxes::kBoth:
+      return "set logscale xy";
+  }
+  HAPTOMETER_CHECK(false, "axes {}", static_cast<int>(axes));
+}
+
 std::string PanelScript(std::size_t number, const Panel& panel) {
   std::string script =
-      fmt::format("set title {}\nset xlabel {}\nset ylabel {}\nplot ", Quoted(panel.title),
-                  Quoted(panel.x_label), Quoted(panel.y_label));
+      fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n{}\nplot ", Quoted(panel.title),
+                  Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes));
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const Series& series = panel.series[i];
     const std::string title =
@@ -101,6 +115,17 @@ Result<bool> RunGnuplot(const std::string& script, const std::string& where,
 }
 
 }  // namespace
+
+Result<std::string> DrawSvg(const std::vector<Panel>& panels) {
+  HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
+  const MemoryFile drawing;
+  const auto run =
+      RunGnuplot(Script(drawing.path(), *TerminalOf("plot.svg"), panels), "plot", kLongestPanelsNs);
+  if (!run) return std::unexpected(run.error());
+  std::string svg = drawing.Content();
+  if (!*run || svg.empty()) return Failed("plot", "gnuplot drew nothing");
+  return svg;
+}
 
 Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   const MemoryFile drawing;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,12 +17,16 @@ struct Series {
   std::vector<double> y;  ///< (n)
 };
 
+/// Which axes are logarithmic; values that are not above 0 have no place on such an axis.
+enum class LogAxes : std::uint8_t { kNone, kX, kY, kBoth };
+
 /// One pair of axes.
 struct Panel {
   std::string title;
   std::string x_label;  ///< with its unit: "time / s"
   std::string y_label;
   std::vector<Series> series;
+  LogAxes log_axes = LogAxes::kNone;
 };
 
 /// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).
@@ -37,6 +42,9 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
 /// for it, 120 s at most.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
+
+/// The same as one SVG document. Errors (Cause::kFailed): gnuplot absent or failing.
+[[nodiscard]] Result<std::string> DrawSvg(const std::vector<Panel>& panels);
 
 /// Draws `panel` with characters, `columns` wide and `lines` high, for a terminal: its lines with
 /// their ends. Errors (Cause::kFailed): gnuplot absent or failing. Starts one gnuplot process and

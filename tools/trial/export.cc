@@ -15,7 +15,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/trial/told_recording.h"
-#include "tools/trial/whole_file.h"
+#include "tools/cli/whole_file.h"
 #include "tools/trial/words.h"
 #include "trial/block.h"
 #include "trial/byte_sink.h"
@@ -149,7 +149,7 @@ Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& i
     if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
     return {};
   }
-  auto file = WholeFile::Begin(wanted.output, wanted.overwrite);
+  auto file = cli::WholeFile::Begin(wanted.output, wanted.overwrite);
   if (!file) return std::unexpected(file.error());
   auto done = WriteBytesTo(file->part(), format, recording->record, true);
   if (done) done = file->Finish();
@@ -200,7 +200,7 @@ Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std:
 template <typename Writer>
 Result<int> ExportAll(const Wanted& wanted, const std::vector<std::string>& inputs,
                       const trial::ImportOptions& import) {
-  auto file = WholeFile::Begin(wanted.output, wanted.overwrite);
+  auto file = cli::WholeFile::Begin(wanted.output, wanted.overwrite);
   if (!file) return std::unexpected(file.error());
   auto writer = Writer::Create(file->part());
   if (!writer) return std::unexpected(Explained(writer.error(), "", wanted.output));

@@ -1,4 +1,4 @@
-#include "tools/trial/whole_file.h"
+#include "tools/cli/whole_file.h"
 
 #include <fcntl.h>
 #include <fmt/core.h>
@@ -10,7 +10,7 @@
 #include <filesystem>
 #include <utility>
 
-namespace haptometer::tools {
+namespace haptometer::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -71,4 +71,20 @@ Result<void> WholeFile::Finish() {
                 "name a file on another disk");
 }
 
-}  // namespace haptometer::tools
+Result<void> WriteWholeFile(const std::string& path, std::string_view content) {
+  auto file = WholeFile::Begin(path, true);
+  if (!file) return std::unexpected(file.error());
+  std::FILE* const stream = std::fopen(file->part().c_str(), "we");
+  if (stream == nullptr) {
+    return Failed(path, std::string("cannot be written: ") + std::strerror(errno));
+  }
+  const bool is_written = std::fwrite(content.data(), 1, content.size(), stream) == content.size();
+  const int failure = errno;
+  if (std::fclose(stream) != 0 || !is_written) {
+    return Failed(path,
+                  std::string("cannot be written: ") + std::strerror(is_written ? errno : failure));
+  }
+  return file->Finish();
+}
+
+}  // namespace haptometer::cli

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "base/result.h"
 
-namespace haptometer::tools {
+namespace haptometer::cli {
 
 /// A file that is written under another name beside its place and takes its own name only when it
 /// is whole, so that a full disk costs no older file.
@@ -36,4 +37,8 @@ class WholeFile {
   bool replace_;
 };
 
-}  // namespace haptometer::tools
+/// Writes `content` to `path` as a WholeFile, in the place of an older file.
+/// Errors: as Begin with `replace`, and Finish.
+[[nodiscard]] Result<void> WriteWholeFile(const std::string& path, std::string_view content);
+
+}  // namespace haptometer::cli

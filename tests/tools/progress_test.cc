@@ -1,0 +1,23 @@
+#include "tools/cli/progress.h"
+
+#include <gtest/gtest.h>
+
+namespace haptometer::cli {
+namespace {
+
+TEST(ProgressBar, SaysWhatIsDoneAndWhatIsLeft) {
+  EXPECT_EQ(ProgressBar("a.bin", 0.5, 12), "a.bin  [##########----------]  50 %, 12 s left");
+  EXPECT_EQ(ProgressBar("a.bin", 0.75, 3), "a.bin  [###############-----]  75 %, 1 s left");
+}
+
+TEST(ProgressBar, SaysNothingOfTheRestBeforeAnythingIsDone) {
+  EXPECT_EQ(ProgressBar("a.bin", 0, 5), "a.bin  [--------------------]   0 %");
+}
+
+TEST(ProgressBar, IsFullOnlyWhenAllIsDone) {
+  EXPECT_EQ(ProgressBar("a", 0.9999, 1), "a  [###################-]  99 %, 0 s left");
+  EXPECT_EQ(ProgressBar("a", 2, 1), "a  [####################] 100 %, 0 s left");
+}
+
+}  // namespace
+}  // namespace haptometer::cli

@@ -1,0 +1,160 @@
+#include "tools/report/html_page.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+
+#include "base/check.h"
+#include "tools/cli/whole_file.h"
+
+namespace haptometer::report {
+namespace {
+
+// one column that a narrow screen and A4 both hold; on paper no figure or row is cut in two
+constexpr std::string_view kStyle = R"(
+body { font: 16px/1.5 Helvetica, Arial, sans-serif; color: #222; max-width: 60rem;
+       margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: 0; overflow-wrap: anywhere; }
+h2 { font-size: 1.2rem; margin-top: 2rem; border-bottom: 1px solid #ccc; }
+p.subtitle { color: #555; margin-top: .2rem; overflow-wrap: anywhere; }
+p.warning { border-left: .3rem solid #d55e00; background: #fdf3ec; padding: .5rem 1rem; }
+table { border-collapse: collapse; width: 100%; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .25rem .75rem .25rem 0;
+         border-bottom: 1px solid #e4e4e4; overflow-wrap: anywhere; }
+thead th { border-bottom: 2px solid #888; }
+tbody th { font-weight: normal; color: #555; }
+figure { margin: 1.5rem 0; }
+figure svg { width: 100%; height: auto; }
+figcaption { color: #555; font-size: .9rem; }
+@media print {
+  body { margin: 0; max-width: none; font-size: 10pt; }
+  figure, tr, p.warning { break-inside: avoid; }
+  h2 { break-after: avoid; }
+}
+)";
+
+// the bytes of one UTF-8 character at the start of `text`; 0 where there is none
+std::size_t CharacterBytes(std::string_view text) {
+  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned first = at(0);
+  const std::size_t bytes = first < 0x80   ? 1
+                            : first < 0xc2 ? 0
+                            : first < 0xe0 ? 2
+                            : first < 0xf0 ? 3
+                            : first < 0xf5 ? 4
+                                           : 0;
+  if (bytes > text.size()) return 0;
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((at(i) & 0xc0U) != 0x80) return 0;
+  }
+  return bytes;
+}
+
+// `text` with the four characters that mean something to HTML written out
+std::string Escaped(std::string_view text) {
+  std::string escaped;
+  escaped.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t bytes = CharacterBytes(text);
+    const char c = text.front();
+    if (bytes == 0) {
+      escaped += "\xef\xbf\xbd";
+    } else if (c == '&') {
+      escaped += "&amp;";
+    } else if (c == '<') {
+      escaped += "&lt;";
+    } else if (c == '>') {
+      escaped += "&gt;";
+    } else if (c == '"') {
+      escaped += "&quot;";
+    } else {
+      escaped += text.substr(0, bytes);
+    }
+    text.remove_prefix(bytes == 0 ? 1 : bytes);
+  }
+  return escaped;
+}
+
+// a drawing without what only a file of its own begins with
+std::string_view SvgElement(std::string_view svg) {
+  const std::size_t begin = svg.find("<svg");
+  return begin == std::string_view::npos ? svg : svg.substr(begin);
+}
+
+}  // namespace
+
+HtmlPage::HtmlPage(std::string_view title, std::string_view subtitle) : title_(Escaped(title)) {
+  body_ =
+      fmt::format("<h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n", Escaped(title), Escaped(subtitle));
+}
+
+void HtmlPage::Section(std::string_view heading) {
+  body_ += fmt::format("<h2>{}</h2>\n", Escaped(heading));
+}
+
+void HtmlPage::Paragraph(std::string_view text) {
+  body_ += fmt::format("<p>{}</p>\n", Escaped(text));
+}
+
+void HtmlPage::Warning(std::string_view text) {
+  body_ += fmt::format("<p class=\"warning\">{}</p>\n", Escaped(text));
+}
+
+void HtmlPage::List(const std::vector<std::string>& items) {
+  body_ += "<ul>\n";
+  for (const std::string& item : items) body_ += fmt::format("<li>{}</li>\n", Escaped(item));
+  body_ += "</ul>\n";
+}
+
+void HtmlPage::Table(const std::vector<std::string>& header,
+                     const std::vector<std::vector<std::string>>& rows) {
+  body_ += "<table>\n<thead><tr>";
+  for (const std::string& cell : header) {
+    body_ += fmt::format("<th scope=\"col\">{}</th>", Escaped(cell));
+  }
+  body_ += "</tr></thead>\n<tbody>\n";
+  for (const std::vector<std::string>& row : rows) {
+    HAPTOMETER_CHECK(row.size() == header.size(), "{} cells under {} headings", row.size(),
+                     header.size());
+    body_ += "<tr>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string_view kind = i == 0 ? "th scope=\"row\"" : "td";
+      body_ += fmt::format("<{}>{}</{}>", kind, Escaped(row[i]), kind.substr(0, 2));
+    }
+    body_ += "</tr>\n";
+  }
+  body_ += "</tbody>\n</table>\n";
+}
+
+Result<void> HtmlPage::Figure(std::string_view caption, const std::vector<plot::Panel>& panels) {
+  const auto svg = plot::DrawSvg(panels);
+  if (!svg) return std::unexpected(svg.error());
+  ++figures_;
+  body_ += fmt::format("<figure>\n{}\n<figcaption>Figure {}. {}</figcaption>\n</figure>\n",
+                       SvgElement(*svg), figures_, Escaped(caption));
+  return {};
+}
+
+std::string HtmlPage::Html() const {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>{}</title>\n<style>{}</style>\n</head>\n<body>\n{}</body>\n</html>\n",
+      title_, kStyle, body_);
+}
+
+Result<void> WriteReport(const std::string& path, const HtmlPage& page) {
+  return cli::WriteWholeFile(path, page.Html());
+}
+
+Result<void> CheckReportPath(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (fs::path(path).extension() != ".html") {
+    return Usage(path, "is to be a report, which is a page", "give it the ending .html");
+  }
+  const auto writable = cli::WholeFile::Begin(path, true);
+  if (!writable) return std::unexpected(writable.error());
+  return {};
+}
+
+}  // namespace haptometer::report
