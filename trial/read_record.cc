@@ -5,6 +5,7 @@
 #include "base/clock.h"
 #include "trial/time_base.h"
 #include "trial/trial_reader.h"
+#include "trial/uniform_grid.h"
 
 namespace haptometer::trial {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 struct Gathered {
   std::vector<std::int64_t> time_ns;
   std::vector<std::int64_t> reply_ns;
-  std::vector<Stretch> grid;        // kUniform
+  UniformGrid grid;                 // kUniform
   std::vector<std::size_t> breaks;  // rows before which rows are missing
   std::uint64_t next_row = 0;       // as counted by the writer
 };
@@ -26,20 +27,6 @@ void AppendValues(const Chunk& chunk, Record* record) {
       channel.statuses.push_back(chunk.At(row, c).status);
     }
   }
-}
-
-// rows on the grid continue the last stretch or begin one
-void AppendToGrid(const Chunk& chunk, double rate_hz, std::size_t first_row,
-                  std::int64_t* next_index, std::vector<Stretch>* grid) {
-  if (grid->empty() || chunk.first_index() != *next_index) {
-    grid->push_back({.first_row = first_row,
-                     .rows = 0,
-                     .start_s = static_cast<double>(chunk.first_index()) / rate_hz,
-                     .rate_hz = rate_hz,
-                     .time_uncertainty_s = 0});
-  }
-  grid->back().rows += chunk.rows();
-  *next_index = chunk.first_index() + static_cast<std::int64_t>(chunk.rows());
 }
 
 void AppendTimes(const Chunk& chunk, Timing timing, Gathered* gathered) {
@@ -85,7 +72,7 @@ std::vector<std::size_t> Breaks(const Gathered& gathered, const ReadReport& repo
 void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& report,
               Record* record) {
   if (header.timing == Timing::kUniform) {
-    record->stretches = std::move(gathered.grid);
+    record->stretches = gathered.grid.stretches();
     return;
   }
   record->raw_times_s.reserve(record->rows);
@@ -113,15 +100,15 @@ Result<Recording> Gather(TrialReader* reader) {
   Record& record = recording.record;
   record.timing = header.timing;
   for (const ChannelFormat& format : header.channels) record.channels.push_back(ChannelOf(format));
-  Gathered gathered;
-  std::int64_t next_index = 0;
+  Gathered gathered{
+      .time_ns = {}, .reply_ns = {}, .grid = UniformGrid(header.rate_hz), .breaks = {}};
   for (;;) {
     const auto chunk = reader->Next();
     if (!chunk) return std::unexpected(chunk.error());
     if (*chunk == nullptr) break;
     AppendValues(**chunk, &record);
     if (header.timing == Timing::kUniform) {
-      AppendToGrid(**chunk, header.rate_hz, record.rows, &next_index, &gathered.grid);
+      gathered.grid.Append((*chunk)->first_index(), (*chunk)->rows());
     } else {
       AppendTimes(**chunk, header.timing, &gathered);
     }
@@ -129,11 +116,7 @@ Result<Recording> Gather(TrialReader* reader) {
   }
   recording.report = reader->report();
   SetTimes(header, std::move(gathered), recording.report, &record);
-  record.metadata = header.metadata;
-  // labels given later: the last word counts
-  for (const Event& event : recording.report.events) {
-    for (const auto& [key, value] : event.labels) record.metadata.labels[key] = value;
-  }
+  record.metadata = MetadataOf(header, recording.report);
   return recording;
 }
 

@@ -174,6 +174,7 @@ struct TrialReader::State {
     chunk.rows_ = head.rows;
     chunk.first_row_ = head.first_row;
     chunk.first_index_ = is_uniform ? head.first_index : static_cast<std::int64_t>(head.first_row);
+    chunk.offset_ = block.offset + kBlockHeadBytes;
     if (is_uniform) next_index = head.first_index + head.rows;
     report.rows += head.rows;
     return true;
@@ -255,5 +256,15 @@ Result<const Chunk*> TrialReader::Next() {
 }
 
 const ReadReport& TrialReader::report() const { return state_->report; }
+
+std::unique_ptr<ByteSource> TrialReader::TakeSource() && { return std::move(state_->source); }
+
+Metadata MetadataOf(const TrialHeader& header, const ReadReport& report) {
+  Metadata metadata = header.metadata;
+  for (const Event& event : report.events) {
+    for (const auto& [key, value] : event.labels) metadata.labels[key] = value;
+  }
+  return metadata;
+}
 
 }  // namespace haptometer::trial

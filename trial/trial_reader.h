@@ -68,6 +68,8 @@ class Chunk {
   [[nodiscard]] std::uint64_t first_row() const { return first_row_; }
   /// kUniform: place of its first row on the grid; otherwise equal to first_row().
   [[nodiscard]] std::int64_t first_index() const { return first_index_; }
+  /// Where its first row lies in the file.
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
   /// kArrival: arrival; kPolled: request. Nanoseconds since the trial's start; 0 for kUniform.
   [[nodiscard]] std::int64_t TimeNs(std::size_t row) const;
   /// kPolled: reply; 0 otherwise.
@@ -86,6 +88,7 @@ class Chunk {
   std::size_t rows_ = 0;
   std::uint64_t first_row_ = 0;
   std::int64_t first_index_ = 0;
+  std::uint64_t offset_ = 0;
 };
 
 /// Reads a trial.bin from front to back in the memory of one chunk, whatever its length.
@@ -112,11 +115,17 @@ class TrialReader {
   /// Complete once Next() has returned nullptr.
   [[nodiscard]] const ReadReport& report() const;
 
+  /// The bytes that it read; it can read no more.
+  [[nodiscard]] std::unique_ptr<ByteSource> TakeSource() &&;
+
  private:
   struct State;
   explicit TrialReader(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// What `header` says of the measurement, with the labels as the events last gave them.
+[[nodiscard]] Metadata MetadataOf(const TrialHeader& header, const ReadReport& report);
 
 /// A measurement in memory and how well it could be read.
 struct Recording {

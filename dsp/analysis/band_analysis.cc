@@ -7,13 +7,14 @@
 #include <limits>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "base/check.h"
+#include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/segments.h"
-#include "dsp/filter/settled.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/tone.h"
-#include "dsp/statistics/moments.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::dsp {
@@ -30,23 +31,20 @@ constexpr int kLowestFallbackOrder = 2;
 // leaked power that changes an RMS by 1 %
 constexpr double kLeakedPowerLimit = 0.02;
 
-// one segment and what the filter made of it
-struct Filtered {
-  const Segment* segment = nullptr;
-  FilterDesign design;
-  SettledSignal settled;
+double SettledSeconds(const BandSignal& signal) {
+  return static_cast<double>(signal.settled_end() - signal.settled_begin()) / signal.rate_hz();
+}
 
-  [[nodiscard]] std::size_t settled_size() const { return settled.end - settled.begin; }
-  [[nodiscard]] double settled_s() const {
-    return static_cast<double>(settled_size()) / segment->rate_hz;
+Result<std::vector<double>> ReadSettled(const BandSignal& signal) {
+  std::vector<double> samples(signal.settled_end() - signal.settled_begin());
+  if (auto read = signal.Read(signal.settled_begin(), samples); !read) {
+    return std::unexpected(read.error());
   }
-  [[nodiscard]] std::span<const double> window() const {
-    return std::span(settled.filtered).subspan(settled.begin, settled_size());
-  }
-};
+  return samples;
+}
 
-Result<const trial::Channel*> DisplacementOf(const trial::Record& record) {
-  const trial::Channel* channel = record.Find(trial::ChannelRole::kDisplacement);
+Result<std::size_t> DisplacementOf(const trial::Record& head) {
+  const trial::Channel* channel = head.Find(trial::ChannelRole::kDisplacement);
   if (channel == nullptr) {
     return CannotAnswer("", "holds no displacement channel", "name one displacement_m");
   }
@@ -54,7 +52,7 @@ Result<const trial::Channel*> DisplacementOf(const trial::Record& record) {
     return CannotAnswer("", fmt::format("its displacement has the unit '{}'", channel->unit),
                         "convert it to metres");
   }
-  return channel;
+  return static_cast<std::size_t>(channel - head.channels.data());
 }
 
 // "late 100, over 20": every status that is no measurement, and values that are no numbers
@@ -74,25 +72,16 @@ std::string Unmeasured(const BandAnalysis& analysis) {
 }
 
 // offset, peak to peak, rates and counts: what every record tells
-void DescribeRecord(const trial::Record& record, const trial::Channel& channel,
-                    const Segments& segments, BandAnalysis& analysis) {
+void DescribeRecord(const trial::Record& record, const Segments& segments,
+                    const RawSummary& summary, BandAnalysis& analysis) {
   analysis.rows = record.rows;
   analysis.measured = segments.measured;
   analysis.bridged = segments.bridged;
   analysis.segments = segments.parts.size();
   analysis.by_status = segments.by_status;
-
-  std::vector<double> measured;
-  measured.reserve(segments.measured);
-  for (std::size_t row = 0; row < record.rows; ++row) {
-    if (trial::IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row])) {
-      measured.push_back(channel.values[row]);
-    }
-  }
-  if (measured.empty()) return;
-  analysis.offset_m = Mean(measured);
-  const auto [least, most] = std::ranges::minmax(measured);
-  analysis.peak_to_peak_m = most - least;
+  if (summary.measured == 0) return;
+  analysis.offset_m = summary.mean;
+  analysis.peak_to_peak_m = summary.most - summary.least;
 
   const auto longest = std::ranges::max_element(record.stretches, {}, &trial::Stretch::rows);
   analysis.rate_hz = longest->rate_hz;
@@ -141,43 +130,58 @@ void CheckObservable(const trial::Record& record, const Segments& segments, cons
   }
 }
 
+// a record's displacement, and how many threads may filter it
+struct Displacement {
+  const trial::RowSource& source;
+  std::size_t channel = 0;
+  int threads = 1;
+};
+
 // every segment that is fast enough, filtered on its own
-std::vector<Filtered> FilterAll(const Segments& segments, const BandPass& band) {
-  std::vector<Filtered> all;
+Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
+                                          const Segments& segments, const BandPass& band) {
+  std::vector<BandSignal> all;
   for (const Segment& segment : segments.parts) {
     if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());
-    Filtered filtered{&segment, std::move(*design), {}};
-    filtered.settled = FilterSettled(filtered.design, segment.values);
-    all.push_back(std::move(filtered));
+    auto signal = BandSignal::Filter({displacement.source, displacement.channel, segment}, *design,
+                                     displacement.threads);
+    if (!signal) return std::unexpected(signal.error());
+    all.push_back(std::move(*signal));
   }
   return all;
 }
 
 // `all` is not empty
-const Filtered& LongestSettled(const std::vector<Filtered>& all) {
-  return *std::ranges::max_element(all, {}, &Filtered::settled_s);
+const BandSignal& LongestSettled(const std::vector<BandSignal>& all) {
+  return *std::ranges::max_element(all, {}, SettledSeconds);
 }
 
 // the strongest tone below the band, and what two passes leave of it
-std::optional<BelowBand> FindBelowBand(const Filtered& filtered, double lower_hz) {
-  const Segment& segment = *filtered.segment;
-  const double duration_s = static_cast<double>(segment.values.size()) / segment.rate_hz;
+Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double lower_hz) {
+  const double duration_s = static_cast<double>(signal.size()) / signal.rate_hz();
   const double least_hz = 2 / duration_s;
   if (least_hz >= lower_hz) return std::nullopt;
-  const auto tone = StrongestTone(segment.values, {segment.rate_hz, least_hz, lower_hz, 0});
+  std::vector<double> samples(signal.size());
+  if (auto read = signal.samples().Read(0, samples); !read) return std::unexpected(read.error());
+  const auto tone = StrongestTone(samples, {signal.rate_hz(), least_hz, lower_hz, 0});
   if (!tone) return std::nullopt;
-  const double gain = std::norm(Response(filtered.design, tone->frequency_hz));
+  const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
   return BelowBand{tone->frequency_hz, tone->amplitude,
                    tone->amplitude * gain / std::numbers::sqrt2};
 }
 
 // whether what leaks from below the band is small enough to answer all the same
-bool LeaksLittle(const Filtered& filtered, double lower_hz) {
-  const auto below = FindBelowBand(filtered, lower_hz);
-  const double rms_m = Rms(filtered.window());
-  return !below || below->leaked_rms_m * below->leaked_rms_m <= kLeakedPowerLimit * rms_m * rms_m;
+Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
+  const auto below = FindBelowBand(signal, lower_hz);
+  if (!below) return std::unexpected(below.error());
+  if (!*below) return true;
+  const auto square_sum = signal.SquareSum(signal.settled_begin(), signal.settled_end());
+  if (!square_sum) return std::unexpected(square_sum.error());
+  const double leaked_rms_m = (*below)->leaked_rms_m;
+  const auto count = static_cast<double>(signal.settled_end() - signal.settled_begin());
+  return leaked_rms_m * leaked_rms_m <= kLeakedPowerLimit * *square_sum / count;
 }
 
 // why nothing is answered after filtering, and what would help
@@ -198,21 +202,28 @@ std::string TooShort(const BandPass& band, double rate_hz, double settled_s, boo
 
 // Filters with the asked order, or with the highest lower one that leaves enough settled. Says in
 // `analysis` which, or why none does; then nothing is returned.
-std::vector<Filtered> FilterSettledEnough(const Segments& segments, const BandQuestion& question,
-                                          BandAnalysis& analysis) {
+Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displacement,
+                                                    const Segments& segments,
+                                                    const BandQuestion& question,
+                                                    BandAnalysis& analysis) {
   const int asked = question.band.order;
   const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, asked) : asked;
   double asked_settled_s = 0;
   bool leaks = false;
   for (int order = asked; order >= lowest && !leaks; --order) {
     analysis.band.order = order;
-    std::vector<Filtered> all = FilterAll(segments, analysis.band);
-    if (all.empty()) break;
-    const Filtered& longest = LongestSettled(all);
-    if (order == asked) asked_settled_s = longest.settled_s();
-    if (longest.settled_s() < kLeastWindowPeriods / question.band.lower_hz) continue;
+    auto all = FilterAll(displacement, segments, analysis.band);
+    if (!all || all->empty()) {
+      if (!all) return all;
+      break;
+    }
+    const BandSignal& longest = LongestSettled(*all);
+    if (order == asked) asked_settled_s = SettledSeconds(longest);
+    if (SettledSeconds(longest) < kLeastWindowPeriods / question.band.lower_hz) continue;
     if (order == asked) return all;
-    leaks = !LeaksLittle(longest, question.band.lower_hz);
+    const auto leaks_little = LeaksLittle(longest, question.band.lower_hz);
+    if (!leaks_little) return std::unexpected(leaks_little.error());
+    leaks = !*leaks_little;
     if (leaks) continue;
     analysis.remarks.push_back(
         fmt::format("filter order lowered from {} to {}: of order {} only "
@@ -222,29 +233,28 @@ std::vector<Filtered> FilterSettledEnough(const Segments& segments, const BandQu
   }
   analysis.band = question.band;
   analysis.reasons.push_back(TooShort(question.band, analysis.rate_hz, asked_settled_s, leaks));
-  return {};
+  return std::vector<BandSignal>{};
 }
 
 // RMS of everything that was filtered, unsettled ends included
-double WholeRms(const std::vector<Filtered>& all) {
+double WholeRms(const std::vector<BandSignal>& all) {
   double square_sum = 0;
   double count = 0;
-  for (const Filtered& filtered : all) {
-    const double rms = Rms(filtered.settled.filtered);
-    const auto n = static_cast<double>(filtered.settled.filtered.size());
-    square_sum += rms * rms * n;
-    count += n;
+  for (const BandSignal& signal : all) {
+    for (const BandCell& cell : signal.cells()) square_sum += cell.square_sum;
+    count += static_cast<double>(signal.size());
   }
   return std::sqrt(square_sum / count);
 }
 
-// samples of `filtered`'s window that hold whole periods of the tone
-std::size_t WholePeriods(const Filtered& filtered, const std::optional<SineFit>& tone) {
-  if (!tone) return filtered.settled_size();
-  const double periods = std::floor(filtered.settled_s() * tone->frequency_hz);
-  if (periods < 1) return filtered.settled_size();
-  const double rows = std::round(periods / tone->frequency_hz * filtered.segment->rate_hz);
-  return std::min(filtered.settled_size(), static_cast<std::size_t>(rows));
+// samples of `signal`'s settled part that hold whole periods of the tone
+std::size_t WholePeriods(const BandSignal& signal, const std::optional<SineFit>& tone) {
+  const std::size_t settled = signal.settled_end() - signal.settled_begin();
+  if (!tone) return settled;
+  const double periods = std::floor(SettledSeconds(signal) * tone->frequency_hz);
+  if (periods < 1) return settled;
+  const double rows = std::round(periods / tone->frequency_hz * signal.rate_hz());
+  return std::min(settled, static_cast<std::size_t>(rows));
 }
 
 // u of the RMS of a tone in band-limited noise, see AnalyzeBand
@@ -257,68 +267,77 @@ double RmsUncertainty(double rms, double amplitude, double noise_rms, double ban
   return rms > 0 ? std::sqrt(power_variance) / (2 * rms) : 0;
 }
 
-// window, RMS and tone from the longest settled piece
-void DescribeBand(const trial::Metadata& metadata, const std::vector<Filtered>& all,
+// the tone as it was before the filter
+void DescribeTone(const trial::Metadata& metadata, const BandSignal& longest, const SineFit& tone,
                   BandAnalysis& analysis) {
-  const Filtered& longest = LongestSettled(all);
-  const Segment& segment = *longest.segment;
-  const double bandwidth_hz = analysis.band.upper_hz - analysis.band.lower_hz;
-  const auto tone = StrongestTone(longest.window(), {segment.rate_hz, analysis.band.lower_hz,
-                                                     analysis.band.upper_hz, bandwidth_hz});
-
-  // the window in rows and in seconds
-  const std::span<const double> window = longest.window().first(WholePeriods(longest, tone));
-  analysis.window_first_row = segment.first_row + longest.settled.begin;
-  analysis.window_rows = window.size();
-  const double begin_s =
-      segment.start_s + static_cast<double>(longest.settled.begin) / segment.rate_hz;
-  const double window_s = static_cast<double>(window.size()) / segment.rate_hz;
-  analysis.window = TimeWindow{begin_s, begin_s + window_s};
-
-  // what it holds
-  const double rms = Rms(window);
-  analysis.band_rms_m = rms;
-  analysis.band_rms_whole_m = WholeRms(all);
-  const auto [least, most] = std::ranges::minmax(window);
-  analysis.band_peak_to_peak_m = most - least;
-  analysis.residual_rms_m = tone ? tone->residual_rms : rms;
-  analysis.band_rms_uncertainty_m = RmsUncertainty(
-      rms, tone ? tone->amplitude : 0, *analysis.residual_rms_m, bandwidth_hz, window_s);
-  analysis.bridged_rms_m =
-      std::sqrt(segment.bridged_error_square_sum / static_cast<double>(window.size()));
-  analysis.below_band = FindBelowBand(longest, analysis.band.lower_hz);
-
-  // the tone as it was before the filter
-  if (!tone) return;
   analysis.tone = tone;
-  const double gain = std::norm(Response(longest.design, tone->frequency_hz));
+  const double gain = std::norm(Response(longest.design(), tone.frequency_hz));
   analysis.tone->amplitude /= gain;
   analysis.tone->amplitude_uncertainty /= gain;
   // the rate is a line through times: each of its ends may be off by their uncertainty
-  const double segment_s = static_cast<double>(segment.values.size()) / segment.rate_hz;
-  const double rate_share = std::numbers::sqrt2 * segment.time_uncertainty_s / segment_s;
+  const double segment_s = static_cast<double>(longest.size()) / longest.rate_hz();
+  const double rate_share = std::numbers::sqrt2 * longest.segment().time_uncertainty_s / segment_s;
   analysis.tone->frequency_uncertainty_hz =
-      std::hypot(analysis.tone->frequency_uncertainty_hz, tone->frequency_hz * rate_share);
+      std::hypot(analysis.tone->frequency_uncertainty_hz, tone.frequency_hz * rate_share);
   if (metadata.sampling_s && metadata.averages) {
     analysis.sensor_gain_at_tone =
-        trial::AveragingGain(tone->frequency_hz, *metadata.sampling_s, *metadata.averages);
+        trial::AveragingGain(tone.frequency_hz, *metadata.sampling_s, *metadata.averages);
   }
 }
 
+// window, RMS and tone from the longest settled piece
+Result<void> DescribeBand(const trial::Metadata& metadata, const std::vector<BandSignal>& all,
+                          BandAnalysis& analysis) {
+  const BandSignal& longest = LongestSettled(all);
+  const double bandwidth_hz = analysis.band.upper_hz - analysis.band.lower_hz;
+  const auto settled = ReadSettled(longest);
+  if (!settled) return std::unexpected(settled.error());
+  const auto tone = StrongestTone(
+      *settled, {longest.rate_hz(), analysis.band.lower_hz, analysis.band.upper_hz, bandwidth_hz});
+
+  // the window in rows and in seconds
+  const std::size_t begin = longest.settled_begin();
+  analysis.window_first_row = longest.first_row() + begin;
+  analysis.window_rows = WholePeriods(longest, tone);
+  const double begin_s = longest.start_s() + static_cast<double>(begin) / longest.rate_hz();
+  const auto window_rows = static_cast<double>(analysis.window_rows);
+  const double window_s = window_rows / longest.rate_hz();
+  analysis.window = TimeWindow{begin_s, begin_s + window_s};
+
+  // what it holds
+  const auto square_sum = longest.SquareSum(begin, begin + analysis.window_rows);
+  if (!square_sum) return std::unexpected(square_sum.error());
+  const double rms = std::sqrt(*square_sum / window_rows);
+  analysis.band_rms_m = rms;
+  analysis.band_rms_whole_m = WholeRms(all);
+  const auto extremes = longest.ExtremesOf(begin, begin + analysis.window_rows);
+  if (!extremes) return std::unexpected(extremes.error());
+  analysis.band_peak_to_peak_m = extremes->most - extremes->least;
+  analysis.residual_rms_m = tone ? tone->residual_rms : rms;
+  analysis.band_rms_uncertainty_m = RmsUncertainty(
+      rms, tone ? tone->amplitude : 0, *analysis.residual_rms_m, bandwidth_hz, window_s);
+  analysis.bridged_rms_m = std::sqrt(longest.segment().bridged_error_square_sum / window_rows);
+  const auto below_band = FindBelowBand(longest, analysis.band.lower_hz);
+  if (!below_band) return std::unexpected(below_band.error());
+  analysis.below_band = *below_band;
+  if (tone) DescribeTone(metadata, longest, *tone, analysis);
+  return {};
+}
+
 // what the reader of the numbers must know of how they came about
-void AddRemarks(const std::vector<Filtered>& all, BandAnalysis& analysis) {
-  const Filtered& longest = LongestSettled(all);
-  const double rate_hz = longest.segment->rate_hz;
+void AddRemarks(const std::vector<BandSignal>& all, BandAnalysis& analysis) {
+  const BandSignal& longest = LongestSettled(all);
+  const double rate_hz = longest.rate_hz();
   if (all.size() > 1) {
     analysis.remarks.push_back(fmt::format(
         "gaps split the record into {} pieces; the window is in the one that settles longest",
         all.size()));
   }
-  const std::size_t after = longest.settled.filtered.size() - longest.settled.end;
+  const std::size_t after = longest.size() - longest.settled_end();
   analysis.remarks.push_back(fmt::format(
       "ends not settled: {:.3f} s and {:.3f} s of a piece of {:.3f} s",
-      static_cast<double>(longest.settled.begin) / rate_hz, static_cast<double>(after) / rate_hz,
-      static_cast<double>(longest.settled.filtered.size()) / rate_hz));
+      static_cast<double>(longest.settled_begin()) / rate_hz, static_cast<double>(after) / rate_hz,
+      static_cast<double>(longest.size()) / rate_hz));
   if (analysis.bridged > 0) {
     analysis.remarks.push_back(fmt::format("{} readings bridged; this adds about {:.2g} um at most",
                                            analysis.bridged, *analysis.bridged_rms_m * kUmPerM));
@@ -337,29 +356,56 @@ void AddRemarks(const std::vector<Filtered>& all, BandAnalysis& analysis) {
 }
 
 // the filtered signal beside the record's rows
-void KeepFiltered(const std::vector<Filtered>& all, BandAnalysis& analysis) {
+Result<void> KeepFiltered(const std::vector<BandSignal>& all, BandAnalysis& analysis) {
   analysis.filtered_m.assign(analysis.rows, std::numeric_limits<double>::quiet_NaN());
-  for (const Filtered& filtered : all) {
-    std::ranges::copy(
-        filtered.settled.filtered,
-        analysis.filtered_m.begin() + static_cast<std::ptrdiff_t>(filtered.segment->first_row));
+  for (const BandSignal& signal : all) {
+    const std::span rows = std::span(analysis.filtered_m).subspan(signal.first_row());
+    if (auto read = signal.Read(0, rows.first(signal.size())); !read) return read;
   }
+  return {};
+}
+
+// filters, and describes the band where enough settles
+Result<void> AnswerBand(const Displacement& displacement, const Segments& segments,
+                        const BandQuestion& question, BandAnalysis& analysis) {
+  const auto all = FilterSettledEnough(displacement, segments, question, analysis);
+  if (!all) return std::unexpected(all.error());
+  if (all->empty()) return {};
+  if (auto done = DescribeBand(displacement.source.head().metadata, *all, analysis); !done) {
+    return done;
+  }
+  AddRemarks(*all, analysis);
+  if (auto kept = KeepFiltered(*all, analysis); !kept) return kept;
+  analysis.answered = true;
+  return {};
 }
 
 }  // namespace
 
 Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion& question) {
+  return AnalyzeBand(trial::RecordRows(record), question);
+}
+
+Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
+                                 int threads) {
   // the band must be possible at some rate; whether the record's will do is an answer, not an error
   if (const auto possible = DesignBandPass(question.band, 4 * question.band.upper_hz); !possible) {
     return std::unexpected(possible.error());
   }
-  const auto channel = DisplacementOf(record);
+  const trial::Record& head = source.head();
+  const auto channel = DisplacementOf(head);
   if (!channel) return std::unexpected(channel.error());
 
+  // one pass over all rows
   BandAnalysis analysis;
   analysis.band = question.band;
-  const Segments segments = SplitIntoSegments(record, **channel, question.band.upper_hz);
-  DescribeRecord(record, **channel, segments, analysis);
+  RawSummarizer summarizer(head);
+  const auto segments = SplitIntoSegments(
+      source, *channel, question.band.upper_hz,
+      [&](std::size_t /*first_row*/, std::span<const double> values,
+          std::span<const SampleStatus> statuses) { summarizer.Feed(values, statuses); });
+  if (!segments) return std::unexpected(segments.error());
+  DescribeRecord(head, *segments, summarizer.Finish(), analysis);
   if (analysis.measured == 0) {
     return CannotAnswer("",
                         fmt::format("none of its {} readings is a measurement ({})", analysis.rows,
@@ -367,14 +413,12 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
                         "check the target and the sensor's range");
   }
 
-  CheckObservable(record, segments, question.band, analysis);
+  CheckObservable(head, *segments, question.band, analysis);
   if (!analysis.reasons.empty()) return analysis;
-  const std::vector<Filtered> all = FilterSettledEnough(segments, question, analysis);
-  if (all.empty()) return analysis;
-  DescribeBand(record.metadata, all, analysis);
-  AddRemarks(all, analysis);
-  KeepFiltered(all, analysis);
-  analysis.answered = true;
+  const Displacement displacement{source, *channel, threads};
+  if (auto done = AnswerBand(displacement, *segments, question, analysis); !done) {
+    return std::unexpected(done.error());
+  }
   return analysis;
 }
 

@@ -10,6 +10,7 @@
 #include "dsp/filter/butterworth.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
+#include "trial/row_source.h"
 
 namespace haptometer::dsp {
 
@@ -95,6 +96,10 @@ struct BandAnalysis {
 /// a free-running one has a clock, however its arrivals scatter); too little settled. Errors: a
 /// wrong band (Cause::kUsage), no displacement channel in metres, no measurement in it
 /// (Cause::kCannotAnswer).
+/// `threads` changes no number. Further errors: as RowSource::Read.
+[[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
+                                               const BandQuestion& question, int threads = 1);
+/// The same of a record in memory.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
 

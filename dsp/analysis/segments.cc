@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <optional>
+#include <utility>
 
 #include "base/check.h"
+#include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -13,31 +16,77 @@ namespace {
 constexpr double kBridgeRatePerUpperCorner = 5;
 // measured samples that the cubic takes on each side of a hole
 constexpr std::size_t kSide = 2;
+// rows looked at in one go
+constexpr std::size_t kBlockRows = std::size_t{1} << 17U;
+// rows before and after a block that decide on a hole within it: a hole, what its bridge is tried
+// on, and one to see that the hole has ended
+constexpr std::size_t kMarginRows = 2 * kLongestBridge + 2 * kSide + 1;
 
-// rows with a measurement, and their values
-class Measured {
+// rows [begin, end)
+struct Rows {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+// the rows at hand: a block and its margins
+class Window {
  public:
-  explicit Measured(const trial::Channel& channel) : channel_(channel) {}
+  // reads the block [block.begin, block.end) of `rows` rows with its margins
+  Result<void> Load(const trial::RowSource& source, std::size_t channel, Rows block,
+                    std::size_t rows) {
+    block_ = block;
+    held_.begin = block.begin - std::min(block.begin, kMarginRows);
+    held_.end = block.end + std::min(rows - block.end, kMarginRows);
+    values_.resize(held_.end - held_.begin);
+    statuses_.resize(values_.size());
+    if (auto read = source.Read(channel, held_.begin, values_, statuses_); !read) return read;
+    all_ok_ = AllOk(statuses_) && AllFinite(values_);
+    return {};
+  }
+
+  // whether every row at hand is measured and says kOk
+  [[nodiscard]] bool all_ok() const { return all_ok_; }
+
+  [[nodiscard]] Rows block() const { return block_; }
+  [[nodiscard]] std::span<const double> block_values() const {
+    return std::span(values_).subspan(block_.begin - held_.begin, block_.end - block_.begin);
+  }
+  [[nodiscard]] std::span<const trial::SampleStatus> block_statuses() const {
+    return std::span(statuses_).subspan(block_.begin - held_.begin, block_.end - block_.begin);
+  }
 
   [[nodiscard]] bool At(std::size_t row) const {
-    return trial::IsMeasurement(channel_.statuses[row]) && std::isfinite(channel_.values[row]);
+    return IsMeasured(values_[row - held_.begin], statuses_[row - held_.begin]);
   }
-  // whether all of [begin, end) are measured; begin may have wrapped below 0, end may be too far
+  [[nodiscard]] double Value(std::size_t row) const { return values_[row - held_.begin]; }
+  // whether all of [begin, end) are at hand and measured
   [[nodiscard]] bool All(std::size_t begin, std::size_t end) const {
-    if (begin > end || end > channel_.values.size()) return false;
-    for (std::size_t row = begin; row < end; ++row) {
-      if (!At(row)) return false;
-    }
-    return true;
+    if (begin < held_.begin || end > held_.end) return false;
+    return FirstUnmeasured(begin, end) == end;
   }
-  [[nodiscard]] double Value(std::size_t row) const { return channel_.values[row]; }
+  // the first row of [begin, end) without a measurement, or `end`
+  [[nodiscard]] std::size_t FirstUnmeasured(std::size_t begin, std::size_t end) const {
+    if (all_ok_) return std::max(begin, end);
+    while (begin < end && At(begin)) ++begin;
+    return begin;
+  }
+  // the first row of [begin, end) with a measurement, or the end of what is at hand
+  [[nodiscard]] std::size_t FirstMeasured(std::size_t begin, std::size_t end) const {
+    end = std::min(end, held_.end);
+    while (begin < end && !At(begin)) ++begin;
+    return begin;
+  }
 
  private:
-  const trial::Channel& channel_;
+  Rows block_;
+  Rows held_;
+  bool all_ok_ = false;
+  std::vector<double> values_;
+  std::vector<trial::SampleStatus> statuses_;
 };
 
 // the cubic through the two samples before and after rows [first, first + size), at row first + k
-double Bridged(const Measured& measured, std::size_t first, std::size_t size, std::size_t k) {
+double Bridged(const Window& window, std::size_t first, std::size_t size, std::size_t k) {
   const std::array<std::size_t, 4> rows{first - 2, first - 1, first + size, first + size + 1};
   const auto n = static_cast<double>(size);
   const std::array<double, 4> at{-2, -1, n, n + 1};
@@ -48,33 +97,27 @@ double Bridged(const Measured& measured, std::size_t first, std::size_t size, st
     for (std::size_t j = 0; j < 4; ++j) {
       if (j != i) weight *= (x - at[j]) / (at[i] - at[j]);
     }
-    sum += weight * measured.Value(rows[i]);
+    sum += weight * window.Value(rows[i]);
   }
   return sum;
 }
 
 // squared error of bridging `size` rows at `first`, all of which are known
-double KnownErrorSquareSum(const Measured& measured, std::size_t first, std::size_t size) {
+double KnownErrorSquareSum(const Window& window, std::size_t first, std::size_t size) {
   double sum = 0;
   for (std::size_t k = 0; k < size; ++k) {
-    const double error = Bridged(measured, first, size, k) - measured.Value(first + k);
+    const double error = Bridged(window, first, size, k) - window.Value(first + k);
     sum += error * error;
   }
   return sum;
 }
 
-// rows [begin, end) of one stretch
-struct Rows {
-  std::size_t begin = 0;
-  std::size_t end = 0;
-};
-
 // What bridging the hole costs, tried on the nearest known rows on either side; nothing where the
 // hole has no two neighbours or neither side can be tried.
-std::optional<double> BridgeErrorSquareSum(const Measured& measured, Rows stretch, Rows hole) {
+std::optional<double> BridgeErrorSquareSum(const Window& window, Rows stretch, Rows hole) {
   const std::size_t size = hole.end - hole.begin;
   const auto known = [&](std::size_t begin, std::size_t end) {
-    return begin >= stretch.begin && end <= stretch.end && measured.All(begin, end);
+    return begin >= stretch.begin && end <= stretch.end && window.All(begin, end);
   };
   if (size > kLongestBridge || hole.begin < stretch.begin + kSide ||
       !known(hole.begin - kSide, hole.begin) || !known(hole.end, hole.end + kSide)) {
@@ -83,94 +126,151 @@ std::optional<double> BridgeErrorSquareSum(const Measured& measured, Rows stretc
   const std::size_t span = size + 2 * kSide;
   std::optional<double> worst;
   if (hole.begin >= stretch.begin + span && known(hole.begin - span, hole.begin)) {
-    worst = KnownErrorSquareSum(measured, hole.begin - kSide - size, size);
+    worst = KnownErrorSquareSum(window, hole.begin - kSide - size, size);
   }
   if (known(hole.end, hole.end + span)) {
-    const double after = KnownErrorSquareSum(measured, hole.end + kSide, size);
+    const double after = KnownErrorSquareSum(window, hole.end + kSide, size);
     worst = std::max(worst.value_or(0), after);
   }
+  // values whose cubes overflow are not bridged
+  if (worst && !std::isfinite(*worst)) return std::nullopt;
   return worst;
 }
 
-// collects the segments of one stretch
-class StretchSplitter {
+// Collects the segments of a record block by block. A hole is decided on where it begins, with
+// what the window's margins show; what is longer than a bridge ends the segment.
+class Splitter {
  public:
-  StretchSplitter(const trial::Stretch& stretch, const Measured& measured, bool may_bridge,
-                  Segments& segments)
-      : stretch_(stretch), measured_(measured), may_bridge_(may_bridge), segments_(segments) {}
+  Splitter(const trial::Record& head, double upper_hz, Segments& segments)
+      : stretches_(head.stretches), upper_hz_(upper_hz), segments_(segments) {}
 
-  void Split() {
-    const Rows all{stretch_.first_row, stretch_.first_row + stretch_.rows};
-    for (std::size_t row = all.begin; row < all.end;) {
-      if (measured_.At(row)) {
-        Append(row, measured_.Value(row));
-        ++row;
-        continue;
-      }
-      Rows hole{row, row};
-      while (hole.end < all.end && !measured_.At(hole.end)) ++hole.end;
-      TakeHole(all, hole);
-      row = hole.end;
+  void Take(const Window& window) {
+    while (next_row_ < window.block().end) {
+      const trial::Stretch& stretch = stretches_[stretch_];
+      const Rows all{stretch.first_row, stretch.first_row + stretch.rows};
+      TakePart(window, all, std::min(all.end, window.block().end));
+      if (next_row_ < all.end) continue;
+      Finish(all.end);
+      next_row_ = all.end;
+      ++stretch_;
     }
-    Finish();
   }
 
  private:
-  void TakeHole(Rows all, Rows hole) {
-    const std::optional<double> error_square_sum =
-        may_bridge_ ? BridgeErrorSquareSum(measured_, all, hole) : std::nullopt;
-    if (!error_square_sum) return Finish();
-    const std::size_t size = hole.end - hole.begin;
-    for (std::size_t k = 0; k < size; ++k) {
-      Append(hole.begin + k, Bridged(measured_, hole.begin, size, k));
+  // the rows of one stretch up to `end`, and those of a hole that begins before it
+  void TakePart(const Window& window, Rows all, std::size_t end) {
+    while (next_row_ < end) {
+      const std::size_t bad = window.FirstUnmeasured(next_row_, end);
+      if (bad > next_row_) Begin(next_row_);
+      next_row_ = bad;
+      if (bad < end) TakeHole(window, all, {bad, window.FirstMeasured(bad, all.end)});
     }
-    segment_.bridged += size;
+  }
+
+  void TakeHole(const Window& window, Rows all, Rows hole) {
+    next_row_ = hole.end;
+    const bool may_bridge = stretches_[stretch_].rate_hz >= kBridgeRatePerUpperCorner * upper_hz_;
+    const std::optional<double> error_square_sum =
+        may_bridge ? BridgeErrorSquareSum(window, all, hole) : std::nullopt;
+    if (!error_square_sum) return Finish(hole.begin);
+    for (std::size_t row = hole.begin; row < hole.end; ++row) {
+      segment_.bridges.push_back(
+          {row - segment_.first_row,
+           Bridged(window, hole.begin, hole.end - hole.begin, row - hole.begin)});
+    }
     segment_.bridged_error_square_sum += *error_square_sum;
   }
 
-  void Append(std::size_t row, double value) {
-    if (segment_.values.empty()) {
-      segment_.first_row = row;
-      segment_.rate_hz = stretch_.rate_hz;
-      segment_.time_uncertainty_s = stretch_.time_uncertainty_s;
-      segment_.start_s =
-          stretch_.start_s + static_cast<double>(row - stretch_.first_row) / stretch_.rate_hz;
-    }
-    segment_.values.push_back(value);
+  void Begin(std::size_t row) {
+    if (open_) return;
+    const trial::Stretch& stretch = stretches_[stretch_];
+    segment_.first_row = row;
+    segment_.rate_hz = stretch.rate_hz;
+    segment_.time_uncertainty_s = stretch.time_uncertainty_s;
+    segment_.start_s =
+        stretch.start_s + static_cast<double>(row - stretch.first_row) / stretch.rate_hz;
+    open_ = true;
   }
 
-  void Finish() {
-    if (segment_.values.empty()) return;
-    segments_.bridged += segment_.bridged;
-    segments_.parts.push_back(std::move(segment_));
-    segment_ = {};
+  void Finish(std::size_t end_row) {
+    if (!open_) return;
+    segment_.size = end_row - segment_.first_row;
+    segments_.bridged += segment_.bridges.size();
+    segments_.parts.push_back(std::exchange(segment_, {}));
+    open_ = false;
   }
 
-  const trial::Stretch& stretch_;
-  const Measured& measured_;
-  bool may_bridge_;
+  const std::vector<trial::Stretch>& stretches_;
+  double upper_hz_;
   Segments& segments_;
+  std::size_t stretch_ = 0;   // the one that next_row_ lies in
+  std::size_t next_row_ = 0;  // all before it are decided on
+  bool open_ = false;         // whether segment_ has begun
   Segment segment_;
 };
 
+void Count(const Window& window, Segments& segments) {
+  const auto values = window.block_values();
+  const auto statuses = window.block_statuses();
+  if (window.all_ok()) {
+    segments.by_status[0] += values.size();
+    segments.measured += values.size();
+    return;
+  }
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    ++segments.by_status[static_cast<std::size_t>(statuses[k])];
+    segments.measured += IsMeasured(values[k], statuses[k]) ? 1 : 0;
+  }
+}
+
 }  // namespace
 
-Segments SplitIntoSegments(const trial::Record& record, const trial::Channel& channel,
-                           double upper_hz) {
-  HAPTOMETER_CHECK(channel.values.size() == record.rows && channel.statuses.size() == record.rows,
-                   "{} values and {} statuses in {} rows", channel.values.size(),
-                   channel.statuses.size(), record.rows);
-  const Measured measured(channel);
+Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t channel,
+                                   double upper_hz, const RowVisitor& visit, int threads) {
+  const trial::Record& head = source.head();
+  const auto load = [&](Window& window, std::size_t row) -> Result<void> {
+    if (row >= head.rows) return {};
+    return window.Load(source, channel, {row, row + std::min(kBlockRows, head.rows - row)},
+                       head.rows);
+  };
   Segments segments;
-  for (std::size_t row = 0; row < record.rows; ++row) {
-    ++segments.by_status[static_cast<std::size_t>(channel.statuses[row])];
-    if (measured.At(row)) ++segments.measured;
+  Splitter splitter(head, upper_hz, segments);
+  Window window;
+  Window next;
+  Result<void> loaded = load(window, 0);
+  for (std::size_t row = 0; loaded && row < head.rows; row += kBlockRows) {
+    std::future<Result<void>> loading =
+        std::async(threads > 1 ? std::launch::async : std::launch::deferred, load, std::ref(next),
+                   row + kBlockRows);
+    Count(window, segments);
+    splitter.Take(window);
+    if (visit) visit(row, window.block_values(), window.block_statuses());
+    loaded = loading.get();
+    std::swap(window, next);
   }
-  for (const trial::Stretch& stretch : record.stretches) {
-    const bool may_bridge = stretch.rate_hz >= kBridgeRatePerUpperCorner * upper_hz;
-    StretchSplitter(stretch, measured, may_bridge, segments).Split();
-  }
+  if (!loaded) return std::unexpected(loaded.error());
   return segments;
+}
+
+Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) const {
+  HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
+                   out.size(), size());
+  // in pieces, because the statuses only pass by
+  constexpr std::size_t kPiece = std::size_t{1} << 14U;
+  std::vector<trial::SampleStatus> statuses(std::min(kPiece, out.size()));
+  for (std::size_t at = 0; at < out.size(); at += kPiece) {
+    const std::span<double> piece = out.subspan(at, std::min(kPiece, out.size() - at));
+    if (auto read = source_->Read(channel_, segment_->first_row + first + at, piece,
+                                  std::span(statuses).first(piece.size()));
+        !read) {
+      return read;
+    }
+  }
+  auto bridge = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);
+  for (; bridge != segment_->bridges.end() && bridge->sample - first < out.size(); ++bridge) {
+    out[bridge->sample - first] = bridge->value;
+  }
+  return {};
 }
 
 }  // namespace haptometer::dsp

@@ -1,7 +1,10 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
@@ -12,12 +15,14 @@
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
-#include "trial/read_recording.h"
+#include "trial/open_rows.h"
+#include "trial/row_source.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "analyze";
+constexpr std::int64_t kMostThreads = 64;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
@@ -31,6 +36,7 @@ struct Wanted {
   std::optional<std::int64_t> order;
   std::string corner = "whole";
   std::string plot;
+  std::optional<std::int64_t> threads;
   cli::ImportWords import;
 };
 
@@ -45,6 +51,10 @@ void Declare(cli::Options& options, Wanted& wanted) {
                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
   options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
                "Draw the trial and what was used of it");
+  options.Count(
+      "--threads", &wanted.threads, 1, kMostThreads,
+      "Threads that filter (default: as many as there are cores); no number depends on it",
+      cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &wanted.import);
 }
 
@@ -84,7 +94,7 @@ std::vector<std::string> LossesOf(const trial::ReadReport& report) {
 
 // reads, analyses and, where asked, draws one file
 AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
-                     const trial::ImportOptions& import, const std::string& plot) {
+                     const trial::ImportOptions& import, const std::string& plot, int threads) {
   AnalyzedFile file;
   file.path = path;
   const auto fail = [&](Error error) {
@@ -92,19 +102,27 @@ AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
     file.error = std::move(error);
     return file;
   };
-  const auto recording = trial::ReadRecording(path, import);
-  if (!recording) return fail(recording.error());
-  file.source = recording->record.metadata.source;
-  file.remarks = LossesOf(recording->report);
-  auto analysis = dsp::AnalyzeBand(recording->record, question);
+  const auto opened = trial::OpenRows(path, import);
+  if (!opened) return fail(opened.error());
+  file.source = opened->rows->head().metadata.source;
+  file.remarks = LossesOf(opened->report);
+  auto analysis = dsp::AnalyzeBand(*opened->rows, question, threads);
   if (!analysis) return fail(analysis.error());
   if (!plot.empty()) {
-    if (auto drawn = DrawPanels(plot, AnalysisPanels(recording->record, *analysis)); !drawn) {
+    // what is drawn is in memory as a whole
+    const auto record = trial::ReadAllRows(*opened->rows);
+    if (!record) return fail(record.error());
+    if (auto drawn = DrawPanels(plot, AnalysisPanels(*record, *analysis)); !drawn) {
       return fail(drawn.error());
     }
   }
   file.analysis = std::move(*analysis);
   return file;
+}
+
+int ThreadsOf(const Wanted& wanted) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(wanted.threads.value_or(std::min(cores, kMostThreads)));
 }
 
 // 0, or the status of the worst file: failing outranks not answering
@@ -133,7 +151,7 @@ int RunAnalyze(int argc, const char* const* argv) {
   // one after the other: an error of one file does not keep the others from their answer
   std::vector<AnalyzedFile> files;
   for (const std::string& path : wanted.files) {
-    files.push_back(Analyze(path, *question, *import, wanted.plot));
+    files.push_back(Analyze(path, *question, *import, wanted.plot, ThreadsOf(wanted)));
     AnalyzedFile& file = files.back();
     if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
     if (!options.json()) PrintAnalysis(file);

@@ -1,0 +1,62 @@
+#include "base/jobs.h"
+
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/check.h"
+
+namespace haptometer {
+namespace {
+
+// the error of the earliest job that has failed so far
+class FirstError {
+ public:
+  void Take(std::size_t job, Error error) {
+    const std::scoped_lock lock(mutex_);
+    if (error_ && job_ < job) return;
+    job_ = job;
+    error_ = std::move(error);
+  }
+  [[nodiscard]] Result<void> result() const {
+    if (error_) return std::unexpected(*error_);
+    return {};
+  }
+
+ private:
+  std::mutex mutex_;
+  std::size_t job_ = 0;
+  std::optional<Error> error_;
+};
+
+}  // namespace
+
+Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker()>& make_worker) {
+  HAPTOMETER_CHECK(threads >= 1, "threads = {}", threads);
+  std::atomic<std::size_t> next = 0;
+  FirstError first_error;
+  const auto work = [&] {
+    const Worker worker = make_worker();
+    for (std::size_t job = next++; job < count; job = next++) {
+      auto done = worker(job);
+      if (done) continue;
+      first_error.Take(job, std::move(done.error()));
+      next = count;
+    }
+  };
+  {
+    const std::size_t helpers_wanted =
+        std::min(static_cast<std::size_t>(threads), std::max<std::size_t>(count, 1)) - 1;
+    std::vector<std::jthread> helpers;
+    helpers.reserve(helpers_wanted);
+    for (std::size_t k = 0; k < helpers_wanted; ++k) helpers.emplace_back(work);
+    work();
+  }
+  return first_error.result();
+}
+
+}  // namespace haptometer

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+#include "base/result.h"
+
+namespace haptometer {
+
+/// Does one job by its number.
+using Worker = std::function<Result<void>(std::size_t job)>;
+
+/// Does jobs 0, 1, ... `count` - 1, each once, on the caller's and `threads` - 1 further threads.
+///
+/// `make_worker` is called once on each thread, so a worker may keep buffers from job to job. Jobs
+/// are begun in their order. `threads` >= 1. Errors: that of the first job that failed; jobs behind
+/// it may be left undone.
+[[nodiscard]] Result<void> RunJobs(std::size_t count, int threads,
+                                   const std::function<Worker()>& make_worker);
+
+}  // namespace haptometer

@@ -1,0 +1,225 @@
+#include "dsp/analysis/band_signal.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/check.h"
+#include "base/jobs.h"
+#include "dsp/filter/settled.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kLongestCellS = 1e-3;
+constexpr std::size_t kMostCells = std::size_t{1} << 20U;
+
+// a divisor of kTileSamples, so that no cell lies in two blocks
+std::size_t CellSamples(std::size_t size, double rate_hz) {
+  std::size_t samples = 1;
+  for (std::size_t next = 2; next <= kTileSamples; ++next) {
+    const bool is_short = static_cast<double>(next) <= kLongestCellS * rate_hz;
+    if (kTileSamples % next == 0 && (is_short || size / samples > kMostCells)) samples = next;
+  }
+  return samples;
+}
+
+// four running sums, so that no step waits for the one before it
+BandCell CellOf(std::span<const double> samples) {
+  constexpr std::size_t kLanes = 4;
+  std::array<BandCell, kLanes> lanes;
+  lanes.fill({0, samples.front(), samples.front()});
+  const auto take = [](BandCell& cell, double sample) {
+    cell.square_sum += sample * sample;
+    cell.least = sample < cell.least ? sample : cell.least;
+    cell.most = sample > cell.most ? sample : cell.most;
+  };
+  std::size_t k = 0;
+  for (; k + kLanes <= samples.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lanes[lane], samples[k + lane]);
+  }
+  for (; k < samples.size(); ++k) take(lanes[k % kLanes], samples[k]);
+  BandCell cell = lanes[0];
+  cell.square_sum =
+      (lanes[0].square_sum + lanes[1].square_sum) + (lanes[2].square_sum + lanes[3].square_sum);
+  for (const BandCell& lane : lanes) {
+    cell.least = std::min(cell.least, lane.least);
+    cell.most = std::max(cell.most, lane.most);
+  }
+  return cell;
+}
+
+// Neumaier's compensated sum of terms that are not negative (ZAMM 54, 1974)
+double SquareSumOf(std::span<const BandCell> cells) {
+  double sum = 0;
+  double lost = 0;
+  for (const BandCell& cell : cells) {
+    const double term = cell.square_sum;
+    const double next = sum + term;
+    lost += sum >= term ? (sum - next) + term : (term - next) + sum;
+    sum = next;
+  }
+  return sum + lost;
+}
+
+// the greatest magnitude in each cell; the first sample is number `offset` of its cell
+std::vector<double> GreatestInCells(std::span<const double> samples, std::size_t offset,
+                                    std::size_t cell_samples) {
+  if (samples.empty()) return {};
+  std::vector<double> greatest((offset + samples.size() + cell_samples - 1) / cell_samples);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    double& cell = greatest[(offset + k) / cell_samples];
+    // one that is no number stays
+    if (!(std::abs(samples[k]) <= cell)) cell = std::abs(samples[k]);
+  }
+  return greatest;
+}
+
+}  // namespace
+
+BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design)
+    : samples_(samples),
+      design_(design),
+      blocks_(design, samples.size()),
+      cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
+      cells_((samples.size() + cell_samples_ - 1) / cell_samples_) {
+  HAPTOMETER_CHECK(blocks_.block_size() % cell_samples_ == 0, "cells of {} in blocks of {}",
+                   cell_samples_, blocks_.block_size());
+}
+
+Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
+                                      int threads) {
+  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
+  BandSignal signal(samples, design);
+  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
+  return signal;
+}
+
+Result<void> BandSignal::FilterAll(int threads) {
+  // the ends first, then the blocks
+  EndDependence dependence;
+  const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
+    return [&, buffers = Buffers{}](std::size_t job) mutable -> Result<void> {
+      if (job > 0) return FilterBlock(job - 1, buffers);
+      auto measured = MeasureEndDependence(blocks_, reading(), buffers.scratch);
+      if (!measured) return std::unexpected(measured.error());
+      dependence = std::move(*measured);
+      return {};
+    };
+  });
+  if (filtered) FindSettled(dependence);
+  return filtered;
+}
+
+ReadSamples BandSignal::reading() const {
+  return [this](std::size_t first, std::span<double> out) { return samples_.Read(first, out); };
+}
+
+Result<std::span<double>> BandSignal::Filtered(const SampleRange& block, Buffers& buffers) const {
+  if (buffers.samples.size() < block.count) buffers.samples.resize(block.count);
+  const std::span<double> samples = std::span(buffers.samples).first(block.count);
+  const auto done = blocks_.Filter(block, reading(), Continuation::kOdd, samples, buffers.scratch);
+  if (!done) return std::unexpected(done.error());
+  return samples;
+}
+
+Result<void> BandSignal::FilterBlock(std::size_t block, Buffers& buffers) {
+  const SampleRange range = blocks_.Range(block);
+  const auto filtered = Filtered(range, buffers);
+  if (!filtered) return std::unexpected(filtered.error());
+  std::span<const double> left = *filtered;
+  for (std::size_t k = range.first / cell_samples_; !left.empty(); ++k) {
+    const std::size_t count = std::min(cell_samples_, left.size());
+    cells_[k] = CellOf(left.first(count));
+    left = left.subspan(count);
+  }
+  return {};
+}
+
+// by cells: the greatest dependence in each, and the RMS over whole ones
+void BandSignal::FindSettled(const EndDependence& dependence) {
+  EndDependence of_cells{
+      .first = GreatestInCells(dependence.first, 0, cell_samples_),
+      .last = GreatestInCells(dependence.last, (size() - dependence.last.size()) % cell_samples_,
+                              cell_samples_)};
+  const SampleRange settled =
+      SettledRange(cells_.size(), of_cells, [this](const SampleRange& cells) {
+        const std::size_t samples =
+            std::min(cells.end() * cell_samples_, size()) - cells.first * cell_samples_;
+        const double square_sum = SquareSumOf(std::span(cells_).subspan(cells.first, cells.count));
+        return std::sqrt(square_sum / static_cast<double>(samples));
+      });
+  settled_begin_ = std::min(settled.first * cell_samples_, size());
+  settled_end_ = std::min(settled.end() * cell_samples_, size());
+}
+
+Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
+  HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
+                   out.size(), size());
+  Buffers buffers;
+  while (!out.empty()) {
+    const SampleRange block = blocks_.Range(first / blocks_.block_size());
+    const auto filtered = Filtered(block, buffers);
+    if (!filtered) return std::unexpected(filtered.error());
+    const auto wanted = filtered->subspan(first - block.first);
+    const std::size_t count = std::min(wanted.size(), out.size());
+    std::ranges::copy(wanted.first(count), out.begin());
+    first += count;
+    out = out.subspan(count);
+  }
+  return {};
+}
+
+Result<BandCell> BandSignal::CutCell(std::size_t begin, std::size_t end) const {
+  std::vector<double> samples(end - begin);
+  if (auto read = Read(begin, samples); !read) return std::unexpected(read.error());
+  return CellOf(samples);
+}
+
+Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end) const {
+  HAPTOMETER_CHECK(begin <= end && end <= size(), "samples {} to {} of {}", begin, end, size());
+  // the first and one past the last of the whole cells
+  const std::size_t first = (begin + cell_samples_ - 1) / cell_samples_;
+  const std::size_t last = end == size() ? cells_.size() : end / cell_samples_;
+  CutRange range;
+  const auto take = [&](std::size_t from, std::size_t to) -> Result<void> {
+    if (from >= to) return {};
+    const auto cut = CutCell(from, to);
+    if (!cut) return std::unexpected(cut.error());
+    range.cut.push_back(*cut);
+    return {};
+  };
+  Result<void> taken = take(begin, std::min(first * cell_samples_, end));
+  if (first <= last) {
+    range.whole = std::span(cells_).subspan(first, last - first);
+    if (taken) taken = take(std::min(last * cell_samples_, end), end);
+  }
+  if (!taken) return std::unexpected(taken.error());
+  return range;
+}
+
+Result<double> BandSignal::SquareSum(std::size_t begin, std::size_t end) const {
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  return SquareSumOf(range->whole) + SquareSumOf(range->cut);
+}
+
+Result<Extremes> BandSignal::ExtremesOf(std::size_t begin, std::size_t end) const {
+  HAPTOMETER_CHECK(begin < end, "samples {} to {}", begin, end);
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  Extremes extremes{std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
+  for (const std::span<const BandCell> cells :
+       {range->whole, std::span<const BandCell>(range->cut)}) {
+    for (const BandCell& cell : cells) {
+      extremes.least = std::min(extremes.least, cell.least);
+      extremes.most = std::max(extremes.most, cell.most);
+    }
+  }
+  return extremes;
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/analysis/segments.h"
+#include "dsp/filter/butterworth.h"
+#include "dsp/filter/settled.h"
+#include "dsp/filter/zero_phase_blocks.h"
+
+namespace haptometer::dsp {
+
+/// What a run of filtered samples comes to.
+struct BandCell {
+  double square_sum = 0;
+  double least = 0;
+  double most = 0;
+};
+
+/// The least and the greatest sample of a range.
+struct Extremes {
+  double least = 0;
+  double most = 0;
+};
+
+/// One segment, filtered forward and backward, readable by range whatever its length.
+///
+/// Only the cells stay in memory (24 B each); samples are filtered again when they are read. They
+/// are counted from the segment's first. Every number depends on the samples alone: not on the
+/// ranges that are asked for, nor on the number of threads. Threads may read at the same time.
+class BandSignal {
+ public:
+  /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
+  /// finds what has settled. What `samples` refers to must outlive the signal.
+  ///
+  /// Settled cells are found as settled samples are (SettledRange), by what each depends on the
+  /// ends at most.
+  /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells.
+  [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
+                                                 const FilterDesign& design, int threads);
+
+  [[nodiscard]] std::size_t size() const { return samples_.size(); }
+  [[nodiscard]] double rate_hz() const { return samples_.rate_hz(); }
+  [[nodiscard]] std::size_t first_row() const { return samples_.segment().first_row; }
+  [[nodiscard]] double start_s() const { return samples_.segment().start_s; }
+  [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
+  [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
+  [[nodiscard]] const FilterDesign& design() const { return design_; }
+
+  /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
+  /// whole cells.
+  [[nodiscard]] std::size_t settled_begin() const { return settled_begin_; }
+  [[nodiscard]] std::size_t settled_end() const { return settled_end_; }
+
+  /// Cell k sums up samples [k n, (k + 1) n), n = cell_samples(), the last one what is left.
+  ///
+  /// n is the greatest divisor of kTileSamples that lasts 1 ms at most, or the least one that gives
+  /// at most 2^20 cells.
+  [[nodiscard]] std::span<const BandCell> cells() const { return cells_; }
+  [[nodiscard]] std::size_t cell_samples() const { return cell_samples_; }
+
+  /// Filtered samples [first, first + out.size()), within size().
+  /// Errors: as SegmentSamples::Read. Cost: every block that the range touches is filtered; read in
+  /// large pieces.
+  [[nodiscard]] Result<void> Read(std::size_t first, std::span<double> out) const;
+
+  /// Sum of the squares of samples [begin, end): whole cells, and the cut ones at the two ends
+  /// sample by sample; compensated (Neumaier). Errors: as SegmentSamples::Read.
+  [[nodiscard]] Result<double> SquareSum(std::size_t begin, std::size_t end) const;
+
+  /// Of samples [begin, end), at least one. Errors: as SegmentSamples::Read.
+  [[nodiscard]] Result<Extremes> ExtremesOf(std::size_t begin, std::size_t end) const;
+
+ private:
+  // what filtering a block needs; of one thread
+  struct Buffers {
+    ZeroPhaseBlocks::Scratch scratch;
+    std::vector<double> samples;
+  };
+
+  BandSignal(const SegmentSamples& samples, const FilterDesign& design);
+
+  // what the segment's samples are asked for by
+  [[nodiscard]] ReadSamples reading() const;
+  [[nodiscard]] Result<void> FilterAll(int threads);
+  // a block, filtered; it lies in `buffers`
+  [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
+                                                   Buffers& buffers) const;
+  [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);
+  void FindSettled(const EndDependence& dependence);
+
+  // what a range falls into: whole cells and the samples of the cut ones at its ends
+  struct CutRange {
+    std::vector<BandCell> cut;  // at most two
+    std::span<const BandCell> whole;
+  };
+  [[nodiscard]] Result<CutRange> Cut(std::size_t begin, std::size_t end) const;
+  [[nodiscard]] Result<BandCell> CutCell(std::size_t begin, std::size_t end) const;
+
+  SegmentSamples samples_;
+  FilterDesign design_;
+  ZeroPhaseBlocks blocks_;
+  std::size_t settled_begin_ = 0;
+  std::size_t settled_end_ = 0;
+  std::size_t cell_samples_ = 1;
+  std::vector<BandCell> cells_;
+};
+
+}  // namespace haptometer::dsp

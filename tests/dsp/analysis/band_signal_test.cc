@@ -1,0 +1,149 @@
+#include "dsp/analysis/band_signal.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "dsp/filter/settled.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/statistics/moments.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 10e3;
+
+// a record, its rows and its one segment, which must outlive the signal
+struct Held {
+  explicit Held(trial::Record held) : record(std::move(held)) {
+    segments = SplitIntoSegments(rows, 0, 500).value();
+  }
+  [[nodiscard]] BandSignal Filter(int threads = 1, const BandPass& band = {}) const {
+    const Segment& segment = segments.parts.at(0);
+    return BandSignal::Filter({rows, 0, segment}, Designed(band, segment.rate_hz), threads).value();
+  }
+
+  trial::Record record;
+  trial::RecordRows rows{record};
+  Segments segments;
+};
+
+std::vector<double> ReadAll(const BandSignal& signal, std::size_t size_at_once) {
+  std::vector<double> all(signal.size());
+  for (std::size_t first = 0; first < all.size(); first += size_at_once) {
+    const std::size_t count = std::min(size_at_once, all.size() - first);
+    EXPECT_TRUE(signal.Read(first, std::span(all).subspan(first, count)));
+  }
+  return all;
+}
+
+void ExpectSameCells(const BandSignal& a, const BandSignal& b) {
+  ASSERT_EQ(a.cells().size(), b.cells().size());
+  for (std::size_t k = 0; k < a.cells().size(); ++k) {
+    EXPECT_EQ(a.cells()[k].square_sum, b.cells()[k].square_sum);
+    EXPECT_EQ(a.cells()[k].least, b.cells()[k].least);
+    EXPECT_EQ(a.cells()[k].most, b.cells()[k].most);
+  }
+  EXPECT_EQ(a.settled_begin(), b.settled_begin());
+  EXPECT_EQ(a.settled_end(), b.settled_end());
+}
+
+// several blocks, a tone in tremor
+trial::Record LongRecord() {
+  return RecordOf(Samples(kRateHz, 600'000, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3}}), kRateHz);
+}
+
+TEST(BandSignal, IsTheZeroPhaseFilterOfTheWholeSegment) {
+  const Held held(LongRecord());
+  const BandSignal signal = held.Filter();
+  EXPECT_EQ(ReadAll(signal, signal.size()),
+            FilterZeroPhase(signal.design(), held.record.channels[0].values));
+}
+
+TEST(BandSignal, NeitherThreadsNorRangesChangeABit) {
+  const Held held(LongRecord());
+  const BandSignal signal = held.Filter(1);
+  for (const int threads : {2, 3}) ExpectSameCells(held.Filter(threads), signal);
+  const std::vector<double> whole = ReadAll(signal, signal.size());
+  EXPECT_EQ(ReadAll(signal, 100'003), whole);
+  // short ranges cost a block each, so only where blocks meet and at the ends
+  for (const std::size_t size : {1U, 7U, 4096U}) {
+    for (const std::size_t first : {0U, 231'000U, 595'904U}) {
+      std::vector<double> part(size);
+      ASSERT_TRUE(signal.Read(first, part));
+      EXPECT_TRUE(std::ranges::equal(part, std::span(whole).subspan(first, size)));
+    }
+  }
+}
+
+TEST(BandSignal, SumsAndExtremesAreThoseOfTheSamples) {
+  const Held held(LongRecord());
+  const BandSignal signal = held.Filter();
+  const std::vector<double> whole = ReadAll(signal, signal.size());
+  const std::vector<std::pair<std::size_t, std::size_t>> ranges{
+      {0, 600'000}, {0, 1}, {3, 5}, {8, 10}, {9, 18}, {100'001, 500'003}, {599'999, 600'000}};
+  for (const auto& [begin, end] : ranges) {
+    const auto part = std::span(whole).subspan(begin, end - begin);
+    const double rms = Rms(part);
+    EXPECT_REL(*signal.SquareSum(begin, end), rms * rms * static_cast<double>(part.size()), 2e-15,
+               "order of the sums");
+    const Extremes extremes = *signal.ExtremesOf(begin, end);
+    EXPECT_EQ(extremes.least, std::ranges::min(part));
+    EXPECT_EQ(extremes.most, std::ranges::max(part));
+  }
+  EXPECT_EQ(*signal.SquareSum(5, 5), 0);
+}
+
+TEST(BandSignal, SettlesWhereTheTwoContinuationsAgree) {
+  for (const std::size_t size : {9'000U, 12'000U, 30'000U, 600'000U}) {
+    const Held held(RecordOf(Samples(kRateHz, size, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3}}), kRateHz));
+    const BandSignal signal = held.Filter();
+    const SettledSignal whole = FilterSettled(signal.design(), held.record.channels[0].values);
+    // the tolerance's RMS is taken over whole cells, so a cell beside the ends may fall either way
+    const auto cell = static_cast<double>(signal.cell_samples());
+    if (whole.begin == whole.end) {
+      EXPECT_LE(signal.settled_end() - signal.settled_begin(), 2 * signal.cell_samples());
+      continue;
+    }
+    EXPECT_ABS(static_cast<double>(signal.settled_begin()), static_cast<double>(whole.begin),
+               2 * cell, "whole cells");
+    EXPECT_ABS(static_cast<double>(signal.settled_end()), static_cast<double>(whole.end), 2 * cell,
+               "whole cells");
+  }
+}
+
+TEST(BandSignal, CellsLastAMillisecondAtMost) {
+  EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 10e3)).Filter().cell_samples(), 9U);
+  EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 392e3)).Filter().cell_samples(), 336U);
+  EXPECT_EQ(Held(RecordOf(std::vector<double>(100, 0.03), 1300)).Filter().cell_samples(), 1U);
+}
+
+TEST(BandSignal, OneSampleAndAConstantAreSilent) {
+  for (const std::size_t size : {1U, 2U, 5000U, 300'000U}) {
+    const Held held(RecordOf(std::vector<double>(size, 0.03), kRateHz));
+    const BandSignal signal = held.Filter(2);
+    EXPECT_EQ(*signal.SquareSum(0, size), 0);
+    EXPECT_EQ(signal.settled_begin(), 0U);
+    EXPECT_EQ(signal.settled_end(), size);
+  }
+}
+
+TEST(BandSignal, ValuesBeyondAllMeasureSettleNowhere) {
+  std::vector<double> values(30'000, 0.03);
+  values[10'000] = 1e308;
+  values[20'000] = -1e308;
+  const BandSignal signal = Held(RecordOf(values, kRateHz)).Filter();
+  EXPECT_EQ(signal.settled_begin(), signal.settled_end());
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

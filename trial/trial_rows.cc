@@ -1,0 +1,129 @@
+#include "trial/trial_rows.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "base/check.h"
+#include "trial/block.h"
+#include "trial/uniform_grid.h"
+
+namespace haptometer::trial {
+namespace {
+
+// bytes that are decoded in one go: they stay in the processor's nearer cache
+constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
+
+// what a value's place in a row and its meaning are
+struct Column {
+  std::size_t row_bytes = 0;
+  std::size_t value_at = 0;
+  std::size_t status_at = 0;
+  double scale = 1;
+  double offset = 0;
+};
+
+template <typename Raw>
+void Decode(const std::byte* row, const Column& column, std::span<double> values,
+            std::span<SampleStatus> statuses) {
+  for (std::size_t k = 0; k < values.size(); ++k, row += column.row_bytes) {
+    const auto byte = std::to_integer<std::uint8_t>(row[column.status_at]);
+    // a status of a later version is no measurement that this one can vouch for
+    const auto status =
+        byte < kSampleStatusCount ? static_cast<SampleStatus>(byte) : SampleStatus::kInvalid;
+    const auto raw = static_cast<double>(LoadLittleEndian<Raw>(row + column.value_at));
+    const double value = raw * column.scale + column.offset;
+    values[k] = IsMeasurement(status) ? value : std::numeric_limits<double>::quiet_NaN();
+    statuses[k] = status;
+  }
+}
+
+void Decode(Encoding encoding, const std::byte* row, const Column& column, std::span<double> values,
+            std::span<SampleStatus> statuses) {
+  switch (encoding) {
+    case Encoding::kI32:
+      return Decode<std::int32_t>(row, column, values, statuses);
+    case Encoding::kF32:
+      return Decode<float>(row, column, values, statuses);
+    case Encoding::kF64:
+      return Decode<double>(row, column, values, statuses);
+  }
+}
+
+}  // namespace
+
+TrialRows::TrialRows(const TrialHeader& header, std::string name)
+    : name_(std::move(name)), header_(header) {
+  head_.timing = header.timing;
+  head_.channels.reserve(header.channels.size());
+  for (const ChannelFormat& format : header.channels) head_.channels.push_back(ChannelOf(format));
+}
+
+Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::string name) {
+  HAPTOMETER_CHECK(CanRead(reader.header()), "timing {}", trial::Name(reader.header().timing));
+  std::unique_ptr<TrialRows> rows(new TrialRows(reader.header(), std::move(name)));
+  UniformGrid grid(reader.header().rate_hz);
+  for (;;) {
+    const auto chunk = reader.Next();
+    if (!chunk) return std::unexpected(chunk.error());
+    if (*chunk == nullptr) break;
+    rows->blocks_.push_back({rows->head_.rows, (*chunk)->offset()});
+    grid.Append((*chunk)->first_index(), (*chunk)->rows());
+    rows->head_.rows += (*chunk)->rows();
+  }
+  rows->report_ = reader.report();
+  rows->head_.stretches = grid.stretches();
+  rows->head_.metadata = MetadataOf(reader.header(), rows->report_);
+  rows->source_ = std::move(reader).TakeSource();
+  return rows;
+}
+
+Result<void> TrialRows::Read(std::size_t channel, std::size_t first, std::span<double> values,
+                             std::span<SampleStatus> statuses) const {
+  HAPTOMETER_CHECK(channel < head_.channels.size() && values.size() == statuses.size() &&
+                       first <= head_.rows && values.size() <= head_.rows - first,
+                   "channel {}, rows {} + {} of {}", channel, first, values.size(), head_.rows);
+  const std::size_t row_bytes = LayoutOf(header_).row_bytes;
+  auto block = std::ranges::upper_bound(blocks_, first, {}, &Rows::first);
+  while (!values.empty()) {
+    const Rows& rows = *(block - 1);
+    const std::size_t end = block == blocks_.end() ? head_.rows : block->first;
+    const std::size_t count = std::min(values.size(), end - first);
+    const std::uint64_t offset = rows.offset + (first - rows.first) * row_bytes;
+    if (auto read = ReadPiece(channel, offset, values.first(count), statuses.first(count)); !read) {
+      return read;
+    }
+    first += count;
+    values = values.subspan(count);
+    statuses = statuses.subspan(count);
+    ++block;
+  }
+  return {};
+}
+
+Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
+                                  std::span<double> values,
+                                  std::span<SampleStatus> statuses) const {
+  const RowLayout layout = LayoutOf(header_);
+  const ChannelFormat& format = header_.channels[channel];
+  const Column column{layout.row_bytes, layout.value_offsets[channel],
+                      layout.status_offset + channel, format.scale, format.offset};
+  const std::size_t rows_at_once = std::max(std::size_t{1}, kPieceBytes / layout.row_bytes);
+  std::vector<std::byte> bytes(std::min(rows_at_once, values.size()) * layout.row_bytes);
+  while (!values.empty()) {
+    const std::size_t count = std::min(rows_at_once, values.size());
+    const std::span<std::byte> piece = std::span(bytes).first(count * layout.row_bytes);
+    const auto got = source_->ReadAt(offset, piece);
+    if (!got) return std::unexpected(got.error());
+    if (*got < piece.size()) {
+      return Failed(name_, "was cut shorter while it was read", "leave it alone meanwhile");
+    }
+    Decode(format.encoding, piece.data(), column, values.first(count), statuses.first(count));
+    offset += piece.size();
+    values = values.subspan(count);
+    statuses = statuses.subspan(count);
+  }
+  return {};
+}
+
+}  // namespace haptometer::trial
