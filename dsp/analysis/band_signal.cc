@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/check.h"
 #include "base/jobs.h"
@@ -48,9 +49,11 @@ double SquareSumOf(std::span<const BandCell> cells) {
 
 }  // namespace
 
-BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design)
+BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design,
+                       std::optional<BelowBandModel> model)
     : samples_(samples),
       design_(design),
+      model_(std::move(model)),
       blocks_(design, samples.size()),
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
       cells_((samples.size() + cell_samples_ - 1) / cell_samples_) {
@@ -60,25 +63,56 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
                                       int threads) {
-  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design);
-  const auto filtered = RunJobs(signal.blocks_.blocks(), threads, [&signal] {
-    return [&signal, scratch = ZeroPhaseBlocks::Scratch{}](std::size_t block) mutable {
-      return signal.FilterBlock(block, scratch);
-    };
-  });
-  if (!filtered) return std::unexpected(filtered.error());
-  if (auto found = signal.FindSettled(threads); !found) return std::unexpected(found.error());
+  BandSignal signal(samples, design, std::nullopt);
+  if (auto filtered = signal.FilterAll(threads); !filtered) {
+    return std::unexpected(filtered.error());
+  }
   return signal;
 }
 
+Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
+                                            const FilterDesign& design, BelowBandModel model,
+                                            int threads) {
+  BandSignal signal(samples, design, std::move(model));
+  if (auto filtered = signal.FilterAll(threads); !filtered) {
+    return std::unexpected(filtered.error());
+  }
+  return signal;
+}
+
+Result<void> BandSignal::FilterAll(int threads) {
+  HAPTOMETER_CHECK(size() >= 1, "no samples");
+  const auto filtered = RunJobs(blocks_.blocks(), threads, [this] {
+    return [this, scratch = ZeroPhaseBlocks::Scratch{}](std::size_t block) mutable {
+      return FilterBlock(block, scratch);
+    };
+  });
+  if (!filtered) return filtered;
+  return FindSettled(threads);
+}
+
 ReadSamples BandSignal::reading() const {
-  return [this](std::size_t first, std::span<double> out) { return samples_.Read(first, out); };
+  return [this](std::size_t first, std::span<double> out) -> Result<void> {
+    if (auto read = samples_.Read(first, out); !read) return read;
+    if (model_) model_->Subtract(first, out);
+    return {};
+  };
+}
+
+Result<std::span<const double>> BandSignal::Filtered(const SampleRange& range,
+                                                     ZeroPhaseBlocks::Scratch& scratch) const {
+  const auto filtered = blocks_.Filter(range, reading(), Continuation::kOdd, scratch);
+  if (!filtered || !model_) return filtered;
+  // the samples lie in `scratch`, whose they are to change
+  const std::size_t offset = static_cast<std::size_t>(filtered->data() - scratch.samples.data());
+  const std::span own = std::span(scratch.samples).subspan(offset, filtered->size());
+  model_->AddFiltered(design_, range.first, own);
+  return own;
 }
 
 Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch) {
   const SampleRange range = blocks_.Range(block);
-  const auto filtered = blocks_.Filter(range, reading(), Continuation::kOdd, scratch);
+  const auto filtered = Filtered(range, scratch);
   if (!filtered) return std::unexpected(filtered.error());
   std::span<const double> left = *filtered;
   for (std::size_t k = range.first / cell_samples_; !left.empty(); ++k) {
@@ -150,7 +184,7 @@ Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
   ZeroPhaseBlocks::Scratch scratch;
   while (!out.empty()) {
     const SampleRange block = blocks_.Range(first / blocks_.block_size());
-    const auto filtered = blocks_.Filter(block, reading(), Continuation::kOdd, scratch);
+    const auto filtered = Filtered(block, scratch);
     if (!filtered) return std::unexpected(filtered.error());
     const auto wanted = filtered->subspan(first - block.first);
     const std::size_t count = std::min(wanted.size(), out.size());

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/result.h"
+#include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/zero_phase_blocks.h"
@@ -42,6 +44,13 @@ class BandSignal {
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads);
 
+  /// The same with motion below the band taken from the samples before the filter, and what a
+  /// filter makes of it for ever added behind it (dsp/analysis/below_band_model.h); `model` is the
+  /// segment's.
+  [[nodiscard]] static Result<BandSignal> FilterBeside(const SegmentSamples& samples,
+                                                       const FilterDesign& design,
+                                                       BelowBandModel model, int threads);
+
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
   [[nodiscard]] double rate_hz() const { return samples_.rate_hz(); }
   [[nodiscard]] std::size_t first_row() const { return samples_.segment().first_row; }
@@ -49,6 +58,7 @@ class BandSignal {
   [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
+  [[nodiscard]] const std::optional<BelowBandModel>& model() const { return model_; }
 
   /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
   /// whole cells.
@@ -81,7 +91,13 @@ class BandSignal {
     std::size_t end = 0;
   };
 
-  BandSignal(const SegmentSamples& samples, const FilterDesign& design);
+  BandSignal(const SegmentSamples& samples, const FilterDesign& design,
+             std::optional<BelowBandModel> model);
+
+  [[nodiscard]] Result<void> FilterAll(int threads);
+  // a range filtered with an odd continuation, the model's share added
+  [[nodiscard]] Result<std::span<const double>> Filtered(const SampleRange& range,
+                                                         ZeroPhaseBlocks::Scratch& scratch) const;
 
   // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
@@ -99,6 +115,7 @@ class BandSignal {
 
   SegmentSamples samples_;
   FilterDesign design_;
+  std::optional<BelowBandModel> model_;
   ZeroPhaseBlocks blocks_;
   std::size_t settled_begin_ = 0;
   std::size_t settled_end_ = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -44,16 +45,18 @@ class BelowBandModel {
   /// The sines, the strongest first; at least one.
   [[nodiscard]] const std::vector<Sine>& sines() const { return sines_; }
 
-  /// Takes the model from the signal that it was fitted to.
-  void Subtract(std::span<double> signal) const;
+  /// Takes the model from samples [first, first + samples.size()) of the signal it was fitted to.
+  void Subtract(std::size_t first, std::span<double> samples) const;
 
-  /// Adds what two passes of `design` make of the model, steady for ever.
-  void AddFiltered(const FilterDesign& design, std::span<double> filtered) const;
+  /// Adds to filtered samples from `first` on what two passes of `design` make of the model, steady
+  /// for ever.
+  void AddFiltered(const FilterDesign& design, std::size_t first, std::span<double> filtered) const;
 
  private:
   std::array<double, 4> drift_{};
   std::vector<Sine> sines_;
   double rate_hz_ = 0;
+  std::size_t size_ = 0;  // of the signal
 };
 
 }  // namespace haptometer::dsp
