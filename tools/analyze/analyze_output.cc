@@ -40,7 +40,7 @@ void PrintBand(const dsp::BandAnalysis& a) {
                    a.band.corners == dsp::Corners::kWhole ? "both together" : "each"));
   Line("window", fmt::format("{:.4f} s to {:.4f} s", a.numbers->part.window.begin_s,
                              a.numbers->part.window.end_s));
-  Line("RMS in band",
+  Line(a.answered ? "RMS in band" : "estimate only",
        fmt::format("{:.5g} um over the window; standard uncertainty {:.2g} um, 95 % interval "
                    "{:.5g} to {:.5g} um",
                    a.numbers->rms.rms_m / kUm, a.numbers->rms.standard_uncertainty_m / kUm,
@@ -125,6 +125,8 @@ Json EmptyTrial(const AnalyzedFile& file) {
                           "band_rms_as_measured_m",
                           "band_rms_interval_95_m",
                           "band_rms_at_most_m",
+                          "band_rms_estimate_m",
+                          "tone_amplitude_estimate_m",
                           "uncertainty_budget",
                           "noise_from",
                           "sensor_averaging",
@@ -178,7 +180,8 @@ void FillBand(const dsp::BandAnalysis& a, Json& trial) {
   const dsp::BandNumbers& n = *a.numbers;
   trial["window_s"] = {n.part.window.begin_s, n.part.window.end_s};
   trial["window_because"] = n.part.why;
-  trial["band_rms_m"] = n.rms.rms_m;
+  // what is no answer stands under a name of its own
+  trial[a.answered ? "band_rms_m" : "band_rms_estimate_m"] = n.rms.rms_m;
   trial["band_rms_as_measured_m"] = n.rms.as_measured_m;
   trial["band_rms_standard_uncertainty_m"] = n.rms.standard_uncertainty_m;
   trial["band_rms_interval_95_m"] = {n.rms.lower_m, n.rms.upper_m};
@@ -199,7 +202,7 @@ void FillBand(const dsp::BandAnalysis& a, Json& trial) {
   trial["tone_frequency_hz"] = n.tone->fit.frequency_hz;
   trial["tone_frequency_standard_uncertainty_hz"] = n.tone->fit.frequency_uncertainty_hz;
   trial["tone_frequency_interval_95_hz"] = {n.tone->frequency_lower_hz, n.tone->frequency_upper_hz};
-  trial["tone_amplitude_m"] = n.tone->amplitude_m;
+  trial[a.answered ? "tone_amplitude_m" : "tone_amplitude_estimate_m"] = n.tone->amplitude_m;
   trial["tone_amplitude_standard_uncertainty_m"] = n.tone->amplitude_uncertainty_m;
   trial["tone_amplitude_interval_95_m"] = {n.tone->amplitude_lower_m, n.tone->amplitude_upper_m};
   trial["tone_share_of_rms"] = n.tone->share_of_rms;
