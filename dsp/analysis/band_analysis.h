@@ -7,44 +7,21 @@
 #include <vector>
 
 #include "base/result.h"
-#include "dsp/filter/butterworth.h"
+#include "dsp/analysis/band_question.h"
+#include "dsp/analysis/drive_part.h"
+#include "dsp/analysis/faults.h"
+#include "dsp/analysis/rms_estimate.h"
+#include "dsp/analysis/sensor_gain.h"
+#include "dsp/spectrum/harmonics.h"
+#include "dsp/spectrum/onset.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
 namespace haptometer::dsp {
 
-/// A band-pass is used only on records sampled at least this often per cycle of its upper corner.
-inline constexpr double kLeastRatePerUpperCorner = 2.56;
-
-/// What is asked of a record.
-struct BandQuestion {
-  BandPass band;
-  /// Whether a lower order may be taken where the asked one leaves too little settled.
-  bool may_lower_order = true;
-};
-
-/// From `begin_s` up to and without `end_s`, on the record's time base.
-struct TimeWindow {
-  double begin_s = 0;
-  double end_s = 0;
-};
-
-/// Motion below the band and what of it the filter lets through.
-struct BelowBand {
-  double frequency_hz = 0;  ///< of the strongest tone below the lower corner
-  double amplitude_m = 0;   ///< before the filter
-  double leaked_rms_m = 0;  ///< amplitude |H(frequency)|^2 / sqrt(2): part of the band RMS
-};
-
-/// What a record says about vibration in a band. Where `answered` is false the band's own numbers
-/// are absent; everything that can be known all the same is there.
-struct BandAnalysis {
-  bool answered = false;
-  std::vector<std::string> reasons;  ///< why not, each with what would help; empty when answered
-  std::vector<std::string> remarks;  ///< what was left out, lowered or assumed
-
-  // Known of every record with one measurement or more.
+/// What every record with one measurement or more tells, whatever the band.
+struct RecordFacts {
   double rate_hz = 0;              ///< of the longest stretch
   double fresh_rate_hz = 0;        ///< the same without readings handed out again
   double duration_s = 0;           ///< of all stretches together
@@ -56,51 +33,135 @@ struct BandAnalysis {
   std::size_t bridged = 0;   ///< rows interpolated
   std::size_t segments = 0;  ///< pieces filtered each on its own
   std::array<std::size_t, trial::kSampleStatusCount> by_status{};  ///< rows of each status
+};
 
-  // The band.
-  BandPass band;                                 ///< as used: the order may have been lowered
-  std::optional<TimeWindow> window;              ///< whole periods of the tone, all settled
-  std::optional<double> band_rms_m;              ///< over `window`
-  std::optional<double> band_rms_uncertainty_m;  ///< see AnalyzeBand
-  std::optional<double> band_rms_whole_m;        ///< all filtered samples, unsettled ends too
-  std::optional<double> band_peak_to_peak_m;     ///< over `window`
-  std::optional<double> residual_rms_m;          ///< without the tone, over all that settled
-  std::optional<double> bridged_rms_m;           ///< bound on what bridging adds; 0: none bridged
+/// Which rows the numbers are of, and how they were chosen.
+struct UsedPart {
+  TimeWindow window;  ///< all settled; whole periods of the tone
+  std::size_t first_row = 0;
+  std::size_t rows = 0;
+  DriveParts drive;           ///< what was found of the drive in the piece the window is in
+  bool from_drive = false;    ///< whether the window is a part of the drive
+  bool from_channel = false;  ///< whether a drive channel said so, not the vibration itself
+  std::string why;            ///< one sentence
+};
+
+/// Motion below the band and what of it the filter lets through.
+struct BelowBand {
+  double frequency_hz = 0;  ///< of the strongest tone below the lower corner
+  double amplitude_m = 0;   ///< before the filter
+  double leaked_rms_m = 0;  ///< amplitude |H(frequency)|^2 / sqrt(2): part of the band RMS
+  bool modelled = false;    ///< taken out before the filter (dsp/analysis/below_band_model.h)
+};
+
+/// The strongest tone in the band.
+struct ToneNumbers {
+  /// As it was before the filter; its amplitude as the sensor handed it out. Uncertainties are from
+  /// the noise about it.
+  SineFit fit;
+  double amplitude_m = 0;  ///< with the sensor's gain divided out, where that is known
+  double amplitude_uncertainty_m = 0;
+  double amplitude_lower_m = 0;  ///< 95 % interval
+  double amplitude_upper_m = 0;
+  double frequency_lower_hz = 0;  ///< 95 % interval
+  double frequency_upper_hz = 0;
+  double sine_rms_m = 0;             ///< RMS of the fitted sine behind the filter
+  double share_of_rms = 0;           ///< sine_rms_m / RMS as measured: 1 for a clean tone
+  double velocity_m_per_s = 0;       ///< amplitude: 2 pi f amplitude_m
+  double acceleration_m_per_s2 = 0;  ///< amplitude: (2 pi f)^2 amplitude_m
+};
+
+/// What the sensor did to the numbers.
+struct SensorNumbers {
+  SensorAveraging averaging;
+  std::optional<double> gain_at_tone;      ///< where it is known and there is a tone
+  bool divided_out = false;                ///< whether RMS and amplitude hold it
+  std::optional<GainBounds> gain_in_band;  ///< least and greatest over the band
+  bool amplitude_verified = false;         ///< false: "sensor averaging unknown", or below 0.5
+};
+
+/// How a vibration begins, by its tone's moving fit.
+struct OnsetNumbers {
+  Edge edge;                        ///< times count from the record's zero
+  std::optional<double> drive_s;    ///< when the drive began; nothing without a drive channel
+  std::optional<double> latency_s;  ///< from there to the vibration's 10 %
+};
+
+/// What a window says of the band.
+struct BandNumbers {
+  UsedPart part;
+  RmsEstimate rms;
+  double whole_rms_m = 0;     ///< of all filtered samples, unsettled ends and pauses too
+  double peak_to_peak_m = 0;  ///< over the window, as measured
+  double residual_rms_m = 0;  ///< over the window, without the tone and its harmonics in the band
+  double bridged_rms_m = 0;   ///< bound on what bridging adds; 0: none bridged
+  std::optional<NoiseFloor> floor;
   std::optional<BelowBand> below_band;
-  std::optional<SineFit> tone;                ///< corrected for the filter's gain
-  std::optional<double> sensor_gain_at_tone;  ///< of its averaging; not divided out
+  std::optional<ToneNumbers> tone;
+  std::optional<Harmonics> harmonics;  ///< of unfiltered samples; where a second one is observable
+  std::optional<OnsetNumbers> onset;
+  SensorNumbers sensor;
+  NoisePower power;  ///< of the whole window, tone and all: what another trial takes as its floor
+};
 
-  /// Row by row: the filtered signal (NaN where there is none) and, for the window, its rows.
+/// A tone of known frequency in a record too slow for the band.
+struct KnownTone {
+  SineFit fit;           ///< amplitude as the sensor handed it out
+  bool aliased = false;  ///< the frequency lies above half the rate of new readings
+};
+
+/// What a record says about vibration in a band.
+struct BandAnalysis {
+  /// Whether `numbers` answers the question. Where it is false although `numbers` is there, they
+  /// are an estimate that may be shown with the reasons beside it only.
+  bool answered = false;
+  std::vector<std::string> reasons;  ///< why not, each with what would help; empty when answered
+  std::vector<std::string> remarks;  ///< what was left out, lowered or assumed
+  RecordFacts record;
+  Faults faults;                       ///< rows count from the record's first
+  BandPass band;                       ///< as used: the order may have been lowered
+  std::optional<BandNumbers> numbers;  ///< nothing where no part could be filtered
+  std::optional<KnownTone> known_tone;
+
+  /// Row by row: the filtered signal, NaN where there is none; empty where nothing was filtered.
   std::vector<double> filtered_m;
-  std::size_t window_first_row = 0;
-  std::size_t window_rows = 0;
 };
 
 /// Answers how much a record vibrates within a band.
 ///
-/// The first displacement channel is split into segments (dsp/analysis/segments.h); each is
-/// filtered with zero phase on its own. The window is the longest settled part of any segment
-/// (dsp/filter/settled.h), shortened to whole periods of the strongest tone in it. Too little
-/// settled (below 2 periods of the lower corner): the order is lowered as far as 2, as long as what
-/// leaks from below the band changes the RMS by less than 1 %; otherwise the record is not
-/// answered. The tone's amplitude is divided by |H|^2 at its frequency.
+/// The first displacement channel in metres is split into segments (dsp/analysis/segments.h); each
+/// is filtered with zero phase on its own. Where less than half of one settles
+/// (dsp/filter/settled.h), motion below the band is modelled (dsp/analysis/below_band_model.h). Too
+/// little settled all the same (below 2 periods of the lower corner): the order is lowered as far
+/// as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise the
+/// record is not answered.
 ///
-/// The standard uncertainty of the RMS is that of a tone of amplitude A in Gaussian noise of RMS s,
-/// flat over the band of width B, observed for T seconds:
-///   u^2 = (A^2 s^2 + s^4) / (4 B T RMS^2)
-/// (Bendat and Piersol, Random Data, 4th ed., 8.2, for A = 0). It does not hold for other motion
-/// and knows nothing of the sensor's calibration.
+/// The window is the longest steady part of the drive, by a voltage, current or trigger channel
+/// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
+/// whose tone is there in the quiet parts too (30 % of its amplitude) is no drive. Without one it
+/// is all that has settled. It is shortened to whole periods of the strongest tone in it; of more
+/// than 2^21 samples the tone is sought in the middle.
 ///
-/// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled
-/// sensor whose times are uncertain by 0.1/upper corner or more (its readings are of unknown age;
-/// a free-running one has a clock, however its arrivals scatter); too little settled. Errors: a
-/// wrong band (Cause::kUsage), no displacement channel in metres, no measurement in it
-/// (Cause::kCannotAnswer).
+/// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
+/// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
+/// what leaks from below the band, quantisation, bridging, and settling to 2.5e-5. The sensor's
+/// calibration is not included and a remark says so.
+///
+/// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
+/// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
+/// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
+/// where times are known to 0.1/f; too little settled; a sensor gain below 0.5 at the tone; more
+/// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
+/// displacement channel in metres, no measurement in it (Cause::kCannotAnswer).
 /// `threads` changes no number. Further errors: as RowSource::Read.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
                                                const BandQuestion& question, int threads = 1);
 /// The same of a record in memory.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
+
+/// The floor that a drive-off trial gives: all of its window's power. Nothing where it has none.
+[[nodiscard]] std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off,
+                                                const std::string& source);
 
 }  // namespace haptometer::dsp

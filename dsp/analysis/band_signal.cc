@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -79,9 +78,11 @@ std::vector<double> GreatestInCells(std::span<const double> samples, std::size_t
 
 }  // namespace
 
-BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design)
+BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design,
+                       std::optional<BelowBandModel> model)
     : samples_(samples),
       design_(design),
+      model_(std::move(model)),
       blocks_(design, samples.size()),
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
       cells_((samples.size() + cell_samples_ - 1) / cell_samples_) {
@@ -91,13 +92,23 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
                                       int threads) {
-  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design);
+  BandSignal signal(samples, design, std::nullopt);
   if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
 }
 
+Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
+                                            const FilterDesign& design, BelowBandModel model,
+                                            int threads) {
+  BandSignal signal(samples, design, std::move(model));
+  if (auto filtered = signal.FilterAll(threads); !filtered) {
+    return std::unexpected(filtered.error());
+  }
+  return signal;
+}
+
 Result<void> BandSignal::FilterAll(int threads) {
+  HAPTOMETER_CHECK(size() >= 1, "no samples");
   // the ends first, then the blocks
   EndDependence dependence;
   const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
@@ -114,7 +125,11 @@ Result<void> BandSignal::FilterAll(int threads) {
 }
 
 ReadSamples BandSignal::reading() const {
-  return [this](std::size_t first, std::span<double> out) { return samples_.Read(first, out); };
+  return [this](std::size_t first, std::span<double> out) -> Result<void> {
+    if (auto read = samples_.Read(first, out); !read) return read;
+    if (model_) model_->Subtract(first, out);
+    return {};
+  };
 }
 
 Result<std::span<double>> BandSignal::Filtered(const SampleRange& block, Buffers& buffers) const {
@@ -122,6 +137,7 @@ Result<std::span<double>> BandSignal::Filtered(const SampleRange& block, Buffers
   const std::span<double> samples = std::span(buffers.samples).first(block.count);
   const auto done = blocks_.Filter(block, reading(), Continuation::kOdd, samples, buffers.scratch);
   if (!done) return std::unexpected(done.error());
+  if (model_) model_->AddFiltered(design_, block.first, samples);
   return samples;
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "base/result.h"
+#include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/settled.h"
@@ -41,6 +43,13 @@ class BandSignal {
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads);
 
+  /// The same with motion below the band taken from the samples before the filter, and what a
+  /// filter makes of it for ever added behind it (dsp/analysis/below_band_model.h); `model` is the
+  /// segment's.
+  [[nodiscard]] static Result<BandSignal> FilterBeside(const SegmentSamples& samples,
+                                                       const FilterDesign& design,
+                                                       BelowBandModel model, int threads);
+
   [[nodiscard]] std::size_t size() const { return samples_.size(); }
   [[nodiscard]] double rate_hz() const { return samples_.rate_hz(); }
   [[nodiscard]] std::size_t first_row() const { return samples_.segment().first_row; }
@@ -48,6 +57,7 @@ class BandSignal {
   [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
+  [[nodiscard]] const std::optional<BelowBandModel>& model() const { return model_; }
 
   /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
   /// whole cells.
@@ -80,12 +90,13 @@ class BandSignal {
     std::vector<double> samples;
   };
 
-  BandSignal(const SegmentSamples& samples, const FilterDesign& design);
+  BandSignal(const SegmentSamples& samples, const FilterDesign& design,
+             std::optional<BelowBandModel> model);
 
-  // what the segment's samples are asked for by
+  // the segment's samples less the model
   [[nodiscard]] ReadSamples reading() const;
   [[nodiscard]] Result<void> FilterAll(int threads);
-  // a block, filtered; it lies in `buffers`
+  // a block, filtered with an odd continuation, the model's share added; it lies in `buffers`
   [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
                                                    Buffers& buffers) const;
   [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);
@@ -101,6 +112,7 @@ class BandSignal {
 
   SegmentSamples samples_;
   FilterDesign design_;
+  std::optional<BelowBandModel> model_;
   ZeroPhaseBlocks blocks_;
   std::size_t settled_begin_ = 0;
   std::size_t settled_end_ = 0;

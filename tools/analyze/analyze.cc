@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/quantity.h"
 #include "dsp/analysis/band_analysis.h"
 #include "tools/analyze/analyze_output.h"
 #include "tools/cli/band.h"
@@ -36,6 +37,9 @@ struct Wanted {
   std::optional<std::int64_t> order;
   std::string corner = "whole";
   std::string plot;
+  std::string window = "auto";
+  std::string floor;
+  std::string drive_frequency;
   std::optional<std::int64_t> threads;
   cli::ImportWords import;
 };
@@ -49,6 +53,14 @@ void Declare(cli::Options& options, Wanted& wanted) {
                 "record is too short for it)");
   options.Choice("--corner", &wanted.corner, {"whole", "each"},
                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+  options.Text("--window", &wanted.window, "auto|all|BEGIN:END",
+               "Which part is measured: the steady part of the drive (auto), all that has settled, "
+               "or a stretch of time as 1s:3s");
+  options.Text("--floor", &wanted.floor, "FILE",
+               "A trial without drive: its RMS in the band is taken off in power");
+  options.Text("--drive-frequency", &wanted.drive_frequency, "F",
+               "Of a trial too slow for the band: fit a tone at this frequency",
+               cli::Shown::kHelpAll);
   options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
                "Draw the trial and what was used of it");
   options.Count(
@@ -56,6 +68,47 @@ void Declare(cli::Options& options, Wanted& wanted) {
       "Threads that filter (default: as many as there are cores); no number depends on it",
       cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &wanted.import);
+}
+
+// "auto", "all", "1s:3s"
+Result<void> TakeWindow(const std::string& text, dsp::BandQuestion* question) {
+  if (text == "auto") return {};
+  if (text == "all") {
+    question->choice = dsp::WindowChoice::kAll;
+    return {};
+  }
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) {
+    return Usage("--window", fmt::format("'{}' is no window", text), "write auto, all or 1s:3s");
+  }
+  const auto begin = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
+  if (!begin) return std::unexpected(begin.error());
+  const auto end = ParseQuantity(text.substr(colon + 1), Dimension::kTime, "--window");
+  if (!end) return std::unexpected(end.error());
+  if (!(end->value > begin->value)) {
+    return Usage("--window", fmt::format("'{}' ends before it begins", text), "write it as 1s:3s");
+  }
+  question->choice = dsp::WindowChoice::kGiven;
+  question->window = {begin->value, end->value};
+  return {};
+}
+
+// what a drive-off trial leaves in the band
+Result<dsp::NoiseFloor> ReadFloor(const Wanted& wanted, const trial::ImportOptions& import,
+                                  dsp::BandQuestion question, int threads) {
+  question.choice = dsp::WindowChoice::kAll;
+  question.keep_filtered = false;
+  const auto named = [&](Error error) {
+    if (error.where.empty()) error.where = wanted.floor;
+    return std::unexpected(std::move(error));
+  };
+  const auto opened = trial::OpenRows(wanted.floor, import);
+  if (!opened) return named(opened.error());
+  const auto analysis = dsp::AnalyzeBand(*opened->rows, question, threads);
+  if (!analysis) return named(analysis.error());
+  auto floor = dsp::FloorOf(*analysis, wanted.floor);
+  if (!floor) return CannotAnswer(wanted.floor, "gives no floor: " + analysis->reasons.front());
+  return *floor;
 }
 
 Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
@@ -73,6 +126,15 @@ Result<dsp::BandQuestion> QuestionOf(const Wanted& wanted) {
   dsp::BandQuestion question;
   question.band.lower_hz = band->lower_hz;
   question.band.upper_hz = band->upper_hz;
+  if (auto taken = TakeWindow(wanted.window, &question); !taken) {
+    return std::unexpected(taken.error());
+  }
+  if (!wanted.drive_frequency.empty()) {
+    const auto frequency =
+        ParseQuantity(wanted.drive_frequency, Dimension::kFrequency, "--drive-frequency");
+    if (!frequency) return std::unexpected(frequency.error());
+    question.drive_frequency_hz = frequency->value;
+  }
   question.may_lower_order = !wanted.order.has_value();
   question.band.order = static_cast<int>(wanted.order.value_or(question.band.order));
   question.band.corners = wanted.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
@@ -106,7 +168,9 @@ AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
   if (!opened) return fail(opened.error());
   file.source = opened->rows->head().metadata.source;
   file.remarks = LossesOf(opened->report);
-  auto analysis = dsp::AnalyzeBand(*opened->rows, question, threads);
+  dsp::BandQuestion asked = question;
+  asked.keep_filtered = !plot.empty();
+  auto analysis = dsp::AnalyzeBand(*opened->rows, asked, threads);
   if (!analysis) return fail(analysis.error());
   if (!plot.empty()) {
     // what is drawn is in memory as a whole
@@ -143,10 +207,15 @@ int RunAnalyze(int argc, const char* const* argv) {
   Wanted wanted;
   Declare(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  const auto question = QuestionOf(wanted);
+  auto question = QuestionOf(wanted);
   if (!question) return cli::ReportError(kVerb, question.error());
   const auto import = cli::ImportOf(wanted.import);
   if (!import) return cli::ReportError(kVerb, import.error());
+  if (!wanted.floor.empty()) {
+    auto floor = ReadFloor(wanted, *import, *question, ThreadsOf(wanted));
+    if (!floor) return cli::ReportError(kVerb, floor.error());
+    question->floor = std::move(*floor);
+  }
 
   // one after the other: an error of one file does not keep the others from their answer
   std::vector<AnalyzedFile> files;

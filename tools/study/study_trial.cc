@@ -26,11 +26,15 @@ std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
 
 void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
                   StudyTrial& trial) {
-  trial.answered = analysis.answered && analysis.band_rms_m.has_value();
+  trial.answered = analysis.answered && analysis.numbers && !analysis.numbers->rms.below_floor;
   trial.reasons = analysis.reasons;
-  if (!trial.answered) return;
-  trial.rms_m = analysis.band_rms_m;
-  trial.rms_uncertainty_m = analysis.band_rms_uncertainty_m;
+  if (!trial.answered) {
+    if (analysis.answered)
+      trial.reasons.emplace_back("its vibration does not exceed the noise floor");
+    return;
+  }
+  trial.rms_m = analysis.numbers->rms.rms_m;
+  trial.rms_uncertainty_m = analysis.numbers->rms.standard_uncertainty_m;
   if (analysis.band.order != question.band.order) {
     trial.deviations.push_back(fmt::format("filter of order {}", analysis.band.order));
   }

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/segments.h"
+#include "trial/row_source.h"
+
+/// The filtering step of AnalyzeBand.
+namespace haptometer::dsp {
+
+/// The shortest window, in periods of the lower corner.
+inline constexpr double kLeastWindowPeriods = 2;
+
+/// A record's displacement, and how many threads may filter it.
+struct Displacement {
+  const trial::RowSource& source;
+  std::size_t channel = 0;
+  int threads = 1;
+};
+
+/// Filters every segment that is fast enough with the asked order, or with the highest lower one
+/// that leaves enough settled; motion below the band is modelled where that helps.
+///
+/// Says in `analysis` (band, remarks, reasons) which order, or why none does; then nothing is
+/// returned. The signals refer to `segments`. Errors: as RowSource::Read.
+[[nodiscard]] Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displacement,
+                                                                  const Segments& segments,
+                                                                  const BandQuestion& question,
+                                                                  BandAnalysis* analysis);
+
+/// The signal with most seconds settled; `all` is not empty.
+[[nodiscard]] const BandSignal& LongestSettled(const std::vector<BandSignal>& all);
+
+/// Seconds that have settled.
+[[nodiscard]] double SettledSeconds(const BandSignal& signal);
+
+/// The strongest tone below the band, of at most 2^21 samples in the middle, and what two passes
+/// leave of it.
+[[nodiscard]] Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal,
+                                                             double lower_hz);
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace haptometer::dsp {
+
+/// A mean square that noise made, and how far it scatters.
+struct NoisePower {
+  double mean_square = 0;
+  double variance = 0;  ///< of `mean_square`
+
+  /// Degrees of freedom of the chi-squared with this mean and variance; infinite without variance.
+  [[nodiscard]] double degrees_of_freedom() const;
+};
+
+/// Noise over a window, by its periodogram.
+///
+/// With p[k] the mean square in bin k (sum over k of p = mean square of the samples without their
+/// mean), Gaussian noise of any spectrum S has
+///   variance of the mean square = integral of S^2 df / T = sum over k of p[k]^2 / 2
+/// because E[p^2] = 2 (S/T)^2: no shape of the spectrum is assumed. The equivalent bandwidth is
+/// (integral of S)^2 / integral of S^2. Bendat and Piersol, Random Data, 4th ed., 8.2.
+struct BandNoise {
+  NoisePower power;
+  double bin_hz = 0;
+  std::vector<double> bins;  ///< p[k], k from 0
+
+  /// One-sided density about `frequency_hz`, in units^2/Hz: the mean of 24 bins on either side that
+  /// lie between `lower_hz` and `upper_hz`, the nearest one left out on each side and the one at it
+  /// (a fit has taken its share from them). 0 where there are none.
+  [[nodiscard]] double DensityNear(double frequency_hz, double lower_hz, double upper_hz) const;
+
+  /// (integral of S)^2 / integral of S^2, in Hz; 0 for silence.
+  [[nodiscard]] double EquivalentBandwidthHz() const;
+};
+
+/// Measures `samples` (2 at least) taken at `rate_hz`. Cost: one transform; memory three times the
+/// samples. Frequencies above `upper_hz` are left out of the bins, not of the mean square.
+[[nodiscard]] BandNoise MeasureNoise(std::span<const double> samples, double rate_hz,
+                                     double upper_hz);
+
+/// The mean square over windows of unequal length, weighted by it. Empty: all 0.
+struct WeightedPower {
+  NoisePower power;
+  double duration_s = 0;
+};
+[[nodiscard]] NoisePower Pooled(std::span<const WeightedPower> windows);
+
+}  // namespace haptometer::dsp

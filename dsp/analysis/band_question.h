@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "dsp/analysis/band_noise.h"
+#include "dsp/analysis/time_window.h"
+#include "dsp/filter/butterworth.h"
+
+namespace haptometer::dsp {
+
+/// A band-pass is used only on records sampled at least this often per cycle of its upper corner.
+inline constexpr double kLeastRatePerUpperCorner = 2.56;
+
+/// Which part of a record the numbers are of.
+enum class WindowChoice : std::uint8_t {
+  kAuto,   ///< the steady part of the drive (dsp/analysis/drive_part.h), or all that has settled
+  kAll,    ///< all that has settled
+  kGiven,  ///< a window that was asked for, as far as it has settled
+};
+
+/// Noise without drive, in a band.
+struct NoiseFloor {
+  NoisePower power;
+  double duration_s = 0;  ///< that it was measured over
+  std::string source;     ///< "0.000 s to 0.375 s of the record", or a file
+};
+
+/// What is asked of a record.
+struct BandQuestion {
+  BandPass band;
+  /// Whether a lower order may be taken where the asked one leaves too little settled.
+  bool may_lower_order = true;
+  WindowChoice choice = WindowChoice::kAuto;
+  TimeWindow window;  ///< where `choice` is kGiven
+  /// Of a drive-off trial (FloorOf); measured in the record's own quiet part where absent.
+  std::optional<NoiseFloor> floor;
+  /// For a record too slow for the band; the file's metadata is asked where absent.
+  std::optional<double> drive_frequency_hz;
+  bool keep_filtered = true;  ///< whether BandAnalysis::filtered_m is filled: 8 B a row
+};
+
+}  // namespace haptometer::dsp

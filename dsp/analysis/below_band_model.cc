@@ -1,0 +1,214 @@
+#include "dsp/analysis/below_band_model.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "base/check.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr std::size_t kDriftTerms = 4;
+constexpr int kMostLow = 3;
+constexpr int kMostInBand = 2;
+constexpr int kMostSteps = 12;
+constexpr double kAtRestRad = 1e-11;
+constexpr Eigen::Index kRowsAtOnce = 256;
+
+using Sine = BelowBandModel::Sine;
+
+struct Parts {
+  std::array<double, kDriftTerms> drift{};
+  std::vector<Sine> sines;
+};
+
+std::array<double, kDriftTerms> Legendre(double tau) {
+  return {1, tau, 0.5 * (3 * tau * tau - 1), 0.5 * tau * (5 * tau * tau - 3)};
+}
+
+// half the signal's length in seconds and its middle's index
+struct Frame {
+  double middle = 0;
+  double rate_hz = 0;
+
+  [[nodiscard]] double Tau(std::size_t n) const {
+    return (static_cast<double>(n) - middle) / middle;
+  }
+  [[nodiscard]] double Angle(const Sine& sine, std::size_t n) const {
+    return kTwoPi * sine.frequency_hz * (static_cast<double>(n) - middle) / rate_hz;
+  }
+};
+
+double ValueAt(const Frame& frame, const Parts& parts, std::size_t n) {
+  const auto p = Legendre(frame.Tau(n));
+  double value = 0;
+  for (std::size_t k = 0; k < kDriftTerms; ++k) value += parts.drift[k] * p[k];
+  for (const Sine& sine : parts.sines) {
+    const double angle = frame.Angle(sine, n);
+    value += sine.cosine * std::cos(angle) + sine.sine * std::sin(angle);
+  }
+  return value;
+}
+
+// derivatives by the drift's terms, then by cosine, sine and w T/2 of each sine
+void FillRow(const Frame& frame, const Parts& parts, std::size_t n,
+             Eigen::Ref<Eigen::VectorXd> row) {
+  const double tau = frame.Tau(n);
+  const auto p = Legendre(tau);
+  Eigen::Index column = 0;
+  for (const double value : p) row[column++] = value;
+  for (const Sine& sine : parts.sines) {
+    const double angle = frame.Angle(sine, n);
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    row[column++] = c;
+    row[column++] = s;
+    row[column++] = tau * (sine.sine * c - sine.cosine * s);
+  }
+}
+
+struct Normal {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd right;
+};
+
+Normal Linearise(const Frame& frame, const Parts& parts, std::span<const double> signal) {
+  const auto columns = static_cast<Eigen::Index>(kDriftTerms + 3 * parts.sines.size());
+  Normal normal{Eigen::MatrixXd::Zero(columns, columns), Eigen::VectorXd::Zero(columns)};
+  Eigen::MatrixXd rows(columns, kRowsAtOnce);
+  Eigen::VectorXd left(kRowsAtOnce);
+  for (std::size_t begin = 0; begin < signal.size(); begin += kRowsAtOnce) {
+    const auto size =
+        static_cast<Eigen::Index>(std::min<std::size_t>(kRowsAtOnce, signal.size() - begin));
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const std::size_t n = begin + static_cast<std::size_t>(k);
+      FillRow(frame, parts, n, rows.col(k));
+      left[k] = signal[n] - ValueAt(frame, parts, n);
+    }
+    normal.matrix.noalias() += rows.leftCols(size) * rows.leftCols(size).transpose();
+    normal.right.noalias() += rows.leftCols(size) * left.head(size);
+  }
+  return normal;
+}
+
+// one step of Gauss and Newton, columns scaled to one length; the largest turn of a phase at the
+// ends, nothing where the parts cannot be told apart
+std::optional<double> Step(const Frame& frame, std::span<const double> signal, Parts& parts) {
+  Normal normal = Linearise(frame, parts, signal);
+  const Eigen::VectorXd scale =
+      normal.matrix.diagonal().unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 1.0; });
+  normal.matrix = scale.asDiagonal() * normal.matrix * scale.asDiagonal();
+  normal.right = scale.asDiagonal() * normal.right;
+  const Eigen::LDLT<Eigen::MatrixXd> solver(normal.matrix);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-12)) return std::nullopt;
+  const Eigen::VectorXd change = scale.asDiagonal() * solver.solve(normal.right);
+  if (!change.allFinite()) return std::nullopt;
+  Eigen::Index column = 0;
+  for (double& term : parts.drift) term += change[column++];
+  double turn = 0;
+  const double half_s = frame.middle / frame.rate_hz;
+  for (Sine& sine : parts.sines) {
+    sine.cosine += change[column++];
+    sine.sine += change[column++];
+    turn = std::max(turn, std::abs(change[column]));
+    sine.frequency_hz += change[column++] / (kTwoPi * half_s);
+  }
+  return turn;
+}
+
+// whether the parts came to rest near where they were
+bool Refine(const Frame& frame, std::span<const double> signal, Parts& parts) {
+  const std::vector<Sine> start = parts.sines;
+  const double most_hz = 0.5 * frame.rate_hz / frame.middle;  // 1 / duration
+  for (int step = 0; step < kMostSteps; ++step) {
+    const std::optional<double> turn = Step(frame, signal, parts);
+    if (!turn) return false;
+    for (std::size_t k = 0; k < start.size(); ++k) {
+      const double moved = std::abs(parts.sines[k].frequency_hz - start[k].frequency_hz);
+      if (!(moved <= most_hz) || !(parts.sines[k].frequency_hz > 0)) return false;
+    }
+    if (*turn < kAtRestRad) return true;
+  }
+  return true;  // noise keeps it moving by less than it matters
+}
+
+std::vector<double> Rest(const Frame& frame, std::span<const double> signal, const Parts& parts) {
+  std::vector<double> rest(signal.size());
+  for (std::size_t n = 0; n < signal.size(); ++n) rest[n] = signal[n] - ValueAt(frame, parts, n);
+  return rest;
+}
+
+// `fit` in the model's terms: its phase is at the first sample
+Sine StartOf(const Frame& frame, const SineFit& fit) {
+  const double phase = fit.phase_rad + kTwoPi * fit.frequency_hz * frame.middle / frame.rate_hz;
+  return {fit.frequency_hz, fit.amplitude * std::cos(phase), -fit.amplitude * std::sin(phase)};
+}
+
+}  // namespace
+
+double BelowBandModel::Sine::amplitude() const { return std::hypot(cosine, sine); }
+
+std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal, double rate_hz,
+                                                  double lower_hz, double upper_hz) {
+  if (signal.size() < 8) return std::nullopt;
+  const Frame frame{0.5 * static_cast<double>(signal.size() - 1), rate_hz};
+  const double least_hz = 2 * rate_hz / static_cast<double>(signal.size());
+  if (!(least_hz < lower_hz)) return std::nullopt;
+  std::vector<double> centred(signal.begin(), signal.end());
+  const double mean = Mean(signal);
+  for (double& x : centred) x -= mean;
+
+  Parts parts;
+  if (!Refine(frame, centred, parts)) return std::nullopt;
+  int low = 0;
+  for (int in_band = 0; low < kMostLow && in_band <= kMostInBand;) {
+    const auto tone = StrongestTone(Rest(frame, centred, parts), {rate_hz, least_hz, upper_hz, 0});
+    if (!tone) break;
+    Parts more = parts;
+    more.sines.push_back(StartOf(frame, *tone));
+    if (!Refine(frame, centred, more)) break;
+    parts = std::move(more);
+    ++(tone->frequency_hz < lower_hz ? low : in_band);
+  }
+  std::erase_if(parts.sines, [&](const Sine& sine) { return sine.frequency_hz >= lower_hz; });
+  if (parts.sines.empty()) return std::nullopt;
+  std::ranges::stable_sort(parts.sines, std::ranges::greater{}, &Sine::amplitude);
+
+  BelowBandModel model;
+  model.drift_ = parts.drift;
+  model.drift_[0] += mean;
+  model.sines_ = std::move(parts.sines);
+  model.rate_hz_ = rate_hz;
+  model.size_ = signal.size();
+  return model;
+}
+
+void BelowBandModel::Subtract(std::size_t first, std::span<double> samples) const {
+  HAPTOMETER_CHECK(first + samples.size() <= size_, "{} + {} of {}", first, samples.size(), size_);
+  const Frame frame{0.5 * static_cast<double>(size_ - 1), rate_hz_};
+  const Parts parts{drift_, sines_};
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] -= ValueAt(frame, parts, first + k);
+}
+
+void BelowBandModel::AddFiltered(const FilterDesign& design, std::size_t first,
+                                 std::span<double> filtered) const {
+  HAPTOMETER_CHECK(first + filtered.size() <= size_, "{} + {} of {}", first, filtered.size(),
+                   size_);
+  const Frame frame{0.5 * static_cast<double>(size_ - 1), rate_hz_};
+  Parts parts{{}, sines_};
+  for (Sine& sine : parts.sines) {
+    const double gain = std::norm(Response(design, sine.frequency_hz));
+    sine.cosine *= gain;
+    sine.sine *= gain;
+  }
+  for (std::size_t k = 0; k < filtered.size(); ++k) filtered[k] += ValueAt(frame, parts, first + k);
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,297 @@
+#include "dsp/analysis/faults.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/check.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kBlock = 4096;
+// rows about a block that its judgement reads: the local median's and the template's
+constexpr std::size_t kMargin = 48;
+constexpr std::size_t kLocalReach = 32;
+constexpr std::size_t kMedianStride = 8;
+constexpr double kDeviations = 8;
+constexpr double kMadToDeviation = 1.4826;
+constexpr double kLeastSteps = 4;
+constexpr double kSteepSteps = 2.5;
+constexpr std::size_t kLeastHeld = 4;
+constexpr std::size_t kLeastAtExtreme = 3;
+constexpr std::size_t kLeastExtremeRuns = 2;
+constexpr double kFalseHolds = 0.01;
+constexpr std::size_t kMostCandidates = 65'536;
+
+// a shape is tried on rows center - kReach .. center + kReach
+constexpr std::size_t kReach = 6;
+constexpr std::size_t kShapeRows = 2 * kReach + 1;
+using Shape = std::array<double, kShapeRows>;
+
+// what the cubic through the neighbours leaves of `x` at `k`
+template <typename Values>
+double CubicError(const Values& x, std::size_t k) {
+  return x[k] - (4 * (x[k - 1] + x[k + 1]) - (x[k - 2] + x[k + 2])) / 6;
+}
+
+// e of a spike of `rows` rows (0: a step) of height 1 that begins at `at`, counted from the first
+// row
+Shape ErrorOf(std::size_t at, std::size_t rows) {
+  std::array<double, kShapeRows + 4> x{};
+  for (std::size_t k = at + 2; k < x.size(); ++k) x[k] = rows == 0 || k < at + 2 + rows ? 1 : 0;
+  Shape error{};
+  for (std::size_t k = 0; k < kShapeRows; ++k) error[k] = CubicError(x, k + 2);
+  return error;
+}
+
+struct Fit {
+  double height = 0;
+  double rest = 0;  // squares that are left
+};
+
+Fit Project(const Shape& error, const Shape& shape) {
+  double product = 0;
+  double norm = 0;
+  double square = 0;
+  for (std::size_t k = 0; k < kShapeRows; ++k) {
+    product += error[k] * shape[k];
+    norm += shape[k] * shape[k];
+    square += error[k] * error[k];
+  }
+  return {product / norm, square - product * product / norm};
+}
+
+// the shape that explains `error` best; rows count from the first row of the shape
+Fault BestShape(const Shape& error) {
+  Fault best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t rows = 0; rows <= 3; ++rows) {
+    for (std::size_t at = kReach - 2; at <= kReach + 2; ++at) {
+      const Fit fit = Project(error, ErrorOf(at, rows));
+      if (!(fit.rest < least)) continue;
+      least = fit.rest;
+      best = {rows == 0 ? FaultKind::kStep : FaultKind::kSpike, at, std::max<std::size_t>(rows, 1),
+              fit.height};
+    }
+  }
+  return best;
+}
+
+double MedianOf(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+}  // namespace
+
+std::string_view Name(FaultKind kind) {
+  constexpr std::array<std::string_view, kFaultKindCount> kNames{"clipped", "held", "spike",
+                                                                 "step"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+std::string_view Words(FaultKind kind, std::size_t count) {
+  constexpr std::array<std::string_view, kFaultKindCount> kOne{"clipped stretch", "held reading",
+                                                               "spike", "step"};
+  constexpr std::array<std::string_view, kFaultKindCount> kMany{"clipped stretches",
+                                                                "held readings", "spikes", "steps"};
+  return (count == 1 ? kOne : kMany)[static_cast<std::size_t>(kind)];
+}
+
+FaultScanner::FaultScanner(const FaultScale& scale) : scale_(scale) {
+  window_.reserve(2 * kBlock + 2 * kMargin);
+}
+
+void FaultScanner::Add(const Fault& fault) {
+  const auto kind = static_cast<std::size_t>(fault.kind);
+  ++faults_.count[kind];
+  faults_.rows[kind] += fault.rows;
+  if (faults_.count[kind] <= kMostListed) faults_.list.push_back(fault);
+}
+
+double FaultScanner::Step() const {
+  if (scale_.resolution > 0) return scale_.resolution;
+  return std::isfinite(least_change_) ? least_change_ : 0;
+}
+
+void FaultScanner::Feed(std::size_t first_row, std::span<const double> values,
+                        std::span<const trial::SampleStatus> statuses) {
+  HAPTOMETER_CHECK(first_row == fed_ && values.size() == statuses.size(),
+                   "row {} after {}, {} values and {} statuses", first_row, fed_, values.size(),
+                   statuses.size());
+  for (std::size_t k = 0; k < values.size(); ++k, ++fed_) {
+    const double value = values[k];
+    const trial::SampleStatus status = statuses[k];
+    const bool measured = trial::IsMeasurement(status) && std::isfinite(value);
+    FeedClipped(fed_, status == trial::SampleStatus::kClipped ||
+                          (measured && (value <= scale_.range_min || value >= scale_.range_max)));
+    if (!measured) {
+      EndRun(0);
+    } else if (status != trial::SampleStatus::kRepeated) {
+      FeedRun(fed_, value);
+    }
+    window_.push_back(measured ? value : kNaN);
+    if (fed_ + 1 == scanned_ + kBlock + kMargin) ScanBlock(scanned_ + kBlock);
+  }
+}
+
+Faults FaultScanner::Finish() {
+  EndRun(0);
+  FeedClipped(fed_, false);
+  if (scanned_ < fed_) ScanBlock(fed_);
+  FinishExtremes();
+  FinishHeld();
+  std::ranges::stable_sort(faults_.list, {}, &Fault::first_row);
+  return std::move(faults_);
+}
+
+void FaultScanner::FeedClipped(std::size_t row, bool clipped) {
+  if (clipped) {
+    if (clipped_.rows++ == 0) clipped_.first_row = row;
+  } else if (clipped_.rows > 0) {
+    Add(clipped_);
+    clipped_.rows = 0;
+  }
+}
+
+void FaultScanner::FeedRun(std::size_t row, double value) {
+  if (run_.rows > 0 && value == run_.value) {
+    ++run_.rows;
+    return;
+  }
+  double jump = 0;
+  if (run_.rows > 0) {
+    jump = std::abs(value - run_.value);
+    least_change_ = std::min(least_change_, jump);
+    EndRun(jump);
+  }
+  run_ = {row, 1, value, jump};
+}
+
+bool FaultScanner::IsSteep(const Fault& run) const { return run.size > kSteepSteps * Step(); }
+
+void FaultScanner::EndRun(double jump_after) {
+  if (run_.rows == 0) return;
+  ++runs_;
+  if (run_.rows > 1) ++longer_runs_;
+  if (!any_extreme_) {
+    extremes_[0].value = run_.value;
+    extremes_[1].value = run_.value;
+    any_extreme_ = true;
+  }
+  // where the resolution is not known, a step is known only once some changes were seen
+  const Fault run{FaultKind::kHeld, run_.first_row, run_.rows,
+                  std::max(run_.jump_before, jump_after)};
+  const bool candidate = fed_ < kBlock || IsSteep(run);
+  if (run_.value <= extremes_[0].value) TakeExtreme(run, run_.value, false);
+  if (run_.value >= extremes_[1].value) TakeExtreme(run, run_.value, true);
+  if (candidate && run.rows >= kLeastHeld && held_.size() < kMostCandidates) held_.push_back(run);
+  run_.rows = 0;
+}
+
+void FaultScanner::TakeExtreme(const Fault& run, double value, bool highest) {
+  Extreme& extreme = extremes_[highest ? 1 : 0];
+  if (value != extreme.value) extreme = {value, {}};
+  if (run.rows < kLeastAtExtreme || extreme.runs.size() >= kMostCandidates) return;
+  extreme.runs.push_back(run);
+}
+
+void FaultScanner::FinishExtremes() {
+  for (Extreme& extreme : extremes_) {
+    // at an end of the range they are listed already
+    if (extreme.value <= scale_.range_min || extreme.value >= scale_.range_max) continue;
+    std::erase_if(extreme.runs, [&](const Fault& run) { return !IsSteep(run); });
+    if (extreme.runs.size() < kLeastExtremeRuns) continue;
+    for (const Fault& run : extreme.runs) Add({FaultKind::kClipped, run.first_row, run.rows, 0});
+  }
+}
+
+void FaultScanner::FinishHeld() {
+  if (runs_ == 0) return;
+  // how long a run chance may give
+  const double p = static_cast<double>(longer_runs_) / static_cast<double>(runs_);
+  double length = static_cast<double>(kLeastHeld);
+  if (p > 0 && p < 1) {
+    length = std::max(length, 1 + std::log(kFalseHolds / static_cast<double>(fed_)) / std::log(p));
+  }
+  // at the extremes they are clipped already
+  const auto clipped = [&](const Fault& run) {
+    return std::ranges::any_of(faults_.list, [&](const Fault& fault) {
+      return fault.kind == FaultKind::kClipped && fault.first_row <= run.first_row &&
+             run.first_row < fault.first_row + fault.rows;
+    });
+  };
+  for (const Fault& run : held_) {
+    if (static_cast<double>(run.rows) >= length && IsSteep(run) && !clipped(run)) Add(run);
+  }
+}
+
+double FaultScanner::ErrorAt(std::size_t row) const {
+  if (row < window_first_ + 2 || row + 2 >= window_first_ + window_.size()) return kNaN;
+  return CubicError(window_, row - window_first_);
+}
+
+double FaultScanner::BlockMedian(std::size_t begin, std::size_t end) const {
+  std::vector<double> sample;
+  sample.reserve((end - begin) / kMedianStride + 1);
+  std::size_t turn = 0;  // no fixed phase: a tone may have a period of eight rows
+  for (std::size_t k = begin; k < end; k += kMedianStride, turn = (turn + 5) % kMedianStride) {
+    const std::size_t row = std::min(k + turn, end - 1);
+    const double off = off_[row - window_first_];
+    if (!std::isnan(off)) sample.push_back(off);
+  }
+  return MedianOf(sample);
+}
+
+double FaultScanner::LocalMedian(std::size_t row) const {
+  std::vector<double> near;
+  near.reserve(2 * kLocalReach);
+  const std::size_t center = row - window_first_;
+  const std::size_t first = center >= kLocalReach ? center - kLocalReach : 0;
+  for (std::size_t k = first; k < std::min(center + kLocalReach, off_.size()); ++k) {
+    if (!std::isnan(off_[k])) near.push_back(off_[k]);
+  }
+  return MedianOf(near);
+}
+
+// looks for the shape about `row`; returns the first row after what it takes
+std::size_t FaultScanner::Judge(std::size_t row, double limit) {
+  // the largest error of those that follow closely
+  std::size_t center = row;
+  for (std::size_t k = row; k < std::min(row + 5, window_first_ + off_.size()); ++k) {
+    if (off_[k - window_first_] > off_[center - window_first_]) center = k;
+  }
+  const double local = kDeviations * kMadToDeviation * LocalMedian(center);
+  if (!(off_[center - window_first_] > std::max(limit, local))) return row + 1;
+  Shape error{};
+  for (std::size_t k = 0; k < kShapeRows; ++k) {
+    const std::size_t at = center + k < kReach ? 0 : center + k - kReach;
+    const double e = at < window_first_ ? 0 : ErrorAt(at);
+    error[k] = std::isnan(e) ? 0 : e;
+  }
+  Fault fault = BestShape(error);
+  fault.first_row = center + fault.first_row - kReach;
+  Add(fault);
+  return std::max(center + 3, fault.first_row + fault.rows + 2);
+}
+
+// judges rows [scanned_, end), then lets go of what no later block reads
+void FaultScanner::ScanBlock(std::size_t end) {
+  off_.assign(window_.size(), kNaN);
+  for (std::size_t k = 2; k + 2 < window_.size(); ++k) off_[k] = std::abs(CubicError(window_, k));
+  const double limit =
+      std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
+  while (scanned_ < end) {
+    scanned_ = off_[scanned_ - window_first_] > limit ? Judge(scanned_, limit) : scanned_ + 1;
+  }
+  if (end > window_first_ + kMargin) {
+    const std::size_t gone = end - kMargin - window_first_;
+    window_.erase(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(gone));
+    window_first_ += gone;
+  }
+}
+
+}  // namespace haptometer::dsp

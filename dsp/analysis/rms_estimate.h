@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dsp/analysis/band_noise.h"
+
+namespace haptometer::dsp {
+
+/// How a contribution was evaluated (JCGM 100:2008, 4.2 and 4.3).
+enum class Evaluation : std::uint8_t {
+  kStatistical,  ///< Type A: from the scatter of the data
+  kBound,        ///< Type B: a rectangle of half width a, whose standard deviation is a / sqrt(3)
+};
+
+/// One line of an uncertainty budget.
+struct UncertaintyLine {
+  std::string name;  ///< "noise", "tremor that leaks in", ...
+  Evaluation evaluation = Evaluation::kStatistical;
+  double standard_uncertainty_m = 0;  ///< of the RMS
+  std::string how;                    ///< the reasoning, in a phrase
+};
+
+/// A bound on an error of the RMS as the filter put it out.
+struct RmsBound {
+  std::string name;
+  double half_width_m = 0;
+  std::string how;
+};
+
+/// What a window holds, in mean squares behind the filter.
+struct BandPower {
+  double tone_mean_square = 0;      ///< of the tone and its harmonics, noise's share taken off
+  double tone_variance = 0;         ///< of `tone_mean_square`, from the noise about each line
+  NoisePower rest;                  ///< everything else, noise's share of the lines included
+  std::optional<NoisePower> floor;  ///< of the same band and filter without drive
+  double sensor_gain = 1;           ///< at the tone; divided out of `tone_mean_square`
+};
+
+/// The band RMS with what was taken off and how well it is known.
+///
+///   RMS^2 = tone / gain^2 + rest - floor
+struct RmsEstimate {
+  double as_measured_m = 0;       ///< sqrt(tone + rest): nothing taken off, nothing divided out
+  std::optional<double> floor_m;  ///< RMS of the floor
+  double rms_m = 0;               ///< with the floor taken off and the gain divided out
+  double standard_uncertainty_m = 0;
+  double lower_m = 0;  ///< 95 % interval
+  double upper_m = 0;
+  /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
+  bool below_floor = false;
+  double at_most_m = 0;                 ///< one-sided 95 % upper limit
+  std::vector<UncertaintyLine> budget;  ///< adds up in squares to standard_uncertainty_m
+};
+
+/// Adds up a window's power and its uncertainty.
+///
+/// The interval is that of the sum of independent mean squares by the method of variance estimates
+/// recovery (Zou and Donner, Statistics in Medicine 27, 2008, p. 1693): each noise power has the
+/// limits of its own chi-squared, the tone those of a t distribution, and the sum's distance to
+/// either limit is the root of their squared distances. Bounds widen it in squares by 1.96 of their
+/// standard deviations, which alone would cover a rectangle whole.
+[[nodiscard]] RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds);
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/band_signal.h"
+#include "trial/row_source.h"
+
+/// The step of AnalyzeBand that chooses which rows its numbers are of.
+namespace haptometer::dsp {
+
+/// Samples [begin, end) of a signal, all settled.
+struct ChosenPart {
+  const BandSignal* signal = nullptr;
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  UsedPart part;  ///< how it was chosen; window and rows are not set yet
+};
+
+/// Samples in the middle of a part that a tone is sought and fitted in.
+inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
+
+/// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
+/// nothing, and a reason, where a given window has not settled. `all` is not empty.
+/// Errors: as RowSource::Read.
+[[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
+                                                           const std::vector<BandSignal>& all,
+                                                           const BandQuestion& question,
+                                                           BandAnalysis* analysis);
+
+/// Filtered samples [begin, end), or their middle kMostFitted.
+[[nodiscard]] Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
+                                                     std::size_t end);
+
+/// Samples of `window` in `signal`'s count, within what has settled; begin == end: none.
+[[nodiscard]] std::pair<std::size_t, std::size_t> SettledRange(const BandSignal& signal,
+                                                               const TimeWindow& window);
+
+/// The record's time of sample `sample`.
+[[nodiscard]] double TimeOfSample(const BandSignal& signal, std::size_t sample);
+
+}  // namespace haptometer::dsp
