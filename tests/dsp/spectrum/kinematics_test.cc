@@ -43,6 +43,7 @@ TEST(Kinematics, TheShortestOnesAreTheTextbooks) {
   ASSERT_EQ(two->taps.size(), 2U);
   EXPECT_REL(two->taps[0], 8.0 / 12, 1e-15, "rounding");
   EXPECT_REL(two->taps[1], -1.0 / 12, 1e-15, "rounding");
+  EXPECT_REL(two->relative_error, 8.0 / 3 * std::pow(std::sin(kPi * 1e-3), 4), 1e-14, "rounding");
 }
 
 TEST(Kinematics, OfTonesIsTheClosedForm) {
