@@ -22,6 +22,7 @@ class RealFft {
   explicit RealFft(std::size_t size)
       : size_(size), samples_(fftw_alloc_real(size)), bins_(fftw_alloc_complex(size / 2 + 1)) {
     const std::scoped_lock lock(FftwPlanner());
+    HAPTOMETER_CHECK(size <= std::size_t{1} << 30, "{} samples", size);  // FFTW counts in int
     const auto count = static_cast<int>(size);
     forward_ = fftw_plan_dft_r2c_1d(count, samples_, bins_, FFTW_ESTIMATE);
     backward_ = fftw_plan_dft_c2r_1d(count, bins_, samples_, FFTW_ESTIMATE);
