@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "dsp/filter/slow_motion.h"
+#include "dsp/filter/expected_motion.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 
@@ -34,8 +34,8 @@ Differences BeyondEnd(const FilterDesign& design, std::span<const double> signal
     differences.constant.push_back(signal[signal.size() - 1 - std::min(k, signal.size() - 1)] -
                                    signal.back());
   }
-  if (seen < kLeastSlowMotionSamples) return differences;
-  const SlowMotion motion = FitSlowMotion(signal.last(seen));
+  if (seen < kLeastExpectedMotionSamples) return differences;
+  const ExpectedMotion motion = FitExpectedMotion(signal.last(seen));
   const auto last = static_cast<double>(seen - 1);
   differences.expected = differences.constant;
   differences.fast.assign(count, 0);
@@ -51,22 +51,27 @@ Differences BeyondEnd(const FilterDesign& design, std::span<const double> signal
 // what the filter makes, in `inner` samples, of `before` (nearest first) ahead of them and `after`
 // behind them
 std::vector<double> Inside(const FilterDesign& design, std::span<const double> before,
-                           std::size_t inner, std::span<const double> after) {
+                           std::size_t inner, std::span<const double> after,
+                           ZeroPhaseBlocks::Scratch& scratch) {
   std::vector<double> around(before.size() + inner + after.size());
   std::ranges::reverse_copy(before, around.begin());
   std::ranges::copy_backward(after, around.end());
-  const std::vector<double> filtered = FilterZeroPhase(design, around, Continuation::kConstant);
-  const auto begin = filtered.begin() + static_cast<std::ptrdiff_t>(before.size());
-  return {begin, begin + static_cast<std::ptrdiff_t>(inner)};
+  std::vector<double> inside(inner);
+  const auto done = ZeroPhaseBlocks(design, around.size())
+                        .Filter(SampleRange{before.size(), inner}, ReadFrom(around),
+                                Continuation::kConstant, inside, scratch);
+  HAPTOMETER_CHECK(done, "memory cannot fail");
+  return inside;
 }
 
 // the dependence of `inner` samples on either end; an end that is far away has no differences
 std::vector<double> DependenceOf(const FilterDesign& design, const Differences& before,
-                                 std::size_t inner, const Differences& after) {
+                                 std::size_t inner, const Differences& after,
+                                 ZeroPhaseBlocks::Scratch& scratch) {
   std::vector<double> dependence(inner);
   const auto add = [&](std::span<const double> first, std::span<const double> last,
                        double tolerance) {
-    const std::vector<double> filtered = Inside(design, first, inner, last);
+    const std::vector<double> filtered = Inside(design, first, inner, last, scratch);
     for (std::size_t k = 0; k < inner; ++k) {
       dependence[k] = std::max(dependence[k], std::abs(filtered[k]) / tolerance);
     }
@@ -111,9 +116,11 @@ SampleRange LongestWithin(std::size_t size, const EndDependence& dependence, dou
 
 }  // namespace
 
-Result<EndDependence> MeasureEndDependence(const FilterDesign& design, std::size_t size,
-                                           const ReadSamples& read) {
-  const std::size_t lead_in = ZeroPhaseBlocks(design, size).lead_in();
+Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const ReadSamples& read,
+                                           ZeroPhaseBlocks::Scratch& scratch) {
+  const FilterDesign& design = blocks.design();
+  const std::size_t size = blocks.size();
+  const std::size_t lead_in = blocks.lead_in();
   EndDependence dependence;
   if (size == 0) return dependence;
   const bool is_short = size <= 2 * lead_in;
@@ -126,10 +133,10 @@ Result<EndDependence> MeasureEndDependence(const FilterDesign& design, std::size
   const Differences before = BeyondEnd(design, first, lead_in);
   const Differences after = BeyondEnd(design, last, lead_in);
   if (is_short) {
-    dependence.first = DependenceOf(design, before, size, after);
+    dependence.first = DependenceOf(design, before, size, after, scratch);
   } else {
-    dependence.first = DependenceOf(design, before, lead_in, {});
-    dependence.last = DependenceOf(design, {}, lead_in, after);
+    dependence.first = DependenceOf(design, before, lead_in, {}, scratch);
+    dependence.last = DependenceOf(design, {}, lead_in, after, scratch);
   }
   return dependence;
 }
@@ -148,7 +155,9 @@ SettledSignal FilterSettled(const FilterDesign& design, std::span<const double> 
                             int threads) {
   SettledSignal settled;
   settled.filtered = FilterZeroPhase(design, signal, Continuation::kOdd, threads);
-  const auto dependence = MeasureEndDependence(design, signal.size(), ReadFrom(signal));
+  ZeroPhaseBlocks::Scratch scratch;
+  const auto dependence =
+      MeasureEndDependence(ZeroPhaseBlocks(design, signal.size()), ReadFrom(signal), scratch);
   HAPTOMETER_CHECK(dependence, "memory cannot fail");
   const std::span<const double> filtered = settled.filtered;
   const SampleRange range = SettledRange(signal.size(), *dependence, [&](const SampleRange& part) {

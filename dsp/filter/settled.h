@@ -24,9 +24,9 @@ inline constexpr double kFastTolerance = 2.5e-5;
 /// |difference|/tolerance). Settled: at most the band RMS. Between the parts it is below rounding.
 ///
 /// The constant continuation stays at the end value. The expected one goes on as the last tenths of
-/// a second moved slowly (dsp/filter/slow_motion.h): it is within some percent of the truth for a
-/// hand's tremor, where the constant one can be far off. Signals of fewer than
-/// kLeastSlowMotionSamples, or filters as short, have the constant one only, to kFastTolerance.
+/// a second moved slowly (dsp/filter/expected_motion.h): it is within some percent of the truth for
+/// a hand's tremor, where the constant one can be far off. Signals of fewer than
+/// kLeastExpectedMotionSamples, or filters as short, have the constant one only, to kFastTolerance.
 struct EndDependence {
   std::vector<double> first;  ///< of the first samples; of all, where the signal is short
   std::vector<double> last;   ///< of the last samples; empty where the signal is short
@@ -36,8 +36,9 @@ struct EndDependence {
 ///
 /// The filter is linear: differences of continuations are filtered, which are 0 inside the signal.
 /// Errors: `read`'s.
-[[nodiscard]] Result<EndDependence> MeasureEndDependence(const FilterDesign& design,
-                                                         std::size_t size, const ReadSamples& read);
+[[nodiscard]] Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks,
+                                                         const ReadSamples& read,
+                                                         ZeroPhaseBlocks::Scratch& scratch);
 
 /// The RMS of the filtered signal over a range of at least one sample.
 using RangeRms = std::function<double(const SampleRange& range)>;

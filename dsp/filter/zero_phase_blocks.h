@@ -60,6 +60,7 @@ class ZeroPhaseBlocks {
   ZeroPhaseBlocks(const FilterDesign& design, std::size_t size,
                   InstructionSet set = WidestInstructionSet());
 
+  [[nodiscard]] const FilterDesign& design() const { return plan_.design(); }
   /// Length of the signal.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Samples of every block but the last, which may have fewer.

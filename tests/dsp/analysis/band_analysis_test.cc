@@ -178,7 +178,7 @@ TEST(BandAnalysis, StrongTremorOnOneSecondLowersTheOrderAndStatesTheLeakage) {
   ASSERT_TRUE(analysis.answered);
   EXPECT_EQ(analysis.band.order, 5);
   EXPECT_EQ(analysis.remarks[0],
-            "filter order lowered from 6 to 5: of order 6 only 0.100 s had "
+            "filter order lowered from 6 to 5: of order 6 only 0.098 s had "
             "settled");
   EXPECT_EQ(analysis.remarks.back(),
             "500 um at 8.3 Hz lie below the band; 0.092 um RMS of that leak into it");
@@ -201,7 +201,7 @@ TEST(BandAnalysis, AnOrderThatWasAskedForIsKept) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), fixed);
   EXPECT_FALSE(analysis.answered);
   EXPECT_EQ(analysis.reasons[0],
-            "only 0.038 s of it have settled in a filter of order 6; 0.1 s are needed: record at "
+            "only 0.037 s of it have settled in a filter of order 6; 0.1 s are needed: record at "
             "least 2.0 s without a gap");
 }
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/filter/slow_motion.h"
+#include "dsp/filter/expected_motion.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
@@ -157,7 +157,7 @@ TEST(Settled, TheExpectedMotionIsThatOfTheSignal) {
   // a hand's: 0.4 s of drift and tremor under a tone
   std::vector<double> in = Samples(kRateHz, 5000, 0.03, {{0.4e-3, 7.3, 0.2}, {1e-6, 151}});
   for (std::size_t k = 0; k < in.size(); ++k) in[k] += 1e-3 * static_cast<double>(k) / kRateHz;
-  const SlowMotion motion = FitSlowMotion(std::span(in).first(4000));
+  const ExpectedMotion motion = FitExpectedMotion(std::span(in).first(4000));
   EXPECT_REL(motion.rad_per_sample, 2 * std::numbers::pi * 7.3 / kRateHz, 1e-3,
              "the tone in the means of 6 ms, 1e-4 of the tremor");
   double worst_m = 0;

@@ -7,7 +7,7 @@ namespace haptometer::dsp {
 
 /// Motion slower than a band at one end of a signal, such as a hand's drift and tremor, and how it
 /// is expected to go on: a + b t + c cos(w t) + s sin(w t), t in samples from the signal's middle.
-struct SlowMotion {
+struct ExpectedMotion {
   double rad_per_sample = 0;
   double offset = 0;
   double slope = 0;
@@ -19,11 +19,11 @@ struct SlowMotion {
   [[nodiscard]] double At(double k) const;
 };
 
-/// Fewest samples that FitSlowMotion takes.
-inline constexpr std::size_t kLeastSlowMotionSamples = 128;
+/// Fewest samples that FitExpectedMotion takes.
+inline constexpr std::size_t kLeastExpectedMotionSamples = 128;
 
 /// Fits it by least squares to the means of 64 equal pieces, which keep faster motion out; w where
-/// the residual is least, of 2 to 60 rad over the signal. At least kLeastSlowMotionSamples.
-[[nodiscard]] SlowMotion FitSlowMotion(std::span<const double> signal);
+/// the residual is least, of 2 to 60 rad over the signal. At least kLeastExpectedMotionSamples.
+[[nodiscard]] ExpectedMotion FitExpectedMotion(std::span<const double> signal);
 
 }  // namespace haptometer::dsp

@@ -1,4 +1,4 @@
-#include "dsp/filter/slow_motion.h"
+#include "dsp/filter/expected_motion.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -12,7 +12,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kPieces = 64;
-static_assert(kLeastSlowMotionSamples >= 2 * kPieces);
+static_assert(kLeastExpectedMotionSamples >= 2 * kPieces);
 constexpr int kLeastRad = 2;
 constexpr int kMostRad = 60;
 constexpr int kNarrowings = 25;
@@ -46,7 +46,7 @@ Means MeansOf(std::span<const double> signal) {
 }
 
 struct Fit {
-  SlowMotion motion;
+  ExpectedMotion motion;
   double residual = std::numeric_limits<double>::infinity();  // sum of squares
 };
 
@@ -74,14 +74,14 @@ Fit FitAt(const Means& means, double rad_per_sample) {
 
 }  // namespace
 
-double SlowMotion::At(double k) const {
+double ExpectedMotion::At(double k) const {
   const double t = k - middle;
   return offset + slope * t + cosine * std::cos(rad_per_sample * t) +
          sine * std::sin(rad_per_sample * t);
 }
 
-SlowMotion FitSlowMotion(std::span<const double> signal) {
-  HAPTOMETER_CHECK(signal.size() >= kLeastSlowMotionSamples, "{} samples", signal.size());
+ExpectedMotion FitExpectedMotion(std::span<const double> signal) {
+  HAPTOMETER_CHECK(signal.size() >= kLeastExpectedMotionSamples, "{} samples", signal.size());
   const Means means = MeansOf(signal);
   const auto size = static_cast<double>(signal.size());
   // a grid finds the valley, bisection into golden parts its floor
