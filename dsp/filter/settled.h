@@ -10,20 +10,32 @@
 
 namespace haptometer::dsp {
 
-/// Samples count as settled where the two continuations agree to this part of the band RMS.
-inline constexpr double kSettledTolerance = 2.5e-5;
+/// Samples count as settled where the odd continuation's result agrees with that of the expected
+/// one to this part of the band RMS.
+inline constexpr double kExpectedTolerance = 7e-5;
+/// The same with the constant continuation: a guard against a wrong expectation.
+inline constexpr double kConstantTolerance = 5e-4;
+/// The same with the constant continuation of the fast part alone: vibration, whose phase beyond
+/// the end nobody expects.
+inline constexpr double kFastTolerance = 2.5e-5;
 
-/// How far the filtered signal hangs on what lay beyond its ends: the odd continuation's result
-/// less the constant one's. Between the two parts it is below rounding.
+/// How far the filtered signal hangs on what lay beyond its ends: the results of other
+/// continuations less that of the odd one, in units of what each may differ by (the larger of
+/// |difference|/tolerance). Settled: at most the band RMS. Between the parts it is below rounding.
+///
+/// The constant continuation stays at the end value. The expected one goes on as the last tenths of
+/// a second moved slowly (dsp/filter/expected_motion.h): it is within some percent of the truth for
+/// a hand's tremor, where the constant one can be far off. Signals of fewer than
+/// kLeastExpectedMotionSamples, or filters as short, have the constant one only, to kFastTolerance.
 struct EndDependence {
   std::vector<double> first;  ///< of the first samples; of all, where the signal is short
   std::vector<double> last;   ///< of the last samples; empty where the signal is short
 };
 
-/// Measures it: a zero-phase run over the lead-ins at both ends only, whatever the length.
+/// Measures it: zero-phase runs over the lead-ins at both ends only, whatever the length.
 ///
-/// The filter is linear: the difference of the two continuations is filtered once. Errors:
-/// `read`'s.
+/// The filter is linear: differences of continuations are filtered, which are 0 inside the signal.
+/// Errors: `read`'s.
 [[nodiscard]] Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks,
                                                          const ReadSamples& read,
                                                          ZeroPhaseBlocks::Scratch& scratch);
@@ -33,8 +45,7 @@ using RangeRms = std::function<double(const SampleRange& range)>;
 
 /// What has settled of a filtered signal of `size` samples, continued oddly.
 ///
-/// From the middle outwards, settled samples reach to the last one on each side at which the
-/// dependence is at most kSettledTolerance times the RMS over the settled samples themselves
+/// The longest stretch in which the dependence is at most the RMS over that stretch itself
 /// (repeated until that holds). Large motion below the band, such as a hand's tremor, so takes more
 /// from the ends than a clean tone does. Nothing settled: count 0.
 [[nodiscard]] SampleRange SettledRange(std::size_t size, const EndDependence& dependence,

@@ -32,8 +32,7 @@ class Continued {
  public:
   Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
       : size_(static_cast<std::ptrdiff_t>(size)),
-        reach_(continuation == Continuation::kConstant ? 0 : size_ - 1),
-        difference_(continuation == Continuation::kOddLessConstant),
+        reach_(continuation == Continuation::kOdd ? size_ - 1 : 0),
         read_(read) {}
 
   Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
@@ -45,9 +44,7 @@ class Continued {
                          static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
     };
     Result<void> done = ReadBefore(part(first, std::min<std::ptrdiff_t>(end, 0)), first);
-    if (difference_) {
-      std::ranges::fill(part(inner_first, inner_end), 0.0);
-    } else if (done && inner_end > inner_first) {
+    if (done && inner_end > inner_first) {
       done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
     }
     const std::ptrdiff_t after = std::max(first, size_);
@@ -82,15 +79,13 @@ class Continued {
     for (std::ptrdiff_t k = 0; k < std::ssize(out); ++k) {
       const std::ptrdiff_t away = std::min(distance + step * k, reach_);
       const double value = turned[static_cast<std::size_t>(before ? away - near : far - away)];
-      const double turned_value = away == 0 ? end_value : 2 * end_value - value;
-      out[static_cast<std::size_t>(k)] = difference_ ? turned_value - end_value : turned_value;
+      out[static_cast<std::size_t>(k)] = away == 0 ? end_value : 2 * end_value - value;
     }
     return {};
   }
 
   std::ptrdiff_t size_;
   std::ptrdiff_t reach_;  // how far the signal can be turned about its ends
-  bool difference_;
   const ReadSamples& read_;
 };
 

@@ -14,9 +14,8 @@
 namespace haptometer::dsp {
 
 /// How a signal is thought to go on beyond its ends: turned about the end point (2 x[0] - x[k], and
-/// beyond the turned signal its last value), or staying at the end value. The difference of the two
-/// continuations is a signal of its own: 0 inside, x[0] - x[k] beyond.
-enum class Continuation : std::uint8_t { kOdd, kConstant, kOddLessConstant };
+/// beyond the turned signal its last value), or staying at the end value.
+enum class Continuation : std::uint8_t { kOdd, kConstant };
 
 /// Samples after which the slowest pole has decayed to `remainder` (0 to 1).
 [[nodiscard]] std::size_t RingingSamples(const FilterDesign& design, double remainder);
@@ -61,6 +60,7 @@ class ZeroPhaseBlocks {
   ZeroPhaseBlocks(const FilterDesign& design, std::size_t size,
                   InstructionSet set = WidestInstructionSet());
 
+  [[nodiscard]] const FilterDesign& design() const { return plan_.design(); }
   /// Length of the signal.
   [[nodiscard]] std::size_t size() const { return size_; }
   /// Samples of every block but the last, which may have fewer.
