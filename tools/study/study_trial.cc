@@ -3,11 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <map>
+#include <mutex>
 #include <thread>
 
+#include "base/check.h"
+#include "base/jobs.h"
 #include "tools/cli/progress.h"
 #include "trial/read_recording.h"
 
@@ -72,23 +72,20 @@ std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                       const dsp::BandQuestion& question,
                                       const trial::ImportOptions& import) {
   std::vector<StudyTrial> trials(files.size());
-  std::atomic<std::size_t> next = 0;
-  std::atomic<std::size_t> done = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < files.size(); i = next++) {
-      trials[i] = AnalyzeTrial(files[i], question, import);
-      ++done;
-    }
-  };
-  const std::size_t wanted = std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  std::vector<std::jthread> workers;
-  workers.reserve(wanted);
-  for (std::size_t i = 0; i < std::min(wanted, files.size()); ++i) workers.emplace_back(work);
   cli::Progress progress("trials");
-  while (done < files.size()) {
-    progress.Update(static_cast<double>(done) / static_cast<double>(files.size()));
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  const auto make_worker = [&]() -> Worker {
+    return [&](std::size_t i) -> Result<void> {
+      trials[i] = AnalyzeTrial(files[i], question, import);
+      const std::scoped_lock lock(progress_mutex);
+      progress.Update(static_cast<double>(++done) / static_cast<double>(files.size()));
+      return {};
+    };
+  };
+  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const auto all = RunJobs(files.size(), threads, make_worker);
+  HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
   return trials;
 }
 
