@@ -17,7 +17,7 @@
 #include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 #include "trial/open_rows.h"
-#include "trial/read_recording.h"
+#include "trial/row_source.h"
 
 namespace haptometer::tools {
 namespace {
@@ -174,9 +174,9 @@ AnalyzedFile Analyze(const std::string& path, const dsp::BandQuestion& question,
   if (!analysis) return fail(analysis.error());
   if (!plot.empty()) {
     // what is drawn is in memory as a whole
-    const auto recording = trial::ReadRecording(path, import);
-    if (!recording) return fail(recording.error());
-    if (auto drawn = DrawPanels(plot, AnalysisPanels(recording->record, *analysis)); !drawn) {
+    const auto record = trial::ReadAllRows(*opened->rows);
+    if (!record) return fail(record.error());
+    if (auto drawn = DrawPanels(plot, AnalysisPanels(*record, *analysis)); !drawn) {
       return fail(drawn.error());
     }
   }
