@@ -1,0 +1,89 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/spectrum/window.h"
+
+namespace haptometer::dsp {
+
+/// What is taken off each segment before its transform.
+enum class Detrend : std::uint8_t { kNothing, kMean, kLine };
+
+/// How a signal is cut into segments and transformed.
+struct WelchOptions {
+  double rate_hz = 0;
+  std::size_t segment_size = 0;  ///< samples; the resolution is rate / segment_size
+  WindowShape window = WindowShape::kHann;
+  double overlap = 0.5;  ///< share of a segment that the next one repeats, 0 to below 1
+  Detrend detrend = Detrend::kMean;
+};
+
+/// What every averaged spectrum says of itself.
+struct SpectrumGrid {
+  double resolution_hz = 0;       ///< bin k lies at k times this
+  double noise_bandwidth_hz = 0;  ///< of the window (ENBW)
+  std::size_t segments = 0;
+  /// Of a bin's power: 2 segments, less what overlapping ones have in common.
+  double degrees_of_freedom = 0;
+  /// Times these factors a bin's power becomes the ends of a 95 % interval for the true one.
+  double lower_factor = 0;
+  double upper_factor = 0;
+};
+
+/// One-sided power spectral density: the mean square is the sum of density x resolution.
+struct PowerSpectrum {
+  SpectrumGrid grid;
+  std::vector<double> density;  ///< (bins), unit^2/Hz
+};
+
+/// Two signals' densities and what they have in common.
+struct CrossSpectrum {
+  SpectrumGrid grid;
+  std::vector<double> from_density;         ///< (bins), of the first signal
+  std::vector<double> to_density;           ///< (bins), of the second
+  std::vector<std::complex<double>> cross;  ///< (bins), conj(first) second, one-sided
+};
+
+/// Welch's averaged spectrum (IEEE Transactions on Audio and Electroacoustics 15(2), 1967, p. 70).
+///
+///   density[k] = c_k / (rate sum w^2) mean over segments of |sum_n w[n] x[n] exp(-2 pi j k n/M)|^2
+///
+/// c_k is 2, and 1 for k = 0 and rate/2. With segments of correlation r_m = (sum w[n] w[n + m step]
+/// / sum w^2)^2, degrees of freedom = 2 K / (1 + 2 sum over m < K of (1 - m/K) r_m) (Welch, eq. 15;
+/// Percival and Walden, Spectral Analysis for Physical Applications, 1993, eq. 292b), half of them
+/// at k = 0 and rate/2; the 95 % interval is chi-squared's, for noise that is smooth over a
+/// window's bandwidth. Sums over segments are pairwise. Segments that reach over the end are left
+/// out. Errors (Cause::kUsage): segment_size below 2, above the signal or 2^30, overlap outside [0,
+/// 1), values that are not finite. Cost: one transform a segment; memory: log2(segments) spectra.
+[[nodiscard]] Result<PowerSpectrum> WelchSpectrum(std::span<const double> signal,
+                                                  const WelchOptions& options);
+
+/// Densities and cross-density of two signals of one size, sampled together; as WelchSpectrum.
+[[nodiscard]] Result<CrossSpectrum> WelchCrossSpectrum(std::span<const double> from,
+                                                       std::span<const double> to,
+                                                       const WelchOptions& options);
+
+/// |cross|^2 / (from to): 1 where one signal follows the other linearly, on average
+/// 2 / degrees_of_freedom where they have nothing in common; NaN where one of them is nothing.
+[[nodiscard]] std::vector<double> Coherence(const CrossSpectrum& spectrum);
+
+/// Amplitude (not RMS) of a sine that each bin would stand for: sqrt(2 density ENBW), and
+/// sqrt(density ENBW) at 0. Right for a tone on a bin, and by the window's amplitude error
+/// otherwise; noise reads sqrt(ENBW) times its density.
+[[nodiscard]] std::vector<double> AmplitudeSpectrum(const PowerSpectrum& spectrum);
+
+/// RMS of what lies from `lower_hz` to `upper_hz`: the density's sum, bins at the ends by the share
+/// of them that lies inside. A tone's power spreads over the window's main lobe: leave its bins
+/// room.
+[[nodiscard]] double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz);
+
+/// RMS of what a filter with these power gains (|H|^2 per bin, |H|^4 for two passes) lets through:
+/// the leak of all motion outside of a band, not of its strongest tone alone.
+[[nodiscard]] double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_gains);
+
+}  // namespace haptometer::dsp
