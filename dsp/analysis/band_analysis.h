@@ -144,7 +144,7 @@ struct BandAnalysis {
 ///
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
-/// what leaks from below the band, quantisation, bridging, and settling to 2.5e-5. The sensor's
+/// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
 /// calibration is not included and a remark says so.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose

@@ -253,7 +253,8 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   add("quantisation", std::min(steps, steps * steps / (2 * rms)),
       "step / sqrt(12), white up to half the rate");
   add("bridged readings", numbers.bridged_rms_m, "the error of the same bridging beside each hole");
-  add("filter's ends", kSettledTolerance * rms, "how far the two continuations may differ");
+  add("filter's ends", kSettledError * rms,
+      "what lay beyond the ends, as far as it may still show");
   add("drive's edges", edges_m, "what a window shorter by a period at either end would change");
   add("spikes", 0.5 * rms * FaultShare(window, FaultKind::kSpike), "their energy within the band");
   add("steps", 0.5 * rms * FaultShare(window, FaultKind::kStep), "their energy within the band");

@@ -61,8 +61,8 @@ void PrintBand(const dsp::BandAnalysis& a) {
                    a.numbers->tone->fit.frequency_hz,
                    a.numbers->tone->fit.frequency_uncertainty_hz));
   Line("", fmt::format("{:.5g} um amplitude, standard uncertainty {:.2g} um",
-                       a.numbers->tone->fit.amplitude / kUm,
-                       a.numbers->tone->fit.amplitude_uncertainty / kUm));
+                       a.numbers->tone->amplitude_m / kUm,
+                       a.numbers->tone->amplitude_uncertainty_m / kUm));
   Line("", fmt::format("{:.3g} um RMS in band without it", a.numbers->residual_rms_m / kUm));
 }
 
