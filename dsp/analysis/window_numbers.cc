@@ -295,6 +295,20 @@ void FinishTone(Window& window) {
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 }
 
+// multiples of the tone in the samples before the filter, beside a cubic drift
+Result<void> DescribeHarmonics(Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double upper_hz = window.analysis.record.observable_upper_hz;
+  if (2 * frequency_hz > upper_hz) return {};
+  std::vector<double> samples(std::min(window.rows, kMostFitted));
+  const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
+  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  Harmonics harmonics = FitHarmonics(samples, {window.rate_hz(), 0, kHighestDriftDegree},
+                                     frequency_hz, std::min(upper_hz, 10.5 * frequency_hz));
+  if (harmonics.converged) window.numbers.harmonics = std::move(harmonics);
+  return {};
+}
+
 // RMS of everything that was filtered, unsettled ends included
 double WholeRms(const std::vector<BandSignal>& all) {
   double square_sum = 0;
@@ -348,7 +362,10 @@ Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& disp
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
-  if (window.numbers.tone) FinishTone(window);
+  if (window.numbers.tone) {
+    FinishTone(window);
+    if (auto described = DescribeHarmonics(window); !described) return described;
+  }
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);
   return {};
