@@ -216,6 +216,49 @@ std::vector<long long> TomlTable::Integers(std::string_view key) {
   return numbers;
 }
 
+namespace {
+
+// the texts of a list; nothing where it is none, or holds something else
+std::optional<std::vector<std::string>> TextsOf(const toml::node& node) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr) return std::nullopt;
+  std::vector<std::string> texts;
+  texts.reserve(list->size());
+  for (const toml::node& element : *list) {
+    if (!element.is_string()) return std::nullopt;
+    texts.push_back(element.as_string()->get());
+  }
+  return texts;
+}
+
+}  // namespace
+
+std::vector<std::string> TomlTable::TextList(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return {};
+  if (auto texts = TextsOf(*node)) return *std::move(texts);
+  state_->Fail(key, "is not a list of texts", "write it as [\"stock\", \"cone\"]");
+  return {};
+}
+
+std::vector<std::vector<std::string>> TomlTable::TextLists(std::string_view key) {
+  const toml::node* node = state_->Find(key);
+  if (node == nullptr) return {};
+  std::vector<std::vector<std::string>> lists;
+  const toml::array* outer = node->as_array();
+  bool is_list = outer != nullptr;
+  if (is_list) {
+    for (const toml::node& inner : *outer) {
+      auto texts = TextsOf(inner);
+      is_list = is_list && texts.has_value();
+      lists.push_back(std::move(texts).value_or(std::vector<std::string>{}));
+    }
+  }
+  if (is_list) return lists;
+  state_->Fail(key, "is not a list of lists of texts", "write it as [[\"ia1\", \"stock\"]]");
+  return {};
+}
+
 std::optional<std::string> TomlTable::Choice(std::string_view key,
                                              const std::vector<std::string>& choices) {
   auto text = Text(key);

@@ -65,6 +65,10 @@ class TomlTable {
   [[nodiscard]] std::optional<long long> Integer(std::string_view key);
   /// A list of whole numbers, `[0, 65535]`; empty where the key is absent.
   [[nodiscard]] std::vector<long long> Integers(std::string_view key);
+  /// A list of texts, `["stock", "cone"]`; empty where the key is absent.
+  [[nodiscard]] std::vector<std::string> TextList(std::string_view key);
+  /// A list of lists of texts, `[["ia1", "stock"], ["ia2", "cone"]]`; empty where it is absent.
+  [[nodiscard]] std::vector<std::vector<std::string>> TextLists(std::string_view key);
   /// `key` must be one of `choices`; absent gives nothing.
   [[nodiscard]] std::optional<std::string> Choice(std::string_view key,
                                                   const std::vector<std::string>& choices);

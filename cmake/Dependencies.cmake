@@ -6,6 +6,7 @@ find_package(fmt REQUIRED)                 # libfmt-dev
 find_package(ZLIB REQUIRED)                # zlib1g-dev: crc32
 find_package(nlohmann_json REQUIRED)       # nlohmann-json3-dev
 find_package(Eigen3 REQUIRED NO_MODULE)    # libeigen3-dev
+find_package(Boost 1.74 REQUIRED)         # libboost-dev: Boost.Math, headers only
 find_package(Ceres REQUIRED)               # libceres-dev
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)    # libtomlplusplus-dev
 pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)                  # libfftw3-dev

@@ -1,14 +1,14 @@
 #include "fit/poles.h"
 
-#include <fftw3.h>
-
 #include <Eigen/Dense>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <complex>
-#include <memory>
 #include <numbers>
+#include <vector>
+
+#include "dsp/spectrum/fft.h"
 
 namespace haptometer::fit {
 namespace {
@@ -18,26 +18,14 @@ constexpr std::size_t kMostPencilSamples = 240;
 constexpr double kSamplesPerPeriod = 8;
 constexpr double kFallbackQuality = 30;
 
-struct FftwFree {
-  void operator()(void* memory) const { fftw_free(memory); }
-};
-
 // |spectrum|^2 of the record, zero-padded to at least twice its length
 std::vector<double> PowerSpectrum(const std::vector<double>& values, std::size_t* length) {
   *length = std::bit_ceil(2 * values.size());
-  const std::size_t bins = *length / 2 + 1;
-  const std::unique_ptr<double, FftwFree> in(fftw_alloc_real(*length));
-  const std::unique_ptr<fftw_complex, FftwFree> out(fftw_alloc_complex(bins));
-  fftw_plan plan =
-      fftw_plan_dft_r2c_1d(static_cast<int>(*length), in.get(), out.get(), FFTW_ESTIMATE);
-  std::fill(std::copy(values.begin(), values.end(), in.get()), in.get() + *length, 0.0);
-  fftw_execute(plan);
-  fftw_destroy_plan(plan);
-  std::vector<double> power(bins);
-  for (std::size_t k = 0; k < bins; ++k) {
-    const auto* bin = out.get() + k;
-    power[k] = (*bin)[0] * (*bin)[0] + (*bin)[1] * (*bin)[1];
-  }
+  std::vector<double> padded(values);
+  padded.resize(*length);
+  const std::vector<std::complex<double>> bins = dsp::RealSpectrum(padded);
+  std::vector<double> power(bins.size());
+  for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
   return power;
 }
 

@@ -27,6 +27,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"acquire", "A sensor's readings become a trial", RunAcquire},
     {"trial", "What a recording holds; label it, export it", RunTrial},
     {"analyze", "A trial's vibration within a band", RunAnalyze},
+    {"study", "Conditions compared over subjects; matched voltages; linearity", RunStudy},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},

@@ -110,6 +110,9 @@ struct Record {
   std::vector<Channel> channels;
   std::vector<Stretch> stretches;
   std::vector<double> raw_times_s;  ///< (rows) as they arrived; empty for a clocked source
+  /// Whether raw_times_s are the readings' own times, to their printed digits (an imported table
+  /// whose times lie on no grid), and not those at which somebody asked or heard.
+  bool times_are_known = false;
   Metadata metadata;
 
   /// The first channel with `role`, or nullptr.

@@ -12,6 +12,8 @@ Record HeadOf(const Record& record) {
   head.rows = record.rows;
   head.timing = record.timing;
   head.stretches = record.stretches;
+  head.times_are_known = record.times_are_known;
+  if (record.times_are_known) head.raw_times_s = record.raw_times_s;
   head.metadata = record.metadata;
   head.channels.reserve(record.channels.size());
   for (const Channel& channel : record.channels) {
@@ -28,6 +30,19 @@ Record HeadOf(const Record& record) {
 }
 
 }  // namespace
+
+Result<Record> ReadAllRows(const RowSource& source) {
+  Record record = source.head();
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    Channel& channel = record.channels[c];
+    channel.values.resize(record.rows);
+    channel.statuses.resize(record.rows);
+    if (auto read = source.Read(c, 0, channel.values, channel.statuses); !read) {
+      return std::unexpected(read.error());
+    }
+  }
+  return record;
+}
 
 RecordRows::RecordRows(const Record& record) : record_(record), head_(HeadOf(record)) {}
 

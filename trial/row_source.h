@@ -16,16 +16,20 @@ class RowSource {
   virtual ~RowSource() = default;
 
   /// All of the record but its columns: rows, timing, stretches, metadata, and channels whose
-  /// values and statuses are empty.
+  /// values and statuses are empty. Raw times are there only where they are known
+  /// (Record::times_are_known).
   [[nodiscard]] virtual const Record& head() const = 0;
 
   /// Values (NaN where there is no measurement) and statuses of rows [first, first + size) of
   /// channel number `channel`; both spans have that size, within head().rows.
-  /// Errors: the file cannot be read any more, or was changed since (Cause::kFailed).
+  /// Errors: the file cannot be read any more, or was cut shorter since (Cause::kFailed).
   [[nodiscard]] virtual Result<void> Read(std::size_t channel, std::size_t first,
                                           std::span<double> values,
                                           std::span<SampleStatus> statuses) const = 0;
 };
+
+/// All of `source` in memory: its head with the columns filled in. Errors: as RowSource::Read.
+[[nodiscard]] Result<Record> ReadAllRows(const RowSource& source);
 
 /// A record in memory as a source of rows; the record must outlive it. No allocation in Read.
 class RecordRows final : public RowSource {

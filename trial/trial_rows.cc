@@ -12,7 +12,7 @@ namespace haptometer::trial {
 namespace {
 
 // bytes that are decoded in one go: they stay in the processor's nearer cache
-constexpr std::size_t kPieceBytes = std::size_t{1} << 17U;
+constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
 
 // what a value's place in a row and its meaning are
 struct Column {

@@ -1,7 +1,10 @@
 #include "dsp/analysis/band_signal.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "base/check.h"
 #include "base/jobs.h"
@@ -11,7 +14,7 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kLongestCellS = 1e-3;
-constexpr std::size_t kMostCells = std::size_t{1} << 21U;
+constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
 // a divisor of kTileSamples, so that no cell lies in two blocks
 std::size_t CellSamples(std::size_t size, double rate_hz) {
@@ -23,12 +26,27 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
   return samples;
 }
 
+// four running sums, so that no step waits for the one before it
 BandCell CellOf(std::span<const double> samples) {
-  BandCell cell{0, samples.front(), samples.front()};
-  for (const double sample : samples) {
+  constexpr std::size_t kLanes = 4;
+  std::array<BandCell, kLanes> lanes;
+  lanes.fill({0, samples.front(), samples.front()});
+  const auto take = [](BandCell& cell, double sample) {
     cell.square_sum += sample * sample;
-    cell.least = std::min(cell.least, sample);
-    cell.most = std::max(cell.most, sample);
+    cell.least = sample < cell.least ? sample : cell.least;
+    cell.most = sample > cell.most ? sample : cell.most;
+  };
+  std::size_t k = 0;
+  for (; k + kLanes <= samples.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lanes[lane], samples[k + lane]);
+  }
+  for (; k < samples.size(); ++k) take(lanes[k % kLanes], samples[k]);
+  BandCell cell = lanes[0];
+  cell.square_sum =
+      (lanes[0].square_sum + lanes[1].square_sum) + (lanes[2].square_sum + lanes[3].square_sum);
+  for (const BandCell& lane : lanes) {
+    cell.least = std::min(cell.least, lane.least);
+    cell.most = std::max(cell.most, lane.most);
   }
   return cell;
 }
@@ -46,11 +64,26 @@ double SquareSumOf(std::span<const BandCell> cells) {
   return sum + lost;
 }
 
+// the greatest magnitude in each cell; the first sample is number `offset` of its cell
+std::vector<double> GreatestInCells(std::span<const double> samples, std::size_t offset,
+                                    std::size_t cell_samples) {
+  if (samples.empty()) return {};
+  std::vector<double> greatest((offset + samples.size() + cell_samples - 1) / cell_samples);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    double& cell = greatest[(offset + k) / cell_samples];
+    // one that is no number stays
+    if (!(std::abs(samples[k]) <= cell)) cell = std::abs(samples[k]);
+  }
+  return greatest;
+}
+
 }  // namespace
 
-BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design)
+BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design,
+                       std::optional<BelowBandModel> model)
     : samples_(samples),
       design_(design),
+      model_(std::move(model)),
       blocks_(design, samples.size()),
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
       cells_((samples.size() + cell_samples_ - 1) / cell_samples_) {
@@ -61,24 +94,56 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
                                       int threads) {
   HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
-  BandSignal signal(samples, design);
-  const auto filtered = RunJobs(signal.blocks_.blocks(), threads, [&signal] {
-    return [&signal, scratch = ZeroPhaseBlocks::Scratch{}](std::size_t block) mutable {
-      return signal.FilterBlock(block, scratch);
-    };
-  });
-  if (!filtered) return std::unexpected(filtered.error());
-  if (auto found = signal.FindSettled(threads); !found) return std::unexpected(found.error());
+  BandSignal signal(samples, design, std::nullopt);
+  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
 }
 
-ReadSamples BandSignal::reading() const {
-  return [this](std::size_t first, std::span<double> out) { return samples_.Read(first, out); };
+Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
+                                            const FilterDesign& design, BelowBandModel model,
+                                            int threads) {
+  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
+  BandSignal signal(samples, design, std::move(model));
+  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
+  return signal;
 }
 
-Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch) {
+Result<void> BandSignal::FilterAll(int threads) {
+  // the ends first, then the blocks
+  EndDependence dependence;
+  const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
+    return [&, buffers = Buffers{}](std::size_t job) mutable -> Result<void> {
+      if (job > 0) return FilterBlock(job - 1, buffers);
+      auto measured = MeasureEndDependence(blocks_, reading(), buffers.scratch);
+      if (!measured) return std::unexpected(measured.error());
+      dependence = std::move(*measured);
+      return {};
+    };
+  });
+  if (filtered) FindSettled(dependence);
+  return filtered;
+}
+
+ReadSamples BandSignal::reading() const {
+  return [this](std::size_t first, std::span<double> out) -> Result<void> {
+    if (auto read = samples_.Read(first, out); !read) return read;
+    if (model_) model_->Subtract(first, out);
+    return {};
+  };
+}
+
+Result<std::span<double>> BandSignal::Filtered(const SampleRange& block, Buffers& buffers) const {
+  if (buffers.samples.size() < block.count) buffers.samples.resize(block.count);
+  const std::span<double> samples = std::span(buffers.samples).first(block.count);
+  const auto done = blocks_.Filter(block, reading(), Continuation::kOdd, samples, buffers.scratch);
+  if (!done) return std::unexpected(done.error());
+  if (model_) model_->AddFiltered(design_, block.first, samples);
+  return samples;
+}
+
+Result<void> BandSignal::FilterBlock(std::size_t block, Buffers& buffers) {
   const SampleRange range = blocks_.Range(block);
-  const auto filtered = blocks_.Filter(range, reading(), Continuation::kOdd, scratch);
+  const auto filtered = Filtered(range, buffers);
   if (!filtered) return std::unexpected(filtered.error());
   std::span<const double> left = *filtered;
   for (std::size_t k = range.first / cell_samples_; !left.empty(); ++k) {
@@ -89,68 +154,30 @@ Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch
   return {};
 }
 
-Result<void> BandSignal::FindSettled(int threads) {
-  // what the continuations differ by: near both ends, or everywhere where these meet
-  const std::size_t reach = blocks_.lead_in() / cell_samples_;
-  std::vector<CellRange> ends{{0, reach}, {cells_.size() - reach, cells_.size()}};
-  if (2 * reach >= cells_.size()) ends = {{0, cells_.size()}};
-  std::vector<double> differences(cells_.size());
-  const auto compared = RunJobs(ends.size(), threads, [&] {
-    return [&](std::size_t job) {
-      return CompareContinuations(
-          ends[job],
-          std::span(differences).subspan(ends[job].begin, ends[job].end - ends[job].begin));
-    };
-  });
-  if (!compared) return compared;
-  GrowSettled(differences);
-  return {};
-}
-
-Result<void> BandSignal::CompareContinuations(const CellRange& cells,
-                                              std::span<double> differences) const {
-  const std::size_t first = cells.begin * cell_samples_;
-  const SampleRange range{first, std::min(cells.end * cell_samples_, size()) - first};
-  ZeroPhaseBlocks::Scratch odd_scratch;
-  ZeroPhaseBlocks::Scratch constant_scratch;
-  const auto odd = blocks_.Filter(range, reading(), Continuation::kOdd, odd_scratch);
-  if (!odd) return std::unexpected(odd.error());
-  const auto constant = blocks_.Filter(range, reading(), Continuation::kConstant, constant_scratch);
-  if (!constant) return std::unexpected(constant.error());
-  for (std::size_t k = 0; k < odd->size(); ++k) {
-    double& greatest = differences[k / cell_samples_];
-    const double difference = std::abs((*odd)[k] - (*constant)[k]);
-    // one that is no number stays
-    if (!(difference <= greatest)) greatest = difference;
-  }
-  return {};
-}
-
-void BandSignal::GrowSettled(std::span<const double> differences) {
-  // the tolerance hangs on the RMS of what has settled: begin with everything and shrink
-  std::size_t begin = 0;
-  std::size_t end = cells_.size();
-  for (std::size_t before = end + 1; begin < end && end - begin < before;) {
-    before = end - begin;
-    const std::size_t samples = std::min(end * cell_samples_, size()) - begin * cell_samples_;
-    const double square_sum = SquareSumOf(std::span(cells_).subspan(begin, before));
-    const double tolerance =
-        kSettledTolerance * std::sqrt(square_sum / static_cast<double>(samples));
-    begin = end = cells_.size() / 2;
-    while (begin > 0 && differences[begin - 1] <= tolerance) --begin;
-    while (end < cells_.size() && differences[end] <= tolerance) ++end;
-  }
-  settled_begin_ = begin * cell_samples_;
-  settled_end_ = std::min(end * cell_samples_, size());
+// by cells: the greatest dependence in each, and the RMS over whole ones
+void BandSignal::FindSettled(const EndDependence& dependence) {
+  EndDependence of_cells{
+      .first = GreatestInCells(dependence.first, 0, cell_samples_),
+      .last = GreatestInCells(dependence.last, (size() - dependence.last.size()) % cell_samples_,
+                              cell_samples_)};
+  const SampleRange settled =
+      SettledRange(cells_.size(), of_cells, [this](const SampleRange& cells) {
+        const std::size_t samples =
+            std::min(cells.end() * cell_samples_, size()) - cells.first * cell_samples_;
+        const double square_sum = SquareSumOf(std::span(cells_).subspan(cells.first, cells.count));
+        return std::sqrt(square_sum / static_cast<double>(samples));
+      });
+  settled_begin_ = std::min(settled.first * cell_samples_, size());
+  settled_end_ = std::min(settled.end() * cell_samples_, size());
 }
 
 Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
   HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
                    out.size(), size());
-  ZeroPhaseBlocks::Scratch scratch;
+  Buffers buffers;
   while (!out.empty()) {
     const SampleRange block = blocks_.Range(first / blocks_.block_size());
-    const auto filtered = blocks_.Filter(block, reading(), Continuation::kOdd, scratch);
+    const auto filtered = Filtered(block, buffers);
     if (!filtered) return std::unexpected(filtered.error());
     const auto wanted = filtered->subspan(first - block.first);
     const std::size_t count = std::min(wanted.size(), out.size());
@@ -167,40 +194,46 @@ Result<BandCell> BandSignal::CutCell(std::size_t begin, std::size_t end) const {
   return CellOf(samples);
 }
 
-Result<std::vector<BandCell>> BandSignal::CellsOf(std::size_t begin, std::size_t end) const {
+Result<BandSignal::CutRange> BandSignal::Cut(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin <= end && end <= size(), "samples {} to {} of {}", begin, end, size());
-  std::vector<BandCell> found;
-  found.reserve((end - begin) / cell_samples_ + 2);
-  for (std::size_t at = begin; at < end;) {
-    const std::size_t k = at / cell_samples_;
-    const std::size_t cell_end = std::min((k + 1) * cell_samples_, size());
-    const std::size_t stop = std::min(cell_end, end);
-    if (at == k * cell_samples_ && stop == cell_end) {
-      found.push_back(cells_[k]);
-    } else {
-      const auto cut = CutCell(at, stop);
-      if (!cut) return std::unexpected(cut.error());
-      found.push_back(*cut);
-    }
-    at = stop;
+  // the first and one past the last of the whole cells
+  const std::size_t first = (begin + cell_samples_ - 1) / cell_samples_;
+  const std::size_t last = end == size() ? cells_.size() : end / cell_samples_;
+  CutRange range;
+  const auto take = [&](std::size_t from, std::size_t to) -> Result<void> {
+    if (from >= to) return {};
+    const auto cut = CutCell(from, to);
+    if (!cut) return std::unexpected(cut.error());
+    range.cut.push_back(*cut);
+    return {};
+  };
+  Result<void> taken = take(begin, std::min(first * cell_samples_, end));
+  if (first <= last) {
+    range.whole = std::span(cells_).subspan(first, last - first);
+    if (taken) taken = take(std::min(last * cell_samples_, end), end);
   }
-  return found;
+  if (!taken) return std::unexpected(taken.error());
+  return range;
 }
 
 Result<double> BandSignal::SquareSum(std::size_t begin, std::size_t end) const {
-  const auto found = CellsOf(begin, end);
-  if (!found) return std::unexpected(found.error());
-  return SquareSumOf(*found);
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  return SquareSumOf(range->whole) + SquareSumOf(range->cut);
 }
 
 Result<Extremes> BandSignal::ExtremesOf(std::size_t begin, std::size_t end) const {
   HAPTOMETER_CHECK(begin < end, "samples {} to {}", begin, end);
-  const auto found = CellsOf(begin, end);
-  if (!found) return std::unexpected(found.error());
-  Extremes extremes{found->front().least, found->front().most};
-  for (const BandCell& cell : *found) {
-    extremes.least = std::min(extremes.least, cell.least);
-    extremes.most = std::max(extremes.most, cell.most);
+  const auto range = Cut(begin, end);
+  if (!range) return std::unexpected(range.error());
+  Extremes extremes{std::numeric_limits<double>::infinity(),
+                    -std::numeric_limits<double>::infinity()};
+  for (const std::span<const BandCell> cells :
+       {range->whole, std::span<const BandCell>(range->cut)}) {
+    for (const BandCell& cell : cells) {
+      extremes.least = std::min(extremes.least, cell.least);
+      extremes.most = std::max(extremes.most, cell.most);
+    }
   }
   return extremes;
 }

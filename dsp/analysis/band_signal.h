@@ -9,6 +9,7 @@
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
+#include "dsp/filter/settled.h"
 #include "dsp/filter/zero_phase_blocks.h"
 
 namespace haptometer::dsp {
@@ -36,10 +37,8 @@ class BandSignal {
   /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
   /// finds what has settled. What `samples` refers to must outlive the signal.
   ///
-  /// Settled cells reach from the middle outwards to the last one on each side in which the odd and
-  /// the constant continuation agree to kSettledTolerance times the RMS over the settled cells
-  /// themselves (repeated until that holds; dsp/filter/settled.h). Farther from an end than a
-  /// lead-in, they agree to rounding whatever the signal.
+  /// Settled cells are found as settled samples are (SettledRange), by what each depends on the
+  /// ends at most.
   /// Errors: as SegmentSamples::Read. Memory: the blocks at hand, then the cells.
   [[nodiscard]] static Result<BandSignal> Filter(const SegmentSamples& samples,
                                                  const FilterDesign& design, int threads);
@@ -58,6 +57,7 @@ class BandSignal {
   [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
+  /// What was taken from the samples; nothing by Filter.
   [[nodiscard]] const std::optional<BelowBandModel>& model() const { return model_; }
 
   /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
@@ -68,7 +68,7 @@ class BandSignal {
   /// Cell k sums up samples [k n, (k + 1) n), n = cell_samples(), the last one what is left.
   ///
   /// n is the greatest divisor of kTileSamples that lasts 1 ms at most, or the least one that gives
-  /// at most 2^21 cells.
+  /// at most 2^20 cells.
   [[nodiscard]] std::span<const BandCell> cells() const { return cells_; }
   [[nodiscard]] std::size_t cell_samples() const { return cell_samples_; }
 
@@ -85,32 +85,30 @@ class BandSignal {
   [[nodiscard]] Result<Extremes> ExtremesOf(std::size_t begin, std::size_t end) const;
 
  private:
-  // cells [begin, end)
-  struct CellRange {
-    std::size_t begin = 0;
-    std::size_t end = 0;
+  // what filtering a block needs; of one thread
+  struct Buffers {
+    ZeroPhaseBlocks::Scratch scratch;
+    std::vector<double> samples;
   };
 
   BandSignal(const SegmentSamples& samples, const FilterDesign& design,
              std::optional<BelowBandModel> model);
 
-  [[nodiscard]] Result<void> FilterAll(int threads);
-  // a range filtered with an odd continuation, the model's share added
-  [[nodiscard]] Result<std::span<const double>> Filtered(const SampleRange& range,
-                                                         ZeroPhaseBlocks::Scratch& scratch) const;
-
   // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
-  [[nodiscard]] Result<void> FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch);
-  [[nodiscard]] Result<void> FindSettled(int threads);
-  // greatest difference of the two continuations within each of `cells`
-  [[nodiscard]] Result<void> CompareContinuations(const CellRange& cells,
-                                                  std::span<double> differences) const;
-  // from the middle outwards, over cells in which the continuations differ little enough
-  void GrowSettled(std::span<const double> differences);
+  [[nodiscard]] Result<void> FilterAll(int threads);
+  // a block, filtered; it lies in `buffers`
+  [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
+                                                   Buffers& buffers) const;
+  [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);
+  void FindSettled(const EndDependence& dependence);
 
-  // the cells that make up [begin, end), cut ones worked out anew
-  [[nodiscard]] Result<std::vector<BandCell>> CellsOf(std::size_t begin, std::size_t end) const;
+  // what a range falls into: whole cells and the samples of the cut ones at its ends
+  struct CutRange {
+    std::vector<BandCell> cut;  // at most two
+    std::span<const BandCell> whole;
+  };
+  [[nodiscard]] Result<CutRange> Cut(std::size_t begin, std::size_t end) const;
   [[nodiscard]] Result<BandCell> CutCell(std::size_t begin, std::size_t end) const;
 
   SegmentSamples samples_;

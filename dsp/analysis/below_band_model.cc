@@ -186,24 +186,29 @@ std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal
   model.drift_[0] += mean;
   model.sines_ = std::move(parts.sines);
   model.rate_hz_ = rate_hz;
+  model.size_ = signal.size();
   return model;
 }
 
-void BelowBandModel::Subtract(std::span<double> signal) const {
-  const Frame frame{0.5 * static_cast<double>(signal.size() - 1), rate_hz_};
+void BelowBandModel::Subtract(std::size_t first, std::span<double> samples) const {
+  HAPTOMETER_CHECK(first + samples.size() <= size_, "{} + {} of {}", first, samples.size(), size_);
+  const Frame frame{0.5 * static_cast<double>(size_ - 1), rate_hz_};
   const Parts parts{drift_, sines_};
-  for (std::size_t n = 0; n < signal.size(); ++n) signal[n] -= ValueAt(frame, parts, n);
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] -= ValueAt(frame, parts, first + k);
 }
 
-void BelowBandModel::AddFiltered(const FilterDesign& design, std::span<double> filtered) const {
-  const Frame frame{0.5 * static_cast<double>(filtered.size() - 1), rate_hz_};
+void BelowBandModel::AddFiltered(const FilterDesign& design, std::size_t first,
+                                 std::span<double> filtered) const {
+  HAPTOMETER_CHECK(first + filtered.size() <= size_, "{} + {} of {}", first, filtered.size(),
+                   size_);
+  const Frame frame{0.5 * static_cast<double>(size_ - 1), rate_hz_};
   Parts parts{{}, sines_};
   for (Sine& sine : parts.sines) {
     const double gain = std::norm(Response(design, sine.frequency_hz));
     sine.cosine *= gain;
     sine.sine *= gain;
   }
-  for (std::size_t n = 0; n < filtered.size(); ++n) filtered[n] += ValueAt(frame, parts, n);
+  for (std::size_t k = 0; k < filtered.size(); ++k) filtered[k] += ValueAt(frame, parts, first + k);
 }
 
 }  // namespace haptometer::dsp

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <string_view>
+#include <utility>
 
 #include "base/check.h"
 
@@ -20,6 +22,8 @@ constexpr std::size_t kLeastQuietBlocks = 2;
 constexpr std::size_t kLeastOnBlocks = 2;
 constexpr std::size_t kLeastTopBlocks = 4;
 constexpr double kQuietSlack = 1.25;
+// a tone below this part of its top amplitude pauses
+constexpr double kPause = 0.3;
 constexpr double kQuietGuardBlocks = 2.5;
 constexpr double kDeviations = 4;
 constexpr double kPowerSlack = 0.01;
@@ -66,34 +70,82 @@ struct Level {
   [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
-// optimal partitioning: best[n] is the least cost of the first n blocks
-std::vector<Level> LevelsOf(const std::vector<double>& power, double degrees) {
-  const std::size_t n = power.size();
-  std::vector<double> sums(n + 1, 0);
-  for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + power[k];
-  if (sums[n] == 0) return {{0, n, 0}};
+double MedianOf(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::ranges::nth_element(values, middle);
+  return *middle;
+}
+
+// Optimal partitioning of n blocks: the pieces [begin, end) whose sum of cost(begin, end) and one
+// penalty each is least.
+template <typename Cost>
+std::vector<std::pair<std::size_t, std::size_t>> Partition(std::size_t n, const Cost& cost) {
   const double penalty = 6 + 3 * std::log(static_cast<double>(n));
-  const double least = 1e-9 * sums[n] / static_cast<double>(n);  // a drive that is exactly 0 is off
   std::vector<double> best(n + 1, 0);
   std::vector<std::size_t> from(n + 1, 0);
   for (std::size_t end = 1; end <= n; ++end) {
     best[end] = std::numeric_limits<double>::infinity();
     for (std::size_t begin = 0; begin < end; ++begin) {
-      const auto size = static_cast<double>(end - begin);
-      const double cost = best[begin] + penalty +
-                          0.5 * degrees * size * std::log((sums[end] - sums[begin]) / size + least);
-      if (cost < best[end]) {
-        best[end] = cost;
+      const double total = best[begin] + penalty + cost(begin, end);
+      if (total < best[end]) {
+        best[end] = total;
         from[end] = begin;
       }
     }
   }
+  std::vector<std::pair<std::size_t, std::size_t>> pieces;
+  pieces.reserve(n);
+  for (std::size_t end = n; end > 0; end = from[end]) pieces.emplace_back(from[end], end);
+  std::ranges::reverse(pieces);
+  return pieces;
+}
+
+// levels of gamma-distributed powers
+std::vector<Level> LevelsOf(const std::vector<double>& power, double degrees) {
+  const std::size_t n = power.size();
+  std::vector<double> sums(n + 1, 0);
+  for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + power[k];
+  if (sums[n] == 0) return {{0, n, 0}};
+  const double least = 1e-9 * sums[n] / static_cast<double>(n);  // a drive that is exactly 0 is off
+  const auto mean = [&](std::size_t begin, std::size_t end) {
+    return (sums[end] - sums[begin]) / static_cast<double>(end - begin);
+  };
   std::vector<Level> levels;
-  for (std::size_t end = n; end > 0; end = from[end]) {
-    levels.push_back(
-        {from[end], end, (sums[end] - sums[from[end]]) / static_cast<double>(end - from[end])});
+  const auto pieces = Partition(n, [&](std::size_t begin, std::size_t end) {
+    return 0.5 * degrees * static_cast<double>(end - begin) * std::log(mean(begin, end) + least);
+  });
+  levels.reserve(pieces.size());
+  for (const auto& [begin, end] : pieces) levels.push_back({begin, end, mean(begin, end)});
+  return levels;
+}
+
+// levels of a tone's complex amplitude in Gaussian noise, as mean squares
+std::vector<Level> LevelsOf(std::span<const std::complex<double>> tone) {
+  const std::size_t n = tone.size();
+  std::vector<std::complex<double>> sums(n + 1, 0);
+  std::vector<double> squares(n + 1, 0);
+  std::vector<double> changes(n - 1);
+  for (std::size_t k = 0; k < n; ++k) {
+    sums[k + 1] = sums[k] + tone[k];
+    squares[k + 1] = squares[k] + std::norm(tone[k]);
+    if (k > 0) changes[k - 1] = std::norm(tone[k] - tone[k - 1]);
   }
-  std::ranges::reverse(levels);
+  // the square of a change is exponential with a mean of 4 variances; changes of a hundredth of the
+  // amplitude are none
+  const double variance =
+      MedianOf(changes) / (4 * std::numbers::ln2) + 1e-4 * squares[n] / static_cast<double>(n);
+  if (variance == 0) return {{0, n, 0}};
+  const auto pieces = Partition(n, [&](std::size_t begin, std::size_t end) {
+    const auto size = static_cast<double>(end - begin);
+    return 0.5 / variance *
+           (squares[end] - squares[begin] - std::norm(sums[end] - sums[begin]) / size);
+  });
+  std::vector<Level> levels;
+  levels.reserve(pieces.size());
+  for (const auto& [begin, end] : pieces) {
+    const std::complex<double> mean = (sums[end] - sums[begin]) / static_cast<double>(end - begin);
+    levels.push_back({begin, end, 0.5 * std::norm(mean)});
+  }
   return levels;
 }
 
@@ -127,12 +179,6 @@ std::vector<Level> RunsAbove(const std::vector<Level>& levels, double threshold)
   }
   std::erase_if(runs, [](const Level& run) { return run.size() < kLeastOnBlocks; });
   return runs;
-}
-
-double MedianOf(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
 }
 
 // narrows `run` to where the power stays at its own median
@@ -202,37 +248,51 @@ std::vector<TimeWindow> QuietParts(const Blocks& blocks, const std::vector<Level
   return parts;
 }
 
-// levels, then parts; `response` tells what is steady
-DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response, double degrees,
-                   std::string_view what) {
+// what counts as on and as quiet
+struct Limits {
+  double quiet = 0;      // mean square of the quiet level
+  double threshold = 0;  // above is on
+  double ratio = 0;      // of the top to the quiet level, in RMS
+};
+
+// parts from levels; `response` tells what is steady
+DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response,
+                   const std::vector<Level>& levels, const Limits& limits, std::string_view what) {
   DriveParts parts;
-  const std::vector<Level> levels = LevelsOf(blocks.mean_square, degrees);
-  const std::optional<double> quiet = QuietLevel(levels);
-  const double top = TopLevel(levels);
-  if (!quiet || !(top > kLeastLevelRatio * *quiet)) {
-    parts.why =
-        fmt::format("the power of {} keeps one level: the drive is on throughout, or never", what);
-    return parts;
-  }
-  // a drive that is exactly 0 has its threshold far below the top all the same
-  const double threshold = std::sqrt(std::max(*quiet, 1e-4 * top) * top);
-  for (const Level& run : RunsAbove(levels, threshold)) {
+  for (const Level& run : RunsAbove(levels, limits.threshold)) {
     parts.on.push_back(PartOf(blocks, response, run));
   }
-  parts.quiet = QuietParts(blocks, levels, std::max(*quiet, 1e-9 * top));
+  parts.quiet = QuietParts(blocks, levels, limits.quiet);
   if (parts.on.empty()) {
     parts.why = fmt::format("no part of {} stands out for long enough", what);
     return parts;
   }
   parts.course = DriveCourse::kGated;
   const TimeWindow longest = parts.Longest()->whole;
-  parts.why =
-      fmt::format("{} stands out {:.3g} times in RMS, {}from {:.3f} s to {:.3f} s", what,
-                  std::sqrt(top / std::max(*quiet, 1e-12 * top)),
-                  parts.on.size() > 1 ? fmt::format("in {} parts, the longest ", parts.on.size())
-                                      : std::string(),
-                  longest.begin_s, longest.end_s);
+  const std::string which =
+      parts.on.size() > 1 ? fmt::format("in {} parts, the longest ", parts.on.size()) : "";
+  parts.why = fmt::format("{} stands out {:.3g} times in RMS, {}from {:.3f} s to {:.3f} s", what,
+                          limits.ratio, which, longest.begin_s, longest.end_s);
   return parts;
+}
+
+// by power
+DriveParts PowerParts(const Blocks& blocks, const std::vector<double>& response, double degrees,
+                      std::string_view what) {
+  const std::vector<Level> levels = LevelsOf(blocks.mean_square, degrees);
+  const std::optional<double> quiet = QuietLevel(levels);
+  const double top = TopLevel(levels);
+  if (!quiet || !(top > kLeastLevelRatio * *quiet)) {
+    return {
+        DriveCourse::kUnchanging,
+        {},
+        {},
+        fmt::format("the power of {} keeps one level: the drive is on throughout, or never", what)};
+  }
+  // a drive that is exactly 0 has its threshold far below the top all the same
+  const Limits limits{std::max(*quiet, 1e-9 * top), std::sqrt(std::max(*quiet, 1e-4 * top) * top),
+                      std::sqrt(top / std::max(*quiet, 1e-12 * top))};
+  return PartsOf(blocks, response, levels, limits, what);
 }
 
 }  // namespace
@@ -251,7 +311,7 @@ DriveParts FindDriveParts(const PowerCourse& course, const DriveSearch& search) 
   if (blocks.mean_square.size() < kLeastTopBlocks + kLeastQuietBlocks) {
     return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
   }
-  return PartsOf(blocks, blocks.mean_square, degrees, "the vibration");
+  return PowerParts(blocks, blocks.mean_square, degrees, "the vibration");
 }
 
 DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
@@ -268,7 +328,33 @@ DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
     return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
   }
   const double degrees = std::max(1.0, 2 * search.bandwidth_hz * blocks.block_s);
-  return PartsOf(blocks, BlocksOf(response, block_s).mean_square, degrees, "the drive");
+  return PowerParts(blocks, BlocksOf(response, block_s).mean_square, degrees, "the drive");
+}
+
+double DriveBlockSeconds(const PowerCourse& course, const DriveSearch& search) {
+  const double cells = std::max(1.0, std::round(BlockLength(course, search) / course.cell_s));
+  return cells * course.cell_s;
+}
+
+DriveParts FindDriveParts(std::span<const std::complex<double>> tone, const PowerCourse& response,
+                          const DriveSearch& search) {
+  HAPTOMETER_CHECK(response.cell_s > 0 && search.lower_hz > 0, "cells of {} s, lower corner {} Hz",
+                   response.cell_s, search.lower_hz);
+  const Blocks blocks = BlocksOf(response, BlockLength(response, search));
+  HAPTOMETER_CHECK(blocks.mean_square.size() == tone.size(), "{} blocks and {} amplitudes",
+                   blocks.mean_square.size(), tone.size());
+  if (tone.size() < kLeastTopBlocks + kLeastQuietBlocks) {
+    return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
+  }
+  const std::vector<Level> levels = LevelsOf(tone);
+  const double top = TopLevel(levels);
+  const std::optional<double> quiet = QuietLevel(levels);
+  if (!quiet || !(*quiet < kPause * kPause * top)) {
+    return {DriveCourse::kUnchanging, {}, {}, "the tone never pauses: the drive is on throughout"};
+  }
+  const Limits limits{kPause * kPause * top / kQuietSlack, 0.25 * top,
+                      std::sqrt(top / std::max(*quiet, 1e-12 * top))};
+  return PartsOf(blocks, blocks.mean_square, levels, limits, "the tone");
 }
 
 }  // namespace haptometer::dsp

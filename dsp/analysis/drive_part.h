@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -68,5 +69,18 @@ struct DriveParts {
 /// `drive` says, steady by `response`, the displacement's own power; both on one time base.
 [[nodiscard]] DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
                                         const DriveSearch& search);
+
+/// Length of the blocks that `course` is split into: whole cells.
+[[nodiscard]] double DriveBlockSeconds(const PowerCourse& course, const DriveSearch& search);
+
+/// The same parts from a tone's complex amplitude in each block (DriveBlockSeconds; as many as
+/// whole blocks in `response`, which tells what is steady): a tone far below the noise in power is
+/// seen this way.
+///
+/// Amplitudes have Gaussian noise of one variance v (by the median change of neighbours); the sum
+/// of |c - mean|^2 / (2 v) and the same penalty is least. Below 0.3 of the top amplitude the tone
+/// pauses, above half of it the drive is on.
+[[nodiscard]] DriveParts FindDriveParts(std::span<const std::complex<double>> tone,
+                                        const PowerCourse& response, const DriveSearch& search);
 
 }  // namespace haptometer::dsp

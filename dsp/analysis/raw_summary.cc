@@ -5,12 +5,13 @@
 #include <utility>
 
 #include "base/check.h"
+#include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr double kCellsPerS = 250;
-constexpr std::size_t kMostCells = std::size_t{1} << 21U;
+constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
 std::size_t CellRows(const trial::Record& head) {
   double rate_hz = 0;
@@ -34,7 +35,6 @@ void RawSummarizer::Feed(std::span<const double> values,
   while (!values.empty()) {
     const std::size_t count = std::min(values.size(), summary_.cell_rows - cell_filled_);
     FeedCell(values.first(count), statuses.first(count));
-    cell_filled_ += count;
     if (cell_filled_ == summary_.cell_rows) CloseCell();
     values = values.subspan(count);
     statuses = statuses.subspan(count);
@@ -43,29 +43,67 @@ void RawSummarizer::Feed(std::span<const double> values,
 
 void RawSummarizer::FeedCell(std::span<const double> values,
                              std::span<const trial::SampleStatus> statuses) {
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    const double value = values[k];
-    if (!trial::IsMeasurement(statuses[k]) || !std::isfinite(value)) continue;
-    if (summary_.measured == 0 && cell_count_ == 0) {
-      reference_ = summary_.least = summary_.most = value;
-    }
-    cell_sum_ += value - reference_;
-    summary_.least = std::min(summary_.least, value);
-    summary_.most = std::max(summary_.most, value);
-    ++cell_count_;
+  std::size_t k = 0;
+  const auto feed_rows = [&](std::size_t end) {
+    for (; k < end; ++k) FeedRow(values[k], statuses[k]);
+  };
+  // the first of all rows gives the reference
+  const bool is_first = summary_.measured == 0 && cell_count_ == 0;
+  if (!is_first && AllOk(statuses)) {
+    feed_rows(std::min(values.size(), (kLanes - cell_filled_ % kLanes) % kLanes));
+    const auto lanes = values.subspan(k, (values.size() - k) / kLanes * kLanes);
+    if (FeedLanes(lanes)) k += lanes.size();
   }
+  feed_rows(values.size());
+}
+
+void RawSummarizer::FeedRow(double value, trial::SampleStatus status) {
+  const std::size_t lane = cell_filled_++ % kLanes;
+  if (!IsMeasured(value, status)) return;
+  if (summary_.measured == 0 && cell_count_ == 0) {
+    reference_ = summary_.least = summary_.most = value;
+  }
+  cell_sums_[lane] += value - reference_;
+  summary_.least = std::min(summary_.least, value);
+  summary_.most = std::max(summary_.most, value);
+  ++cell_count_;
+}
+
+bool RawSummarizer::FeedLanes(std::span<const double> values) {
+  Lanes sums = cell_sums_;
+  Lanes least;
+  Lanes most;
+  least.fill(summary_.least);
+  most.fill(summary_.most);
+  const double reference = reference_;
+  for (std::size_t k = 0; k < values.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const double value = values[k + lane];
+      sums[lane] += value - reference;
+      least[lane] = value < least[lane] ? value : least[lane];
+      most[lane] = value > most[lane] ? value : most[lane];
+    }
+  }
+  // a value that is infinite or none makes its sum so
+  if (!AllFinite(sums)) return false;
+  cell_sums_ = sums;
+  summary_.least = std::ranges::min(least);
+  summary_.most = std::ranges::max(most);
+  cell_count_ += values.size();
+  cell_filled_ += values.size();
+  return true;
 }
 
 void RawSummarizer::CloseCell() {
-  const double mean = cell_count_ > 0 ? reference_ + cell_sum_ / static_cast<double>(cell_count_)
+  const double cell_sum = (cell_sums_[0] + cell_sums_[1]) + (cell_sums_[2] + cell_sums_[3]);
+  const double mean = cell_count_ > 0 ? reference_ + cell_sum / static_cast<double>(cell_count_)
                                       : std::numeric_limits<double>::quiet_NaN();
   summary_.cell_means.push_back(mean);
-  const double sum = sum_ + cell_sum_;
-  lost_ +=
-      std::abs(sum_) >= std::abs(cell_sum_) ? (sum_ - sum) + cell_sum_ : (cell_sum_ - sum) + sum_;
+  const double sum = sum_ + cell_sum;
+  lost_ += std::abs(sum_) >= std::abs(cell_sum) ? (sum_ - sum) + cell_sum : (cell_sum - sum) + sum_;
   sum_ = sum;
   summary_.measured += cell_count_;
-  cell_sum_ = 0;
+  cell_sums_ = {};
   cell_count_ = cell_filled_ = 0;
 }
 

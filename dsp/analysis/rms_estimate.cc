@@ -17,16 +17,25 @@ constexpr double kNormal90 = 1.6448536269514722;  // two-sided; one-sided 95 %
 // of a density that is the mean of 48 bins
 constexpr double kToneDegrees = 96;
 
+// chi-squared is normal then, to 1e-3 of a standard deviation
+constexpr double kManyDegrees = 1e6;
+
 // how far a value's limits lie below and above it
 struct Reach {
   double below = 0;
   double above = 0;
 };
 
+double NormalOf(double probability) { return probability < 0.04 ? kNormal95 : kNormal90; }
+
 // of a noise power, by chi-squared; `probability` is that of either tail
 Reach ReachOf(const NoisePower& power, double probability) {
   const double degrees = power.degrees_of_freedom();
   if (!std::isfinite(degrees) || power.mean_square == 0) return {};
+  if (degrees > kManyDegrees) {
+    const double reach = NormalOf(probability) * std::sqrt(power.variance);
+    return {reach, reach};
+  }
   const double sum = degrees * power.mean_square;
   return {power.mean_square - sum / ChiSquaredQuantile(1 - probability, degrees),
           sum / ChiSquaredQuantile(probability, degrees) - power.mean_square};

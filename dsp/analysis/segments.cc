@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <optional>
 #include <utility>
 
 #include "base/check.h"
+#include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -15,14 +17,10 @@ constexpr double kBridgeRatePerUpperCorner = 5;
 // measured samples that the cubic takes on each side of a hole
 constexpr std::size_t kSide = 2;
 // rows looked at in one go
-constexpr std::size_t kBlockRows = std::size_t{1} << 16U;
+constexpr std::size_t kBlockRows = std::size_t{1} << 17U;
 // rows before and after a block that decide on a hole within it: a hole, what its bridge is tried
 // on, and one to see that the hole has ended
 constexpr std::size_t kMarginRows = 2 * kLongestBridge + 2 * kSide + 1;
-
-bool IsMeasured(double value, trial::SampleStatus status) {
-  return trial::IsMeasurement(status) && std::isfinite(value);
-}
 
 // rows [begin, end)
 struct Rows {
@@ -41,8 +39,13 @@ class Window {
     held_.end = block.end + std::min(rows - block.end, kMarginRows);
     values_.resize(held_.end - held_.begin);
     statuses_.resize(values_.size());
-    return source.Read(channel, held_.begin, values_, statuses_);
+    if (auto read = source.Read(channel, held_.begin, values_, statuses_); !read) return read;
+    all_ok_ = AllOk(statuses_) && AllFinite(values_);
+    return {};
   }
+
+  // whether every row at hand is measured and says kOk
+  [[nodiscard]] bool all_ok() const { return all_ok_; }
 
   [[nodiscard]] Rows block() const { return block_; }
   [[nodiscard]] std::span<const double> block_values() const {
@@ -63,6 +66,7 @@ class Window {
   }
   // the first row of [begin, end) without a measurement, or `end`
   [[nodiscard]] std::size_t FirstUnmeasured(std::size_t begin, std::size_t end) const {
+    if (all_ok_) return std::max(begin, end);
     while (begin < end && At(begin)) ++begin;
     return begin;
   }
@@ -76,6 +80,7 @@ class Window {
  private:
   Rows block_;
   Rows held_;
+  bool all_ok_ = false;
   std::vector<double> values_;
   std::vector<trial::SampleStatus> statuses_;
 };
@@ -127,6 +132,8 @@ std::optional<double> BridgeErrorSquareSum(const Window& window, Rows stretch, R
     const double after = KnownErrorSquareSum(window, hole.end + kSide, size);
     worst = std::max(worst.value_or(0), after);
   }
+  // values whose cubes overflow are not bridged
+  if (worst && !std::isfinite(*worst)) return std::nullopt;
   return worst;
 }
 
@@ -205,6 +212,11 @@ class Splitter {
 void Count(const Window& window, Segments& segments) {
   const auto values = window.block_values();
   const auto statuses = window.block_statuses();
+  if (window.all_ok()) {
+    segments.by_status[0] += values.size();
+    segments.measured += values.size();
+    return;
+  }
   for (std::size_t k = 0; k < values.size(); ++k) {
     ++segments.by_status[static_cast<std::size_t>(statuses[k])];
     segments.measured += IsMeasured(values[k], statuses[k]) ? 1 : 0;
@@ -214,29 +226,45 @@ void Count(const Window& window, Segments& segments) {
 }  // namespace
 
 Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t channel,
-                                   double upper_hz, const RowVisitor& visit) {
+                                   double upper_hz, const RowVisitor& visit, int threads) {
   const trial::Record& head = source.head();
+  const auto load = [&](Window& window, std::size_t row) -> Result<void> {
+    if (row >= head.rows) return {};
+    return window.Load(source, channel, {row, row + std::min(kBlockRows, head.rows - row)},
+                       head.rows);
+  };
   Segments segments;
   Splitter splitter(head, upper_hz, segments);
   Window window;
-  for (std::size_t row = 0; row < head.rows; row += kBlockRows) {
-    const Rows block{row, row + std::min(kBlockRows, head.rows - row)};
-    if (auto read = window.Load(source, channel, block, head.rows); !read) {
-      return std::unexpected(read.error());
-    }
+  Window next;
+  Result<void> loaded = load(window, 0);
+  for (std::size_t row = 0; loaded && row < head.rows; row += kBlockRows) {
+    std::future<Result<void>> loading =
+        std::async(threads > 1 ? std::launch::async : std::launch::deferred, load, std::ref(next),
+                   row + kBlockRows);
     Count(window, segments);
     splitter.Take(window);
     if (visit) visit(row, window.block_values(), window.block_statuses());
+    loaded = loading.get();
+    std::swap(window, next);
   }
+  if (!loaded) return std::unexpected(loaded.error());
   return segments;
 }
 
 Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) const {
   HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
                    out.size(), size());
-  std::vector<trial::SampleStatus> statuses(out.size());
-  if (auto read = source_->Read(channel_, segment_->first_row + first, out, statuses); !read) {
-    return read;
+  // in pieces, because the statuses only pass by
+  constexpr std::size_t kPiece = std::size_t{1} << 14U;
+  std::vector<trial::SampleStatus> statuses(std::min(kPiece, out.size()));
+  for (std::size_t at = 0; at < out.size(); at += kPiece) {
+    const std::span<double> piece = out.subspan(at, std::min(kPiece, out.size() - at));
+    if (auto read = source_->Read(channel_, segment_->first_row + first + at, piece,
+                                  std::span(statuses).first(piece.size()));
+        !read) {
+      return read;
+    }
   }
   auto bridge = std::ranges::lower_bound(segment_->bridges, first, {}, &Bridge::sample);
   for (; bridge != segment_->bridges.end() && bridge->sample - first < out.size(); ++bridge) {

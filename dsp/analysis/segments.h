@@ -53,10 +53,11 @@ using RowVisitor = std::function<void(std::size_t first_row, std::span<const dou
 /// samples on each side, where the rate is at least 5 times `upper_hz` and those samples exist; the
 /// error is measured by bridging known samples beside the hole in the same way, which needs six to
 /// eight measured rows in a line on one side.
-/// Errors: as RowSource::Read. Cost: one pass; memory of a block and of what is returned.
+/// With two `threads` or more the next block is read while one is looked at; they change nothing.
+/// Errors: as RowSource::Read. Cost: one pass; memory of two blocks and of what is returned.
 [[nodiscard]] Result<Segments> SplitIntoSegments(const trial::RowSource& source,
                                                  std::size_t channel, double upper_hz,
-                                                 const RowVisitor& visit = {});
+                                                 const RowVisitor& visit = {}, int threads = 1);
 
 /// The samples of a segment by range, the bridged ones in their places.
 ///

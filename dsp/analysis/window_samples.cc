@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/check.h"
+#include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/segments.h"
 
 namespace haptometer::dsp {
@@ -11,7 +12,9 @@ Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnaly
                                  std::size_t most) {
   HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
   const UsedPart& part = analysis.numbers->part;
-  const auto segments = SplitIntoSegments(source, analysis.channel, analysis.band.upper_hz);
+  const auto channel = DisplacementChannel(source.head());
+  if (!channel) return std::unexpected(channel.error());
+  const auto segments = SplitIntoSegments(source, *channel, analysis.band.upper_hz);
   if (!segments) return std::unexpected(segments.error());
   const auto holds_window = [&](const Segment& segment) {
     return part.first_row >= segment.first_row &&
@@ -27,7 +30,7 @@ Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnaly
   window.rate_hz = segment->rate_hz;
   window.start_s = segment->start_s + static_cast<double>(first) / segment->rate_hz;
   window.values_m.resize(count);
-  const SegmentSamples samples(source, analysis.channel, *segment);
+  const SegmentSamples samples(source, *channel, *segment);
   if (auto read = samples.Read(first, window.values_m); !read) {
     return std::unexpected(read.error());
   }

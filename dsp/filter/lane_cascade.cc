@@ -1,5 +1,7 @@
 #include "dsp/filter/lane_cascade.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "dsp/filter/cascade.h"
 #include "dsp/filter/cascade_step.h"
@@ -35,7 +37,7 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
       const std::size_t state = first + lane;
       (state < sections_ ? lanes.output[state] : lanes.step[state - sections_])[lane] = 1;
     }
-    kernel_->advance(design_, silence.data(), lanes);
+    kernel_->advance(design_, Direction::kForward, silence.data(), lanes);
     for (std::size_t lane = 0; lane < kLanes && first + lane < 2 * sections_; ++lane) {
       for (std::size_t k = 0; k < sections_; ++k) {
         handover_[first + lane][k] = lanes.output[k][lane];
@@ -55,72 +57,107 @@ void LaneCascade::StartFrom(double input) {
   }
 }
 
-// lanes with the inputs that came before them, and at rest
-void LaneCascade::TakeTile(const double* tile, Direction direction) {
-  plan_->kernel_->gather(tile, direction, rows_.data());
-  lanes_ = {};
-  const double* last_row = &rows_[kTileSamples - kLanes];
-  const double* row_before = last_row - kLanes;
+// lanes with the inputs that came before them, run from rest
+void LaneCascade::TakeRows(const double* rows, Direction direction) {
+  const bool forward = direction == Direction::kForward;
+  const double* last_row = rows + (forward ? kTileSamples - kLanes : 0);
+  const double* row_before = forward ? last_row - kLanes : last_row + kLanes;
   const bool sums = TakesSums(plan_->design_.sections.front().kind);
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    const double last = lane == 0 ? last_input_ : last_row[lane - 1];
-    const double before = lane == 0 ? input_before_last_ : row_before[lane - 1];
+  lanes_ = {};
+  double last = last_input_;
+  double before = input_before_last_;
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const std::size_t lane = forward ? k : kLanes - 1 - k;
     lanes_.last_input[lane] = last;
     lanes_.input_before[lane] = sums ? last + before : last - before;
+    last = last_row[lane];
+    before = row_before[lane];
   }
-  last_input_ = last_row[kLanes - 1];
-  input_before_last_ = row_before[kLanes - 1];
+  last_input_ = last;
+  input_before_last_ = before;
+  plan_->kernel_->advance(plan_->design_, direction, rows, lanes_);
 }
 
 // from lanes_, run from rest, the true state at each lane's begin (starts_) and at the tile's end
-void LaneCascade::HandOver() {
+void LaneCascade::HandOver(Direction direction) {
   const std::size_t sections = plan_->sections_;
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    const std::size_t lane = direction == Direction::kForward ? k : kLanes - 1 - k;
     starts_[lane] = state_;
     LanePlan::StateVector next{};
-    for (std::size_t k = 0; k < sections; ++k) {
-      next[k] = lanes_.output[k][lane];
-      next[sections + k] = lanes_.step[k][lane];
+    for (std::size_t section = 0; section < sections; ++section) {
+      next[section] = lanes_.output[section][lane];
+      next[sections + section] = lanes_.step[section][lane];
     }
     for (std::size_t column = 0; column < 2 * sections; ++column) {
-      for (std::size_t k = 0; k < LanePlan::kMostStates; ++k) {
-        next[k] += plan_->handover_[column][k] * state_[column];
+      for (std::size_t row = 0; row < LanePlan::kMostStates; ++row) {
+        next[row] += plan_->handover_[column][row] * state_[column];
       }
     }
     state_ = next;
   }
 }
 
-void LaneCascade::Advance(std::span<const double> samples, Direction direction) {
-  HAPTOMETER_CHECK(samples.size() % kTileSamples == 0, "{} samples", samples.size());
-  const FlushSubnormals flush;
-  for (std::size_t k = 0; k < samples.size(); k += kTileSamples) {
-    const std::size_t tile =
-        direction == Direction::kForward ? k : samples.size() - kTileSamples - k;
-    TakeTile(&samples[tile], direction);
-    plan_->kernel_->advance(plan_->design_, rows_.data(), lanes_);
-    HandOver();
+void LaneCascade::StartLanes() {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t section = 0; section < plan_->sections_; ++section) {
+      lanes_.output[section][lane] = starts_[lane][section];
+      lanes_.step[section][lane] = starts_[lane][plan_->sections_ + section];
+    }
   }
 }
 
-void LaneCascade::Process(std::span<double> samples, Direction direction) {
-  HAPTOMETER_CHECK(samples.size() % kTileSamples == 0, "{} samples", samples.size());
+void LaneCascade::AdvanceForward(std::span<const double> tiles) {
+  HAPTOMETER_CHECK(tiles.size() % kTileSamples == 0, "{} samples", tiles.size());
   const FlushSubnormals flush;
-  const std::size_t sections = plan_->sections_;
-  for (std::size_t k = 0; k < samples.size(); k += kTileSamples) {
-    const std::size_t tile =
-        direction == Direction::kForward ? k : samples.size() - kTileSamples - k;
-    TakeTile(&samples[tile], direction);
-    plan_->kernel_->advance(plan_->design_, rows_.data(), lanes_);
-    HandOver();
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      for (std::size_t section = 0; section < sections; ++section) {
-        lanes_.output[section][lane] = starts_[lane][section];
-        lanes_.step[section][lane] = starts_[lane][sections + section];
-      }
+  for (std::size_t tile = 0; tile < tiles.size(); tile += kTileSamples) {
+    plan_->kernel_->gather(&tiles[tile], rows_.data());
+    TakeRows(rows_.data(), Direction::kForward);
+    HandOver(Direction::kForward);
+  }
+}
+
+void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double> rows) {
+  HAPTOMETER_CHECK(tiles.size() % kTileSamples == 0 && rows.size() == tiles.size(),
+                   "{} samples to {}", tiles.size(), rows.size());
+  const FlushSubnormals flush;
+  for (std::size_t tile = 0; tile < tiles.size(); tile += kTileSamples) {
+    plan_->kernel_->gather(&tiles[tile], rows_.data());
+    TakeRows(rows_.data(), Direction::kForward);
+    HandOver(Direction::kForward);
+    StartLanes();
+    plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile], lanes_);
+  }
+}
+
+void LaneCascade::AdvanceBackward(std::span<const double> rows) {
+  HAPTOMETER_CHECK(rows.size() % kTileSamples == 0, "{} samples", rows.size());
+  const FlushSubnormals flush;
+  for (std::size_t end = rows.size(); end > 0; end -= kTileSamples) {
+    TakeRows(&rows[end - kTileSamples], Direction::kBackward);
+    HandOver(Direction::kBackward);
+  }
+}
+
+void LaneCascade::ProcessBackward(std::span<const double> rows, std::span<double> out) {
+  HAPTOMETER_CHECK(rows.size() % kTileSamples == 0 && out.size() <= rows.size() &&
+                       rows.size() < out.size() + kTileSamples,
+                   "{} samples to {}", rows.size(), out.size());
+  const FlushSubnormals flush;
+  for (std::size_t end = rows.size(); end > 0; end -= kTileSamples) {
+    const std::size_t begin = end - kTileSamples;
+    TakeRows(&rows[begin], Direction::kBackward);
+    HandOver(Direction::kBackward);
+    StartLanes();
+    plan_->kernel_->filter(plan_->design_, Direction::kBackward, &rows[begin], rows_.data(),
+                           lanes_);
+    if (end <= out.size()) {
+      plan_->kernel_->scatter(rows_.data(), &out[begin]);
+    } else {
+      alignas(64) std::array<double, kTileSamples> tile;
+      plan_->kernel_->scatter(rows_.data(), tile.data());
+      std::copy_n(tile.begin(), out.size() - begin, &out[begin]);
     }
-    plan_->kernel_->filter(plan_->design_, rows_.data(), lanes_);
-    plan_->kernel_->scatter(rows_.data(), direction, &samples[tile]);
   }
 }
 

@@ -35,9 +35,10 @@ class LanePlan {
 
 /// A causal run over whole tiles, forward or backward in time: Cascade's filter, faster.
 ///
-/// Differs from Cascade by rounding only (1e-14 of the output). The bytes depend neither on the
-/// instruction set nor on how many tiles a call has. Finite samples only; no subnormal numbers. Not
-/// for two threads at once.
+/// Tiles are in order of time before the forward run, and after it as the kernel's rows, which the
+/// backward run takes: so they are turned once each way. Differs from Cascade by rounding only
+/// (1e-14 of the output). The bytes depend neither on the instruction set nor on how many tiles a
+/// call has. Finite samples only; no subnormal numbers. Not for two threads at once.
 class LaneCascade {
  public:
   /// `plan` outlives this.
@@ -46,15 +47,21 @@ class LaneCascade {
   /// As Cascade::StartFrom.
   void StartFrom(double input);
 
-  /// Takes in whole tiles without giving their output: half the work.
-  void Advance(std::span<const double> samples, Direction direction);
+  /// Takes in tiles, in order of time, without giving their output: half the work.
+  void AdvanceForward(std::span<const double> tiles);
+  /// Filters tiles in order of time to as many `rows` (aligned to 64 bytes).
+  void ProcessForward(std::span<const double> tiles, std::span<double> rows);
 
-  /// Filters whole tiles in place; backward begins with the last sample.
-  void Process(std::span<double> samples, Direction direction);
+  /// Takes in tiles of rows, the last one first.
+  void AdvanceBackward(std::span<const double> rows);
+  /// Filters tiles of rows, the last one first, to `out`, in order of time: as many samples, or
+  /// fewer, the last tile's rest is then left out.
+  void ProcessBackward(std::span<const double> rows, std::span<double> out);
 
  private:
-  void TakeTile(const double* tile, Direction direction);
-  void HandOver();
+  void TakeRows(const double* rows, Direction direction);
+  void HandOver(Direction direction);
+  void StartLanes();
 
   const LanePlan* plan_;
   LanePlan::StateVector state_{};

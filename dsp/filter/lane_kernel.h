@@ -29,16 +29,18 @@ struct alignas(64) LaneStates {
 };
 
 /// The functions of one instruction set. `rows` are kLaneSamples rows of kLanes values, aligned to
-/// 64 bytes.
+/// 64 bytes: row n holds sample n of each lane, lane j the j-th eighth of the tile.
 struct LaneKernel {
-  /// Lane j becomes the j-th eighth of the tile, in the order in which the filter meets it.
-  void (*gather)(const double* tile, Direction direction, double* rows);
-  /// The same, back.
-  void (*scatter)(const double* rows, Direction direction, double* tile);
-  /// Runs the cascade down all lanes and leaves its states; the outputs take the inputs' place.
-  void (*filter)(const FilterDesign& design, double* rows, LaneStates& states);
-  /// The states only; `rows` stay.
-  void (*advance)(const FilterDesign& design, double* rows, LaneStates& states);
+  void (*gather)(const double* tile, double* rows);
+  /// The same, back in order of time.
+  void (*scatter)(const double* rows, double* tile);
+  /// Runs the cascade through all lanes, each from its first sample to its last or the other way,
+  /// and leaves the states. `out` may be `rows`.
+  void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
+                 LaneStates& states);
+  /// The states only.
+  void (*advance)(const FilterDesign& design, Direction direction, const double* rows,
+                  LaneStates& states);
 };
 
 extern const LaneKernel kLaneKernelBaseline;

@@ -13,7 +13,12 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kFalseAlarm = 1e-3;
+constexpr std::size_t kMainLobeBins = 3;  // bins on either side that a Hann peak itself fills
+constexpr std::size_t kNeighbours = 64;   // bins on one side that tell the noise there
+constexpr std::size_t kLeastNeighbours = 16;
+// independent values behind the median of n neighbours: n / 2.08 for exponential ones. Hann's
+// correlation would halve that, the noisier of two sides more than makes up for it (tests).
+constexpr double kNeighboursPerValue = 2;
 
 // squared magnitudes of the transform of `signal`, without its mean and under a Hann window
 std::vector<double> HannPower(std::span<const double> signal) {
@@ -54,11 +59,50 @@ double PeakBin(const std::vector<double>& power, std::size_t k) {
   return static_cast<double>(k) + (after > before ? distance : -distance);
 }
 
-// whether noise alone hardly ever gives so high a peak in the band
-bool StandsOut(const SineFit& fit, const ToneSearch& search, double duration_s) {
-  const double bins = std::max(1.0, (search.upper_hz - search.lower_hz) * duration_s);
+// the level of noise on one side of a peak: the median of power[begin, end), for exponentially
+// distributed powers ln 2 of their mean
+struct NoiseLevel {
+  double mean = 0;
+  double values = 0;  // independent ones behind it; 0: too few neighbours
+};
+
+NoiseLevel LevelOf(const std::vector<double>& power, std::size_t begin, std::size_t end) {
+  if (end < begin + kLeastNeighbours) return {};
+  std::vector<double> side(power.begin() + static_cast<std::ptrdiff_t>(begin),
+                           power.begin() + static_cast<std::ptrdiff_t>(end));
+  const auto middle = side.begin() + static_cast<std::ptrdiff_t>(side.size() / 2);
+  std::ranges::nth_element(side, middle);
+  return {*middle / std::numbers::ln2, static_cast<double>(side.size()) / kNeighboursPerValue};
+}
+
+// the noisier of the two sides of bin `k`; bin 0 is not asked, the mean is gone from it
+NoiseLevel LevelAround(const std::vector<double>& power, std::size_t k) {
+  const std::size_t left_end = k > kMainLobeBins ? k - kMainLobeBins : 1;
+  const std::size_t left_begin = left_end > kNeighbours ? left_end - kNeighbours : 1;
+  const std::size_t right_begin = std::min(power.size(), k + kMainLobeBins + 1);
+  const std::size_t right_end = std::min(power.size(), right_begin + kNeighbours);
+  const NoiseLevel left = LevelOf(power, left_begin, left_end);
+  const NoiseLevel right = LevelOf(power, right_begin, right_end);
+  return left.mean >= right.mean ? left : right;
+}
+
+double BinsIn(const ToneSearch& search, double duration_s) {
+  return std::max(1.0, (search.upper_hz - search.lower_hz) * duration_s);
+}
+
+// whether noise hardly ever gives so high a peak in the band, by the spectrum beside it: of m
+// exponential values in units of a mean that is known from v, none is above x with the probability
+// 1 - m (1 + x/v)^-v
+bool StandsOutOfNeighbours(double peak_power, const NoiseLevel& level, double bins,
+                           double false_alarm) {
+  const double v = level.values;
+  return peak_power > level.mean * v * (std::pow(bins / false_alarm, 1 / v) - 1);
+}
+
+// the same by what the fit leaves, where there are too few neighbours to ask
+bool StandsOutOfResidual(const SineFit& fit, double bins, double false_alarm) {
   const double u = fit.amplitude_uncertainty;
-  return fit.amplitude * fit.amplitude > 2 * u * u * std::log(bins / kFalseAlarm);
+  return fit.amplitude * fit.amplitude > 2 * u * u * std::log(bins / false_alarm);
 }
 
 }  // namespace
@@ -77,11 +121,19 @@ std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneS
 
   // between the bins by interpolation, then exactly by least squares
   const double start_hz = PeakBin(power, *peak) / duration_s;
+  const NoiseLevel level = LevelAround(power, *peak);
+  const double bins = BinsIn(search, duration_s);
+  if (level.values > 0 && !StandsOutOfNeighbours(power[*peak], level, bins, search.false_alarm)) {
+    return std::nullopt;
+  }
   const SineFit fit = FitSine(signal, {search.rate_hz, search.noise_bandwidth_hz}, start_hz);
   const double slack_hz = 0.5 / duration_s;  // a tone on a corner may fall to either side
   const bool inside = fit.frequency_hz > search.lower_hz - slack_hz &&
                       fit.frequency_hz < search.upper_hz + slack_hz;
-  if (!fit.converged || !inside || !StandsOut(fit, search, duration_s)) return std::nullopt;
+  if (!fit.converged || !inside) return std::nullopt;
+  if (level.values == 0 && !StandsOutOfResidual(fit, bins, search.false_alarm)) {
+    return std::nullopt;
+  }
   return fit;
 }
 

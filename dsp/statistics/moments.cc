@@ -1,7 +1,9 @@
 #include "dsp/statistics/moments.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "base/check.h"
 
@@ -52,6 +54,22 @@ double StandardDeviation(std::span<const double> values) {
   // what the rounded mean leaves
   const double rest = PairwiseSum(values, [mean](double x) { return x - mean; });
   return std::sqrt((squares - rest * rest / n) / (n - 1));
+}
+
+double Lag1Autocorrelation(std::span<const double> values) {
+  HAPTOMETER_CHECK(values.size() >= 2, "{} values", values.size());
+  const double mean = Mean(values);
+  const double rest = PairwiseSum(values, [mean](double x) { return x - mean; }) /
+                      static_cast<double>(values.size());
+  std::vector<double> deviations(values.size());
+  std::ranges::transform(values, deviations.begin(), [&](double x) { return (x - mean) - rest; });
+  std::vector<double> products(values.size() - 1);
+  for (std::size_t i = 0; i < products.size(); ++i) {
+    products[i] = deviations[i] * deviations[i + 1];
+  }
+  const double squares = PairwiseSum(deviations, [](double x) { return x * x; });
+  HAPTOMETER_CHECK(squares > 0, "{} equal values", values.size());
+  return PairwiseSum(products, [](double x) { return x; }) / squares;
 }
 
 }  // namespace haptometer::dsp

@@ -66,6 +66,22 @@ TEST(TomlTable, ATableIsNoListOfTables) {
             "x.toml: sensor: is not a list of tables; write [[sensor]]");
 }
 
+TEST(TomlTable, ReadsListsOfTexts) {
+  TomlTable table = Parsed(R"(
+    names = ["stock", "cone"]
+    pairs = [["ia1", "stock"], ["ia2", "cone"]]
+    none = [])");
+  EXPECT_EQ(table.TextList("names"), (std::vector<std::string>{"stock", "cone"}));
+  EXPECT_EQ(table.TextLists("pairs").at(1), (std::vector<std::string>{"ia2", "cone"}));
+  EXPECT_TRUE(table.TextList("none").empty());
+  EXPECT_TRUE(table.TextLists("absent").empty());
+  EXPECT_TRUE(table.Finish());
+  TomlTable mixed = Parsed(R"(pairs = [["ia1"], "stock"])");
+  EXPECT_TRUE(mixed.TextLists("pairs").empty());
+  EXPECT_NE(mixed.Finish().error().Text().find("pairs: is not a list of lists of texts"),
+            std::string::npos);
+}
+
 TEST(TomlTable, TextsUnderTheUsersOwnKeys) {
   TomlTable root = Parsed("[labels]\nrig = 'A'\n'any thing' = 'b'\n");
   EXPECT_EQ(root.Texts("labels"),

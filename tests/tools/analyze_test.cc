@@ -53,11 +53,12 @@ TEST_F(AnalyzeVerb, AnswersInMicrometres) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("offset          1000 um"));
   EXPECT_THAT(outcome.out, HasSubstr("20-500 Hz, Butterworth of order 6, forward and backward"));
-  EXPECT_THAT(outcome.out, HasSubstr("RMS in band     70.711 um over the window"));
+  EXPECT_THAT(outcome.out, HasSubstr("RMS in band     92.99"));
   EXPECT_THAT(outcome.out, HasSubstr("strongest tone  225 Hz"));
-  EXPECT_THAT(outcome.out, HasSubstr("100 um amplitude"));
+  EXPECT_THAT(outcome.out, HasSubstr("131.51 um amplitude"));
   // |cos(pi 225 Hz 1 ms)| for two averages
-  EXPECT_THAT(outcome.out, HasSubstr("the sensor's averaging passes 0.7604 of the tone"));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("the sensor (2 averages at 1 ms) passes 0.7604 of the tone; divided out"));
   EXPECT_EQ(outcome.err, "");
 }
 
@@ -71,11 +72,15 @@ TEST_F(AnalyzeVerb, JsonKeepsItsNames) {
   EXPECT_EQ(trial["reasons"], Json::array());
   EXPECT_REL(trial["sample_rate_hz"].get<double>(), 1e4, 1e-7, "nine printed digits");
   EXPECT_REL(trial["offset_m"].get<double>(), 1e-3, 1e-6, "steps of 0.1 um, 450 periods");
-  EXPECT_REL(trial["band_rms_m"].get<double>(), 1e-4 / std::numbers::sqrt2, 2e-5, "0.1 um steps");
+  const double gain = std::cos(std::numbers::pi * 0.225);  // of two averages
+  EXPECT_REL(trial["band_rms_m"].get<double>(), 1e-4 / std::numbers::sqrt2 / gain, 2e-5,
+             "0.1 um steps");
+  EXPECT_REL(trial["band_rms_as_measured_m"].get<double>(), 1e-4 / std::numbers::sqrt2, 2e-5,
+             "0.1 um steps");
   EXPECT_REL(trial["band_rms_whole_m"].get<double>(), 1e-4 / std::numbers::sqrt2, 0.02, "ends");
   EXPECT_GT(trial["band_rms_standard_uncertainty_m"].get<double>(), 0);
   EXPECT_REL(trial["tone_frequency_hz"].get<double>(), 225.0, 1e-7, "0.1 um steps");
-  EXPECT_REL(trial["tone_amplitude_m"].get<double>(), 1e-4, 2e-5, "0.1 um steps");
+  EXPECT_REL(trial["tone_amplitude_m"].get<double>(), 1e-4 / gain, 2e-5, "0.1 um steps");
   EXPECT_REL(trial["sensor_gain_at_tone"].get<double>(), std::cos(std::numbers::pi * 0.225), 1e-6,
              "the tone's frequency");
   EXPECT_TRUE(trial.contains("noise_rms_m") && trial["noise_rms_m"].is_null());

@@ -75,16 +75,6 @@ Json BudgetJson(const dsp::RmsEstimate& rms) {
   return budget;
 }
 
-Json SensorJson(const dsp::SensorNumbers& sensor) {
-  return {{"averaging", dsp::Describe(sensor.averaging)},
-          {"gain_at_tone", NumberOrNull(sensor.gain_at_tone)},
-          {"gain_in_band", sensor.gain_in_band
-                               ? Pair(sensor.gain_in_band->least, sensor.gain_in_band->greatest)
-                               : Json(nullptr)},
-          {"divided_out", sensor.divided_out},
-          {"amplitude_verified", sensor.amplitude_verified}};
-}
-
 Json HarmonicsJson(const std::optional<dsp::Harmonics>& harmonics) {
   if (!harmonics || !harmonics->converged) return nullptr;
   Json list = Json::array();
@@ -118,20 +108,23 @@ Json OnsetJson(const std::optional<dsp::OnsetNumbers>& onset) {
           {"latency_s", NumberOrNull(onset->latency_s)}};
 }
 
+// every key that a trial may leave unknown
 constexpr const char* kKeys[] = {
     // the record
     "readings", "measured", "bridged", "segments", "sample_rate_hz", "new_readings_per_s",
-    "duration_s", "observable_upper_hz", "offset_m", "peak_to_peak_m", "faults",
+    "duration_s", "observable_upper_hz", "offset_m", "peak_to_peak_m", "faults", "drift_m_per_s",
+    "tremor_rms_m", "tremor_frequency_hz",
     // the band
-    "band", "window_s", "window_why", "band_rms_m", "band_rms_standard_uncertainty_m",
-    "band_rms_interval_m", "band_rms_at_most_m", "below_floor", "band_rms_as_measured_m",
-    "band_rms_whole_m", "band_peak_to_peak_m", "residual_rms_m", "noise_rms_m", "noise_source",
-    "bridged_rms_m", "below_band", "uncertainty_budget", "drive", "sensor", "sensor_gain_at_tone",
+    "band", "window_s", "window_because", "drive", "band_rms_m", "band_rms_standard_uncertainty_m",
+    "band_rms_interval_95_m", "band_rms_at_most_m", "band_rms_as_measured_m", "band_rms_estimate_m",
+    "band_rms_whole_m", "band_peak_to_peak_m", "residual_rms_m", "noise_rms_m", "noise_from",
+    "bridged_rms_m", "below_band", "uncertainty_budget", "sensor_averaging", "sensor_gain_at_tone",
+    "sensor_gain_in_band", "sensor_gain_divided_out", "amplitude_verified",
     // the tone
-    "tone_frequency_hz", "tone_frequency_standard_uncertainty_hz", "tone_frequency_interval_hz",
-    "tone_amplitude_m", "tone_amplitude_standard_uncertainty_m", "tone_amplitude_interval_m",
-    "tone_share_of_rms", "velocity_amplitude_m_per_s", "acceleration_amplitude_m_per_s2",
-    "harmonics", "onset", "known_tone", "estimate"};
+    "tone_frequency_hz", "tone_frequency_standard_uncertainty_hz", "tone_frequency_interval_95_hz",
+    "tone_amplitude_m", "tone_amplitude_standard_uncertainty_m", "tone_amplitude_interval_95_m",
+    "tone_amplitude_estimate_m", "tone_share_of_rms", "tone_velocity_m_per_s",
+    "tone_acceleration_m_per_s2", "thd", "harmonics", "onset", "known_tone"};
 
 // the keys of every trial, all null
 Json EmptyTrial(const AnalyzedFile& file) {
@@ -142,6 +135,19 @@ Json EmptyTrial(const AnalyzedFile& file) {
   trial["source"] = cli::TextOrNull(file.source);
   for (const char* key : kKeys) trial[key] = nullptr;
   return trial;
+}
+
+Json KnownToneJson(const dsp::KnownTone& known) {
+  return {{"frequency_hz", known.fit.frequency_hz},
+          {"amplitude_m", NumberOrNull(known.fit.amplitude)},
+          {"standard_uncertainty_m", NumberOrNull(known.fit.amplitude_uncertainty)},
+          {"aliased", known.aliased}};
+}
+
+void FillSlowMotion(const dsp::SlowMotion& slow, Json& trial) {
+  trial["drift_m_per_s"] = NumberOrNull(slow.drift_per_s);
+  trial["tremor_rms_m"] = NumberOrNull(slow.tremor_rms);
+  if (slow.tremor_rms) trial["tremor_frequency_hz"] = NumberOrNull(slow.tremor_frequency_hz);
 }
 
 void FillRecord(const dsp::BandAnalysis& analysis, Json& trial) {
@@ -161,71 +167,69 @@ void FillRecord(const dsp::BandAnalysis& analysis, Json& trial) {
   trial["peak_to_peak_m"] = NumberOrNull(record.peak_to_peak_m);
   trial["faults"] = FaultsJson(analysis.faults);
   trial["band"] = BandJson(analysis.band);
+  if (analysis.slow_motion) FillSlowMotion(*analysis.slow_motion, trial);
+  if (analysis.known_tone) trial["known_tone"] = KnownToneJson(*analysis.known_tone);
 }
 
-void FillRms(const dsp::RmsEstimate& rms, Json& trial) {
-  trial["below_floor"] = rms.below_floor;
-  trial["band_rms_at_most_m"] = NumberOrNull(rms.at_most_m);
+// what is no answer stands under a name of its own
+void FillRms(const dsp::RmsEstimate& rms, bool answered, Json& trial) {
+  trial[answered ? "band_rms_m" : "band_rms_estimate_m"] = NumberOrNull(rms.rms_m);
+  trial["band_rms_standard_uncertainty_m"] = NumberOrNull(rms.standard_uncertainty_m);
+  trial["band_rms_interval_95_m"] = Pair(rms.lower_m, rms.upper_m);
+  if (rms.below_floor) trial["band_rms_at_most_m"] = NumberOrNull(rms.at_most_m);
   trial["band_rms_as_measured_m"] = NumberOrNull(rms.as_measured_m);
   trial["noise_rms_m"] = NumberOrNull(rms.floor_m);
   trial["uncertainty_budget"] = BudgetJson(rms);
-  if (rms.below_floor) return;
-  trial["band_rms_m"] = NumberOrNull(rms.rms_m);
-  trial["band_rms_standard_uncertainty_m"] = NumberOrNull(rms.standard_uncertainty_m);
-  trial["band_rms_interval_m"] = Pair(rms.lower_m, rms.upper_m);
 }
 
-void FillTone(const dsp::ToneNumbers& tone, Json& trial) {
+void FillSensor(const dsp::SensorNumbers& sensor, Json& trial) {
+  trial["sensor_averaging"] = dsp::Describe(sensor.averaging);
+  trial["sensor_gain_at_tone"] = NumberOrNull(sensor.gain_at_tone);
+  if (sensor.gain_in_band) {
+    trial["sensor_gain_in_band"] = Pair(sensor.gain_in_band->least, sensor.gain_in_band->greatest);
+  }
+  trial["sensor_gain_divided_out"] = sensor.divided_out;
+  trial["amplitude_verified"] = sensor.amplitude_verified;
+}
+
+void FillTone(const dsp::ToneNumbers& tone, bool answered, Json& trial) {
   trial["tone_frequency_hz"] = NumberOrNull(tone.fit.frequency_hz);
   trial["tone_frequency_standard_uncertainty_hz"] = NumberOrNull(tone.fit.frequency_uncertainty_hz);
-  trial["tone_frequency_interval_hz"] = Pair(tone.frequency_lower_hz, tone.frequency_upper_hz);
-  trial["tone_amplitude_m"] = NumberOrNull(tone.amplitude_m);
+  trial["tone_frequency_interval_95_hz"] = Pair(tone.frequency_lower_hz, tone.frequency_upper_hz);
+  trial[answered ? "tone_amplitude_m" : "tone_amplitude_estimate_m"] =
+      NumberOrNull(tone.amplitude_m);
   trial["tone_amplitude_standard_uncertainty_m"] = NumberOrNull(tone.amplitude_uncertainty_m);
-  trial["tone_amplitude_interval_m"] = Pair(tone.amplitude_lower_m, tone.amplitude_upper_m);
+  trial["tone_amplitude_interval_95_m"] = Pair(tone.amplitude_lower_m, tone.amplitude_upper_m);
   trial["tone_share_of_rms"] = NumberOrNull(tone.share_of_rms);
-  trial["velocity_amplitude_m_per_s"] = NumberOrNull(tone.velocity_m_per_s);
-  trial["acceleration_amplitude_m_per_s2"] = NumberOrNull(tone.acceleration_m_per_s2);
+  trial["tone_velocity_m_per_s"] = NumberOrNull(tone.velocity_m_per_s);
+  trial["tone_acceleration_m_per_s2"] = NumberOrNull(tone.acceleration_m_per_s2);
 }
 
-void FillNumbers(const dsp::BandNumbers& numbers, Json& trial) {
+void FillNumbers(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
   trial["window_s"] = WindowJson(numbers.part.window);
-  trial["window_why"] = numbers.part.why;
-  FillRms(numbers.rms, trial);
+  trial["window_because"] = numbers.part.why;
+  trial["drive"] = DriveJson(numbers.part);
+  FillRms(numbers.rms, answered, trial);
   trial["band_rms_whole_m"] = NumberOrNull(numbers.whole_rms_m);
   trial["band_peak_to_peak_m"] = NumberOrNull(numbers.peak_to_peak_m);
   trial["residual_rms_m"] = NumberOrNull(numbers.residual_rms_m);
-  if (numbers.floor) trial["noise_source"] = numbers.floor->source;
+  if (numbers.floor) trial["noise_from"] = numbers.floor->source;
   trial["bridged_rms_m"] = NumberOrNull(numbers.bridged_rms_m);
   trial["below_band"] = BelowBandJson(numbers.below_band);
-  trial["drive"] = DriveJson(numbers.part);
-  trial["sensor"] = SensorJson(numbers.sensor);
-  trial["sensor_gain_at_tone"] = NumberOrNull(numbers.sensor.gain_at_tone);
-  if (numbers.tone) FillTone(*numbers.tone, trial);
+  FillSensor(numbers.sensor, trial);
+  if (numbers.tone) FillTone(*numbers.tone, answered, trial);
+  if (numbers.harmonics) trial["thd"] = NumberOrNull(numbers.harmonics->thd);
   trial["harmonics"] = HarmonicsJson(numbers.harmonics);
   trial["onset"] = OnsetJson(numbers.onset);
-}
-
-Json KnownToneJson(const dsp::KnownTone& known) {
-  return {{"frequency_hz", known.fit.frequency_hz},
-          {"amplitude_m", NumberOrNull(known.fit.amplitude)},
-          {"amplitude_standard_uncertainty_m", NumberOrNull(known.fit.amplitude_uncertainty)},
-          {"aliased", known.aliased}};
 }
 
 Json TrialJson(const AnalyzedFile& file) {
   Json trial = EmptyTrial(file);
   if (file.error) trial["reasons"].push_back(file.error->Text());
   if (!file.analysis) return trial;
-  const dsp::BandAnalysis& analysis = *file.analysis;
-  FillRecord(analysis, trial);
-  if (analysis.known_tone) trial["known_tone"] = KnownToneJson(*analysis.known_tone);
-  if (!analysis.numbers) return trial;
-  if (analysis.answered) {
-    FillNumbers(*analysis.numbers, trial);
-  } else {
-    Json estimate = Json::object();
-    FillNumbers(*analysis.numbers, estimate);
-    trial["estimate"] = std::move(estimate);
+  FillRecord(*file.analysis, trial);
+  if (file.analysis->numbers) {
+    FillNumbers(*file.analysis->numbers, file.analysis->answered, trial);
   }
   return trial;
 }

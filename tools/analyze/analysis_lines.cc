@@ -95,6 +95,16 @@ void AddRemarks(const AnalyzedFile& file, Lines& lines) {
   }
 }
 
+void AddSlowMotion(const dsp::SlowMotion& slow, Lines& lines) {
+  lines.push_back(
+      {"drift", fmt::format("{} um/s", WithUncertainty(slow.drift_per_s / kUm,
+                                                       slow.drift_uncertainty_per_s / kUm))});
+  if (!slow.tremor_rms) return;
+  lines.push_back({"tremor", fmt::format("{} RMS between 3 and 13 Hz, about {:.3g} Hz",
+                                         Um(*slow.tremor_rms, slow.tremor_rms_uncertainty),
+                                         slow.tremor_frequency_hz)});
+}
+
 AnalysisSection RecordSection(const AnalyzedFile& file) {
   const dsp::RecordFacts& record = file.analysis->record;
   AnalysisSection section{"Record", {}};
@@ -107,6 +117,7 @@ AnalysisSection RecordSection(const AnalyzedFile& file) {
   lines.push_back({"observable", fmt::format("up to {:.4g} Hz", record.observable_upper_hz)});
   lines.push_back({"offset", Um(record.offset_m)});
   lines.push_back({"peak to peak", Um(record.peak_to_peak_m) + ", unfiltered"});
+  if (file.analysis->slow_motion) AddSlowMotion(*file.analysis->slow_motion, lines);
   for (std::size_t k = 0; k < dsp::kFaultKindCount; ++k) {
     const auto kind = static_cast<dsp::FaultKind>(k);
     const dsp::Faults& faults = file.analysis->faults;

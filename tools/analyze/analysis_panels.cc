@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "dsp/analysis/displacement_channel.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {
@@ -26,14 +27,6 @@ std::vector<double> Where(std::span<const double> values, double offset_m, const
     if (keep(row)) shown[row] = (values[row] - offset_m) / kUm;
   }
   return shown;
-}
-
-// the first displacement channel in metres, which the analysis was of
-std::size_t ChannelOf(const trial::Record& head) {
-  const auto found = std::ranges::find_if(head.channels, [](const trial::Channel& channel) {
-    return channel.role == trial::ChannelRole::kDisplacement && channel.unit == "m";
-  });
-  return static_cast<std::size_t>(found - head.channels.begin());
 }
 
 std::vector<double> TimesOf(const trial::Record& head) {
@@ -89,7 +82,9 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
   const trial::Record& head = rows.head();
   std::vector<double> values(head.rows);
   std::vector<trial::SampleStatus> statuses(head.rows);
-  if (auto read = rows.Read(ChannelOf(head), 0, values, statuses); !read) {
+  const auto channel = dsp::DisplacementChannel(head);
+  if (!channel) return std::unexpected(channel.error());
+  if (auto read = rows.Read(*channel, 0, values, statuses); !read) {
     return std::unexpected(read.error());
   }
   const std::vector<double> times_s = TimesOf(head);

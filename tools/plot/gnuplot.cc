@@ -51,10 +51,24 @@ void AppendPoint(std::string& data, double x, double y) {
   data += std::isfinite(y) ? fmt::format("{:.9g} {:.9g}\n", x, y) : "\n";
 }
 
+// each point with half the length of its error bar
+std::string ErrorRows(const Series& series) {
+  HAPTOMETER_CHECK(series.y_error.size() == series.y.size(), "{} error bars, {} y",
+                   series.y_error.size(), series.y.size());
+  std::string rows;
+  for (std::size_t i = 0; i < series.y.size(); ++i) {
+    if (!std::isfinite(series.y[i]) || !std::isfinite(series.y_error[i])) continue;
+    fmt::format_to(std::back_inserter(rows), "{:.9g} {:.9g} {:.9g}\n", series.x[i], series.y[i],
+                   series.y_error[i]);
+  }
+  return rows;
+}
+
 std::string DataBlock(std::size_t panel, std::size_t number, const Series& series) {
   HAPTOMETER_CHECK(series.x.size() == series.y.size(), "{} x, {} y", series.x.size(),
                    series.y.size());
   std::string data = fmt::format("$data_{}_{} << EOD\n", panel, number);
+  if (!series.y_error.empty()) return data + ErrorRows(series) + "EOD\n";
   std::vector<double> x;
   std::vector<double> y;
   AppendEnvelope(series.x, series.y, kMostPoints / 2, &x, &y);
@@ -76,16 +90,35 @@ std::string_view LogWords(LogAxes axes) {
   HAPTOMETER_CHECK(false, "axes {}", static_cast<int>(axes));
 }
 
+// both axes as they are without, so that no panel inherits from the one before
+std::string AxisWords(const Panel& panel) {
+  std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
+  if (panel.ticks.empty()) return words + "set xtics autofreq\nset xrange [*:*]\n";
+  double least = 1;  // between two of them
+  for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
+    const double distance = panel.ticks[i].x - panel.ticks[i - 1].x;
+    least = i == 1 ? distance : std::min(least, distance);
+  }
+  const double further = 0.7 * least;
+  words += "set xtics (";
+  for (const Tick& tick : panel.ticks) {
+    fmt::format_to(std::back_inserter(words), "{}{} {:.9g}",
+                   &tick == panel.ticks.data() ? "" : ", ", Quoted(tick.name), tick.x);
+  }
+  return words + fmt::format(")\nset xrange [{:.9g}:{:.9g}]\n", panel.ticks.front().x - further,
+                             panel.ticks.back().x + further);
+}
+
 std::string PanelScript(std::size_t number, const Panel& panel) {
-  std::string script =
-      fmt::format("set title {}\nset xlabel {}\nset ylabel {}\n{}\nplot ", Quoted(panel.title),
-                  Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes));
+  std::string script = fmt::format(
+      "set title {}\nset xlabel {}\nset ylabel {}\n{}\n{}plot ", Quoted(panel.title),
+      Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes), AxisWords(panel));
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const Series& series = panel.series[i];
     const std::string title =
         series.title.empty() ? "notitle" : fmt::format("title {}", Quoted(series.title));
-    script += fmt::format("{}$data_{}_{} using 1:2 with {} {}", i == 0 ? "" : ", ", number, i,
-                          series.style, title);
+    script += fmt::format("{}$data_{}_{} using {} with {} {}", i == 0 ? "" : ", ", number, i,
+                          series.y_error.empty() ? "1:2" : "1:2:3", series.style, title);
   }
   return script + "\n";
 }
@@ -97,7 +130,8 @@ std::string Script(const std::string& path, const Terminal& terminal,
       "set encoding utf8\nset terminal " +
       fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
       "\nset termoption noenhanced\nset output " + Quoted(path) +
-      "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n";
+      "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n"
+      "set boxwidth 0.6\n";
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
       script += DataBlock(p, s, panels[p].series[s]);

@@ -15,6 +15,14 @@ struct Series {
   std::string style;      ///< gnuplot's words: "lines lc rgb '#1f77b4'", "points pt 7 ps 0.3"
   std::vector<double> x;  ///< (n), ascending
   std::vector<double> y;  ///< (n)
+  /// (n), half the length of each point's error bar, with "yerrorbars" as the style; empty: none
+  std::vector<double> y_error = {};
+};
+
+/// A name below an axis.
+struct Tick {
+  double x = 0;
+  std::string name;
 };
 
 /// Which axes are logarithmic; values that are not above 0 have no place on such an axis.
@@ -27,6 +35,9 @@ struct Panel {
   std::string y_label;
   std::vector<Series> series;
   LogAxes log_axes = LogAxes::kNone;
+  /// The axis reaches further by 0.7 of the least distance of two.
+  std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
+  bool y_from_zero = false;
 };
 
 /// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).

@@ -328,6 +328,7 @@ class Parser {
     }
     if (has_raw_) {
       record_.timing = Timing::kPolled;
+      record_.times_are_known = true;
       record_.raw_times_s = std::move(raw_times_s_);
     }
     return std::move(record_);

@@ -89,7 +89,10 @@ void PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* 
   for (const double t : times_s_) {
     time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
   }
-  if (!times_are_raw) record->timing = Timing::kPolled;
+  if (!times_are_raw) {
+    record->timing = Timing::kPolled;
+    record->times_are_known = true;
+  }
   const auto nominal_rate_hz = record->metadata.nominal_rate_hz;
   record->stretches = record->timing == Timing::kArrival
                           ? FitArrivalTimes(time_ns, nominal_rate_hz)

@@ -30,9 +30,9 @@ Cut CutOut(const std::vector<double>& values) {
   std::vector<double> samples(values.begin() + kBefore, values.begin() + kBefore + kRows);
   const auto model = BelowBandModel::Fit(samples, kRateHz, 20, 500);
   EXPECT_TRUE(model);
-  if (model) model->Subtract(samples);
+  if (model) model->Subtract(0, samples);
   Cut cut{FilterSettled(design, samples), 0};
-  if (model) model->AddFiltered(design, cut.signal.filtered);
+  if (model) model->AddFiltered(design, 0, cut.signal.filtered);
   const std::size_t size = cut.signal.end - cut.signal.begin;
   if (size == 0) return cut;
   const double rms = Rms(std::span(cut.signal.filtered).subspan(cut.signal.begin, size));

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "tests/dsp/filter/scipy_reference.h"
+#include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {
@@ -29,41 +30,100 @@ double ClosedForm(const BandPass& band, double rate_hz, double frequency_hz) {
   return static_cast<double>(1 / std::sqrt(1 + std::pow(x * x, band.order)));
 }
 
-FilterDesign Designed(const BandPass& band, double rate_hz) {
-  const auto design = DesignBandPass(band, rate_hz);
-  EXPECT_TRUE(design) << (design ? "" : design.error().Text());
-  return *design;
+// of one corner: |s/wc|, of a high-pass upside down
+double ClosedForm(FilterKind kind, int order, Corners corners, double corner_hz, double rate_hz,
+                  double frequency_hz) {
+  const auto warp = [&](double f_hz) {
+    return std::tan(std::numbers::pi_v<long double> * static_cast<long double>(f_hz) /
+                    static_cast<long double>(rate_hz));
+  };
+  long double x = kind == FilterKind::kHighPass ? warp(corner_hz) / warp(frequency_hz)
+                                                : warp(frequency_hz) / warp(corner_hz);
+  if (corners == Corners::kWhole) x *= std::pow(std::sqrt(2.0L) - 1, 1.0L / (2 * order));
+  return static_cast<double>(1 / std::sqrt(1 + std::pow(x * x, order)));
 }
 
-// 15 to 600 Hz in 800 steps of equal ratio, and the corners themselves
-double WorstError(const BandPass& band, double rate_hz) {
-  const FilterDesign design = Designed(band, rate_hz);
+// a design's error: relative over 15-600 Hz in 400 steps of equal ratio, absolute from 1e-3 Hz to
+// nearly half the rate
+template <typename Expected>
+double WorstError(const FilterDesign& design, const Expected& expected) {
   double worst = 0;
-  const auto compare = [&](double f_hz) {
-    if (f_hz >= rate_hz / 2) return;
-    const double expected = ClosedForm(band, rate_hz, f_hz);
-    worst = std::max(worst, std::abs(Magnitude(design, f_hz) / expected - 1));
+  const auto compare = [&](double f_hz, bool relative) {
+    if (f_hz >= design.rate_hz / 2) return;
+    const double closed = expected(f_hz);
+    worst = std::max(worst, std::abs(Magnitude(design, f_hz) - closed) / (relative ? closed : 1));
   };
-  for (int k = 0; k <= 800; ++k) compare(15 * std::pow(40.0, k / 800.0));
-  for (const double f_hz : {15.0, 20.0, 100.0, 225.0, 500.0, 600.0}) compare(f_hz);
+  for (int k = 0; k <= 400; ++k) compare(15 * std::pow(40.0, k / 400.0), true);
+  for (const double f_hz : {15.0, 20.0, 100.0, 225.0, 500.0, 600.0}) compare(f_hz, true);
+  for (int k = 0; k <= 200; ++k) {
+    compare(1e-3 * std::pow(0.4999 * design.rate_hz / 1e-3, k / 200.0), false);
+  }
   return worst;
 }
 
-TEST(Butterworth, MagnitudeOfTheSectionsIsTheClosedForm) {
+// every order, corner convention and rate of 2 kHz to 10 MHz
+template <typename Visit>
+void ForEachDesign(const Visit& visit) {
   for (const Corners corners : {Corners::kEach, Corners::kWhole}) {
     for (int order = 1; order <= kHighestOrder; ++order) {
-      for (const double rate_hz : {2e3, 2.5e3, 5e3, 1e4, 44.1e3, 5e4, 1e5, 2e5, 392e3, 4e5}) {
+      for (const double rate_hz :
+           {2e3, 2.5e3, 5e3, 1e4, 44.1e3, 5e4, 1e5, 2e5, 392e3, 1e6, 2.5e6, 1e7}) {
         SCOPED_TRACE(testing::Message() << "order " << order << " at " << rate_hz << " Hz");
-        EXPECT_ABS(WorstError({order, 20, 500, corners}, rate_hz), 0, 1e-14,
-                   "rounding of tan, sqrt and two factors a section");
+        visit(corners, order, rate_hz);
       }
     }
   }
 }
 
+TEST(Butterworth, MagnitudeOfTheBandPassIsTheClosedForm) {
+  ForEachDesign([](Corners corners, int order, double rate_hz) {
+    const BandPass band{order, 20, 500, corners};
+    EXPECT_ABS(WorstError(Designed(band, rate_hz),
+                          [&](double f_hz) { return ClosedForm(band, rate_hz, f_hz); }),
+               0, 1e-14, "rounding of tan, sqrt and two factors a section");
+  });
+}
+
+TEST(Butterworth, MagnitudeOfTheHighPassIsTheClosedForm) {
+  ForEachDesign([](Corners corners, int order, double rate_hz) {
+    const FilterDesign design = DesignHighPass({order, 20, corners}, rate_hz).value();
+    EXPECT_EQ(Magnitude(design, 0), 0);
+    EXPECT_ABS(WorstError(design,
+                          [&](double f_hz) {
+                            return ClosedForm(FilterKind::kHighPass, order, corners, 20, rate_hz,
+                                              f_hz);
+                          }),
+               0, 1e-14, "rounding of tan and two factors a section");
+  });
+}
+
+TEST(Butterworth, MagnitudeOfTheLowPassIsTheClosedForm) {
+  ForEachDesign([](Corners corners, int order, double rate_hz) {
+    const FilterDesign design = DesignLowPass({order, 500, corners}, rate_hz).value();
+    EXPECT_EQ(Magnitude(design, 0), 1);
+    EXPECT_ABS(WorstError(design,
+                          [&](double f_hz) {
+                            return ClosedForm(FilterKind::kLowPass, order, corners, 500, rate_hz,
+                                              f_hz);
+                          }),
+               0, 1e-14, "rounding of tan and two factors a section");
+  });
+}
+
+TEST(Butterworth, OneCornerHasMinusThreeDecibels) {
+  ForEachDesign([](Corners corners, int order, double rate_hz) {
+    const double passes = corners == Corners::kWhole ? 2 : 1;
+    const FilterDesign high = DesignHighPass({order, 20, corners}, rate_hz).value();
+    const FilterDesign low = DesignLowPass({order, 500, corners}, rate_hz).value();
+    for (const double gain : {Magnitude(high, 20), Magnitude(low, 500)}) {
+      EXPECT_REL(std::pow(gain, passes), 1 / std::numbers::sqrt2, 1e-14, "rounding, doubled");
+    }
+  });
+}
+
 TEST(Butterworth, TwoPassesOfTheWholeDesignHaveMinusThreeDecibelsAtTheCorners) {
   for (int order = 1; order <= kHighestOrder; ++order) {
-    for (const double rate_hz : {2e3, 1e4, 5e4, 4e5}) {
+    for (const double rate_hz : {2e3, 1e4, 5e4, 4e5, 1e7}) {
       const FilterDesign design = Designed({order, 20, 500, Corners::kWhole}, rate_hz);
       for (const double corner_hz : {20.0, 500.0}) {
         const double gain = std::norm(Response(design, corner_hz));
@@ -131,6 +191,10 @@ TEST(Butterworth, ImpossibleBandsAreRefused) {
   EXPECT_EQ(text({6, 500, 20}, 1e4), "band: 500-20 Hz " + no_band);
   EXPECT_EQ(text({6, 0, 20}, 1e4), "band: 0-20 Hz " + no_band);
   EXPECT_EQ(text({6, std::nan(""), 20}, 1e4), "band: nan-20 Hz " + no_band);
+  EXPECT_EQ(
+      DesignHighPass({6, 500}, 1e3).error().Text(),
+      "corner: 500 Hz is not between 0 and half the rate of 1000 Hz; choose one below 500 Hz");
+  EXPECT_EQ(DesignLowPass({9, 100}, 1e3).error().Text(), "order: 9 is not possible; choose 1 to 8");
   EXPECT_EQ(text({6, 20, 500}, 0), "sample rate: is 0 Hz; give a positive rate");
 }
 

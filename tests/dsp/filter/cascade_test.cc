@@ -9,14 +9,13 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/dsp/filter/exact_filter.h"
 #include "tests/dsp/filter/scipy_reference.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {
 namespace {
-
-__extension__ typedef __float128 Quad;
 
 std::vector<double> Filtered(const FilterDesign& design, const std::vector<double>& in,
                              double constant) {
@@ -25,56 +24,6 @@ std::vector<double> Filtered(const FilterDesign& design, const std::vector<doubl
   cascade.StartFrom(constant);
   cascade.Process(in, out);
   return out;
-}
-
-// the same coefficients in direct form I and 113-bit arithmetic: another recursion, the same filter
-std::vector<double> QuadFiltered(const FilterDesign& design, const std::vector<double>& in,
-                                 double constant) {
-  std::vector<Quad> signal(in.begin(), in.end());
-  auto before = static_cast<Quad>(constant);
-  for (const DeltaSection& section : design.sections) {
-    const auto e = static_cast<Quad>(section.e);
-    const auto f = static_cast<Quad>(section.f);
-    const auto b = static_cast<Quad>(section.b);
-    const Quad one = section.kind == SectionKind::kHighPass   ? -2
-                     : section.kind == SectionKind::kBandPass ? 0
-                                                              : 2;
-    const Quad two = section.kind == SectionKind::kBandPass ? -1 : 1;
-    Quad x1 = before;
-    Quad x2 = before;
-    Quad y1 = 0;
-    Quad y2 = 0;
-    for (Quad& value : signal) {
-      const Quad x = value;
-      const Quad y = b * (x + one * x1 + two * x2) - (e + f - 2) * y1 - (1 - f) * y2;
-      x2 = x1;
-      x1 = x;
-      y2 = y1;
-      y1 = y;
-      value = y;
-    }
-    before = 0;
-  }
-  std::vector<double> out(in.size());
-  for (std::size_t k = 0; k < in.size(); ++k) out[k] = static_cast<double>(signal[k]);
-  return out;
-}
-
-double RelativeRmsError(const std::vector<double>& actual, const std::vector<double>& expected,
-                        std::size_t from) {
-  double error = 0;
-  double power = 0;
-  for (std::size_t k = from; k < actual.size(); ++k) {
-    error += (actual[k] - expected[k]) * (actual[k] - expected[k]);
-    power += expected[k] * expected[k];
-  }
-  return std::sqrt(error / power);
-}
-
-// 30 mm of distance, 0.5 mm of tremor, 1 um of vibration
-std::vector<double> HandHeld(double rate_hz, double duration_s) {
-  return Samples(rate_hz, static_cast<std::size_t>(rate_hz * duration_s), 30e-3,
-                 {{0.5e-3, 8.3}, {1e-6, 100}});
 }
 
 TEST(Cascade, LosesNothingToAnOffsetAndTremor) {

@@ -8,8 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/filter/settled.h"
-#include "dsp/statistics/moments.h"
 #include "tests/dsp/filter/scipy_reference.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -75,76 +73,6 @@ TEST(ZeroPhase, RingingIsTheSlowestPoles) {
   const FilterDesign design = Designed({6, 20, 500}, kRateHz);
   const auto samples = static_cast<double>(RingingSamples(design, 1e-6));
   EXPECT_NEAR(samples / kRateHz, std::log(1e6) / SlowestDecayPerS(design), 1 / kRateHz);
-}
-
-// what a record of 1 s cut out of a long one says, against the long one
-struct CutOut {
-  std::size_t settled = 0;
-  double worst = 0;  // within the settled window, in band RMS
-};
-
-CutOut Compare(const FilterDesign& design, std::size_t cut, const std::vector<Sine>& sines) {
-  const std::vector<double> record = Samples(kRateHz, 120'000, 0.03, sines);
-  const std::vector<double> truth = FilterZeroPhase(design, record);
-  constexpr std::size_t kFrom = 51'234;
-  const SettledSignal settled = FilterSettled(design, std::span(record).subspan(kFrom, cut));
-  const double rms = Rms(std::span(truth).subspan(kFrom, cut));
-  CutOut result{settled.end - settled.begin, 0};
-  for (std::size_t k = settled.begin; k < settled.end; ++k) {
-    result.worst = std::max(result.worst, std::abs(settled.filtered[k] - truth[kFrom + k]) / rms);
-  }
-  return result;
-}
-
-TEST(Settled, ACutOutAgreesWithTheLongRecord) {
-  const FilterDesign design = Designed({6, 20, 500}, kRateHz);
-  const CutOut tone = Compare(design, 10'000, {{1e-6, 100}});
-  EXPECT_GT(tone.settled, 2500U);
-  EXPECT_ABS(tone.worst, 0, 1e-4, "settled tolerance, times 2 for what neither continuation knows");
-  const CutOut drifting = Compare(design, 10'000, {{1e-6, 100}, {1e-3, 0.2, 0.4}});
-  EXPECT_GT(drifting.settled, 1000U);
-  EXPECT_ABS(drifting.worst, 0, 1e-4, "as above");
-  const CutOut tremor = Compare(design, 20'000, {{1e-6, 100}, {0.5e-3, 8.3, 0.7}});
-  EXPECT_GT(tremor.settled, 5000U);
-  EXPECT_ABS(tremor.worst, 0, 1e-4, "as above");
-}
-
-TEST(Settled, StrongTremorLeavesNothingOfOneSecond) {
-  const FilterDesign design = Designed({6, 20, 500}, kRateHz);
-  const CutOut tremor = Compare(design, 10'000, {{1e-6, 100}, {0.5e-3, 8.3, 0.7}});
-  EXPECT_LT(tremor.settled, 1000U);
-}
-
-TEST(Settled, AConstantHasSettledEverywhere) {
-  const FilterDesign design = Designed({6, 20, 500}, kRateHz);
-  const SettledSignal settled = FilterSettled(design, std::vector<double>(100, 0.03));
-  EXPECT_EQ(settled.begin, 0U);
-  EXPECT_EQ(settled.end, 100U);
-}
-
-// RMS of 1 um of vibration at 100 Hz on 0.5 mm of tremor at 8.3 Hz, against the vibration's own
-double TremorRatio(const BandPass& band) {
-  const FilterDesign design = Designed(band, kRateHz);
-  const std::vector<double> in = Samples(kRateHz, 120'000, 0.03, {{1e-6, 100}, {0.5e-3, 8.3}});
-  const std::vector<double> out = FilterZeroPhase(design, in);
-  return Rms(std::span(out).subspan(10'000, 100'000)) / (1e-6 / std::numbers::sqrt2);
-}
-
-TEST(Settled, TremorLeaksAsTheClosedFormSays) {
-  struct Case {
-    BandPass band;
-    double published;
-  };
-  for (const Case& c :
-       {Case{{4, 20, 500, Corners::kEach}, 1.055}, Case{{4, 20, 500, Corners::kWhole}, 1.287},
-        Case{{6, 20, 500, Corners::kWhole}, 1.0002}}) {
-    const FilterDesign design = Designed(c.band, kRateHz);
-    const double tone = std::norm(Response(design, 100));
-    const double leaked = 500 * std::norm(Response(design, 8.3));
-    const double ratio = TremorRatio(c.band);
-    EXPECT_REL(ratio, std::hypot(tone, leaked), 1e-9, "both signals hold whole periods of 10 s");
-    EXPECT_REL(ratio, c.published, 5e-4, "the figure's digits");
-  }
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -272,39 +271,6 @@ TEST(SineFit, NothingFiniteNothingSaid) {
   EXPECT_TRUE(rest.converged);
   EXPECT_EQ(rest.amplitude, 0);
   EXPECT_TRUE(std::isnan(rest.phase_uncertainty_rad));
-}
-
-TEST(Tone, FindsTheStrongestOfTheBandAndNothingOutside) {
-  const ToneSearch search{kRateHz, 20, 500, 0};
-  const auto tone = StrongestTone(
-      Samples(kRateHz, 20'000, 0.03, {{1e-6, 225.17, 1}, {3e-7, 450, 2}, {4e-6, 900}}), search);
-  ASSERT_TRUE(tone);
-  // side lobes fall as 1/(pi T distance): 4/(pi 2 675) and 0.3/(pi 2 225) of the amplitude
-  EXPECT_REL(tone->amplitude, 1e-6, 1.2e-3, "side lobes of the other tones");
-  EXPECT_REL(tone->frequency_hz, 225.17, 3e-6, "side lobes of the other tones");
-}
-
-TEST(Tone, EveryFrequencyBetweenTheBinsIsFound) {
-  for (const double hz : {20.0, 21.3, 100.0, 100.25, 100.499, 100.5, 225.77, 499.9, 500.0}) {
-    const auto tone =
-        StrongestTone(Samples(kRateHz, 10'000, 0, {{1e-6, hz, 0.1}}), {kRateHz, 20, 500, 0});
-    ASSERT_TRUE(tone) << hz;
-    EXPECT_REL(tone->frequency_hz, hz, 1e-14, "rounding");
-  }
-}
-
-TEST(Tone, NoiseIsNoTone) {
-  int found = 0;
-  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    Noise noise(seed);
-    std::vector<double> signal(5000);
-    for (double& x : signal) x = noise();
-    if (StrongestTone(signal, {kRateHz, 20, 500, 0})) ++found;
-  }
-  EXPECT_LE(found, 2) << "1e-3 of 200 records";
-  EXPECT_FALSE(StrongestTone(std::vector<double>(5000, 0.03), {kRateHz, 20, 500, 0}));
-  EXPECT_FALSE(StrongestTone(Samples(kRateHz, 900, 0, {{1, 100}}), {kRateHz, 20, 500, 0}))
-      << "0.09 s hold 1.8 periods of 20 Hz";
 }
 
 }  // namespace

@@ -39,23 +39,28 @@ CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSu
   for (const trial::Stretch& stretch : record.stretches) {
     findings.time_uncertainty_s = std::max(findings.time_uncertainty_s, stretch.time_uncertainty_s);
   }
-  const auto analysis = dsp::AnalyzeBand(record, {.band = band});
+  dsp::BandQuestion question;
+  question.band = band;
+  question.choice = dsp::WindowChoice::kAll;  // at rest: no drive is looked for
+  question.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(record, question);
   if (!analysis) {
     findings.no_noise_because = analysis.error().what;
     return findings;
   }
-  findings.duration_s = analysis->duration_s;
-  findings.fresh_rate_hz = analysis->fresh_rate_hz;
-  findings.level_m = analysis->offset_m;
-  findings.noise_m = analysis->residual_rms_m;
+  findings.duration_s = analysis->record.duration_s;
+  findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
+  findings.level_m = analysis->record.offset_m;
   if (!analysis->answered) {
     // without its remedy: the list has its own
     const std::string& reason = analysis->reasons.front();
     findings.no_noise_because = reason.substr(0, reason.find(": "));
   }
-  if (analysis->tone) {
-    findings.tone_hz = analysis->tone->frequency_hz;
-    findings.tone_rms_m = analysis->tone->amplitude / std::numbers::sqrt2;
+  if (!analysis->numbers) return findings;
+  findings.noise_m = analysis->numbers->residual_rms_m;
+  if (analysis->numbers->tone) {
+    findings.tone_hz = analysis->numbers->tone->fit.frequency_hz;
+    findings.tone_rms_m = analysis->numbers->tone->fit.amplitude / std::numbers::sqrt2;
   }
   return findings;
 }

@@ -1,17 +1,14 @@
-#include "trial/time_base.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "trial/time_base.h"
+#include "trial/time_lines.h"
 
 namespace haptometer::trial {
 namespace {
 
-// All times here are nanoseconds since the first row, as doubles: exact below 2^53 ns = 104 days.
-constexpr double kNsPerSecond = 1e9;
 constexpr double kWindowNs = 0.1 * kNsPerSecond;
 constexpr std::size_t kLeastWindowRows = 16;
 constexpr std::size_t kWindowsBehind = 5;  // what a rise is measured against
@@ -22,30 +19,6 @@ constexpr double kSurelyAPauseNs = 0.25 * kNsPerSecond;
 constexpr double kScatters = 3;
 constexpr double kSigmaPerMad = 1.4826;    // of a normal distribution
 constexpr double kSigmaOfMedian = 1.2533;  // sqrt(pi / 2), against that of the mean
-
-using Times = std::span<const double>;
-
-// rows [first, end) of a recording
-struct Piece {
-  std::size_t first = 0;
-  std::size_t end = 0;
-  [[nodiscard]] std::size_t rows() const { return end - first; }
-};
-
-// time of row j of a piece: start_ns + j * period_ns
-struct Line {
-  double start_ns = 0;
-  double period_ns = 0;
-};
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
-double AsDouble(std::size_t n) { return static_cast<double>(n); }
 
 // durations of the whole windows of `rows` rows
 std::vector<double> WindowDurations(Times times, std::size_t rows) {
@@ -72,14 +45,6 @@ std::vector<double> Levels(Times times, double period_ns, std::size_t window_row
     level = std::min(level, times[j] - AsDouble(j) * period_ns);
   }
   return levels;
-}
-
-std::vector<double> Differences(const std::vector<double>& values, std::size_t lag) {
-  std::vector<double> differences;
-  for (std::size_t k = lag; k < values.size(); ++k) {
-    differences.push_back(values[k] - values[k - lag]);
-  }
-  return differences;
 }
 
 // each value becomes the least of itself and the next count - 1
@@ -218,18 +183,6 @@ std::vector<std::size_t> Pauses(Times times, double period_ns) {
   return pauses;
 }
 
-// pieces between rows that begin a new one, whatever their order and number
-std::vector<Piece> PiecesBetween(std::size_t rows, std::vector<std::size_t> starts) {
-  std::ranges::sort(starts);
-  std::vector<Piece> pieces{{0, rows}};
-  for (const std::size_t row : starts) {
-    if (row <= pieces.back().first || row >= rows) continue;
-    pieces.back().end = row;
-    pieces.push_back({row, rows});
-  }
-  return pieces;
-}
-
 // what `find` finds in each piece, as rows of the recording, beside the pieces' own beginnings
 template <typename Find>
 std::vector<std::size_t> StartsIn(Times times, const std::vector<Piece>& pieces, const Find& find) {
@@ -300,47 +253,6 @@ double Scatter(Times part, const Line& line, std::size_t window_rows) {
   return kSigmaPerMad * Median(std::move(levels));
 }
 
-double RateOf(double period_ns) {
-  return period_ns > 0 ? kNsPerSecond / period_ns : std::numeric_limits<double>::infinity();
-}
-
-std::vector<double> SinceFirst(std::span<const std::int64_t> time_ns) {
-  std::vector<double> times;
-  times.reserve(time_ns.size());
-  for (const std::int64_t t : time_ns) {
-    times.push_back(static_cast<double>(t) - static_cast<double>(time_ns.front()));
-  }
-  return times;
-}
-
-// the least-squares line of a piece; its own slope where it has rows enough
-Line MeanLine(Times part, std::optional<double> common_period_ns) {
-  const double mean_x = 0.5 * AsDouble(part.size() - 1);
-  double mean_t = 0;
-  for (const double t : part) mean_t += t / AsDouble(part.size());
-  double xt = 0;
-  double xx = 0;
-  for (std::size_t j = 0; j < part.size(); ++j) {
-    const double x = AsDouble(j) - mean_x;
-    xt += x * (part[j] - mean_t);
-    xx += x * x;
-  }
-  const bool is_short = part.size() < 3;
-  const double own_ns = xx > 0 ? xt / xx : 0;
-  const double period_ns = is_short ? common_period_ns.value_or(own_ns) : own_ns;
-  return {mean_t - mean_x * period_ns, period_ns};
-}
-
-// scatter of polled times about `line`, and of the reading within request and reply
-double PolledUncertaintyNs(Times part, Times waits, const Line& line) {
-  double squares = 0;
-  for (std::size_t j = 0; j < part.size(); ++j) {
-    const double residual = part[j] - line.start_ns - AsDouble(j) * line.period_ns;
-    squares += residual * residual + waits[j] * waits[j] / 12;
-  }
-  return std::sqrt(squares / AsDouble(part.size()));
-}
-
 }  // namespace
 
 std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
@@ -361,45 +273,6 @@ std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                          .start_s = start_ns / kNsPerSecond,
                          .rate_hz = RateOf(line.period_ns),
                          .time_uncertainty_s = Scatter(part, line, window_rows) / kNsPerSecond});
-  }
-  return stretches;
-}
-
-std::vector<Stretch> FitPolledTimes(std::span<const std::int64_t> request_ns,
-                                    std::span<const std::int64_t> reply_ns,
-                                    std::optional<double> nominal_rate_hz,
-                                    std::span<const std::size_t> breaks) {
-  HAPTOMETER_CHECK(request_ns.size() == reply_ns.size(), "{} requests, {} replies",
-                   request_ns.size(), reply_ns.size());
-  if (request_ns.empty()) return {};
-  std::vector<double> middles = SinceFirst(request_ns);
-  std::vector<double> waits;
-  for (std::size_t j = 0; j < middles.size(); ++j) {
-    waits.push_back(static_cast<double>(reply_ns[j]) - static_cast<double>(request_ns[j]));
-    middles[j] += 0.5 * waits[j];
-  }
-  // a pause between two polls begins a stretch, as a break does
-  const std::vector<double> intervals = Differences(middles, 1);
-  const double median_ns = Median(intervals);
-  std::vector<std::size_t> starts(breaks.begin(), breaks.end());
-  for (std::size_t j = 0; j < intervals.size(); ++j) {
-    if (intervals[j] > 8 * median_ns) starts.push_back(j + 1);
-  }
-  std::optional<double> common_period_ns;
-  if (nominal_rate_hz && *nominal_rate_hz > 0) common_period_ns = kNsPerSecond / *nominal_rate_hz;
-  if (median_ns > 0) common_period_ns = median_ns;
-  std::vector<Stretch> stretches;
-  for (const Piece& piece : PiecesBetween(middles.size(), std::move(starts))) {
-    const Times part = Times(middles).subspan(piece.first, piece.rows());
-    const Line line = MeanLine(part, common_period_ns);
-    const double start_ns = static_cast<double>(request_ns.front()) + line.start_ns;
-    const Times part_waits = Times(waits).subspan(piece.first, piece.rows());
-    stretches.push_back(
-        {.first_row = piece.first,
-         .rows = piece.rows(),
-         .start_s = start_ns / kNsPerSecond,
-         .rate_hz = RateOf(line.period_ns),
-         .time_uncertainty_s = PolledUncertaintyNs(part, part_waits, line) / kNsPerSecond});
   }
   return stretches;
 }

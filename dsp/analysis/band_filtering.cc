@@ -1,0 +1,157 @@
+#include "dsp/analysis/band_filtering.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "base/check.h"
+#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/spectrum/tone.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr int kLowestFallbackOrder = 2;
+// leaked power that changes an RMS by 1 %
+constexpr double kLeakedPowerLimit = 0.02;
+// a model is worth its while where less than this part of a segment settles without it
+constexpr double kModelBelow = 0.5;
+// and possible where the segment is in memory and tremor keeps its pace
+constexpr double kLongestModelledS = 20;
+constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
+constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
+
+Result<std::vector<double>> ReadAll(const SegmentSamples& samples) {
+  std::vector<double> values(samples.size());
+  if (auto read = samples.Read(0, values); !read) return std::unexpected(read.error());
+  return values;
+}
+
+// `plain`, or the segment filtered beside a model where more of it settles so
+Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& design,
+                             const BandPass& band, int threads) {
+  auto plain = BandSignal::Filter(samples, design, threads);
+  if (!plain) return plain;
+  const double duration_s = static_cast<double>(samples.size()) / samples.rate_hz();
+  if (SettledSeconds(*plain) >= kModelBelow * duration_s || duration_s > kLongestModelledS ||
+      samples.size() > kMostModelled) {
+    return plain;
+  }
+  const auto values = ReadAll(samples);
+  if (!values) return std::unexpected(values.error());
+  auto model = BelowBandModel::Fit(*values, samples.rate_hz(), band.lower_hz, band.upper_hz);
+  if (!model) return plain;
+  auto beside = BandSignal::FilterBeside(samples, design, std::move(*model), threads);
+  if (!beside) return beside;
+  return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
+}
+
+// every segment that is fast enough, filtered on its own
+Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
+                                          const Segments& segments, const BandPass& band) {
+  std::vector<BandSignal> all;
+  all.reserve(segments.parts.size());
+  for (const Segment& segment : segments.parts) {
+    if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
+    HAPTOMETER_CHECK(design, "{}", design.error().Text());
+    auto signal = FilterOne({displacement.source, displacement.channel, segment}, *design, band,
+                            displacement.threads);
+    if (!signal) return std::unexpected(signal.error());
+    all.push_back(std::move(*signal));
+  }
+  return all;
+}
+
+// whether what leaks from below the band is small enough to answer all the same
+Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
+  const auto below = FindBelowBand(signal, lower_hz);
+  if (!below) return std::unexpected(below.error());
+  if (!*below) return true;
+  const auto square_sum = signal.SquareSum(signal.settled_begin(), signal.settled_end());
+  if (!square_sum) return std::unexpected(square_sum.error());
+  const double leaked_rms_m = (*below)->leaked_rms_m;
+  const auto count = static_cast<double>(signal.settled_end() - signal.settled_begin());
+  return leaked_rms_m * leaked_rms_m <= kLeakedPowerLimit * *square_sum / count;
+}
+
+// why nothing is answered after filtering, and what would help
+std::string TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
+  const auto design = DesignBandPass(band, rate_hz);
+  HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / rate_hz;
+  const double least_s = kLeastWindowPeriods / band.lower_hz;
+  std::string text =
+      fmt::format("only {:.3f} s of it have settled in a filter of order {}; {:.3g} s are needed",
+                  settled_s, band.order, least_s);
+  if (leaks) {
+    text += fmt::format(", and a lower order lets too much of the motion below {:g} Hz through",
+                        band.lower_hz);
+  }
+  return text + fmt::format(": record at least {:.1f} s without a gap", 2 * ringing_s + least_s);
+}
+
+}  // namespace
+
+double SettledSeconds(const BandSignal& signal) {
+  return static_cast<double>(signal.settled_end() - signal.settled_begin()) / signal.rate_hz();
+}
+
+const BandSignal& LongestSettled(const std::vector<BandSignal>& all) {
+  return *std::ranges::max_element(all, {}, SettledSeconds);
+}
+
+Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double lower_hz) {
+  const std::size_t size = std::min(signal.size(), kMostSearched);
+  const double least_hz = 2 * signal.rate_hz() / static_cast<double>(size);
+  if (least_hz >= lower_hz) return std::nullopt;
+  std::vector<double> samples(size);
+  if (auto read = signal.samples().Read((signal.size() - size) / 2, samples); !read) {
+    return std::unexpected(read.error());
+  }
+  const auto tone = StrongestTone(samples, {signal.rate_hz(), least_hz, lower_hz, 0});
+  if (!tone) return std::nullopt;
+  const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
+  return BelowBand{tone->frequency_hz, tone->amplitude,
+                   tone->amplitude * gain / std::numbers::sqrt2, signal.model().has_value()};
+}
+
+Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displacement,
+                                                    const Segments& segments,
+                                                    const BandQuestion& question,
+                                                    BandAnalysis* analysis) {
+  const int asked = question.band.order;
+  const int lowest = question.may_lower_order ? std::min(kLowestFallbackOrder, asked) : asked;
+  double asked_settled_s = 0;
+  bool leaks = false;
+  for (int order = asked; order >= lowest && !leaks; --order) {
+    analysis->band.order = order;
+    auto all = FilterAll(displacement, segments, analysis->band);
+    if (!all || all->empty()) {
+      if (!all) return all;
+      break;
+    }
+    const BandSignal& longest = LongestSettled(*all);
+    if (order == asked) asked_settled_s = SettledSeconds(longest);
+    if (SettledSeconds(longest) < kLeastWindowPeriods / question.band.lower_hz) continue;
+    if (order == asked) return all;
+    const auto leaks_little = LeaksLittle(longest, question.band.lower_hz);
+    if (!leaks_little) return std::unexpected(leaks_little.error());
+    leaks = !*leaks_little;
+    if (leaks) continue;
+    analysis->remarks.push_back(
+        fmt::format("filter order lowered from {} to {}: of order {} only "
+                    "{:.3f} s had settled",
+                    asked, order, asked, asked_settled_s));
+    return all;
+  }
+  analysis->band = question.band;
+  analysis->reasons.push_back(
+      TooShort(question.band, analysis->record.rate_hz, asked_settled_s, leaks));
+  return std::vector<BandSignal>{};
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,312 @@
+#include "dsp/analysis/regular_grid.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/check.h"
+#include "dsp/analysis/measured.h"
+#include "dsp/analysis/segments.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kFarthestPeriods = 0.3;  // beyond this a time may belong to the next place
+constexpr double kNegligibleError = 1e-6;
+constexpr std::array<std::size_t, 4> kPoints{4, 8, 12, 16};
+constexpr std::size_t kMostPoints = kPoints.back();
+
+// places of the rows on a grid, and the grid
+struct Places {
+  std::vector<std::int64_t> place;  // of each row, growing
+  double start_s = 0;
+  double period_s = 0;
+
+  [[nodiscard]] double TimeOf(std::int64_t n) const {
+    return start_s + static_cast<double>(n) * period_s;
+  }
+};
+
+double MedianInterval(std::span<const double> times_s) {
+  std::vector<double> intervals;
+  intervals.reserve(times_s.size());
+  for (std::size_t j = 1; j < times_s.size(); ++j) intervals.push_back(times_s[j] - times_s[j - 1]);
+  const auto middle = intervals.begin() + static_cast<std::ptrdiff_t>(intervals.size() / 2);
+  std::ranges::nth_element(intervals, middle);
+  return *middle;
+}
+
+// the least-squares line of the times over their places
+void FitLine(std::span<const double> times_s, Places& places) {
+  const auto n = static_cast<double>(times_s.size());
+  double mean_place = 0;
+  double mean_s = 0;  // of what the times are past the first
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    mean_place += static_cast<double>(places.place[j]) / n;
+    mean_s += (times_s[j] - times_s[0]) / n;
+  }
+  double xt = 0;
+  double xx = 0;
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    const double x = static_cast<double>(places.place[j]) - mean_place;
+    xt += x * (times_s[j] - times_s[0] - mean_s);
+    xx += x * x;
+  }
+  places.period_s = xt / xx;
+  places.start_s = times_s[0] + mean_s - mean_place * places.period_s;
+}
+
+Places PlacesOf(std::span<const double> times_s) {
+  Places places;
+  places.place.reserve(times_s.size());
+  places.place.push_back(0);
+  const double period_s = MedianInterval(times_s);
+  for (std::size_t j = 1; j < times_s.size(); ++j) {
+    const double periods = std::clamp((times_s[j] - times_s[j - 1]) / period_s, 1.0, 1e15);
+    places.place.push_back(places.place.back() + std::llround(periods));
+  }
+  FitLine(times_s, places);
+  return places;
+}
+
+void DescribeJitter(std::span<const double> times_s, const Places& places, RegularGrid& grid) {
+  double square_sum = 0;
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    const double jitter_s = times_s[j] - places.TimeOf(places.place[j]);
+    square_sum += jitter_s * jitter_s;
+    grid.largest_jitter_s = std::max(grid.largest_jitter_s, std::abs(jitter_s));
+  }
+  const auto n = static_cast<double>(times_s.size());
+  grid.jitter_s = std::sqrt(square_sum / (n - 2));
+  grid.rate_hz = 1 / places.period_s;
+  grid.dropped = static_cast<std::size_t>(places.place.back()) + 1 - times_s.size();
+}
+
+// readings that are measured
+struct Readings {
+  std::vector<double> times_s;
+  std::vector<double> values;
+};
+
+Readings MeasuredOf(const trial::Channel& channel, std::span<const double> times_s) {
+  Readings readings;
+  readings.times_s.reserve(times_s.size());
+  readings.values.reserve(times_s.size());
+  for (std::size_t j = 0; j < times_s.size(); ++j) {
+    if (!IsMeasured(channel.values[j], channel.statuses[j])) continue;
+    readings.times_s.push_back(times_s[j]);
+    readings.values.push_back(channel.values[j]);
+  }
+  return readings;
+}
+
+// first of the `points` readings around reading number `j`; there are as many
+std::size_t FirstOf(std::size_t j, std::size_t points, std::size_t size) {
+  return std::min(j - std::min(j, points / 2), size - points);
+}
+
+// Cauchy's remainder for a tone of amplitude 1
+double Remainder(std::span<const double> nodes_s, double at_s, double omega) {
+  double product = 1;
+  double factor = 0;
+  for (const double node_s : nodes_s) product *= omega * std::abs(at_s - node_s) / ++factor;
+  return product;
+}
+
+// the polynomial through all nodes, at `at_s`
+double Neville(std::span<const double> nodes_s, std::span<const double> values, double at_s) {
+  std::array<double, kMostPoints> p;
+  std::ranges::copy(values, p.begin());
+  for (std::size_t step = 1; step < nodes_s.size(); ++step) {
+    for (std::size_t k = 0; k + step < nodes_s.size(); ++k) {
+      p[k] += (at_s - nodes_s[k]) * (p[k + 1] - p[k]) / (nodes_s[k + step] - nodes_s[k]);
+    }
+  }
+  return p[0];
+}
+
+// interpolates one channel of jittered readings at the rows' places
+class Interpolator {
+ public:
+  Interpolator(const trial::Channel& channel, std::span<const double> times_s, const Places& places,
+               double omega)
+      : channel_(channel),
+        places_(places),
+        omega_(omega),
+        readings_(MeasuredOf(channel, times_s)) {}
+
+  [[nodiscard]] std::size_t readings() const { return readings_.times_s.size(); }
+
+  // the bounds of all measured rows
+  [[nodiscard]] std::vector<double> Bounds(std::size_t points) const {
+    std::vector<double> bounds;
+    bounds.reserve(readings());
+    ForEachMeasured([&](std::size_t row, std::size_t j) {
+      const double at_s = places_.TimeOf(places_.place[row]);
+      bounds.push_back(Remainder(Nodes(j, points), at_s, omega_));
+    });
+    return bounds;
+  }
+
+  // values at the places of the rows; NaN where there is none or its bound is too large
+  [[nodiscard]] std::vector<double> Values(std::size_t points, RegularGrid& grid) const {
+    std::vector<double> values(places_.place.size(), std::numeric_limits<double>::quiet_NaN());
+    ForEachMeasured([&](std::size_t row, std::size_t j) {
+      const double at_s = places_.TimeOf(places_.place[row]);
+      const std::span<const double> nodes_s = Nodes(j, points);
+      const double bound = Remainder(nodes_s, at_s, omega_);
+      if (bound > kLargestInterpolationError) {
+        ++grid.left_out;
+        return;
+      }
+      grid.error_bound = std::max(grid.error_bound, bound);
+      const std::size_t first = FirstOf(j, points, readings());
+      values[row] = Neville(nodes_s, std::span(readings_.values).subspan(first, points), at_s);
+    });
+    return values;
+  }
+
+ private:
+  [[nodiscard]] std::span<const double> Nodes(std::size_t j, std::size_t points) const {
+    return std::span(readings_.times_s).subspan(FirstOf(j, points, readings()), points);
+  }
+
+  template <typename Visit>
+  void ForEachMeasured(const Visit& visit) const {
+    for (std::size_t row = 0, j = 0; row < places_.place.size(); ++row) {
+      if (IsMeasured(channel_.values[row], channel_.statuses[row])) visit(row, j++);
+    }
+  }
+
+  const trial::Channel& channel_;
+  const Places& places_;
+  double omega_;
+  Readings readings_;
+};
+
+// the bound that nearly all rows keep
+double UsualBound(std::vector<double> bounds) {
+  const auto most = bounds.begin() + static_cast<std::ptrdiff_t>(bounds.size() * 9 / 10);
+  std::ranges::nth_element(bounds, most);
+  return *most;
+}
+
+// the least number of points that is good enough, or the best
+std::size_t PointsFor(const Interpolator& interpolator) {
+  std::size_t best = kPoints.front();
+  double best_bound = std::numeric_limits<double>::infinity();
+  for (const std::size_t points : kPoints) {
+    if (points > interpolator.readings()) break;
+    const double bound = UsualBound(interpolator.Bounds(points));
+    if (bound < best_bound) {
+      best = points;
+      best_bound = bound;
+    }
+    if (bound < kNegligibleError) break;
+  }
+  return best;
+}
+
+// rows of the grid: those with a reading, and the holes that may be bridged
+void LayOut(const Places& places, RegularGrid& grid) {
+  trial::Record& record = grid.record;
+  for (std::size_t row = 0; row < places.place.size(); ++row) {
+    const std::int64_t missing = row == 0 ? 0 : places.place[row] - places.place[row - 1] - 1;
+    const bool begins = row == 0 || missing > static_cast<std::int64_t>(kLongestBridge);
+    if (begins) {
+      record.stretches.push_back(
+          {record.rows, 0, places.TimeOf(places.place[row]), grid.rate_hz, 0});
+    }
+    const std::size_t added = 1 + (begins ? 0 : static_cast<std::size_t>(missing));
+    record.stretches.back().rows += added;
+    record.rows += added;
+  }
+}
+
+// `values` of the readings on the rows of the grid, holes in between
+trial::Channel OnRows(const trial::Channel& channel, const Places& places,
+                      std::span<const double> values, std::size_t rows) {
+  trial::Channel gridded = channel;
+  gridded.values.clear();
+  gridded.statuses.clear();
+  gridded.values.reserve(rows);
+  gridded.statuses.reserve(rows);
+  for (std::size_t row = 0; row < values.size(); ++row) {
+    const std::int64_t missing = row == 0 ? 0 : places.place[row] - places.place[row - 1] - 1;
+    const std::size_t holes =
+        missing > static_cast<std::int64_t>(kLongestBridge) ? 0 : static_cast<std::size_t>(missing);
+    gridded.values.insert(gridded.values.end(), holes, std::numeric_limits<double>::quiet_NaN());
+    gridded.statuses.insert(gridded.statuses.end(), holes, trial::SampleStatus::kLate);
+    gridded.values.push_back(values[row]);
+    gridded.statuses.push_back(channel.statuses[row]);
+  }
+  return gridded;
+}
+
+Error TooUneven(const RegularGrid& grid) {
+  return CannotAnswer(
+             "",
+             fmt::format(
+                 "the times of its readings scatter by {:.3g} ms about a grid of {:.4g} ms, "
+                 "up to {:.3g} ms: dropped readings cannot be told from late ones",
+                 grid.jitter_s * 1e3, 1e3 / grid.rate_hz, grid.largest_jitter_s * 1e3),
+             "record with a clocked source")
+      .error();
+}
+
+}  // namespace
+
+Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz) {
+  HAPTOMETER_CHECK(record.times_are_known && record.raw_times_s.size() == record.rows,
+                   "{} times of {} rows", record.raw_times_s.size(), record.rows);
+  if (record.rows < kPoints.front()) {
+    return CannotAnswer("", fmt::format("{} rows at uneven times are too few", record.rows),
+                        "record longer");
+  }
+  const std::span<const double> times_s = record.raw_times_s;
+  const Places places = PlacesOf(times_s);
+  RegularGrid grid;
+  DescribeJitter(times_s, places, grid);
+  if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
+    return std::unexpected(TooUneven(grid));
+  }
+
+  grid.record.metadata = record.metadata;
+  LayOut(places, grid);
+  grid.record.channels.reserve(record.channels.size());
+  for (const trial::Channel& channel : record.channels) {
+    const Interpolator interpolator(channel, times_s, places, 2 * std::numbers::pi * upper_hz);
+    std::vector<double> values(record.rows, std::numeric_limits<double>::quiet_NaN());
+    if (interpolator.readings() >= kPoints.front()) {
+      grid.points = PointsFor(interpolator);
+      const std::size_t left_out_before = grid.left_out;
+      values = interpolator.Values(grid.points, grid);
+      if (2 * (grid.left_out - left_out_before) > interpolator.readings()) {
+        return CannotAnswer(
+            "",
+            fmt::format("its readings at uneven times are too far apart for motion at {:g} Hz: "
+                        "{:.4g} a second",
+                        upper_hz, grid.rate_hz),
+            "ask for a lower band, or record with a clocked source");
+      }
+    }
+    grid.record.channels.push_back(OnRows(channel, places, values, grid.record.rows));
+  }
+  return grid;
+}
+
+Result<RegularGrid> OnRegularGrid(const trial::RowSource& source, double upper_hz) {
+  const auto record = trial::ReadAllRows(source);
+  if (!record) return std::unexpected(record.error());
+  return OnRegularGrid(*record, upper_hz);
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,264 @@
+#include "dsp/analysis/used_part.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "dsp/analysis/band_filtering.h"
+#include "dsp/spectrum/tone.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{1} << 16U;
+// the channel that says when the drive is on
+std::optional<std::size_t> DriveChannel(const trial::Record& head) {
+  for (const trial::ChannelRole role :
+       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
+    if (const trial::Channel* channel = head.Find(role)) {
+      return static_cast<std::size_t>(channel - head.channels.data());
+    }
+  }
+  return std::nullopt;
+}
+
+// visits values of rows [first, first + size)
+template <typename Visit>
+Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, std::size_t first,
+                          std::size_t size, const Visit& visit) {
+  std::vector<double> values(std::min(size, kBlock));
+  std::vector<trial::SampleStatus> statuses(values.size());
+  for (std::size_t done = 0; done < size; done += values.size()) {
+    const std::size_t count = std::min(values.size(), size - done);
+    const auto read = source.Read(channel, first + done, std::span(values).first(count),
+                                  std::span(statuses).first(count));
+    if (!read) return read;
+    for (std::size_t k = 0; k < count; ++k) visit(done + k, values[k]);
+  }
+  return {};
+}
+
+// mean squares of the drive in the cells [begin, end) of `signal`; a trigger counts from its least
+Result<std::vector<double>> DriveCells(const trial::RowSource& source, std::size_t channel,
+                                       const BandSignal& signal, std::size_t begin,
+                                       std::size_t end) {
+  const std::size_t cell = signal.cell_samples();
+  const std::size_t first = signal.first_row() + begin * cell;
+  const std::size_t size = std::min(end * cell, signal.size()) - begin * cell;
+  double least = 0;
+  if (source.head().channels[channel].role == trial::ChannelRole::kTrigger) {
+    least = std::numeric_limits<double>::infinity();
+    const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t, double value) {
+      if (std::isfinite(value)) least = std::min(least, value);
+    });
+    if (!seen) return std::unexpected(seen.error());
+  }
+  std::vector<double> cells(end - begin, 0.0);
+  const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t k, double value) {
+    const double x = std::isfinite(value) ? value - least : 0;
+    cells[k / cell] += x * x / static_cast<double>(cell);
+  });
+  if (!seen) return std::unexpected(seen.error());
+  return cells;
+}
+
+// whole cells of what has settled of one signal, as a course of power
+struct SettledCells {
+  std::size_t begin = 0;  // cells
+  std::size_t end = 0;
+  std::vector<double> mean_square;
+  PowerCourse course;
+};
+
+SettledCells CellsOf(const BandSignal& signal) {
+  const std::size_t cell = signal.cell_samples();
+  SettledCells cells;
+  cells.begin = (signal.settled_begin() + cell - 1) / cell;
+  cells.end = std::max(cells.begin, signal.settled_end() / cell);
+  cells.mean_square.reserve(cells.end - cells.begin);
+  for (std::size_t k = cells.begin; k < cells.end; ++k) {
+    cells.mean_square.push_back(signal.cells()[k].square_sum / static_cast<double>(cell));
+  }
+  cells.course = {cells.mean_square, TimeOfSample(signal, cells.begin * cell),
+                  static_cast<double>(cell) / signal.rate_hz()};
+  return cells;
+}
+
+// the complex amplitude of a tone in each block of what has settled
+Result<std::vector<std::complex<double>>> ToneBlocks(const BandSignal& signal,
+                                                     const SettledCells& cells,
+                                                     const DriveSearch& search,
+                                                     double frequency_hz) {
+  const auto size = static_cast<std::size_t>(
+      std::lround(DriveBlockSeconds(cells.course, search) * signal.rate_hz()));
+  const std::size_t first = cells.begin * signal.cell_samples();
+  const std::size_t count = (cells.end - cells.begin) * signal.cell_samples() / size;
+  std::vector<double> samples(count * size);
+  if (auto read = signal.Read(first, samples); !read) return std::unexpected(read.error());
+  std::vector<std::complex<double>> blocks(count);
+  const double turn = 2 * std::numbers::pi * frequency_hz / signal.rate_hz();
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    blocks[k / size] +=
+        std::polar(2 * samples[k] / static_cast<double>(size), -turn * static_cast<double>(k));
+  }
+  return blocks;
+}
+
+// parts by the strongest tone; unchanging where there is none, or too much to hold in memory
+Result<DriveParts> ToneParts(const BandSignal& signal, const SettledCells& cells,
+                             const BandPass& band, const DriveSearch& search) {
+  const std::size_t size = signal.settled_end() - signal.settled_begin();
+  if (size > kMostFitted) return DriveParts{};
+  const auto samples = ReadMiddle(signal, signal.settled_begin(), signal.settled_end());
+  if (!samples) return std::unexpected(samples.error());
+  const auto tone = StrongestTone(
+      *samples, {signal.rate_hz(), band.lower_hz, band.upper_hz, search.bandwidth_hz});
+  if (!tone) return DriveParts{};
+  const auto blocks = ToneBlocks(signal, cells, search, tone->frequency_hz);
+  if (!blocks) return std::unexpected(blocks.error());
+  return FindDriveParts(*blocks, cells.course, search);
+}
+
+// how a signal's parts were found
+struct FoundParts {
+  DriveParts parts;
+  bool from_channel = false;
+};
+
+// by the drive's channel where there is one, else by the tone, else by the power
+Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& signal,
+                           const BandPass& band, BandAnalysis* analysis) {
+  const SettledCells cells = CellsOf(signal);
+  const DriveSearch search{band.lower_hz, band.upper_hz - band.lower_hz};
+  const auto channel = DriveChannel(source.head());
+  if (channel && cells.end > cells.begin) {
+    const auto drive = DriveCells(source, *channel, signal, cells.begin, cells.end);
+    if (!drive) return std::unexpected(drive.error());
+    DriveParts parts =
+        FindDriveParts({*drive, cells.course.start_s, cells.course.cell_s}, cells.course, search);
+    if (parts.course == DriveCourse::kGated) return FoundParts{std::move(parts), true};
+  }
+  auto by_tone = ToneParts(signal, cells, band, search);
+  if (!by_tone) return std::unexpected(by_tone.error());
+  if (by_tone->course == DriveCourse::kGated) return FoundParts{std::move(*by_tone), false};
+  DriveParts by_power = FindDriveParts(cells.course, search);
+  if (by_power.course == DriveCourse::kGated && !by_tone->why.empty()) {
+    analysis->remarks.emplace_back(
+        "the vibration's level changes, but its tone never pauses: all of it is used");
+    return FoundParts{std::move(*by_tone), false};
+  }
+  return FoundParts{std::move(by_power), false};
+}
+
+ChosenPart AllSettled(const BandSignal& signal) {
+  ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end(), {}};
+  chosen.part.why = "all that has settled";
+  return chosen;
+}
+
+Result<std::optional<ChosenPart>> ChooseGiven(const std::vector<BandSignal>& all,
+                                              const BandQuestion& question,
+                                              BandAnalysis* analysis) {
+  ChosenPart chosen;
+  for (const BandSignal& signal : all) {
+    const auto [begin, end] = SettledRange(signal, question.window);
+    if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end, {}};
+  }
+  const double found_s = chosen.signal == nullptr ? 0
+                                                  : static_cast<double>(chosen.end - chosen.begin) /
+                                                        chosen.signal->rate_hz();
+  const std::string asked =
+      fmt::format("{:g} s to {:g} s", question.window.begin_s, question.window.end_s);
+  if (found_s < kLeastWindowPeriods / question.band.lower_hz) {
+    analysis->reasons.push_back(
+        fmt::format("of the window {} only {:.3f} s have settled: ask for a wider one, or record "
+                    "longer before and after it",
+                    asked, found_s));
+    return std::nullopt;
+  }
+  const double missing_s = question.window.duration_s() - found_s;
+  if (missing_s > 2 / chosen.signal->rate_hz()) {
+    analysis->remarks.push_back(fmt::format(
+        "{:.3f} s of the window {} have not settled and are left out", missing_s, asked));
+  }
+  chosen.part.why = "asked for: " + asked;
+  return chosen;
+}
+
+// the longest steady part of a drive over all signals, where there is one
+Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
+                                               const std::vector<BandSignal>& all,
+                                               const BandQuestion& question,
+                                               BandAnalysis* analysis) {
+  std::optional<ChosenPart> best;
+  for (const BandSignal& signal : all) {
+    auto found = PartsOf(source, signal, question.band, analysis);
+    if (!found) return std::unexpected(found.error());
+    const OnPart* on = found->parts.Longest();
+    if (on == nullptr) continue;
+    const auto [begin, end] = SettledRange(signal, on->steady);
+    if (static_cast<double>(end - begin) / signal.rate_hz() <
+        kLeastWindowPeriods / question.band.lower_hz) {
+      continue;
+    }
+    if (best && end - begin <= best->end - best->begin) continue;
+    best = ChosenPart{&signal, begin, end, {}};
+    best->part.why = "steady part of the drive: " + found->parts.why;
+    best->part.from_drive = true;
+    best->part.from_channel = found->from_channel;
+    best->part.drive = std::move(found->parts);
+  }
+  return best;
+}
+
+}  // namespace
+
+double TimeOfSample(const BandSignal& signal, std::size_t sample) {
+  return signal.start_s() + static_cast<double>(sample) / signal.rate_hz();
+}
+
+std::pair<std::size_t, std::size_t> SettledRange(const BandSignal& signal,
+                                                 const TimeWindow& window) {
+  const auto at = [&](double time_s) {
+    const double sample = std::round((time_s - signal.start_s()) * signal.rate_hz());
+    return static_cast<std::size_t>(std::clamp(sample, static_cast<double>(signal.settled_begin()),
+                                               static_cast<double>(signal.settled_end())));
+  };
+  const std::size_t begin = at(window.begin_s);
+  return {begin, std::max(begin, at(window.end_s))};
+}
+
+Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
+                                       std::size_t end) {
+  std::vector<double> samples(std::min(end - begin, kMostFitted));
+  const std::size_t first = begin + (end - begin - samples.size()) / 2;
+  if (auto read = signal.Read(first, samples); !read) return std::unexpected(read.error());
+  return samples;
+}
+
+Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
+                                             const std::vector<BandSignal>& all,
+                                             const BandQuestion& question, BandAnalysis* analysis) {
+  if (question.choice == WindowChoice::kGiven) return ChooseGiven(all, question, analysis);
+  if (question.choice == WindowChoice::kAuto) {
+    auto driven = ChooseDriven(source, all, question, analysis);
+    if (!driven) return driven;
+    if (*driven) {
+      const OnPart& on = *(*driven)->part.drive.Longest();
+      if (!on.is_steady) {
+        analysis->remarks.push_back(
+            fmt::format("the amplitude changes by {:.2g} % over the drive", 100 * on.drift));
+      }
+      return driven;
+    }
+  }
+  return AllSettled(LongestSettled(all));
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,374 @@
+#include "dsp/analysis/window_numbers.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "dsp/analysis/band_filtering.h"
+#include "dsp/filter/settled.h"
+#include "dsp/spectrum/tone.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kUmPerM = 1e6;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+constexpr double kLeastFloorS = 0.1;
+constexpr double kMostClipped = 1e-3;
+constexpr double kSensorTakesAll = 0.02;  // a gain below this is not divided out
+// t's 97.5 % point for a density of 48 bins, 96 degrees of freedom
+constexpr double kCoverage = 1.985;
+
+// what is being measured, for the steps below
+struct Window {
+  const trial::Record& head;
+  double step_m = 0;  // one step of the displacement's source
+  const ChosenPart& chosen;
+  const BandQuestion& question;
+  BandAnalysis& analysis;
+  BandNumbers numbers;
+  std::vector<double> samples;  // of the chosen part, or of its middle
+  std::size_t rows = 0;         // of the window
+  BandPower power;
+
+  [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
+  [[nodiscard]] double rate_hz() const { return signal().rate_hz(); }
+  [[nodiscard]] double duration_s() const { return static_cast<double>(rows) / rate_hz(); }
+  [[nodiscard]] double sampled_s() const { return static_cast<double>(samples.size()) / rate_hz(); }
+  [[nodiscard]] const BandPass& band() const { return analysis.band; }
+  [[nodiscard]] double bandwidth_hz() const { return band().upper_hz - band().lower_hz; }
+};
+
+// rows of the part that hold whole periods of the tone
+std::size_t WholePeriods(const Window& window, const std::optional<SineFit>& tone) {
+  const std::size_t rows = window.chosen.end - window.chosen.begin;
+  if (!tone) return rows;
+  const double seconds = static_cast<double>(rows) / window.rate_hz();
+  const double periods = std::floor(seconds * tone->frequency_hz);
+  if (periods < 1) return rows;
+  const double whole = std::round(periods / tone->frequency_hz * window.rate_hz());
+  return std::min(rows, static_cast<std::size_t>(whole));
+}
+
+void DescribePart(Window& window) {
+  UsedPart& part = window.numbers.part;
+  part = window.chosen.part;
+  part.first_row = window.signal().first_row() + window.chosen.begin;
+  part.rows = window.rows;
+  const double begin_s = TimeOfSample(window.signal(), window.chosen.begin);
+  part.window = {begin_s, begin_s + window.duration_s()};
+}
+
+// takes the tone and what harmonics of it stand out from the samples; their power into
+// `window.power`
+void TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
+  const Harmonics lines = FitHarmonics(window.samples, {window.rate_hz(), window.bandwidth_hz(), 0},
+                                       tone.frequency_hz, window.band().upper_hz);
+  std::vector<Harmonic> taken;
+  if (lines.converged) taken = lines.harmonics;
+  std::erase_if(taken, [](const Harmonic& line) { return line.order > 1 && !line.stands_out; });
+  if (taken.empty()) {
+    taken.push_back({1, tone.frequency_hz, tone.amplitude, tone.amplitude_uncertainty,
+                     tone.phase_rad, tone.phase_uncertainty_rad, true});
+  }
+  for (const Harmonic& line : taken) {
+    const double turn = kTwoPi * line.frequency_hz / window.rate_hz();
+    for (std::size_t k = 0; k < rest.size(); ++k) {
+      rest[k] -= line.amplitude * std::cos(turn * static_cast<double>(k) + line.phase_rad);
+    }
+  }
+  const BandNoise noise = MeasureNoise(rest, window.rate_hz(), 1.5 * window.band().upper_hz);
+  for (const Harmonic& line : taken) {
+    const double square =
+        noise.DensityNear(line.frequency_hz, window.band().lower_hz, window.band().upper_hz) /
+        window.duration_s();
+    // of amplitude^2 / 2, noise adds u^2 on average
+    window.power.tone_mean_square += 0.5 * line.amplitude * line.amplitude - square;
+    window.power.tone_variance += line.amplitude * line.amplitude * square;
+  }
+}
+
+// the window's power as tone and rest
+Result<void> MeasurePower(Window& window) {
+  const std::size_t begin = window.chosen.begin;
+  const auto square_sum = window.signal().SquareSum(begin, begin + window.rows);
+  if (!square_sum) return std::unexpected(square_sum.error());
+  const double mean_square = *square_sum / static_cast<double>(window.rows);
+  const BandNoise whole =
+      MeasureNoise(window.samples, window.rate_hz(), 1.5 * window.band().upper_hz);
+  const double longer = window.sampled_s() / window.duration_s();
+  window.numbers.power = {mean_square, whole.power.variance * longer};
+  std::vector<double> rest = window.samples;
+  if (window.numbers.tone) TakeLines(window.numbers.tone->fit, window, rest);
+  const BandNoise noise = MeasureNoise(rest, window.rate_hz(), 1.5 * window.band().upper_hz);
+  window.numbers.residual_rms_m = std::sqrt(noise.power.mean_square);
+  window.power.tone_mean_square = std::clamp(window.power.tone_mean_square, 0.0, mean_square);
+  window.power.rest = {mean_square - window.power.tone_mean_square, noise.power.variance * longer};
+  const auto extremes = window.signal().ExtremesOf(begin, begin + window.rows);
+  if (!extremes) return std::unexpected(extremes.error());
+  window.numbers.peak_to_peak_m = extremes->most - extremes->least;
+  return {};
+}
+
+// what the sensor's averaging did at the tone, and whether it is divided out
+void DescribeSensor(Window& window) {
+  SensorNumbers& sensor = window.numbers.sensor;
+  sensor.averaging = AveragingOf(window.head.metadata, window.analysis.record.rate_hz,
+                                 window.analysis.record.fresh_rate_hz);
+  sensor.gain_in_band = GainsOver(sensor.averaging, window.band().lower_hz, window.band().upper_hz);
+  if (sensor.averaging.knowledge == SensorKnowledge::kUnknown) {
+    window.analysis.remarks.emplace_back("amplitude not verified: sensor averaging unknown");
+    return;
+  }
+  sensor.amplitude_verified = true;
+  if (!window.numbers.tone) {
+    if (sensor.gain_in_band->least < 1) {
+      window.analysis.remarks.push_back(fmt::format(
+          "the sensor ({}) passes {:.3g} to {:.3g} of the band; without a tone it is not divided "
+          "out",
+          Describe(sensor.averaging), sensor.gain_in_band->least, sensor.gain_in_band->greatest));
+    }
+    return;
+  }
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  sensor.gain_at_tone = GainAt(sensor.averaging, frequency_hz);
+  const double gain = *sensor.gain_at_tone;
+  sensor.divided_out = gain < 1 && gain >= kSensorTakesAll;
+  if (sensor.divided_out) window.power.sensor_gain = gain;
+  if (gain < kLeastSensorGain) {
+    sensor.amplitude_verified = false;
+    const int most =
+        sensor.averaging.averages > 1 ? MostAverages(frequency_hz, sensor.averaging.sampling_s) : 1;
+    window.analysis.reasons.push_back(fmt::format(
+        "the sensor ({}) passes {:.3g} of {:.4g} Hz, below {:g}: set it to {} average{} or fewer",
+        Describe(sensor.averaging), gain, frequency_hz, kLeastSensorGain, most,
+        most == 1 ? "" : "s"));
+  } else if (gain < 1) {
+    window.analysis.remarks.push_back(
+        fmt::format("the sensor ({}) passes {:.4g} of the tone; divided out",
+                    Describe(sensor.averaging), gain));
+  }
+}
+
+// of the question, or of the quiet parts that the window was told from
+Result<void> TakeFloor(Window& window) {
+  window.numbers.floor = window.question.floor;
+  if (!window.numbers.floor && window.chosen.part.from_drive) {
+    std::vector<WeightedPower> parts;
+    std::string source;
+    double duration_s = 0;
+    for (const TimeWindow& quiet : window.chosen.part.drive.quiet) {
+      const auto [begin, end] = SettledRange(window.signal(), quiet);
+      const double part_s = static_cast<double>(end - begin) / window.rate_hz();
+      if (part_s < kLeastFloorS / 2) continue;
+      const auto samples = ReadMiddle(window.signal(), begin, end);
+      if (!samples) return std::unexpected(samples.error());
+      const BandNoise noise =
+          MeasureNoise(*samples, window.rate_hz(), 1.5 * window.band().upper_hz);
+      parts.push_back({noise.power, part_s});
+      source +=
+          fmt::format("{}{:.3f} s to {:.3f} s", source.empty() ? "" : ", ",
+                      TimeOfSample(window.signal(), begin), TimeOfSample(window.signal(), end));
+      duration_s += part_s;
+    }
+    if (duration_s >= kLeastFloorS) {
+      window.numbers.floor = NoiseFloor{Pooled(parts), duration_s, source + " of the record"};
+    }
+  }
+  if (window.numbers.floor) window.power.floor = window.numbers.floor->power;
+  return {};
+}
+
+// share of the window's power that faults of this kind inside it make
+double FaultShare(const Window& window, FaultKind kind) {
+  const UsedPart& part = window.numbers.part;
+  const BandPass& band = window.band();
+  double energy = 0;
+  for (const Fault& fault : window.analysis.faults.list) {
+    if (fault.kind != kind || fault.first_row + fault.rows <= part.first_row ||
+        fault.first_row >= part.first_row + part.rows) {
+      continue;
+    }
+    // a spike's spectrum is flat over the band, a step's falls as 1 / (2 pi f)
+    const double area = fault.size * static_cast<double>(fault.rows) / window.rate_hz();
+    energy += kind == FaultKind::kSpike ? 2 * window.bandwidth_hz() * area * area
+                                        : 2 * fault.size * fault.size / (kTwoPi * kTwoPi) *
+                                              (1 / band.lower_hz - 1 / band.upper_hz);
+  }
+  return energy / (window.duration_s() * window.numbers.power.mean_square);
+}
+
+void JudgeClipping(Window& window) {
+  const UsedPart& part = window.numbers.part;
+  std::size_t rows = 0;
+  for (const Fault& fault : window.analysis.faults.list) {
+    if (fault.kind != FaultKind::kClipped) continue;
+    const std::size_t begin = std::max(fault.first_row, part.first_row);
+    const std::size_t end = std::min(fault.first_row + fault.rows, part.first_row + part.rows);
+    if (end > begin) rows += end - begin;
+  }
+  const double share = static_cast<double>(rows) / static_cast<double>(part.rows);
+  if (share <= kMostClipped) return;
+  window.analysis.reasons.push_back(fmt::format(
+      "{:.2g} % of the window is clipped, so its RMS is a lower bound: move the sensor or choose a "
+      "wider range",
+      100 * share));
+}
+
+// what moving either end of a driven part inwards by a period of the lower corner changes: the
+// drive's edges ring in the filter
+Result<double> EdgeBound(const Window& window) {
+  if (!window.chosen.part.from_drive) return 0;
+  const auto period = static_cast<std::size_t>(window.rate_hz() / window.band().lower_hz);
+  if (window.rows < 4 * period) return 0;
+  const std::size_t begin = window.chosen.begin + period;
+  const std::size_t end = window.chosen.begin + window.rows - period;
+  const auto square_sum = window.signal().SquareSum(begin, end);
+  if (!square_sum) return std::unexpected(square_sum.error());
+  return std::abs(std::sqrt(*square_sum / static_cast<double>(end - begin)) -
+                  std::sqrt(window.numbers.power.mean_square));
+}
+
+// what cannot be read from the scatter
+std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
+  const BandNumbers& numbers = window.numbers;
+  const double rms = std::sqrt(numbers.power.mean_square);
+  std::vector<RmsBound> bounds;
+  const auto add = [&](std::string name, double half_width, std::string how) {
+    if (half_width > 0) bounds.push_back({std::move(name), half_width, std::move(how)});
+  };
+  if (rms == 0) return bounds;
+  if (numbers.below_band) {
+    const double leaked = numbers.below_band->leaked_rms_m;
+    const double apart_hz = window.band().lower_hz - numbers.below_band->frequency_hz;
+    const double beat = std::min(1.0, 1 / (std::numbers::pi * apart_hz * window.duration_s()));
+    add("motion below the band", leaked * leaked / (2 * rms) + leaked * beat,
+        "its amplitude times |H|^2, as power and as a beat with the tone");
+  }
+  const double steps =
+      window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
+  add("quantisation", std::min(steps, steps * steps / (2 * rms)),
+      "step / sqrt(12), white up to half the rate");
+  add("bridged readings", numbers.bridged_rms_m, "the error of the same bridging beside each hole");
+  add("filter's ends", kSettledError * rms,
+      "what lay beyond the ends, as far as it may still show");
+  add("drive's edges", edges_m, "what a window shorter by a period at either end would change");
+  add("spikes", 0.5 * rms * FaultShare(window, FaultKind::kSpike), "their energy within the band");
+  add("steps", 0.5 * rms * FaultShare(window, FaultKind::kStep), "their energy within the band");
+  return bounds;
+}
+
+// the tone before the filter and before the sensor, with uncertainties from the noise about it
+void FinishTone(Window& window) {
+  ToneNumbers& tone = *window.numbers.tone;
+  SineFit& fit = tone.fit;
+  const double gain = std::norm(Response(window.signal().design(), fit.frequency_hz));
+  tone.sine_rms_m = fit.amplitude / std::numbers::sqrt2;
+  tone.share_of_rms = tone.sine_rms_m / std::sqrt(window.numbers.power.mean_square);
+  if (window.power.tone_variance > 0) {
+    const double shape = std::sqrt(window.power.tone_variance) / fit.amplitude /
+                         std::max(fit.amplitude_uncertainty, 1e-300);
+    fit.amplitude_uncertainty *= shape;
+    fit.frequency_uncertainty_hz *= shape;
+    fit.phase_uncertainty_rad *= shape;
+  }
+  fit.amplitude /= gain;
+  fit.amplitude_uncertainty /= gain;
+  // the rate is a line through times: each of its ends may be off by their uncertainty
+  const double segment_s = static_cast<double>(window.signal().size()) / window.rate_hz();
+  const double rate_share =
+      std::numbers::sqrt2 * window.signal().segment().time_uncertainty_s / segment_s;
+  fit.frequency_uncertainty_hz =
+      std::hypot(fit.frequency_uncertainty_hz, fit.frequency_hz * rate_share);
+
+  tone.amplitude_m = fit.amplitude / window.power.sensor_gain;
+  tone.amplitude_uncertainty_m = fit.amplitude_uncertainty / window.power.sensor_gain;
+  tone.amplitude_lower_m = tone.amplitude_m - kCoverage * tone.amplitude_uncertainty_m;
+  tone.amplitude_upper_m = tone.amplitude_m + kCoverage * tone.amplitude_uncertainty_m;
+  tone.frequency_lower_hz = fit.frequency_hz - kCoverage * fit.frequency_uncertainty_hz;
+  tone.frequency_upper_hz = fit.frequency_hz + kCoverage * fit.frequency_uncertainty_hz;
+  const double turn = kTwoPi * fit.frequency_hz;
+  tone.velocity_m_per_s = turn * tone.amplitude_m;
+  tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
+}
+
+// multiples of the tone in the samples before the filter, beside a cubic drift
+Result<void> DescribeHarmonics(Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double upper_hz = window.analysis.record.observable_upper_hz;
+  if (2 * frequency_hz > upper_hz) return {};
+  std::vector<double> samples(std::min(window.rows, kMostFitted));
+  const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
+  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  Harmonics harmonics = FitHarmonics(samples, {window.rate_hz(), 0, kHighestDriftDegree},
+                                     frequency_hz, std::min(upper_hz, 10.5 * frequency_hz));
+  if (harmonics.converged) window.numbers.harmonics = std::move(harmonics);
+  return {};
+}
+
+// RMS of everything that was filtered, unsettled ends included
+double WholeRms(const std::vector<BandSignal>& all) {
+  double square_sum = 0;
+  double count = 0;
+  for (const BandSignal& signal : all) {
+    for (const BandCell& cell : signal.cells()) square_sum += cell.square_sum;
+    count += static_cast<double>(signal.size());
+  }
+  return std::sqrt(square_sum / count);
+}
+
+void RemarkFloor(Window& window) {
+  const BandNumbers& numbers = window.numbers;
+  if (!numbers.floor) {
+    window.analysis.remarks.emplace_back(
+        "noise floor not known: no quiet part before or after the drive");
+  } else if (numbers.rms.below_floor) {
+    window.analysis.remarks.push_back(fmt::format("below the floor of {:.3g} um: at most {:.3g} um",
+                                                  *numbers.rms.floor_m * kUmPerM,
+                                                  numbers.rms.at_most_m * kUmPerM));
+  }
+}
+
+}  // namespace
+
+Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& displacement,
+                           const std::vector<BandSignal>& all, const ChosenPart& chosen,
+                           const BandQuestion& question, BandAnalysis* analysis) {
+  Window window{head, displacement.resolution, chosen, question, *analysis, {}, {}, 0, {}};
+  auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
+  if (!samples) return std::unexpected(samples.error());
+  window.samples = std::move(*samples);
+  const auto tone = StrongestTone(window.samples, {window.rate_hz(), analysis->band.lower_hz,
+                                                   analysis->band.upper_hz, window.bandwidth_hz()});
+  window.rows = WholePeriods(window, tone);
+  DescribePart(window);
+  if (tone) {
+    window.numbers.tone.emplace();
+    window.numbers.tone->fit = *tone;
+  }
+  if (auto measured = MeasurePower(window); !measured) return measured;
+  window.numbers.whole_rms_m = WholeRms(all);
+  window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
+                                           static_cast<double>(window.rows));
+  const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
+  if (!below_band) return std::unexpected(below_band.error());
+  window.numbers.below_band = *below_band;
+  DescribeSensor(window);
+  if (auto taken = TakeFloor(window); !taken) return taken;
+  JudgeClipping(window);
+  const auto edges = EdgeBound(window);
+  if (!edges) return std::unexpected(edges.error());
+  window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
+  if (window.numbers.tone) {
+    FinishTone(window);
+    if (auto described = DescribeHarmonics(window); !described) return described;
+  }
+  RemarkFloor(window);
+  analysis->numbers = std::move(window.numbers);
+  return {};
+}
+
+}  // namespace haptometer::dsp

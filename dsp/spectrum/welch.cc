@@ -1,0 +1,206 @@
+#include "dsp/spectrum/welch.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "base/check.h"
+#include "dsp/spectrum/chi_squared.h"
+#include "dsp/spectrum/fft.h"
+#include "dsp/spectrum/segment_transform.h"
+#include "dsp/statistics/moments.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Sums vectors in pairs: partial sums of 1, 2, 4 ... terms, merged like the digits of a counter.
+template <typename T>
+class PairwiseVectorSum {
+ public:
+  void Add(std::vector<T> term) {
+    std::size_t level = 0;
+    for (; level < partial_.size() && !partial_[level].empty(); ++level) {
+      AddTo(partial_[level], term);
+      partial_[level].clear();
+    }
+    if (level == partial_.size()) partial_.emplace_back();
+    partial_[level] = std::move(term);
+  }
+
+  [[nodiscard]] std::vector<T> Total() const {
+    std::vector<T> total;
+    for (const std::vector<T>& partial : partial_) {
+      if (partial.empty()) continue;
+      if (total.empty()) {
+        total = partial;
+      } else {
+        AddTo(partial, total);
+      }
+    }
+    return total;
+  }
+
+ private:
+  static void AddTo(const std::vector<T>& from, std::vector<T>& to) {
+    for (std::size_t k = 0; k < to.size(); ++k) to[k] += from[k];
+  }
+
+  std::vector<std::vector<T>> partial_;
+};
+
+// correlation of the powers of segments `lag` samples apart
+double SegmentCorrelation(const std::vector<double>& window, std::size_t lag) {
+  double both = 0;
+  for (std::size_t n = 0; n + lag < window.size(); ++n) both += window[n] * window[n + lag];
+  const double rms = Rms(window);
+  const double ratio = both / (rms * rms * static_cast<double>(window.size()));
+  return ratio * ratio;
+}
+
+SpectrumGrid GridOf(const SegmentTransform& transform, std::size_t segments) {
+  const auto k = static_cast<double>(segments);
+  double shared = 0;
+  for (std::size_t m = 1; m < segments && m * transform.step() < transform.size(); ++m) {
+    const double weight = 1 - static_cast<double>(m) / k;
+    shared += weight * SegmentCorrelation(transform.window(), m * transform.step());
+  }
+  SpectrumGrid grid;
+  grid.resolution_hz = transform.rate_hz() / static_cast<double>(transform.size());
+  grid.noise_bandwidth_hz = NoiseBandwidthBins(transform.window()) * grid.resolution_hz;
+  grid.segments = segments;
+  grid.degrees_of_freedom = 2 * k / (1 + 2 * shared);
+  const double v = grid.degrees_of_freedom;
+  grid.lower_factor = v / ChiSquaredQuantile(0.975, v);
+  grid.upper_factor = v / ChiSquaredQuantile(0.025, v);
+  return grid;
+}
+
+// sums over segments to one-sided densities
+template <typename T>
+void ScaleToDensity(const SegmentTransform& transform, std::size_t segments, std::vector<T>& sums) {
+  for (std::size_t k = 0; k < sums.size(); ++k) {
+    sums[k] *= transform.DensityScale(k) / static_cast<double>(segments);
+  }
+}
+
+std::optional<Error> Refusal(std::span<const double> signal, const WelchOptions& options) {
+  HAPTOMETER_CHECK(options.rate_hz > 0, "rate_hz = {}", options.rate_hz);
+  const auto usage = [](std::string what, std::string remedy) {
+    return Usage("spectrum", std::move(what), std::move(remedy)).error();
+  };
+  if (options.segment_size < 2 || options.segment_size > kLongestTransform) {
+    return usage(fmt::format("a segment of {} samples", options.segment_size),
+                 "choose 2 to 2^30 samples");
+  }
+  if (options.segment_size > signal.size()) {
+    return usage(fmt::format("a segment of {} samples is longer than the signal's {}",
+                             options.segment_size, signal.size()),
+                 "choose a coarser resolution, or record longer");
+  }
+  if (!(options.overlap >= 0 && options.overlap < 1)) {
+    return usage(fmt::format("an overlap of {}", options.overlap), "choose 0 to below 1");
+  }
+  if (!std::ranges::all_of(signal, [](double x) { return std::isfinite(x); })) {
+    return usage("holds values that are not finite", "split the record there");
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Result<PowerSpectrum> WelchSpectrum(std::span<const double> signal, const WelchOptions& options) {
+  if (auto refusal = Refusal(signal, options)) return std::unexpected(std::move(*refusal));
+  SegmentTransform transform(options);
+  PairwiseVectorSum<double> sum;
+  const std::size_t segments = transform.Count(signal.size());
+  for (std::size_t m = 0; m < segments; ++m) {
+    const std::span<const Complex> bins = transform.Of(signal, m);
+    std::vector<double> power(bins.size());
+    for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
+    sum.Add(std::move(power));
+  }
+  PowerSpectrum spectrum{GridOf(transform, segments), sum.Total()};
+  ScaleToDensity(transform, segments, spectrum.density);
+  return spectrum;
+}
+
+Result<CrossSpectrum> WelchCrossSpectrum(std::span<const double> from, std::span<const double> to,
+                                         const WelchOptions& options) {
+  HAPTOMETER_CHECK(from.size() == to.size(), "{} and {} samples", from.size(), to.size());
+  if (auto refusal = Refusal(from, options)) return std::unexpected(std::move(*refusal));
+  if (auto refusal = Refusal(to, options)) return std::unexpected(std::move(*refusal));
+  SegmentTransform first(options);
+  SegmentTransform second(options);
+  PairwiseVectorSum<Complex> cross_sum;
+  PairwiseVectorSum<double> from_sum;
+  PairwiseVectorSum<double> to_sum;
+  const std::size_t segments = first.Count(from.size());
+  for (std::size_t m = 0; m < segments; ++m) {
+    const std::span<const Complex> x = first.Of(from, m);
+    const std::span<const Complex> y = second.Of(to, m);
+    std::vector<Complex> cross(x.size());
+    std::vector<double> from_power(x.size());
+    std::vector<double> to_power(x.size());
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      cross[k] = std::conj(x[k]) * y[k];
+      from_power[k] = std::norm(x[k]);
+      to_power[k] = std::norm(y[k]);
+    }
+    cross_sum.Add(std::move(cross));
+    from_sum.Add(std::move(from_power));
+    to_sum.Add(std::move(to_power));
+  }
+  CrossSpectrum spectrum{GridOf(first, segments), from_sum.Total(), to_sum.Total(),
+                         cross_sum.Total()};
+  ScaleToDensity(first, segments, spectrum.from_density);
+  ScaleToDensity(first, segments, spectrum.to_density);
+  ScaleToDensity(first, segments, spectrum.cross);
+  return spectrum;
+}
+
+std::vector<double> Coherence(const CrossSpectrum& spectrum) {
+  std::vector<double> coherence(spectrum.cross.size());
+  for (std::size_t k = 0; k < coherence.size(); ++k) {
+    const double both = spectrum.from_density[k] * spectrum.to_density[k];
+    coherence[k] =
+        both > 0 ? std::norm(spectrum.cross[k]) / both : std::numeric_limits<double>::quiet_NaN();
+  }
+  return coherence;
+}
+
+std::vector<double> AmplitudeSpectrum(const PowerSpectrum& spectrum) {
+  std::vector<double> amplitude(spectrum.density.size());
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    const double mean_square = spectrum.density[k] * spectrum.grid.noise_bandwidth_hz;
+    amplitude[k] = std::sqrt(k == 0 ? mean_square : 2 * mean_square);
+  }
+  return amplitude;
+}
+
+double RmsWithin(const PowerSpectrum& spectrum, double lower_hz, double upper_hz) {
+  std::vector<double> inside(spectrum.density.size());
+  for (std::size_t k = 0; k < inside.size(); ++k) {
+    // bin k stands for a resolution about its frequency
+    const double lower = lower_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
+    const double upper = upper_hz / spectrum.grid.resolution_hz - static_cast<double>(k);
+    inside[k] = std::max(0.0, std::min(0.5, upper) - std::max(-0.5, lower));
+  }
+  return RmsThrough(spectrum, inside);
+}
+
+double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_gains) {
+  HAPTOMETER_CHECK(power_gains.size() == spectrum.density.size() && !power_gains.empty(),
+                   "{} gains for {} bins", power_gains.size(), spectrum.density.size());
+  std::vector<double> through(power_gains.begin(), power_gains.end());
+  for (std::size_t k = 0; k < through.size(); ++k) through[k] *= spectrum.density[k];
+  const auto bins = static_cast<double>(through.size());
+  return std::sqrt(Mean(through) * bins * spectrum.grid.resolution_hz);
+}
+
+}  // namespace haptometer::dsp

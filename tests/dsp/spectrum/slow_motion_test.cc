@@ -1,0 +1,85 @@
+#include "dsp/spectrum/slow_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 200;
+
+TEST(SlowMotion, DriftAndASteadyTremor) {
+  std::vector<double> signal = Samples(kRateHz, 1600, 0.03, {{0.5e-3, 8.3, 0.4}});
+  for (std::size_t k = 0; k < signal.size(); ++k) {
+    signal[k] += 2e-4 * static_cast<double>(k) / kRateHz;
+  }
+  const auto motion = DescribeSlowMotion(signal, kRateHz);
+  ASSERT_TRUE(motion && motion->tremor_rms && motion->tremor_tone);
+  EXPECT_ABS(motion->drift_per_s, 2e-4, 4 * motion->drift_uncertainty_per_s, "as stated");
+  EXPECT_LT(motion->drift_uncertainty_per_s, 5e-6) << "a tremor of 8.3 periods an eighth";
+  EXPECT_REL(*motion->tremor_rms, 0.5e-3 / std::numbers::sqrt2, 2e-8, "what is left of the line");
+  EXPECT_REL(motion->tremor_frequency_hz, 8.3, 1e-8, "the power's centre");
+  EXPECT_REL(motion->tremor_tone->frequency_hz, 8.3, 1e-8, "what is left of the line");
+  EXPECT_REL(motion->tremor_tone->amplitude, 0.5e-3, 1e-7, "the same");
+}
+
+TEST(SlowMotion, ABroadTremorIsABandAndNoTone) {
+  // white noise of density 2 s^2/rate; 10 Hz of it
+  Noise noise(12);
+  std::vector<double> signal(12'000);
+  for (double& x : signal) x = 1e-4 * noise();
+  const auto motion = DescribeSlowMotion(signal, kRateHz);
+  ASSERT_TRUE(motion && motion->tremor_rms);
+  EXPECT_FALSE(motion->tremor_tone);
+  EXPECT_REL(*motion->tremor_rms, 1e-4 * std::sqrt(2 * 10 / kRateHz), 0.12,
+             "3.5 deviations: 1/sqrt(4 x 10 Hz x 60 s)");
+  EXPECT_REL(motion->tremor_rms_uncertainty / *motion->tremor_rms, 1 / std::sqrt(4 * 10 * 60), 0.1,
+             "the spectrum's own scatter, 2 / 30 of its width");
+  EXPECT_ABS(motion->tremor_frequency_hz, 8, 0.5, "the middle");
+}
+
+TEST(SlowMotion, TheDriftsIntervalHoldsTheTruth) {
+  // noise whose correlation lasts a twentieth of an eighth: pole 0.9, 200 samples an eighth
+  constexpr int kRepetitions = 2000;
+  constexpr double kT6 = 2.4469119;  // Student's t, 97.5 %, 6 degrees of freedom
+  Noise noise(19);
+  int held = 0;
+  std::vector<double> signal(800);
+  for (int r = 0; r < kRepetitions; ++r) {
+    double state = 2.3 * noise();
+    for (std::size_t k = 0; k < signal.size(); ++k) {
+      state = 0.9 * state + noise();
+      signal[k] = state + 3 * static_cast<double>(k) / kRateHz;
+    }
+    const auto motion = DescribeSlowMotion(std::span(signal).first(800), 40);
+    ASSERT_TRUE(motion);
+    held += std::abs(motion->drift_per_s - 0.6) <= kT6 * motion->drift_uncertainty_per_s ? 1 : 0;
+  }
+  EXPECT_NEAR(held, 1900, 40) << "95 % +- 2 % of 2000";
+}
+
+TEST(SlowMotion, IsNotMadeUp) {
+  std::vector<double> signal(15, 1.0);
+  EXPECT_FALSE(DescribeSlowMotion(signal, kRateHz));
+  signal.resize(150, 1.0);
+  const auto brief = DescribeSlowMotion(signal, kRateHz);
+  ASSERT_TRUE(brief);
+  EXPECT_FALSE(brief->tremor_rms) << "0.75 s";
+  EXPECT_FALSE(DescribeSlowMotion(std::vector<double>(150, 1.0), 50)->tremor_rms) << "50 Hz";
+  signal[3] = std::nan("");
+  EXPECT_FALSE(DescribeSlowMotion(signal, kRateHz));
+  const auto still = DescribeSlowMotion(std::vector<double>(800, 0.03), kRateHz);
+  ASSERT_TRUE(still && still->tremor_rms);
+  EXPECT_EQ(*still->tremor_rms, 0);
+  EXPECT_EQ(still->drift_per_s, 0);
+  EXPECT_FALSE(still->tremor_tone);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp

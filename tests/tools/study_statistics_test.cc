@@ -1,0 +1,213 @@
+// Tables of trials, matched voltages and drive sweeps, without files.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "tests/residual.h"
+#include "tools/study/contrast.h"
+#include "tools/study/further_statistics.h"
+#include "tools/study/linearity_result.h"
+#include "tools/study/matching_result.h"
+#include "tools/study/study_quality.h"
+
+namespace haptometer::tools {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+StudyTrial Answered(int subject, const std::string& condition, int repeat, double rms_m) {
+  StudyTrial trial;
+  trial.file = fmt::format("{}_{}_{}", subject, condition, repeat);
+  trial.subject = std::to_string(subject);
+  trial.condition = condition;
+  trial.repeat = std::to_string(repeat);
+  trial.answered = true;
+  trial.rms_m = rms_m;
+  return trial;
+}
+
+double NormalDraw(std::mt19937& engine) {
+  const double u = (static_cast<double>(engine()) + 0.5) / 4294967296.0;
+  const double v = static_cast<double>(engine()) / 4294967296.0;
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+TEST(CompareConditions, HoldsFivePercentThoughTrialsOfASubjectAreAlike) {
+  std::mt19937 engine(24);
+  constexpr int kRepetitions = 1000;
+  int found = 0;
+  for (int k = 0; k < kRepetitions; ++k) {
+    std::vector<StudyTrial> trials;
+    for (int s = 0; s < 8; ++s) {
+      // the subject answers the conditions differently, in no direction on the average
+      const double effect = NormalDraw(engine);
+      for (int repeat = 0; repeat < 3; ++repeat) {
+        trials.push_back(Answered(s, "a", repeat, 50 + effect + 0.35 * NormalDraw(engine)));
+        trials.push_back(Answered(s, "b", repeat, 50 + 0.35 * NormalDraw(engine)));
+      }
+    }
+    const StudyTable table = MakeStudyTable(std::move(trials), {});
+    const auto contrasts = CompareConditions(table, {{"a", "b"}});
+    ASSERT_EQ(contrasts->at(0).difference.n, 8U);
+    found += contrasts->at(0).difference.test->p < 0.05 ? 1 : 0;
+  }
+  EXPECT_ABS(static_cast<double>(found) / kRepetitions, 0.05, 0.021,
+             "three standard deviations; 24 pairs taken for independent give 0.24");
+}
+
+// 8 x 4 x 3 trials with factors and scatter of 5 %
+std::vector<StudyTrial> FullStudy() {
+  std::mt19937 engine(3);
+  std::vector<StudyTrial> trials;
+  for (int s = 0; s < 8; ++s) {
+    for (int c = 0; c < 4; ++c) {
+      const double cell = 20e-6 * (c + 1) * std::exp(0.2 * NormalDraw(engine) / 2);
+      for (int repeat = 1; repeat <= 3; ++repeat) {
+        trials.push_back(Answered(s, std::string(1, static_cast<char>('a' + c)), repeat,
+                                  cell * std::exp(0.05 * NormalDraw(engine))));
+      }
+    }
+  }
+  return trials;
+}
+
+TEST(FindOutlying, NamesTrialsAndCellsThatStandApartAndKeepsThem) {
+  std::vector<StudyTrial> trials = FullStudy();
+  EXPECT_TRUE(FindOutlying(MakeStudyTable(trials, {})).empty());
+  *trials[7].rms_m *= 2;                                                // subject 0, c, repeat 2
+  for (std::size_t i = 12 + 3; i < 12 + 6; ++i) *trials[i].rms_m *= 5;  // subject 1, b
+  const StudyTable table = MakeStudyTable(trials, {});
+  const auto outlying = FindOutlying(table);
+  ASSERT_EQ(outlying.size(), 2U);
+  EXPECT_EQ(outlying[0].file, "0_c_2");
+  EXPECT_ABS(outlying[0].times, 2.0, 0.4, "scatter of 5 % in the cell");
+  EXPECT_EQ(outlying[1].file, "");
+  EXPECT_EQ(outlying[1].subject, "1");
+  EXPECT_EQ(outlying[1].condition, "b");
+  EXPECT_EQ(table.cells[0][2].rms_m.size(), 3U) << "it counts";
+}
+
+TEST(DescribeFurther, FindsATrendOverRepeatsOrStarts) {
+  std::vector<StudyTrial> trials;
+  for (int s = 0; s < 3; ++s) {
+    for (const std::string condition : {"a", "b"}) {
+      for (int repeat = 1; repeat <= 10; repeat += 3) {
+        // 1, 4, 7, 10 are places 0 to 3; subjects grow by 1, 2 and 3 % a place
+        const double rms_m = 20e-6 * std::exp(0.01 * (s + 1) * (repeat - 1) / 3.0);
+        trials.push_back(Answered(s, condition, repeat, condition == "a" ? rms_m : 3 * rms_m));
+      }
+    }
+  }
+  const FurtherStatistics further = DescribeFurther(MakeStudyTable(trials, {}));
+  ASSERT_TRUE(further.trend);
+  EXPECT_FALSE(further.trend->by_start);
+  EXPECT_REL(further.trend->per_trial.mean, 0.02, 1e-12, "logarithms of about 10");
+  EXPECT_REL(*further.trend->per_trial.standard_deviation, 0.01, 1e-12, "logarithms of about 10");
+
+  // by their starts, backwards and the conditions one after the other
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    trials[i].utc_start = fmt::format("2026-03-01T12:00:{:02}Z", trials.size() - i);
+  }
+  const FurtherStatistics started = DescribeFurther(MakeStudyTable(trials, {}));
+  EXPECT_TRUE(started.trend->by_start);
+  EXPECT_REL(started.trend->per_trial.mean, -0.02, 1e-12, "logarithms of about 10");
+}
+
+TEST(MakeStudyTable, NumbersRepeatsAndRefusesTheSameTwice) {
+  std::vector<StudyTrial> trials{Answered(1, "a", 2, 1e-6), Answered(1, "a", 2, 1e-6),
+                                 Answered(1, "a", 9, 1e-6)};
+  trials[2].repeat = "";
+  const StudyTable table = MakeStudyTable(trials, {"z", "a"});
+  EXPECT_EQ(table.trials[2].repeat, "1");
+  ASSERT_TRUE(table.trials[1].error);
+  EXPECT_THAT(table.trials[1].error->Text(), HasSubstr("second repeat 2 of subject 1 in a"));
+  EXPECT_THAT(table.conditions, ElementsAre("a"));
+  EXPECT_EQ(table.cells[0][0].trials.size(), 2U);
+}
+
+TextTable MatchingTable(const std::vector<std::vector<std::string>>& rows) {
+  TextTable table;
+  table.name = "m.csv";
+  const std::vector<std::string> names{"reference_v", "condition", "subject", "matched_v",
+                                       "started"};
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    for (std::size_t i = 0; i < names.size(); ++i) table.columns[names[i]].push_back(rows[r][i]);
+    table.lines.push_back(r + 2);
+  }
+  return table;
+}
+
+TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
+  const auto result = AnalyzeMatching(MatchingTable({{"2", "ia", "p", "1.6", "high"},
+                                                     {"2", "ia", "p", "0.9", "low"},
+                                                     {"2", "ia", "q", "1.5", "high"},
+                                                     {"4", "ia", "p", "2", "high"},
+                                                     {"4", "ia", "p", "2", "low"}}));
+  ASSERT_TRUE(result);
+  const MatchedCondition& ia = result->conditions.at(0);
+  // p: sqrt(1.6 x 0.9) / 2 = 0.6, q: 0.75
+  EXPECT_REL(ia.levels.at(0).ratio(), std::sqrt(0.6 * 0.75), 1e-15, "rounding");
+  // p over both levels: sqrt(0.6 x 0.5)
+  EXPECT_REL(ia.overall.ratio(), std::sqrt(std::sqrt(0.6 * 0.5) * 0.75), 1e-15, "rounding");
+  EXPECT_FALSE(ia.levels.at(1).log_ratio.test);
+  EXPECT_THAT(result->missing,
+              ElementsAre("subject q, ia at 2 V: none started low; the other counts by itself",
+                          "subject q, ia at 4 V: no setting"));
+  EXPECT_THAT(MatchingText(*result), HasSubstr("not tested"));
+}
+
+TEST(AnalyzeMatching, RefusesImpossibleLines) {
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "0", "low"}})).error().Text(),
+              HasSubstr("m.csv:2: has a voltage that is not above 0"));
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1", "up"}})).error().Text(),
+              HasSubstr("started 'up'; write high or low"));
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1V", "low"}})).error().Text(),
+              HasSubstr("matched_v '1V' is no number"));
+}
+
+TEST(AnalyzeMatching, CoversReductionAndPowerSaving) {
+  std::mt19937 engine(65);
+  int held = 0;
+  constexpr int kRepetitions = 2000;
+  for (int k = 0; k < kRepetitions; ++k) {
+    std::vector<std::vector<std::string>> rows;
+    for (int s = 0; s < 8; ++s) {
+      const double log = std::log(0.65) + 0.1 * NormalDraw(engine);
+      rows.push_back(
+          {"2", "ia", fmt::format("{}", s), fmt::format("{}", 2 * std::exp(log)), "low"});
+    }
+    const auto interval =
+        AnalyzeMatching(MatchingTable(rows))->conditions[0].overall.ratio_interval();
+    // reduction and power saving fall with the ratio, so they are held as often
+    held += interval->lower <= 0.65 && 0.65 <= interval->upper ? 1 : 0;
+  }
+  EXPECT_ABS(static_cast<double>(held) / kRepetitions, 0.95, 0.02, "the bar");
+}
+
+TEST(AnalyzeLinearity, SubtractsTheFloorInPower) {
+  std::vector<DriveReading> readings{{"", "", 0, 3e-6}, {"", "", 0.1, 2e-6}};
+  for (const double v : {1.0, 2.0, 3.0})
+    readings.push_back({"", "", v, std::hypot(8e-6 * v, 3e-6)});
+  const LinearityResult own = AnalyzeLinearity(readings, std::nullopt);
+  const DriveLine& line = own.lines.at(0);
+  EXPECT_EQ(line.below_floor, 1U);
+  EXPECT_REL(line.line->slope, 8e-6, 1e-14, "rounding");
+  EXPECT_ABS(line.line->intercept, 0, 1e-19, "rounding of 24 um");
+  EXPECT_LT(line.line->largest_deviation, 1e-19);
+  // without the floor's removal the same readings bend
+  const LinearityResult bent = AnalyzeLinearity(readings, 0.0);
+  EXPECT_GT(bent.lines.at(0).line->largest_deviation, 1e-7);
+  EXPECT_THAT(LinearityText(own), HasSubstr("floor         3 um, subtracted in power"));
+  EXPECT_THAT(LinearityText(own), Not(HasSubstr("nan")));
+}
+
+}  // namespace
+}  // namespace haptometer::tools

@@ -1,0 +1,253 @@
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/residual.h"
+#include "tests/tools/captured.h"
+#include "tools/study/trial_files.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using Json = nlohmann::json;
+
+Outcome Study(const std::vector<std::string>& words) { return Captured(RunStudy, "study", words); }
+
+std::string ContentOf(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class StudyVerb : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  std::string Write(const std::string& name, const std::string& content) const {
+    std::ofstream file(directory_ / name);
+    file << content;
+    return directory_ / name;
+  }
+
+  // `rms_um` at 250 Hz on 1 mm, 1.2 s at 2 kHz: whole periods are whole samples
+  std::string Trial(const std::string& name, double rms_um, const std::string& labels = "") const {
+    std::ostringstream text;
+    text.precision(9);
+    text << labels << "time_s,displacement_um\n";
+    for (int k = 0; k < 2400; ++k) {
+      const double t_s = k / 2000.0;
+      text << t_s << ','
+           << 1000 + rms_um * std::numbers::sqrt2 * std::sin(2 * std::numbers::pi * 250 * t_s)
+           << '\n';
+    }
+    return Write(name, text.str());
+  }
+
+  // 3 subjects x 2 conditions x 1 repeat, named by a pattern: 10, 11 and 12 um, and twice to 2.2
+  // times that
+  void WriteNamedTrials() const {
+    for (int s = 0; s < 3; ++s) {
+      static_cast<void>(Trial(fmt::format("s{}_a.csv", s + 9), 10 + s));
+      static_cast<void>(Trial(fmt::format("s{}_b.csv", s + 9), (10 + s) * (2 + 0.1 * s)));
+    }
+  }
+
+  [[nodiscard]] std::string directory() const { return directory_; }
+
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("study_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(StudyVerb, ComparesConditionsNamedByAPattern) {
+  WriteNamedTrials();
+  const Outcome outcome =
+      Study({directory(), "--pattern", "s{subject}_{condition}", "--contrast", "b:a", "--all"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, HasSubstr("6 trials, 3 subjects, 2 conditions"));
+  EXPECT_THAT(outcome.out, HasSubstr("b against a, n = 3 subjects"));
+  // (2 x 2.1 x 2.2)^(1/3)
+  EXPECT_THAT(outcome.out, HasSubstr("ratio           2.098 (95 % CI"));
+  EXPECT_THAT(outcome.out, HasSubstr("t(2) ="));
+  // 10, 12.1, 14.4 um
+  EXPECT_THAT(outcome.out, HasSubstr("difference      12.17 um (95 % CI"));
+  EXPECT_THAT(outcome.out, HasSubstr("sign flips      p = 0.25"));
+  EXPECT_THAT(outcome.out, HasSubstr("F(1, 2) ="));
+}
+
+TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
+  WriteNamedTrials();
+  const std::vector<std::string> words{directory(), "--pattern", "s{subject}_{condition}"};
+  std::vector<std::string> with_json = words;
+  with_json.emplace_back("--json");
+  const Outcome outcome = Study(with_json);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json document = Json::parse(outcome.out);
+  EXPECT_EQ(document["subjects"], Json({"9", "10", "11"})) << "9 before 10";
+  EXPECT_EQ(document["contrasts_planned"], false);
+  const Json& contrast = document["contrasts"].at(0);
+  EXPECT_EQ(contrast["treatment"], "b");
+  EXPECT_EQ(contrast["n"], 3);
+  EXPECT_REL(contrast["ratio"].get<double>(), std::cbrt(2 * 2.1 * 2.2), 1e-5, "printed digits");
+  EXPECT_REL(contrast["mean_difference_m"].get<double>(), 36.5e-6 / 3, 1e-5, "printed digits");
+  EXPECT_TRUE(document["trials"].at(0)["reasons"].empty());
+  EXPECT_TRUE(document["conditions"].at(0)["icc"].is_null()) << "one repeat";
+
+  std::vector<std::string> verify = words;
+  verify.insert(verify.end(), {"--verify", Write("r.json", outcome.out)});
+  const Outcome same = Study(verify);
+  EXPECT_EQ(same.status, 0) << same.err;
+  EXPECT_THAT(same.err, HasSubstr("every number is the same again"));
+  Json changed = document;
+  changed["contrasts"][0]["ratio"] = 2.5;
+  changed["trials"][2]["gone"] = 1;
+  Write("r.json", changed.dump());
+  const Outcome differs = Study(verify);
+  EXPECT_EQ(differs.status, 1);
+  EXPECT_THAT(differs.err, HasSubstr("/contrasts/0/ratio was 2.5, is 2.0"));
+  EXPECT_THAT(differs.err, HasSubstr("/trials/2/gone is gone"));
+  Write("r.json", "{");
+  EXPECT_THAT(Study(verify).err, HasSubstr("is no JSON document"));
+}
+
+TEST_F(StudyVerb, NamesWhatIsMissingAndAnswersTheRest) {
+  WriteNamedTrials();
+  fs::remove(directory_ / "s9_a.csv");
+  Write("s9_a.csv", "nothing\n");
+  Trial("other.csv", 5);
+  const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("other.csv: has a name that does not fit the pattern"));
+  EXPECT_THAT(outcome.err, HasSubstr("s9_a.csv: "));
+  EXPECT_THAT(outcome.out, HasSubstr("b against a, n = 2 subjects"));
+  EXPECT_THAT(outcome.out, HasSubstr("without         subject 9: one of the two is missing"));
+  EXPECT_THAT(outcome.out, HasSubstr("subject 9 in a: 0 of 1 trials"));
+  EXPECT_THAT(outcome.out, HasSubstr("no contrast was planned: every condition against a"));
+}
+
+TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
+  Trial("1.csv", 10, "# label.subject = x\n# label.condition = a\n");
+  Trial("2.csv", 10, "# label.subject = x\n");
+  const Outcome outcome = Study({directory()});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; say haptometer trial label"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subjects, 1 conditions"));
+}
+
+TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
+  WriteNamedTrials();
+  Write("study.toml",
+        "conditions = [\"b\", \"a\"]\ncontrasts = [[\"b\", \"a\"]]\nband = \"30-600Hz\"\n"
+        "pattern = \"s{subject}_{condition}\"\n[[trials]]\nfiles = \"s*_a.csv\"\n"
+        "[[trials]]\nfiles = \"s*_b.csv\"\nrepeat = \"7\"\n");
+  const std::vector<std::string> words{
+      directory_ / "study.toml", "--table",   directory_ / "long.csv",  "--wide",
+      directory_ / "wide.csv",   "--methods", directory_ / "methods.md"};
+  const Outcome outcome = Study(words);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(ContentOf(directory_ / "long.csv"), HasSubstr("\n9,b,7,1.9999"));
+  EXPECT_THAT(ContentOf(directory_ / "wide.csv"),
+              HasSubstr("subject,b_mean_m,b_trials,a_mean_m,a_trials\n9,"));
+  const std::string methods = ContentOf(directory_ / "methods.md");
+  EXPECT_THAT(methods, HasSubstr("from 30 to 600 Hz"));
+  EXPECT_THAT(methods, HasSubstr("Planned contrasts (b against a)"));
+  EXPECT_THAT(methods, HasSubstr("The unit of analysis was the subject"));
+  const Outcome again = Study(words);
+  EXPECT_EQ(again.status, 2);
+  EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or say --overwrite"));
+}
+
+TEST_F(StudyVerb, DrawsAPanelAContrast) {
+  WriteNamedTrials();
+  const fs::path plot = directory_ / "study.svg";
+  const Outcome outcome =
+      Study({directory(), "--pattern", "s{subject}_{condition}", "--plot", plot});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const std::string svg = ContentOf(plot);
+  EXPECT_THAT(svg, HasSubstr("b against a: mean and standard deviation over subjects"));
+  EXPECT_THAT(svg, HasSubstr("RMS displacement / um"));
+}
+
+TEST_F(StudyVerb, RefusesWhatIsWrong) {
+  WriteNamedTrials();
+  const std::string pattern = "s{subject}_{condition}";
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{directory(), "--contrast", "ia1"}, "'ia1' is no pair of conditions"},
+      {{directory(), "--contrast", "a:a"}, "'a:a' is no pair of conditions"},
+      {{directory(), "--pattern", "{who}"}, "{who} is not a label"},
+      {{directory(), "--pattern", "{subject}{subject}"}, "stands in it twice"},
+      {{directory(), "--pattern", "x"}, "holds no label"},
+      {{directory(), "--pattern", pattern, "--contrast", "bb:a"}, "did you mean b?"},
+      {{directory(), "--band", "5-2Hz"}, ""},
+      {{directory_ / "s9_a.csv"}, "is neither a folder nor a manifest"},
+      {{Write("a.toml", "contrast = []\n")}, "did you mean contrasts?"},
+      {{Write("b.toml", "contrasts = [[\"a\"]]\n")}, "something else than pairs"},
+      {{Write("c.toml", "conditions = [1]\n")}, "is not a list of texts"},
+      {{Write("d.toml", "contrasts = [\"a\"]\n")}, "is not a list of lists of texts"},
+      {{Write("e.toml", "[[trials]]\nsubject = \"1\"\n")}, "files: is missing"},
+      {{Write("f.toml", "order = 12\n[[trials]]\nfiles = \"s9_a.csv\"\n")}, "outside 1 to 8"},
+  };
+  for (const auto& [words, message] : cases) {
+    const Outcome outcome = Study(words);
+    EXPECT_EQ(outcome.status, 2) << words.back();
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+  }
+  EXPECT_EQ(Study({Write("g.toml", "[[trials]]\nfiles = \"none*\"\n")}).status, 3);
+}
+
+TEST(LabelsOf, MatchesNamesAndFolders) {
+  const auto labels = LabelsOf("data/s10/ia1_2.csv", "{subject}/{condition}_{repeat}");
+  ASSERT_TRUE(labels);
+  EXPECT_EQ(labels->at("subject"), "s10");
+  EXPECT_EQ(labels->at("condition"), "ia1");
+  EXPECT_EQ(labels->at("repeat"), "2");
+  EXPECT_EQ(LabelsOf("x/p(1)+a.bin", "p({subject})+{condition}")->at("subject"), "1");
+  const auto least = LabelsOf("s1_ia1_big_2.csv", "{subject}_{condition}_{repeat}");
+  EXPECT_EQ(least->at("subject"), "s1") << "a label takes as little as it can";
+  EXPECT_EQ(least->at("repeat"), "big_2");
+  EXPECT_FALSE(LabelsOf("ia1.csv", "{condition}_{repeat}"));
+}
+
+TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
+  const std::string table =
+      Write("sweep.csv", "drive_v,rms_m\n1,8e-6\n2,16e-6\n3,24.3e-6\n4,32e-6\n");
+  const Outcome outcome = Study({"linearity", table, "--plot", directory_ / "l.svg"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("floor         not known"));
+  EXPECT_TRUE(fs::exists(directory_ / "l.svg"));
+  const std::string told = Trial("t.csv", 8, "# drive_amplitude_v = 1\n");
+  const std::string untold = Trial("u.csv", 8);
+  const Outcome trials = Study({"linearity", told, untold, "--json"});
+  EXPECT_EQ(trials.status, 3);
+  EXPECT_THAT(trials.err, HasSubstr("u.csv: does not say its drive_amplitude_v"));
+  const Json line = Json::parse(trials.out)["lines"].at(0);
+  EXPECT_EQ(line["readings"], 1);
+  EXPECT_TRUE(line["slope_m_per_v"].is_null());
+}
+
+TEST_F(StudyVerb, MatchingSaysWhichColumnIsMissing) {
+  const Outcome outcome = Study(
+      {"matching", Write("m.csv", "reference_v,condition,subject,matched,started\n1,a,b,1,low\n")});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("has no column matched_v; is it the column matched?"));
+  const Outcome fixture = Study({"matching", std::string(HAPTOMETER_FIXTURES) + "/matching.csv",
+                                 "--plot", directory_ / "m.svg"});
+  EXPECT_EQ(fixture.status, 0) << fixture.err;
+  EXPECT_THAT(ContentOf(directory_ / "m.svg"), HasSubstr("matched / V"));
+}
+
+}  // namespace
+}  // namespace haptometer::tools

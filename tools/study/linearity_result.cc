@@ -1,0 +1,202 @@
+#include "tools/study/linearity_result.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "dsp/statistics/moments.h"
+#include "tools/cli/json.h"
+
+namespace haptometer::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kUm = 1e-6;  // in metres
+
+std::optional<double> FloorOf(const std::vector<DriveReading>& readings) {
+  std::vector<double> off;
+  for (const DriveReading& reading : readings) {
+    if (reading.drive_v == 0) off.push_back(reading.rms_m);
+  }
+  return off.empty() ? std::nullopt : std::optional(dsp::Rms(off));
+}
+
+DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<double>& floor_m) {
+  DriveLine line;
+  line.subject = readings.front().subject;
+  line.condition = readings.front().condition;
+  line.floor_m = floor_m ? floor_m : FloorOf(readings);
+  const double floor_power = line.floor_m ? *line.floor_m * *line.floor_m : 0;
+  for (const DriveReading& reading : readings) {
+    if (reading.drive_v == 0) continue;
+    const double power = reading.rms_m * reading.rms_m - floor_power;
+    if (!(power > 0)) {
+      ++line.below_floor;
+      continue;
+    }
+    line.drive_v.push_back(reading.drive_v);
+    line.rms_m.push_back(std::sqrt(power));
+  }
+  line.line = dsp::FitLine(line.drive_v, line.rms_m);
+  if (line.line) {
+    const double highest = *std::ranges::max_element(line.drive_v);
+    line.full_scale_m = line.line->intercept + line.line->slope * highest;
+  }
+  return line;
+}
+
+std::string NameOf(const DriveLine& line) {
+  std::string name = line.condition;
+  if (!line.subject.empty()) {
+    fmt::format_to(std::back_inserter(name), "{}subject {}", name.empty() ? "" : ", ",
+                   line.subject);
+  }
+  return name.empty() ? "drive sweep" : name;
+}
+
+// deviation over full scale, in percent
+double Percent(double deviation_m, const DriveLine& line) {
+  return 100 * deviation_m / std::abs(line.full_scale_m);
+}
+
+void AppendLine(const DriveLine& line, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "  {}: {} readings\n", NameOf(line), line.rms_m.size());
+  if (line.floor_m) {
+    fmt::format_to(std::back_inserter(text), "    {:<14}{:.4g} um, subtracted in power\n", "floor",
+                   *line.floor_m / kUm);
+  } else {
+    text +=
+        "    floor         not known: nothing subtracted (a reading at 0 V, or --floor, tells)\n";
+  }
+  if (line.below_floor > 0) {
+    fmt::format_to(std::back_inserter(text), "    {:<14}{} readings, not on the line\n",
+                   "below floor", line.below_floor);
+  }
+  if (!line.line) {
+    text += "    slope         not determined: fewer than 3 readings, or levels alike\n";
+    return;
+  }
+  const dsp::Line& fit = *line.line;
+  fmt::format_to(std::back_inserter(text), "    {:<14}{:.4g} um/V (95 % CI {:.4g} to {:.4g})\n",
+                 "slope", fit.slope / kUm, fit.slope_interval.lower / kUm,
+                 fit.slope_interval.upper / kUm);
+  fmt::format_to(std::back_inserter(text), "    {:<14}{:.4g} um (95 % CI {:.4g} to {:.4g})\n",
+                 "at 0 V", fit.intercept / kUm, fit.intercept_interval.lower / kUm,
+                 fit.intercept_interval.upper / kUm);
+  fmt::format_to(std::back_inserter(text),
+                 "    {:<14}{:.3g} um at most, {:.2g} % of full scale; R^2 = {:.6f}\n",
+                 "off the line", fit.largest_deviation / kUm, Percent(fit.largest_deviation, line),
+                 fit.r_squared);
+}
+
+Json LineJson(const DriveLine& line) {
+  Json json{{"subject", cli::TextOrNull(line.subject)},
+            {"condition", cli::TextOrNull(line.condition)},
+            {"readings", line.rms_m.size()},
+            {"below_floor", line.below_floor},
+            {"floor_m", cli::NumberOrNull(line.floor_m)},
+            {"drive_v", line.drive_v},
+            {"rms_m", line.rms_m}};
+  for (const char* key : {"slope_m_per_v", "slope_interval_m_per_v", "intercept_m",
+                          "intercept_interval_m", "r_squared", "residual_deviation_m",
+                          "largest_deviation_m", "largest_deviation_of_full_scale"}) {
+    json[key] = nullptr;
+  }
+  if (!line.line) return json;
+  const dsp::Line& fit = *line.line;
+  json["slope_m_per_v"] = fit.slope;
+  json["slope_interval_m_per_v"] = {fit.slope_interval.lower, fit.slope_interval.upper};
+  json["intercept_m"] = fit.intercept;
+  json["intercept_interval_m"] = {fit.intercept_interval.lower, fit.intercept_interval.upper};
+  json["r_squared"] = fit.r_squared;
+  json["residual_deviation_m"] = fit.residual_deviation;
+  json["largest_deviation_m"] = fit.largest_deviation;
+  json["largest_deviation_of_full_scale"] =
+      cli::NumberOrNull(Percent(fit.largest_deviation, line) / 100);
+  return json;
+}
+
+Json SlopeJson(const SlopeOverSubjects& over) {
+  const auto& test = over.slope_m_per_v.test;
+  Json json{{"condition", cli::TextOrNull(over.condition)},
+            {"subjects", over.slope_m_per_v.n},
+            {"slope_m_per_v", over.slope_m_per_v.mean},
+            {"slope_interval_m_per_v", nullptr}};
+  if (test) json["slope_interval_m_per_v"] = {test->mean.lower, test->mean.upper};
+  return json;
+}
+
+}  // namespace
+
+LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
+                                 const std::optional<double>& floor_m) {
+  std::map<std::pair<std::string, std::string>, std::vector<DriveReading>> groups;
+  for (const DriveReading& reading : readings) {
+    groups[{reading.condition, reading.subject}].push_back(reading);
+  }
+  LinearityResult result;
+  std::map<std::string, std::vector<double>> slopes;
+  for (const auto& [name, group] : groups) {
+    result.lines.push_back(LineOf(group, floor_m));
+    const auto& line = result.lines.back().line;
+    if (line) slopes[name.first].push_back(line->slope);
+  }
+  for (const auto& [condition, values] : slopes) {
+    if (values.size() >= 2) result.slopes.push_back({condition, dsp::TestMean(values)});
+  }
+  return result;
+}
+
+std::string LinearityText(const LinearityResult& result) {
+  std::string text = "RMS = intercept + slope x drive\n";
+  for (const DriveLine& line : result.lines) AppendLine(line, text);
+  for (const SlopeOverSubjects& over : result.slopes) {
+    const auto& test = over.slope_m_per_v.test;
+    fmt::format_to(std::back_inserter(text), "  {}{}{} subjects: mean slope {:.4g} um/V ({})\n",
+                   over.condition, over.condition.empty() ? "" : ", ", over.slope_m_per_v.n,
+                   over.slope_m_per_v.mean / kUm,
+                   test ? fmt::format("95 % CI {:.4g} to {:.4g}", test->mean.lower / kUm,
+                                      test->mean.upper / kUm)
+                        : "interval not determined");
+  }
+  return text;
+}
+
+std::string LinearityJson(const LinearityResult& result) {
+  Json lines = Json::array();
+  for (const DriveLine& line : result.lines) lines.push_back(LineJson(line));
+  Json slopes = Json::array();
+  for (const SlopeOverSubjects& over : result.slopes) slopes.push_back(SlopeJson(over));
+  return cli::JsonText({{"lines", std::move(lines)}, {"over_subjects", std::move(slopes)}});
+}
+
+std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
+  constexpr std::string_view kColours[] = {plot::kBlue, plot::kOrange, "#009e73", "#cc79a7"};
+  plot::Panel panel;
+  panel.title = "linearity";
+  panel.x_label = "drive amplitude / V";
+  panel.y_label = "RMS displacement / um";
+  panel.y_from_zero = true;
+  std::size_t number = 0;
+  for (const DriveLine& line : result.lines) {
+    const std::string_view colour = kColours[number++ % std::size(kColours)];
+    plot::Series points{
+        NameOf(line), fmt::format("points pt 7 ps 0.7 lc rgb '{}'", colour), line.drive_v, {}, {}};
+    for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
+    panel.series.push_back(std::move(points));
+    if (!line.line) continue;
+    const auto [low, high] = std::ranges::minmax(line.drive_v);
+    const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
+    panel.series.push_back(
+        {"", fmt::format("lines lc rgb '{}'", colour), {low, high}, {at(low), at(high)}, {}});
+  }
+  return {panel};
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "dsp/statistics/one_sample.h"
+#include "dsp/statistics/regression.h"
+#include "tools/plot/gnuplot.h"
+
+namespace haptometer::tools {
+
+/// One reading of a drive sweep.
+struct DriveReading {
+  std::string subject;    ///< may be empty
+  std::string condition;  ///< may be empty
+  double drive_v = 0;     ///< 0: the drive was off, the reading is the floor
+  double rms_m = 0;
+};
+
+/// The line of one subject in one condition.
+struct DriveLine {
+  std::string subject;
+  std::string condition;
+  std::vector<double> drive_v;    ///< of the readings above the floor
+  std::vector<double> rms_m;      ///< theirs, the floor subtracted in power
+  std::size_t below_floor = 0;    ///< readings whose power does not reach the floor's
+  std::optional<double> floor_m;  ///< subtracted; nothing: none known
+  std::optional<dsp::Line> line;  ///< in m and V; nothing: fewer than 3 readings or levels alike
+  double full_scale_m = 0;        ///< the line's value at the highest level
+};
+
+/// The slopes of a condition's subjects.
+struct SlopeOverSubjects {
+  std::string condition;
+  dsp::OneSample slope_m_per_v;
+};
+
+struct LinearityResult {
+  std::vector<DriveLine> lines;
+  std::vector<SlopeOverSubjects> slopes;  ///< conditions with 2 subjects or more
+};
+
+/// Fits rms = intercept + slope drive for each subject and condition, after
+///   rms^2 - floor^2
+/// where the floor is `floor_m`, or else the RMS of that subject's and condition's readings with
+/// the drive off.
+[[nodiscard]] LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
+                                               const std::optional<double>& floor_m);
+
+[[nodiscard]] std::string LinearityText(const LinearityResult& result);
+[[nodiscard]] std::string LinearityJson(const LinearityResult& result);
+/// RMS against drive with the fitted lines, one panel.
+[[nodiscard]] std::vector<plot::Panel> LinearityPanels(const LinearityResult& result);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,179 @@
+#include "tools/study/matching_result.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "dsp/statistics/moments.h"
+#include "dsp/statistics/multiple.h"
+
+namespace haptometer::tools {
+namespace {
+
+// ln(matched / reference) of the settings of one subject at one level
+struct Halves {
+  std::vector<double> high;
+  std::vector<double> low;
+
+  [[nodiscard]] bool is_whole() const { return !high.empty() && !low.empty(); }
+  // each start counts alike, however often it was asked
+  [[nodiscard]] double mean() const {
+    if (high.empty()) return dsp::Mean(low);
+    if (low.empty()) return dsp::Mean(high);
+    return (dsp::Mean(high) + dsp::Mean(low)) / 2;
+  }
+};
+
+using Levels = std::map<double, std::map<std::string, Halves>>;  // level, subject
+
+struct Settings {
+  std::vector<std::string> conditions;  // in the order of the file
+  std::vector<std::string> subjects;    // in the order of the file
+  std::map<std::string, Levels> of;     // by condition
+};
+
+void AppendOnce(std::vector<std::string>& names, const std::string& name) {
+  if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+}
+
+Result<Settings> Sort(const TextTable& table) {
+  const auto reference = NumbersOf(table, "reference_v");
+  if (!reference) return std::unexpected(reference.error());
+  const auto matched = NumbersOf(table, "matched_v");
+  if (!matched) return std::unexpected(matched.error());
+  Settings settings;
+  for (std::size_t i = 0; i < table.rows(); ++i) {
+    const std::string where = fmt::format("{}:{}", table.name, table.lines[i]);
+    if (!((*reference)[i] > 0) || !((*matched)[i] > 0)) {
+      return CannotAnswer(where, "has a voltage that is not above 0", "mend that line");
+    }
+    const std::string& started = table.columns.at("started")[i];
+    if (started != "high" && started != "low") {
+      return CannotAnswer(where, fmt::format("started '{}'", started), "write high or low");
+    }
+    const std::string& condition = table.columns.at("condition")[i];
+    const std::string& subject = table.columns.at("subject")[i];
+    if (condition.empty() || subject.empty()) {
+      return CannotAnswer(where, "has no condition or subject", "mend that line");
+    }
+    AppendOnce(settings.conditions, condition);
+    AppendOnce(settings.subjects, subject);
+    Halves& halves = settings.of[condition][(*reference)[i]][subject];
+    (started == "high" ? halves.high : halves.low)
+        .push_back(std::log((*matched)[i] / (*reference)[i]));
+  }
+  return settings;
+}
+
+MatchedRatio LevelOf(double reference_v, const std::map<std::string, Halves>& subjects) {
+  std::vector<double> logs;
+  std::vector<double> volts;
+  logs.reserve(subjects.size());
+  volts.reserve(subjects.size());
+  for (const auto& [subject, halves] : subjects) {
+    logs.push_back(halves.mean());
+    volts.push_back(reference_v * std::exp(logs.back()));
+  }
+  return {reference_v, dsp::TestMean(logs), {}, dsp::TestMean(volts)};
+}
+
+using BySubject = std::map<std::string, std::vector<double>>;
+
+// one mean a subject
+dsp::OneSample TestSubjectMeans(const BySubject& by_subject) {
+  std::vector<double> means;
+  means.reserve(by_subject.size());
+  for (const auto& [subject, logs] : by_subject) means.push_back(dsp::Mean(logs));
+  return dsp::TestMean(means);
+}
+
+// each subject's mean over the levels it has
+MatchedRatio OverallOf(const Levels& levels) {
+  BySubject by_subject;
+  for (const auto& [level, subjects] : levels) {
+    for (const auto& [subject, halves] : subjects) by_subject[subject].push_back(halves.mean());
+  }
+  return {{}, TestSubjectMeans(by_subject), {}, {}};
+}
+
+// over subjects, the mean of ln(high / low) of the levels that have both starts
+std::optional<dsp::OneSample> StartOf(const Levels& levels) {
+  BySubject by_subject;
+  for (const auto& [level, subjects] : levels) {
+    for (const auto& [subject, halves] : subjects) {
+      if (!halves.is_whole()) continue;
+      by_subject[subject].push_back(dsp::Mean(halves.high) - dsp::Mean(halves.low));
+    }
+  }
+  if (by_subject.empty()) return std::nullopt;
+  return TestSubjectMeans(by_subject);
+}
+
+void CorrectByHolm(std::vector<MatchedRatio>& levels) {
+  std::vector<double> p;
+  for (const MatchedRatio& level : levels) {
+    if (level.log_ratio.test) p.push_back(level.log_ratio.test->p);
+  }
+  const std::vector<double> adjusted = dsp::HolmAdjusted(p);
+  auto next = adjusted.begin();
+  for (MatchedRatio& level : levels) {
+    if (level.log_ratio.test) level.p_holm = *next++;
+  }
+}
+
+void NameMissing(const Settings& settings, const std::string& condition,
+                 std::vector<std::string>& missing) {
+  for (const auto& [level, subjects] : settings.of.at(condition)) {
+    for (const std::string& subject : settings.subjects) {
+      const auto found = subjects.find(subject);
+      const auto name = [&](std::string_view what) {
+        missing.push_back(
+            fmt::format("subject {}, {} at {:g} V: {}", subject, condition, level, what));
+      };
+      if (found == subjects.end()) {
+        name("no setting");
+      } else if (!found->second.is_whole()) {
+        name(found->second.high.empty() ? "none started high; the other counts by itself"
+                                        : "none started low; the other counts by itself");
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double MatchedRatio::ratio() const { return std::exp(log_ratio.mean); }
+
+std::optional<dsp::Interval> MatchedRatio::ratio_interval() const {
+  if (!log_ratio.test) return std::nullopt;
+  return dsp::Interval{std::exp(log_ratio.test->mean.lower), std::exp(log_ratio.test->mean.upper)};
+}
+
+Result<MatchingResult> AnalyzeMatching(const TextTable& table) {
+  auto settings = Sort(table);
+  if (!settings) return std::unexpected(settings.error());
+  MatchingResult result;
+  result.source = table.name;
+  result.settings = table.rows();
+  result.conditions.reserve(settings->conditions.size());
+  for (const std::string& name : settings->conditions) {
+    const Levels& levels = settings->of.at(name);
+    MatchedCondition condition;
+    condition.name = name;
+    for (const auto& [level, subjects] : levels) {
+      condition.levels.push_back(LevelOf(level, subjects));
+    }
+    CorrectByHolm(condition.levels);
+    condition.overall = OverallOf(levels);
+    condition.start_log_ratio = StartOf(levels);
+    result.conditions.push_back(std::move(condition));
+    NameMissing(*settings, name, result.missing);
+  }
+  result.subjects = std::move(settings->subjects);
+  return result;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,87 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "tools/study/study_result.h"
+
+namespace haptometer::tools {
+namespace {
+
+void AppendContrasts(const StudyResult& study, std::string& text) {
+  std::vector<std::string> names;
+  names.reserve(study.contrasts.size());
+  for (const Contrast& contrast : study.contrasts) {
+    names.push_back(
+        fmt::format("{} against {}", contrast.planned.treatment, contrast.planned.control));
+  }
+  fmt::format_to(
+      std::back_inserter(text),
+      "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "
+      "corrected by Holm's method over {} test{}. Mean differences are given with 95 % confidence "
+      "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
+      "geometric "
+      "means, with intervals from the paired t on logarithms; effect sizes are d_z and Hedges' g "
+      "(exact correction) with intervals from the noncentral t distribution.",
+      study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
+      fmt::join(names, "; "), names.size() == 1 ? "was" : "were", names.size(),
+      names.size() == 1 ? "" : "s");
+}
+
+void AppendExceptions(const StudyResult& study, std::string& text) {
+  std::string list;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (!trial.answered) {
+      fmt::format_to(std::back_inserter(list), "- {}: no value ({})\n", trial.file,
+                     fmt::join(trial.reasons, "; "));
+    } else if (!trial.deviations.empty()) {
+      fmt::format_to(std::back_inserter(list), "- {}: {}\n", trial.file,
+                     fmt::join(trial.deviations, "; "));
+    }
+  }
+  for (const MissingTrials& missing : study.missing) {
+    fmt::format_to(std::back_inserter(list), "- subject {} in {}: {} of {} trials\n",
+                   missing.subject, missing.condition, missing.answered, missing.expected);
+  }
+  for (const Outlying& outlying : study.outlying) {
+    fmt::format_to(std::back_inserter(list),
+                   "- {}, subject {} in {}: outlying ({:.3g} times, {:.1f} robust standard "
+                   "deviations), kept\n",
+                   outlying.file.empty() ? "all its trials" : outlying.file, outlying.subject,
+                   outlying.condition, outlying.times, outlying.score);
+  }
+  text += list.empty() ? "\nNo trial differs from this.\n"
+                       : "\nTrials that differ from this:\n\n" + list;
+}
+
+}  // namespace
+
+std::string MethodsText(const StudyResult& study) {
+  const dsp::BandPass& band = study.question.band;
+  const auto answered = std::ranges::count_if(study.table.trials, &StudyTrial::answered);
+  std::string text = "## Methods\n\n";
+  fmt::format_to(
+      std::back_inserter(text),
+      "Displacement was band-passed from {:g} to {:g} Hz with a Butterworth filter of order {} "
+      "applied forward and backward (zero phase; -3 dB at the corners of {}). Samples within the "
+      "filter's unsettled ends were left out, and the root-mean-square (RMS) was taken over the "
+      "longest settled part, shortened to whole periods of its strongest tone. {} of {} trials of "
+      "{} subjects in {} conditions ({}) gave a value. The unit of analysis was the subject: up to "
+      "{} trials of a subject in a condition were averaged first. ",
+      band.lower_hz, band.upper_hz, band.order,
+      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass", answered,
+      study.table.trials.size(), study.table.subjects.size(), study.table.conditions.size(),
+      fmt::join(study.table.conditions, ", "), study.table.repeats);
+  if (!study.contrasts.empty()) AppendContrasts(study, text);
+  fmt::format_to(
+      std::back_inserter(text),
+      " Trials farther than {:g} robust standard deviations from their cell, and cells as far from "
+      "what subject and condition let expect, were named but not removed. Computed with haptometer "
+      "study.\n",
+      kOutlyingScore);
+  AppendExceptions(study, text);
+  return text;
+}
+
+}  // namespace haptometer::tools

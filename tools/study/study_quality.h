@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/study/study_table.h"
+
+namespace haptometer::tools {
+
+/// A cell with fewer answered trials than the fullest one.
+struct MissingTrials {
+  std::string subject;
+  std::string condition;
+  std::size_t answered = 0;
+  std::size_t expected = 0;  ///< answered trials of the fullest cell
+};
+
+/// A trial, or a whole cell, that stands apart. It is named and counts all the same.
+struct Outlying {
+  std::string subject;
+  std::string condition;
+  std::string file;  ///< empty: the whole cell
+  double times = 0;  ///< RMS over what its place lets expect
+  double score = 0;  ///< distance in robust standard deviations, of logarithms
+};
+
+/// Robust standard deviations beyond which a trial or cell is named.
+inline constexpr double kOutlyingScore = 5;
+
+[[nodiscard]] std::vector<MissingTrials> FindMissing(const StudyTable& table);
+
+/// Outlying trials and cells, by logarithms of the RMS and with medians, so that they do not hide
+/// themselves:
+/// - a trial's distance from its cell's median, against the median within-cell standard deviation
+///   (dsp/statistics/robust.h), in cells of 3 trials or more;
+/// - a cell's median less its condition's and its subject's effect (median polish, subjects that
+///   have all conditions), against 1.4826 times the median of these residuals' sizes, with 4
+///   subjects and 3 conditions or more. As condition and subject effects take degrees of freedom,
+///   the scale is multiplied by sqrt(n k / ((n - 1)(k - 1))).
+[[nodiscard]] std::vector<Outlying> FindOutlying(const StudyTable& table);
+
+}  // namespace haptometer::tools

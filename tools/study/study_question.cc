@@ -1,0 +1,34 @@
+#include "tools/study/study_question.h"
+
+#include "tools/cli/band.h"
+
+namespace haptometer::tools {
+
+void DeclareBand(cli::Options* options, BandWords* words) {
+  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
+  options->Count("--order", &words->order, 1, dsp::kHighestOrder,
+                 "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
+                 "record is too short for it)",
+                 cli::Shown::kHelpAll);
+  options->Choice("--corner", &words->corner, {"whole", "each"},
+                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+}
+
+Result<dsp::BandQuestion> QuestionOf(const BandWords& words) {
+  const auto band = cli::ParseBand(words.band.empty() ? "20-500Hz" : words.band);
+  if (!band) return std::unexpected(band.error());
+  dsp::BandQuestion question;
+  question.band.lower_hz = band->lower_hz;
+  question.band.upper_hz = band->upper_hz;
+  question.may_lower_order = !words.order.has_value();
+  if (words.order && (*words.order < 1 || *words.order > dsp::kHighestOrder)) {
+    return Usage("order", "lies outside 1 to 8", "write one within");
+  }
+  question.band.order = static_cast<int>(words.order.value_or(question.band.order));
+  question.band.corners = words.corner == "each" ? dsp::Corners::kEach : dsp::Corners::kWhole;
+  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
+  if (!possible) return std::unexpected(possible.error());
+  return question;
+}
+
+}  // namespace haptometer::tools

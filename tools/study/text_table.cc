@@ -1,0 +1,130 @@
+#include "tools/study/text_table.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+#include <string_view>
+
+#include "base/input_file.h"
+#include "base/nearest.h"
+
+namespace haptometer::tools {
+namespace {
+
+std::string_view Trimmed(std::string_view text) {
+  const std::size_t begin = text.find_first_not_of(" \t\r");
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+std::vector<std::string> CellsOf(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
+      cells.back() += line[++i];
+    } else if (c == '"') {
+      quoted = !quoted;
+    } else if (c == ',' && !quoted) {
+      cells.emplace_back();
+    } else {
+      cells.back() += c;
+    }
+  }
+  for (std::string& cell : cells) cell = std::string(Trimmed(cell));
+  return cells;
+}
+
+Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) {
+  for (const std::string& name : names) {
+    if (!table->columns.emplace(name, std::vector<std::string>{}).second) {
+      return CannotAnswer(table->name, fmt::format("has two columns {}", name), "rename one");
+    }
+  }
+  return {};
+}
+
+Result<void> TakeRow(const std::vector<std::string>& names, std::string_view line,
+                     std::size_t number, TextTable* table) {
+  std::vector<std::string> cells = CellsOf(line);
+  if (cells.size() != names.size()) {
+    return CannotAnswer(fmt::format("{}:{}", table->name, number),
+                        fmt::format("has {} cells, the header {}", cells.size(), names.size()),
+                        "mend that line");
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    table->columns[names[i]].push_back(std::move(cells[i]));
+  }
+  table->lines.push_back(number);
+  return {};
+}
+
+Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>& names,
+                          const std::vector<std::string>& required) {
+  for (const std::string& column : required) {
+    if (table.columns.contains(column)) continue;
+    const std::string nearest = Nearest(column, names);
+    return CannotAnswer(table.name, fmt::format("has no column {}", column),
+                        nearest.empty()
+                            ? fmt::format("its header needs {}", fmt::join(required, ","))
+                            : fmt::format("is it the column {}?", nearest));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::string>& required) {
+  const auto text = ReadInputFile(path, 1ULL << 28);
+  if (!text) return std::unexpected(text.error());
+  TextTable table;
+  table.name = path;
+  std::vector<std::string> names;
+  std::string_view rest = *text;
+  if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3);
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    const std::string_view line = Trimmed(rest.substr(0, rest.find('\n')));
+    rest.remove_prefix(std::min(rest.size(), rest.find('\n')));
+    if (!rest.empty()) rest.remove_prefix(1);
+    if (line.empty() || line.starts_with('#')) continue;
+    if (names.empty()) {
+      names = CellsOf(line);
+      if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());
+      continue;
+    }
+    if (auto taken = TakeRow(names, line, number, &table); !taken) {
+      return std::unexpected(taken.error());
+    }
+  }
+  if (auto there = CheckColumns(table, names, required); !there) {
+    return std::unexpected(there.error());
+  }
+  if (table.lines.empty()) return CannotAnswer(path, "holds no row", "give a line a trial");
+  return table;
+}
+
+Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string& column) {
+  const std::vector<std::string>& cells = table.columns.at(column);
+  std::vector<double> numbers(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const char* end = cells[i].data() + cells[i].size();
+    const auto [stop, failure] = std::from_chars(cells[i].data(), end, numbers[i]);
+    if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
+      return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
+                          fmt::format("{} '{}' is no number", column, cells[i]), "mend that cell");
+    }
+  }
+  return numbers;
+}
+
+std::string QuotedCell(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+  return quoted + '"';
+}
+
+}  // namespace haptometer::tools

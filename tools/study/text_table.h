@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+
+namespace haptometer::tools {
+
+/// A comma-separated table with names in its first line, whose cells are text.
+struct TextTable {
+  std::string name;                                         ///< the file, for messages
+  std::map<std::string, std::vector<std::string>> columns;  ///< all of `rows` cells
+  std::vector<std::size_t> lines;                           ///< (rows) line of each, from 1
+  [[nodiscard]] std::size_t rows() const { return lines.size(); }
+};
+
+/// Lines that begin with '#' and empty ones are passed over; cells may stand in double quotes (RFC
+/// 4180, without line ends within them). Errors (Cause::kCannotAnswer): the file's, a line with
+/// another number of cells, a name twice, no row, a `required` column that is not there, with the
+/// nearest.
+[[nodiscard]] Result<TextTable> ReadTextTable(const std::string& path,
+                                              const std::vector<std::string>& required);
+
+/// The numbers of a column. Errors (Cause::kCannotAnswer): a cell that is no finite number, with
+/// its line.
+[[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
+                                                    const std::string& column);
+
+/// `text` as a cell: in quotes where it holds a comma, a quote or a line end.
+[[nodiscard]] std::string QuotedCell(const std::string& text);
+
+}  // namespace haptometer::tools

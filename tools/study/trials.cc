@@ -1,0 +1,233 @@
+// study DIR|MANIFEST.toml: trials x subjects x conditions.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/input_file.h"
+#include "tools/cli/band.h"
+#include "tools/cli/import_words.h"
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/study/output_file.h"
+#include "tools/study/study_question.h"
+#include "tools/study/study_result.h"
+#include "tools/study/words.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kVerb = "study";
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary =
+        "Compare the conditions of a study: trials x subjects x conditions, one mean a "
+        "subject. See also study matching --help and study linearity --help.",
+    .examples = {"haptometer study trials/ --contrast ia1:stock --contrast ia2:cone",
+                 "haptometer study study.toml --all --plot study.svg --methods methods.md",
+                 "haptometer study study.toml --verify results.json"}};
+
+struct Wanted {
+  std::string source;
+  std::vector<std::string> contrasts;
+  std::string pattern;
+  BandWords band;
+  bool all = false;
+  std::string table;
+  std::string wide;
+  std::string methods;
+  std::string verify;
+  std::string plot;
+  bool overwrite = false;
+  cli::ImportWords import;
+};
+
+void Declare(cli::Options& options, Wanted& wanted) {
+  options.Positional("source", &wanted.source,
+                     "A folder of trials, or a manifest (.toml, docs/study.md)");
+  options.Repeated("--contrast", &wanted.contrasts, "TREATMENT:CONTROL",
+                   "A planned contrast; may be repeated (default: the manifest's, else every "
+                   "condition against the first)");
+  options.Text("--pattern", &wanted.pattern, "PATTERN",
+               "Labels in the files' names: '{subject}_{condition}_{repeat}'");
+  DeclareBand(&options, &wanted.band);
+  options.Flag("--all", &wanted.all,
+               "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend");
+  options.Text("--table", &wanted.table, "LONG.csv", "Write a row a trial");
+  options.Text("--wide", &wanted.wide, "WIDE.csv", "Write a row a subject");
+  options.Text("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
+  options.Text("--verify", &wanted.verify, "RESULTS.json",
+               "Compare with what --json printed earlier; status 1 where something differs");
+  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
+               "Draw means, spread and subjects, a panel a contrast");
+  options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
+  cli::DeclareImport(&options, &wanted.import);
+}
+
+// what is asked, from command line and manifest: the command line counts
+struct Task {
+  std::vector<TrialFile> files;
+  Manifest manifest;
+  dsp::BandQuestion question;
+  trial::ImportOptions import;
+};
+
+Result<void> FindFiles(const Wanted& wanted, Task& task) {
+  std::error_code ignored;
+  const bool is_folder = fs::is_directory(wanted.source, ignored);
+  if (!is_folder && fs::path(wanted.source).extension() != ".toml") {
+    return Usage(wanted.source, "is neither a folder nor a manifest",
+                 "give a folder of trials or a .toml (docs/study.md)");
+  }
+  if (!is_folder) {
+    auto manifest = ReadManifest(wanted.source);
+    if (!manifest) return std::unexpected(manifest.error());
+    task.manifest = *std::move(manifest);
+  }
+  if (!wanted.pattern.empty()) task.manifest.pattern = wanted.pattern;
+  std::vector<std::string> patterns{task.manifest.pattern};
+  for (const TrialGroup& group : task.manifest.groups) patterns.push_back(group.pattern);
+  for (const std::string& pattern : patterns) {
+    if (pattern.empty()) continue;
+    if (auto sound = CheckPattern(pattern); !sound) return sound;
+  }
+  auto files = is_folder ? FilesInFolder(wanted.source, task.manifest.pattern)
+                         : FilesOfManifest(wanted.source, task.manifest);
+  if (!files) return std::unexpected(files.error());
+  task.files = *std::move(files);
+  return {};
+}
+
+Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
+  if (wanted.contrasts.empty()) return {};
+  task.manifest.contrasts.clear();
+  for (const std::string& word : wanted.contrasts) {
+    auto contrast = ParseContrast(word);
+    if (!contrast) return std::unexpected(contrast.error());
+    task.manifest.contrasts.push_back(*std::move(contrast));
+  }
+  return {};
+}
+
+Result<Task> TaskOf(const Wanted& wanted) {
+  if (!wanted.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(wanted.plot); !drawable) {
+      return std::unexpected(drawable.error());
+    }
+  }
+  for (const std::string* path : {&wanted.table, &wanted.wide, &wanted.methods}) {
+    if (auto free = CheckOutput(*path, wanted.overwrite); !free) {
+      return std::unexpected(free.error());
+    }
+  }
+  Task task;
+  if (auto found = FindFiles(wanted, task); !found) return std::unexpected(found.error());
+  if (auto taken = TakeContrasts(wanted, task); !taken) return std::unexpected(taken.error());
+  BandWords band = wanted.band;
+  if (band.band.empty()) band.band = task.manifest.band;
+  if (!band.order) band.order = task.manifest.order;
+  if (band.corner.empty()) band.corner = task.manifest.corner;
+  auto question = QuestionOf(band);
+  if (!question) return std::unexpected(question.error());
+  task.question = *question;
+  auto import = cli::ImportOf(wanted.import);
+  if (!import) return std::unexpected(import.error());
+  task.import = *std::move(import);
+  return task;
+}
+
+Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
+  StudyResult study;
+  study.source = wanted.source;
+  study.question = task.question;
+  study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
+                               task.manifest.conditions);
+  study.planned = !task.manifest.contrasts.empty();
+  auto contrasts = CompareConditions(
+      study.table, study.planned ? task.manifest.contrasts : AllAgainstTheFirst(study.table));
+  if (!contrasts) return std::unexpected(contrasts.error());
+  study.contrasts = *std::move(contrasts);
+  study.missing = FindMissing(study.table);
+  study.outlying = FindOutlying(study.table);
+  study.further = DescribeFurther(study.table);
+  return study;
+}
+
+// 3 where a trial has no number or a contrast no test; failing outranks it
+int StatusOf(const StudyResult& study) {
+  int status = 0;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (trial.error && trial.error->cause == Cause::kFailed) return ExitStatus(Cause::kFailed);
+    if (!trial.answered) status = ExitStatus(Cause::kCannotAnswer);
+  }
+  for (const Contrast& contrast : study.contrasts) {
+    if (!contrast.difference.test) status = ExitStatus(Cause::kCannotAnswer);
+  }
+  return status;
+}
+
+Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study) {
+  if (!wanted.table.empty()) {
+    if (auto ok = WriteOutput(wanted.table, LongTable(study), wanted.overwrite); !ok) return ok;
+  }
+  if (!wanted.wide.empty()) {
+    if (auto ok = WriteOutput(wanted.wide, WideTable(study), wanted.overwrite); !ok) return ok;
+  }
+  if (!wanted.methods.empty()) {
+    if (auto ok = WriteOutput(wanted.methods, MethodsText(study), wanted.overwrite); !ok) return ok;
+  }
+  if (!wanted.plot.empty()) return plot::DrawPanels(wanted.plot, StudyPanels(study));
+  return {};
+}
+
+// 0 where nothing differs
+Result<int> Verify(const std::string& path, const StudyResult& study) {
+  const auto earlier = ReadInputFile(path);
+  if (!earlier) return std::unexpected(earlier.error());
+  auto differences = CompareDocuments(*earlier, StudyJson(study));
+  if (!differences) {
+    Error error = differences.error();
+    error.where = path;
+    return std::unexpected(std::move(error));
+  }
+  for (const std::string& difference : *differences) {
+    cli::Remark(kVerb, fmt::format("{}: {}", path, difference));
+  }
+  cli::Remark(kVerb, differences->empty()
+                         ? fmt::format("{}: every number is the same again", path)
+                         : fmt::format("{}: {} differences", path, differences->size()));
+  return differences->empty() ? 0 : 1;
+}
+
+}  // namespace
+
+int RunStudyTrials(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  Wanted wanted;
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  const auto task = TaskOf(wanted);
+  if (!task) return cli::ReportError(kVerb, task.error());
+  const auto study = Answer(wanted, *task);
+  if (!study) return cli::ReportError(kVerb, study.error());
+
+  for (const StudyTrial& trial : study->table.trials) {
+    if (trial.error) static_cast<void>(cli::ReportError(kVerb, *trial.error));
+  }
+  fmt::print("{}", options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
+  if (auto written = WriteFiles(wanted, *study); !written) {
+    return cli::ReportError(kVerb, written.error());
+  }
+  const int status = StatusOf(*study);
+  if (wanted.verify.empty()) return status;
+  const auto verified = Verify(wanted.verify, *study);
+  if (!verified) return cli::ReportError(kVerb, verified.error());
+  return *verified == 0 ? status : *verified;
+}
+
+}  // namespace haptometer::tools
