@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
@@ -51,12 +52,12 @@ class AnalyzeVerb : public ::testing::Test {
 TEST_F(AnalyzeVerb, AnswersInMicrometres) {
   const Outcome outcome = Analyze({Trial("a.csv", 10'000, 2)});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("offset          1000 um"));
-  EXPECT_THAT(outcome.out, HasSubstr("20-500 Hz, Butterworth of order 6, forward and backward"));
-  EXPECT_THAT(outcome.out, HasSubstr("RMS in band     92.99"));
-  EXPECT_THAT(outcome.out, HasSubstr("strongest tone  225 Hz"));
-  EXPECT_THAT(outcome.out, HasSubstr("131.51 um amplitude"));
-  // |cos(pi 225 Hz 1 ms)| for two averages
+  // 100 um / sqrt(2) / 0.7604, |cos(pi 225 Hz 1 ms)| for two averages
+  EXPECT_THAT(outcome.out, HasSubstr("vibration          92.99"));
+  EXPECT_THAT(outcome.out, HasSubstr(" um RMS in 20-500 Hz; 95 %: "));
+  EXPECT_THAT(outcome.out, HasSubstr("70.711 um as measured; sensor gain of 0.7604 divided out"));
+  EXPECT_THAT(outcome.out, HasSubstr("all that has settled"));
+  EXPECT_THAT(outcome.out, HasSubstr(" Hz, amplitude 131.51"));
   EXPECT_THAT(outcome.out,
               HasSubstr("the sensor (2 averages at 1 ms) passes 0.7604 of the tone; divided out"));
   EXPECT_EQ(outcome.err, "");
@@ -112,11 +113,92 @@ TEST_F(AnalyzeVerb, OfSeveralFilesTheOthersAreAnswered) {
   }
 }
 
+TEST_F(AnalyzeVerb, AllNamesFilterBudgetAndSensor) {
+  const Outcome outcome = Analyze({"--all", Trial("a.csv", 10'000, 2)});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  for (const char* words :
+       {"offset             1000 um", "20-500 Hz, Butterworth of order 6, forward and backward",
+        "Uncertainty of the RMS", "type A", "type B", "standard uncertainty", "2 averages at 1 ms",
+        "velocity", "acceleration"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(words));
+  }
+}
+
+TEST_F(AnalyzeVerb, TheWindowMayBeChosen) {
+  const std::string path = Trial("a.csv", 10'000, 2);
+  const Outcome outcome = Analyze({"--json", "--window", "0.5s:1500ms", path});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  const Json trial = Json::parse(outcome.out)["trials"][0];
+  EXPECT_ABS(trial["window_s"][0].get<double>(), 0.5, 1e-4, "a row");
+  EXPECT_ABS(trial["window_s"][1].get<double>(), 1.5, 1.0 / 225, "whole periods");
+  for (const char* window : {"3s:1s", "1s", "1s:1s", "some", "1s:2kg"}) {
+    EXPECT_EQ(Analyze({"--window", window, path}).status, 2) << window;
+  }
+}
+
+TEST_F(AnalyzeVerb, AFloorIsTakenOffInPower) {
+  // a tone of 3 um as "noise" beside one of 4 um: 5 um together
+  const auto tones = [&](const std::string& name, double quiet_m, double drive_m) {
+    std::ofstream file(directory_ / name);
+    file.precision(12);
+    file << "# sampling_s = 0.0001\n# averages = 1\ntime_s,displacement_m\n";
+    for (int k = 0; k < 20'000; ++k) {
+      const double t_s = k / 1e4;
+      file << t_s << ','
+           << 1e-3 + quiet_m * std::sin(2 * std::numbers::pi * 110 * t_s) +
+                  drive_m * std::sin(2 * std::numbers::pi * 225 * t_s)
+           << '\n';
+    }
+    return (directory_ / name).string();
+  };
+  const std::string off = tones("off.csv", 3e-6, 0);
+  const std::string on = tones("on.csv", 3e-6, 4e-6);
+  const Json trial = Json::parse(Analyze({"--json", "--floor", off, on}).out)["trials"][0];
+  EXPECT_REL(trial["band_rms_as_measured_m"].get<double>(), 5e-6 / std::numbers::sqrt2, 1e-3,
+             "settled ends, not whole periods of 110 Hz");
+  EXPECT_REL(trial["noise_rms_m"].get<double>(), 3e-6 / std::numbers::sqrt2, 1e-3, "the same");
+  EXPECT_REL(trial["band_rms_m"].get<double>(), 4e-6 / std::numbers::sqrt2, 2e-3, "the same");
+  EXPECT_EQ(trial["noise_from"], off);
+  const Outcome missing = Analyze({"--floor", directory_ / "none.csv", on});
+  EXPECT_EQ(missing.status, 3);
+  EXPECT_THAT(missing.err, HasSubstr("none.csv: no such file"));
+}
+
+TEST_F(AnalyzeVerb, SpectraSayTheirNoiseBandwidth) {
+  const std::string path = Trial("a.csv", 10'000, 2);
+  const std::string csv = directory_ / "spectrum.csv";
+  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--resolution", "10Hz", "--scaling", "amplitude",
+                     "--spectrum-window", "flat-top"})
+                .status,
+            0);
+  std::ifstream file(csv);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(text, HasSubstr("# window = flat-top\n# overlap = 0.5\n"));
+  EXPECT_THAT(text, HasSubstr("# noise_bandwidth_hz = 38.8"));  // HFT90D: 3.8832 bins of 10 Hz
+  const auto at = text.find("\n220,");
+  ASSERT_NE(at, std::string::npos) << text.substr(0, 400);
+  EXPECT_REL(std::stod(text.substr(at + 5)), 1e-4, 5e-3, "half a bin off a flat top: 0.04 %");
+  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--resolution", "0.1Hz"}).status, 3);
+  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--overlap", "1"}).status, 2);
+}
+
+TEST_F(AnalyzeVerb, ASpectrogramIsDrawnOrWritten) {
+  const std::string path = Trial("a.csv", 10'000, 2);
+  const std::string csv = directory_ / "time.csv";
+  const std::string svg = directory_ / "time.svg";
+  EXPECT_EQ(Analyze({path, "--spectrogram", csv, "--resolution", "50Hz"}).status, 0);
+  EXPECT_EQ(Analyze({path, "--spectrogram", svg, "--resolution", "50Hz"}).status, 0);
+  std::ifstream file(csv);
+  std::string text(std::istreambuf_iterator<char>(file), {});
+  EXPECT_THAT(text, HasSubstr("time_s,frequency_hz,density_m2_per_hz\n"));
+  EXPECT_GT(fs::file_size(svg), 1000U);
+}
+
 TEST_F(AnalyzeVerb, TooSlowIsSaidInWords) {
   const Outcome outcome = Analyze({Trial("slow.csv", 48, 3)});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.out, HasSubstr("not answered    48 new readings/s show vibration up to"));
-  EXPECT_THAT(outcome.out, HasSubstr("observable      up to 18.75 Hz"));
+  EXPECT_THAT(outcome.out, HasSubstr("not answered       48 new readings/s show vibration up to"));
+  EXPECT_THAT(outcome.out, HasSubstr("observable         up to 18.75 Hz"));
   EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("RMS")));
 }
 

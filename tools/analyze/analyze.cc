@@ -120,7 +120,7 @@ ReportedFile Analyze(const std::string& path, const Job& job) {
 }
 
 void PrintLines(const std::vector<AnalysisLine>& lines) {
-  for (const AnalysisLine& line : lines) fmt::print("  {:<17}{}\n", line.label, line.text);
+  for (const AnalysisLine& line : lines) fmt::print("  {:<19}{}\n", line.label, line.text);
 }
 
 void Print(const AnalyzedFile& file, bool all) {

@@ -18,6 +18,9 @@ namespace haptometer::plot {
 namespace {
 
 constexpr std::size_t kMostPoints = 4000;
+// viridis (van der Walt and Smith, 2015): even steps for the eye, also in grey
+constexpr std::string_view kPalette =
+    "0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725'";
 constexpr std::size_t kMostCells = 1000;  // of a map, along each axis
 // some thousand times what it needs: beyond, it hangs
 constexpr MonotonicNs kLongestTextNs = 5 * kNsPerS;
@@ -174,10 +177,10 @@ std::string MapScript(const std::string& path, const Terminal& terminal, const M
   }
   return script + fmt::format(
                       "EOD\nset title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
-                      "set autoscale fix\nset palette viridis\n"
+                      "set autoscale fix\nset palette defined ({})\n"
                       "plot $map using 1:2:3 with image notitle\nunset output\n",
                       Quoted(map.title), Quoted(map.x_label), Quoted(map.y_label),
-                      Quoted(map.value_label));
+                      Quoted(map.value_label), kPalette);
 }
 
 // Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
