@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "dsp/filter/settled.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/records.h"
@@ -208,8 +209,8 @@ TEST(BandAnalysis, TheRemedyOfTooShortARecordHelps) {
   const std::vector<double> in = Samples(kRateHz, 19'500, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
   ASSERT_TRUE(analysis.answered);
-  EXPECT_REL(analysis.numbers->rms.rms_m, 1.0002e-6 / kRootTwo, 5e-5,
-             "settled window, leaked tremor");
+  EXPECT_REL(analysis.numbers->rms.rms_m, 1.0002e-6 / kRootTwo, kSettledError,
+             "what a settled sample may be wrong by; leaked tremor, a part of its period");
 }
 
 TEST(BandAnalysis, AnOrderThatWasAskedForIsKept) {
