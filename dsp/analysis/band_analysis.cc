@@ -23,6 +23,8 @@ namespace {
 using trial::SampleStatus;
 
 constexpr double kUmPerM = 1e6;
+// farther than any target, and small enough for squares and their products
+constexpr double kFarthestM = 1e30;
 
 Result<std::size_t> DisplacementOf(const trial::Record& head) {
   const trial::Channel* first = head.Find(trial::ChannelRole::kDisplacement);
@@ -72,6 +74,24 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   if (!segments) return std::unexpected(segments.error());
   analysis->faults = scanner.Finish();
   return Pass{std::move(*segments), summarizer.Finish()};
+}
+
+// whether any of it can be answered
+Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
+                           const RecordFacts& facts) {
+  if (head.rows == 0) return CannotAnswer("", "holds no readings", "record again");
+  if (facts.measured == 0) {
+    return CannotAnswer(
+        "",
+        fmt::format("none of its {} readings is a measurement ({})", head.rows, Unmeasured(facts)),
+        "check the target and the sensor's range");
+  }
+  const double farthest_m = std::max(-summary.least, summary.most);
+  if (farthest_m > kFarthestM) {
+    return CannotAnswer("", fmt::format("a reading of {:.3g} m is no displacement", farthest_m),
+                        "convert the column to metres, and its error codes to no value");
+  }
+  return {};
 }
 
 // what the reader of the numbers must know of how they came about
@@ -148,12 +168,8 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
   const auto pass = PassOver(source, *channel, question, &analysis);
   if (!pass) return std::unexpected(pass.error());
   DescribeRecord(head, pass->segments, pass->summary, &analysis);
-  if (analysis.record.measured == 0) {
-    if (head.rows == 0) return CannotAnswer("", "holds no readings", "record again");
-    return CannotAnswer("",
-                        fmt::format("none of its {} readings is a measurement ({})", head.rows,
-                                    Unmeasured(analysis.record)),
-                        "check the target and the sensor's range");
+  if (auto checked = CheckReadings(head, pass->summary, analysis.record); !checked) {
+    return std::unexpected(checked.error());
   }
   RemarkFaults(head, &analysis);
   if (head.stretches.size() == 1) {

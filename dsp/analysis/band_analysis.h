@@ -127,7 +127,8 @@ struct BandAnalysis {
 /// Answers how much a record vibrates within a band.
 ///
 /// The first displacement channel in metres is split into segments (dsp/analysis/segments.h); each
-/// is filtered with zero phase on its own. Where less than half of one settles
+/// is filtered with zero phase on its own, if it is no shorter than 2 periods of the lower corner.
+/// Where less than half of one settles
 /// (dsp/filter/settled.h), motion below the band is modelled (dsp/analysis/below_band_model.h). Too
 /// little settled all the same (below 2 periods of the lower corner): the order is lowered as far
 /// as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise the
@@ -149,7 +150,8 @@ struct BandAnalysis {
 /// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
 /// where times are known to 0.1/f; too little settled; a sensor gain below 0.5 at the tone; more
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
-/// displacement channel in metres, no measurement in it (Cause::kCannotAnswer).
+/// displacement channel in metres, no measurement in it or one beyond 1e30 m
+/// (Cause::kCannotAnswer).
 /// `threads` changes no number. Further errors: as RowSource::Read.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
                                                const BandQuestion& question, int threads = 1);

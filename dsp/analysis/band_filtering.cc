@@ -49,13 +49,19 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
 }
 
-// every segment that is fast enough, filtered on its own
+// whether a window may lie in it: a record of thousands of scraps is refused at once
+bool LongEnough(const Segment& segment, double lower_hz) {
+  return static_cast<double>(segment.size) / segment.rate_hz >= kLeastWindowPeriods / lower_hz;
+}
+
+// every segment that is fast and long enough, filtered on its own
 Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
                                           const Segments& segments, const BandPass& band) {
   std::vector<BandSignal> all;
   all.reserve(segments.parts.size());
   for (const Segment& segment : segments.parts) {
     if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    if (!LongEnough(segment, band.lower_hz)) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());
     auto signal = FilterOne({displacement.source, displacement.channel, segment}, *design, band,

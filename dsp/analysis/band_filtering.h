@@ -23,8 +23,9 @@ struct Displacement {
   int threads = 1;
 };
 
-/// Filters every segment that is fast enough with the asked order, or with the highest lower one
-/// that leaves enough settled; motion below the band is modelled where that helps.
+/// Filters every segment that is fast enough and holds a shortest window, with the asked order, or
+/// with the highest lower one that leaves enough settled; motion below the band is modelled where
+/// that helps.
 ///
 /// Says in `analysis` (band, remarks, reasons) which order, or why none does; then nothing is
 /// returned. The signals refer to `segments`. Errors: as RowSource::Read.
