@@ -140,9 +140,7 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto chosen = ChoosePart(displacement.source, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
-    const auto measured = MeasureWindow(displacement.source.head(),
-                                        displacement.source.head().channels[displacement.channel],
-                                        *all, **chosen, question, analysis);
+    const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
     AddRemarks(*all, *(*chosen)->signal, analysis);
     analysis->answered = analysis->reasons.empty();

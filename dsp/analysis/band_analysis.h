@@ -12,7 +12,10 @@
 #include "dsp/analysis/faults.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
+#include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/harmonics.h"
+#include "dsp/spectrum/kinematics.h"
+#include "dsp/spectrum/onset.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/slow_motion.h"
 #include "trial/record.h"
@@ -71,6 +74,21 @@ struct ToneNumbers {
   double acceleration_m_per_s2 = 0;  ///< amplitude: (2 pi f)^2 amplitude_m
 };
 
+/// When the drive and the vibration of the window's part began, in the record's time.
+struct OnsetNumbers {
+  Edge edge;  ///< of unfiltered samples, at the tone (dsp/spectrum/onset.h)
+  /// When the voltage, current or trigger left its level of the quiet part by a tenth of the most
+  /// that it does then (more where it is noisy); nothing without such a channel, or where its noise
+  /// is above a quarter of that. A row before the first that did, and for a voltage or a current
+  /// the time that a sine may need to get there (0.032 periods), are the interval whose middle this
+  /// is.
+  std::optional<double> drive_s;
+  double drive_uncertainty_s = 0;  ///< standard: that interval's half width / sqrt(3)
+  /// From there to the vibration's low level; the sensor's own delay is in it.
+  std::optional<double> latency_s;
+  double latency_uncertainty_s = 0;  ///< standard, of both
+};
+
 /// What the sensor did to the numbers.
 struct SensorNumbers {
   SensorAveraging averaging;
@@ -94,6 +112,14 @@ struct BandNumbers {
   /// Of unfiltered samples up to the tenth and record.observable_upper_hz, as the sensor handed
   /// them out; nothing where no second one is observable. At most 2^21 samples.
   std::optional<Harmonics> harmonics;
+  /// Nothing without a quiet part before the drive's, or where the noise is above a sixth of it.
+  std::optional<OnsetNumbers> onset;
+  /// Of filtered samples, in metres, as measured; `begin` and `end` are rows. Nothing where the
+  /// rate is below about 3.1 times the upper corner. At most 2^21 samples.
+  std::optional<Kinematics> kinematics;
+  /// Of the record's voltage (V) and current (A) at the tone's frequency over the window; nothing,
+  /// and a remark, where they do not say. At most 2^21 samples.
+  std::optional<ElectricalState> electrical;
   SensorNumbers sensor;
   NoisePower power;  ///< of the whole window, tone and all: what another trial takes as its floor
 };

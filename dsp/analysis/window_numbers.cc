@@ -8,6 +8,8 @@
 #include <span>
 
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/drive_onset.h"
+#include "dsp/analysis/window_state.h"
 #include "dsp/filter/settled.h"
 #include "dsp/spectrum/tone.h"
 
@@ -309,6 +311,29 @@ Result<void> DescribeHarmonics(Window& window) {
   return {};
 }
 
+// when the drive began, and what it takes
+Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const auto onset = FindDriveOnset(source, window.chosen, frequency_hz);
+  if (!onset) return std::unexpected(onset.error());
+  window.numbers.onset = *onset;
+  const auto found = MeasureElectrical(source, window.numbers.part.first_row, window.rows,
+                                       window.rate_hz(), frequency_hz);
+  if (!found) return std::unexpected(found.error());
+  window.numbers.electrical = found->state;
+  if (!found->why_not.empty()) window.analysis.remarks.push_back(found->why_not);
+  return {};
+}
+
+Result<void> DescribeMotion(Window& window) {
+  const std::size_t begin = window.chosen.begin;
+  const auto motion =
+      MeasureKinematics(window.signal(), begin, begin + window.rows, window.band().upper_hz);
+  if (!motion) return std::unexpected(motion.error());
+  window.numbers.kinematics = *motion;
+  return {};
+}
+
 // RMS of everything that was filtered, unsettled ends included
 double WholeRms(const std::vector<BandSignal>& all) {
   double square_sum = 0;
@@ -334,10 +359,13 @@ void RemarkFloor(Window& window) {
 
 }  // namespace
 
-Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& displacement,
-                           const std::vector<BandSignal>& all, const ChosenPart& chosen,
-                           const BandQuestion& question, BandAnalysis* analysis) {
-  Window window{head, displacement.resolution, chosen, question, *analysis, {}, {}, 0, {}};
+Result<void> MeasureWindow(const Displacement& displacement, const std::vector<BandSignal>& all,
+                           const ChosenPart& chosen, const BandQuestion& question,
+                           BandAnalysis* analysis) {
+  const trial::Record& head = displacement.source.head();
+  Window window{
+      head, head.channels[displacement.channel].resolution, chosen, question, *analysis, {}, {}, 0,
+      {}};
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
   window.samples = std::move(*samples);
@@ -365,7 +393,9 @@ Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& disp
   if (window.numbers.tone) {
     FinishTone(window);
     if (auto described = DescribeHarmonics(window); !described) return described;
+    if (auto described = DescribeDrive(displacement.source, window); !described) return described;
   }
+  if (auto described = DescribeMotion(window); !described) return described;
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);
   return {};
