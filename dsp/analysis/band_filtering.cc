@@ -19,8 +19,7 @@ constexpr int kLowestFallbackOrder = 2;
 constexpr double kLeakedPowerLimit = 0.02;
 // a model is worth its while where less than this part of a segment settles without it
 constexpr double kModelBelow = 0.5;
-// and possible where the segment is in memory and tremor keeps its pace
-constexpr double kLongestModelledS = 20;
+// and possible where the segment is in memory
 constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
 

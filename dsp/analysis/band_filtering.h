@@ -16,6 +16,9 @@ namespace haptometer::dsp {
 /// The shortest window, in periods of the lower corner.
 inline constexpr double kLeastWindowPeriods = 2;
 
+/// Motion below the band keeps its pace, and can be modelled, for so long.
+inline constexpr double kLongestModelledS = 20;
+
 /// A record's displacement, and how many threads may filter it.
 struct Displacement {
   const trial::RowSource& source;
