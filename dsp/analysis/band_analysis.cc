@@ -12,6 +12,7 @@
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/record_facts.h"
+#include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/analysis/slow_record.h"
 #include "dsp/analysis/used_part.h"
@@ -148,15 +149,9 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
 }
 
-}  // namespace
-
-Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion& question) {
-  return AnalyzeBand(trial::RecordRows(record), question);
-}
-
-Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
-                                 int threads) {
-  if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
+// the answer for rows as they are; `why_not`, where there is one, is a reason against the band
+Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
+                                 int threads, const std::string& why_not) {
   const trial::Record& head = source.head();
   const auto channel = DisplacementOf(head);
   if (!channel) return std::unexpected(channel.error());
@@ -176,12 +171,67 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
         DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
   }
 
+  if (!why_not.empty()) analysis.reasons.push_back(why_not);
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
   const auto done = analysis.reasons.empty()
                         ? AnswerBand(displacement, pass->segments, question, &analysis)
                         : FitKnownTone(displacement, question, &analysis);
   if (!done) return std::unexpected(done.error());
+  return analysis;
+}
+
+// rows of a grid become those of the record's readings; says what the grid did
+void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
+  const auto reading = [&](std::size_t row) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(grid.rows, row) - grid.rows.begin());
+  };
+  const auto convert = [&](std::size_t& first, std::size_t& rows) {
+    const std::size_t end = reading(first + rows);
+    first = reading(first);
+    rows = end - first;
+  };
+  analysis->record.rows = grid.rows.size();
+  for (Fault& fault : analysis->faults.list) convert(fault.first_row, fault.rows);
+  if (analysis->numbers) {
+    UsedPart& part = analysis->numbers->part;
+    convert(part.first_row, part.rows);
+    if (auto& motion = analysis->numbers->kinematics) {
+      motion->begin = reading(motion->begin);
+      motion->end = reading(motion->end);
+    }
+  }
+  if (!analysis->filtered_m.empty()) {
+    for (std::size_t k = 0; k < grid.rows.size(); ++k) {
+      analysis->filtered_m[k] = analysis->filtered_m[grid.rows[k]];  // grid.rows[k] >= k
+    }
+    analysis->filtered_m.resize(grid.rows.size());
+  }
+  analysis->remarks.push_back(fmt::format(
+      "times scatter by {:.3g} ms (at most {:.3g} ms) about a grid of {:.6g}/s: {} readings put on "
+      "it, {} missing, {} left out; this adds at most {:.2g} of a tone",
+      grid.jitter_s * 1e3, grid.largest_jitter_s * 1e3, grid.rate_hz, grid.rows.size(),
+      grid.dropped, grid.left_out, grid.error_bound));
+}
+
+}  // namespace
+
+Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion& question) {
+  return AnalyzeBand(trial::RecordRows(record), question);
+}
+
+Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
+                                 int threads) {
+  if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
+  if (!source.head().times_are_known) return AnalyzeRows(source, question, threads, {});
+  const auto grid = OnRegularGrid(source, question.band.upper_hz);
+  if (!grid && grid.error().cause != Cause::kCannotAnswer) return std::unexpected(grid.error());
+  if (!grid) {
+    return AnalyzeRows(source, question, threads,
+                       fmt::format("{}: {}", grid.error().what, grid.error().remedy));
+  }
+  auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
+  if (analysis) CountReadings(*grid, &*analysis);
   return analysis;
 }
 

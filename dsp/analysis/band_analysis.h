@@ -109,8 +109,9 @@ struct BandNumbers {
   std::optional<NoiseFloor> floor;
   std::optional<BelowBand> below_band;
   std::optional<ToneNumbers> tone;
-  /// Of unfiltered samples up to the tenth and record.observable_upper_hz, as the sensor handed
-  /// them out; nothing where no second one is observable. At most 2^21 samples.
+  /// Of unfiltered samples, without what dsp/analysis/below_band_model.h explains below the band
+  /// (20 s at most), up to the tenth and record.observable_upper_hz, as the sensor handed them out;
+  /// nothing where no second one is observable. At most 2^21 samples.
   std::optional<Harmonics> harmonics;
   /// Nothing without a quiet part before the drive's, or where the noise is above a sixth of it.
   std::optional<OnsetNumbers> onset;
@@ -160,6 +161,10 @@ struct BandAnalysis {
 /// as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise the
 /// record is not answered.
 ///
+/// Readings at known but uneven times (Record::times_are_known) are put on a regular grid first
+/// (dsp/analysis/regular_grid.h), and a remark states rate, scatter and bound; where that cannot be
+/// done, it is a reason. All rows in the answer count the record's readings.
+///
 /// The window is the longest steady part of the drive, by a voltage, current or trigger channel
 /// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
 /// whose tone is there in the quiet parts too (30 % of its amplitude) is no drive. Without one it
@@ -169,7 +174,7 @@ struct BandAnalysis {
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
 /// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
-/// calibration is not included and a remark says so.
+/// calibration is not included.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
