@@ -13,6 +13,7 @@
 #include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/record_facts.h"
+#include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/analysis/slow_record.h"
 #include "dsp/analysis/used_part.h"
@@ -24,6 +25,8 @@ namespace {
 using trial::SampleStatus;
 
 constexpr double kUmPerM = 1e6;
+// farther than any target, and small enough for squares and their products
+constexpr double kFarthestM = 1e30;
 
 // the band and the window must be possible; whether the record has them is an answer, not an error
 Result<void> CheckQuestion(const BandQuestion& question) {
@@ -60,6 +63,24 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   if (!segments) return std::unexpected(segments.error());
   analysis->faults = scanner.Finish();
   return Pass{std::move(*segments), summarizer.Finish()};
+}
+
+// whether any of it can be answered
+Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
+                           const RecordFacts& facts) {
+  if (head.rows == 0) return CannotAnswer("", "holds no readings", "record again");
+  if (facts.measured == 0) {
+    return CannotAnswer(
+        "",
+        fmt::format("none of its {} readings is a measurement ({})", head.rows, Unmeasured(facts)),
+        "check the target and the sensor's range");
+  }
+  const double farthest_m = std::max(-summary.least, summary.most);
+  if (farthest_m > kFarthestM) {
+    return CannotAnswer("", fmt::format("a reading of {:.3g} m is no displacement", farthest_m),
+                        "convert the column to metres, and its error codes to no value");
+  }
+  return {};
 }
 
 // what the reader of the numbers must know of how they came about
@@ -108,14 +129,77 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto chosen = ChoosePart(displacement.source, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
-    const auto measured = MeasureWindow(displacement.source.head(),
-                                        displacement.source.head().channels[displacement.channel],
-                                        *all, **chosen, question, analysis);
+    const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
     AddRemarks(*all, *(*chosen)->signal, analysis);
     analysis->answered = analysis->reasons.empty();
   }
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
+}
+
+// the answer for rows as they are; `why_not`, where there is one, is a reason against the band
+Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
+                                 int threads, const std::string& why_not) {
+  const trial::Record& head = source.head();
+  const auto channel = DisplacementChannel(head);
+  if (!channel) return std::unexpected(channel.error());
+
+  BandAnalysis analysis;
+  analysis.band = question.band;
+  const auto pass = PassOver(source, *channel, question, &analysis);
+  if (!pass) return std::unexpected(pass.error());
+  DescribeRecord(head, pass->segments, pass->summary, &analysis);
+  if (auto checked = CheckReadings(head, pass->summary, analysis.record); !checked) {
+    return std::unexpected(checked.error());
+  }
+  RemarkFaults(head, &analysis);
+  if (head.stretches.size() == 1) {
+    const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
+    analysis.slow_motion =
+        DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
+  }
+
+  if (!why_not.empty()) analysis.reasons.push_back(why_not);
+  CheckObservable(head, pass->segments, question.band, &analysis);
+  const Displacement displacement{source, *channel, threads};
+  const auto done = analysis.reasons.empty()
+                        ? AnswerBand(displacement, pass->segments, question, &analysis)
+                        : FitKnownTone(displacement, question, &analysis);
+  if (!done) return std::unexpected(done.error());
+  return analysis;
+}
+
+// rows of a grid become those of the record's readings; says what the grid did
+void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
+  const auto reading = [&](std::size_t row) {
+    return static_cast<std::size_t>(std::ranges::lower_bound(grid.rows, row) - grid.rows.begin());
+  };
+  const auto convert = [&](std::size_t& first, std::size_t& rows) {
+    const std::size_t end = reading(first + rows);
+    first = reading(first);
+    rows = end - first;
+  };
+  analysis->record.rows = grid.rows.size();
+  for (Fault& fault : analysis->faults.list) convert(fault.first_row, fault.rows);
+  if (analysis->numbers) {
+    UsedPart& part = analysis->numbers->part;
+    convert(part.first_row, part.rows);
+    if (auto& motion = analysis->numbers->kinematics) {
+      motion->begin = reading(motion->begin);
+      motion->end = reading(motion->end);
+    }
+  }
+  if (!analysis->filtered_m.empty()) {
+    for (std::size_t k = 0; k < grid.rows.size(); ++k) {
+      analysis->filtered_m[k] = analysis->filtered_m[grid.rows[k]];  // grid.rows[k] >= k
+    }
+    analysis->filtered_m.resize(grid.rows.size());
+  }
+  analysis->remarks.push_back(fmt::format(
+      "times scatter by {:.3g} ms (at most {:.3g} ms) about a grid of {:.6g}/s: {} readings put on "
+      "it, {} missing, {} left out; this adds at most {:.2g} of a tone",
+      grid.jitter_s * 1e3, grid.largest_jitter_s * 1e3, grid.rate_hz, grid.rows.size(),
+      grid.dropped, grid.left_out, grid.error_bound));
 }
 
 }  // namespace
@@ -127,35 +211,15 @@ Result<BandAnalysis> AnalyzeBand(const trial::Record& record, const BandQuestion
 Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuestion& question,
                                  int threads) {
   if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
-  const trial::Record& head = source.head();
-  const auto channel = DisplacementChannel(head);
-  if (!channel) return std::unexpected(channel.error());
-
-  BandAnalysis analysis;
-  analysis.band = question.band;
-  const auto pass = PassOver(source, *channel, question, &analysis);
-  if (!pass) return std::unexpected(pass.error());
-  DescribeRecord(head, pass->segments, pass->summary, &analysis);
-  if (analysis.record.measured == 0) {
-    if (head.rows == 0) return CannotAnswer("", "holds no readings", "record again");
-    return CannotAnswer("",
-                        fmt::format("none of its {} readings is a measurement ({})", head.rows,
-                                    Unmeasured(analysis.record)),
-                        "check the target and the sensor's range");
+  if (!source.head().times_are_known) return AnalyzeRows(source, question, threads, {});
+  const auto grid = OnRegularGrid(source, question.band.upper_hz);
+  if (!grid && grid.error().cause != Cause::kCannotAnswer) return std::unexpected(grid.error());
+  if (!grid) {
+    return AnalyzeRows(source, question, threads,
+                       fmt::format("{}: {}", grid.error().what, grid.error().remedy));
   }
-  RemarkFaults(head, &analysis);
-  if (head.stretches.size() == 1) {
-    const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
-    analysis.slow_motion =
-        DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
-  }
-
-  CheckObservable(head, pass->segments, question.band, &analysis);
-  const Displacement displacement{source, *channel, threads};
-  const auto done = analysis.reasons.empty()
-                        ? AnswerBand(displacement, pass->segments, question, &analysis)
-                        : FitKnownTone(displacement, question, &analysis);
-  if (!done) return std::unexpected(done.error());
+  auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
+  if (analysis) CountReadings(*grid, &*analysis);
   return analysis;
 }
 

@@ -12,7 +12,9 @@
 #include "dsp/analysis/faults.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
+#include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/harmonics.h"
+#include "dsp/spectrum/kinematics.h"
 #include "dsp/spectrum/onset.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/slow_motion.h"
@@ -72,6 +74,21 @@ struct ToneNumbers {
   double acceleration_m_per_s2 = 0;  ///< amplitude: (2 pi f)^2 amplitude_m
 };
 
+/// When the drive and the vibration of the window's part began, in the record's time.
+struct OnsetNumbers {
+  Edge edge;  ///< of unfiltered samples, at the tone (dsp/spectrum/onset.h)
+  /// When the voltage, current or trigger left its level of the quiet part by a tenth of the most
+  /// that it does then (more where it is noisy); nothing without such a channel, or where its noise
+  /// is above a quarter of that. A row before the first that did, and for a voltage or a current
+  /// the time that a sine may need to get there (0.032 periods), are the interval whose middle this
+  /// is.
+  std::optional<double> drive_s;
+  double drive_uncertainty_s = 0;  ///< standard: that interval's half width / sqrt(3)
+  /// From there to the vibration's low level; the sensor's own delay is in it.
+  std::optional<double> latency_s;
+  double latency_uncertainty_s = 0;  ///< standard, of both
+};
+
 /// What the sensor did to the numbers.
 struct SensorNumbers {
   SensorAveraging averaging;
@@ -79,13 +96,6 @@ struct SensorNumbers {
   bool divided_out = false;                ///< whether RMS and amplitude hold it
   std::optional<GainBounds> gain_in_band;  ///< least and greatest over the band
   bool amplitude_verified = false;         ///< false: "sensor averaging unknown", or below 0.5
-};
-
-/// How a vibration begins, by its tone's moving fit.
-struct OnsetNumbers {
-  Edge edge;                        ///< times count from the record's zero
-  std::optional<double> drive_s;    ///< when the drive began; nothing without a drive channel
-  std::optional<double> latency_s;  ///< from there to the vibration's low level
 };
 
 /// What a window says of the band.
@@ -99,10 +109,18 @@ struct BandNumbers {
   std::optional<NoiseFloor> floor;
   std::optional<BelowBand> below_band;
   std::optional<ToneNumbers> tone;
-  /// Of unfiltered samples up to the tenth and record.observable_upper_hz, as the sensor handed
-  /// them out; nothing where no second one is observable. At most 2^21 samples.
+  /// Of unfiltered samples, without what dsp/analysis/below_band_model.h explains below the band
+  /// (20 s at most), up to the tenth and record.observable_upper_hz, as the sensor handed them out;
+  /// nothing where no second one is observable. At most 2^21 samples.
   std::optional<Harmonics> harmonics;
+  /// Nothing without a quiet part before the drive's, or where the noise is above a sixth of it.
   std::optional<OnsetNumbers> onset;
+  /// Of filtered samples, in metres, as measured; `begin` and `end` are rows. Nothing where the
+  /// rate is below about 3.1 times the upper corner. At most 2^21 samples.
+  std::optional<Kinematics> kinematics;
+  /// Of the record's voltage (V) and current (A) at the tone's frequency over the window; nothing,
+  /// and a remark, where they do not say. At most 2^21 samples.
+  std::optional<ElectricalState> electrical;
   SensorNumbers sensor;
   NoisePower power;  ///< of the whole window, tone and all: what another trial takes as its floor
 };
@@ -136,11 +154,16 @@ struct BandAnalysis {
 /// Answers how much a record vibrates within a band.
 ///
 /// The first displacement channel in metres is split into segments (dsp/analysis/segments.h); each
-/// is filtered with zero phase on its own. Where less than half of one settles
+/// is filtered with zero phase on its own, if it is no shorter than 2 periods of the lower corner.
+/// Where less than half of one settles
 /// (dsp/filter/settled.h), motion below the band is modelled (dsp/analysis/below_band_model.h). Too
 /// little settled all the same (below 2 periods of the lower corner): the order is lowered as far
 /// as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise the
 /// record is not answered.
+///
+/// Readings at known but uneven times (Record::times_are_known) are put on a regular grid first
+/// (dsp/analysis/regular_grid.h), and a remark states rate, scatter and bound; where that cannot be
+/// done, it is a reason. All rows in the answer count the record's readings.
 ///
 /// The window is the longest steady part of the drive, by a voltage, current or trigger channel
 /// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
@@ -151,14 +174,15 @@ struct BandAnalysis {
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
 /// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
-/// calibration is not included and a remark says so.
+/// calibration is not included.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
 /// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
 /// where times are known to 0.1/f; too little settled; a sensor gain below 0.5 at the tone; more
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
-/// displacement channel in metres, no measurement in it (Cause::kCannotAnswer).
+/// displacement channel in metres, no measurement in it or one beyond 1e30 m
+/// (Cause::kCannotAnswer).
 /// `threads` changes no number. Further errors: as RowSource::Read.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
                                                const BandQuestion& question, int threads = 1);

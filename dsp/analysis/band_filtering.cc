@@ -19,8 +19,7 @@ constexpr int kLowestFallbackOrder = 2;
 constexpr double kLeakedPowerLimit = 0.02;
 // a model is worth its while where less than this part of a segment settles without it
 constexpr double kModelBelow = 0.5;
-// and possible where the segment is in memory and tremor keeps its pace
-constexpr double kLongestModelledS = 20;
+// and possible where the segment is in memory
 constexpr std::size_t kMostModelled = std::size_t{1} << 22U;
 constexpr std::size_t kMostSearched = std::size_t{1} << 21U;
 
@@ -49,13 +48,19 @@ Result<BandSignal> FilterOne(const SegmentSamples& samples, const FilterDesign& 
   return SettledSeconds(*beside) > SettledSeconds(*plain) ? std::move(beside) : std::move(plain);
 }
 
-// every segment that is fast enough, filtered on its own
+// whether a window may lie in it: a record of thousands of scraps is refused at once
+bool LongEnough(const Segment& segment, double lower_hz) {
+  return static_cast<double>(segment.size) / segment.rate_hz >= kLeastWindowPeriods / lower_hz;
+}
+
+// every segment that is fast and long enough, filtered on its own
 Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
                                           const Segments& segments, const BandPass& band) {
   std::vector<BandSignal> all;
   all.reserve(segments.parts.size());
   for (const Segment& segment : segments.parts) {
     if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    if (!LongEnough(segment, band.lower_hz)) continue;
     Result<FilterDesign> design = DesignBandPass(band, segment.rate_hz);
     HAPTOMETER_CHECK(design, "{}", design.error().Text());
     auto signal = FilterOne({displacement.source, displacement.channel, segment}, *design, band,

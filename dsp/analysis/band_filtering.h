@@ -16,6 +16,9 @@ namespace haptometer::dsp {
 /// The shortest window, in periods of the lower corner.
 inline constexpr double kLeastWindowPeriods = 2;
 
+/// Motion below the band keeps its pace, and can be modelled, for so long.
+inline constexpr double kLongestModelledS = 20;
+
 /// A record's displacement, and how many threads may filter it.
 struct Displacement {
   const trial::RowSource& source;
@@ -23,8 +26,9 @@ struct Displacement {
   int threads = 1;
 };
 
-/// Filters every segment that is fast enough with the asked order, or with the highest lower one
-/// that leaves enough settled; motion below the band is modelled where that helps.
+/// Filters every segment that is fast enough and holds a shortest window, with the asked order, or
+/// with the highest lower one that leaves enough settled; motion below the band is modelled where
+/// that helps.
 ///
 /// Says in `analysis` (band, remarks, reasons) which order, or why none does; then nothing is
 /// returned. The signals refer to `segments`. Errors: as RowSource::Read.

@@ -78,7 +78,8 @@ struct FaultScale {
 /// own e fits best is reported, with the height that fits. Rows without a measurement end a run and
 /// are nobody's neighbours.
 ///
-/// The result depends on the rows alone, not on how they were fed. Cost: bench/dsp.
+/// The result depends on the rows alone, not on how they were fed. Cost: one pass, 6 flops
+/// and a comparison a row; a median of 512 values a block and of 64 a candidate.
 class FaultScanner {
  public:
   explicit FaultScanner(const FaultScale& scale);

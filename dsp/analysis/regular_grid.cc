@@ -218,6 +218,7 @@ std::size_t PointsFor(const Interpolator& interpolator) {
 // rows of the grid: those with a reading, and the holes that may be bridged
 void LayOut(const Places& places, RegularGrid& grid) {
   trial::Record& record = grid.record;
+  grid.rows.reserve(places.place.size());
   for (std::size_t row = 0; row < places.place.size(); ++row) {
     const std::int64_t missing = row == 0 ? 0 : places.place[row] - places.place[row - 1] - 1;
     const bool begins = row == 0 || missing > static_cast<std::int64_t>(kLongestBridge);
@@ -228,6 +229,7 @@ void LayOut(const Places& places, RegularGrid& grid) {
     const std::size_t added = 1 + (begins ? 0 : static_cast<std::size_t>(missing));
     record.stretches.back().rows += added;
     record.rows += added;
+    grid.rows.push_back(record.rows - 1);
   }
 }
 

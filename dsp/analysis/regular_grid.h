@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "base/result.h"
 #include "trial/record.h"
@@ -22,7 +23,8 @@ struct RegularGrid {
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
   /// lower ones); of the worst row that is kept.
   double error_bound = 0;
-  std::size_t left_out = 0;  ///< rows whose bound would be above kLargestInterpolationError
+  std::vector<std::size_t> rows;  ///< the grid's row of each reading
+  std::size_t left_out = 0;       ///< rows whose bound would be above kLargestInterpolationError
 };
 
 /// Puts the readings of `record`, whose own times are known (Record::times_are_known) but lie on no

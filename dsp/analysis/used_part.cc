@@ -17,16 +17,6 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
-// the channel that says when the drive is on
-std::optional<std::size_t> DriveChannel(const trial::Record& head) {
-  for (const trial::ChannelRole role :
-       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
-    if (const trial::Channel* channel = head.Find(role)) {
-      return static_cast<std::size_t>(channel - head.channels.data());
-    }
-  }
-  return std::nullopt;
-}
 
 // visits values of rows [first, first + size)
 template <typename Visit>
@@ -218,6 +208,16 @@ Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
 }
 
 }  // namespace
+
+std::optional<std::size_t> DriveChannel(const trial::Record& head) {
+  for (const trial::ChannelRole role :
+       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
+    if (const trial::Channel* channel = head.Find(role)) {
+      return static_cast<std::size_t>(channel - head.channels.data());
+    }
+  }
+  return std::nullopt;
+}
 
 double TimeOfSample(const BandSignal& signal, std::size_t sample) {
   return signal.start_s() + static_cast<double>(sample) / signal.rate_hz();

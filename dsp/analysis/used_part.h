@@ -7,6 +7,7 @@
 #include "base/result.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_signal.h"
+#include "trial/record.h"
 #include "trial/row_source.h"
 
 /// The step of AnalyzeBand that chooses which rows its numbers are of.
@@ -22,6 +23,9 @@ struct ChosenPart {
 
 /// Samples in the middle of a part that a tone is sought and fitted in.
 inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
+
+/// The channel that says when the drive is on: a voltage, else a current, else a trigger.
+[[nodiscard]] std::optional<std::size_t> DriveChannel(const trial::Record& head);
 
 /// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
 /// nothing, and a reason, where a given window has not settled. `all` is not empty.

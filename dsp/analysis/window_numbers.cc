@@ -8,6 +8,10 @@
 #include <span>
 
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/below_band_model.h"
+#include "dsp/analysis/drive_onset.h"
+#include "dsp/analysis/window_faults.h"
+#include "dsp/analysis/window_state.h"
 #include "dsp/filter/settled.h"
 #include "dsp/spectrum/tone.h"
 
@@ -184,32 +188,14 @@ Result<void> TakeFloor(Window& window) {
 
 // share of the window's power that faults of this kind inside it make
 double FaultShare(const Window& window, FaultKind kind) {
-  const UsedPart& part = window.numbers.part;
-  const BandPass& band = window.band();
-  double energy = 0;
-  for (const Fault& fault : window.analysis.faults.list) {
-    if (fault.kind != kind || fault.first_row + fault.rows <= part.first_row ||
-        fault.first_row >= part.first_row + part.rows) {
-      continue;
-    }
-    // a spike's spectrum is flat over the band, a step's falls as 1 / (2 pi f)
-    const double area = fault.size * static_cast<double>(fault.rows) / window.rate_hz();
-    energy += kind == FaultKind::kSpike ? 2 * window.bandwidth_hz() * area * area
-                                        : 2 * fault.size * fault.size / (kTwoPi * kTwoPi) *
-                                              (1 / band.lower_hz - 1 / band.upper_hz);
-  }
-  return energy / (window.duration_s() * window.numbers.power.mean_square);
+  return FaultPower(window.analysis.faults, kind, window.numbers.part, window.band(),
+                    window.rate_hz()) /
+         window.numbers.power.mean_square;
 }
 
 void JudgeClipping(Window& window) {
   const UsedPart& part = window.numbers.part;
-  std::size_t rows = 0;
-  for (const Fault& fault : window.analysis.faults.list) {
-    if (fault.kind != FaultKind::kClipped) continue;
-    const std::size_t begin = std::max(fault.first_row, part.first_row);
-    const std::size_t end = std::min(fault.first_row + fault.rows, part.first_row + part.rows);
-    if (end > begin) rows += end - begin;
-  }
+  const std::size_t rows = ClippedRows(window.analysis.faults, part.first_row, part.rows);
   const double share = static_cast<double>(rows) / static_cast<double>(part.rows);
   if (share <= kMostClipped) return;
   window.analysis.reasons.push_back(fmt::format(
@@ -295,7 +281,8 @@ void FinishTone(Window& window) {
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
 }
 
-// multiples of the tone in the samples before the filter, beside a cubic drift
+// multiples of the tone in the samples before the filter, beside a cubic drift; motion below the
+// band that one model explains is taken off first, because its size would hide them
 Result<void> DescribeHarmonics(Window& window) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
   const double upper_hz = window.analysis.record.observable_upper_hz;
@@ -303,9 +290,37 @@ Result<void> DescribeHarmonics(Window& window) {
   std::vector<double> samples(std::min(window.rows, kMostFitted));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  if (window.sampled_s() <= kLongestModelledS) {
+    const auto model = BelowBandModel::Fit(samples, window.rate_hz(), window.band().lower_hz,
+                                           window.band().upper_hz);
+    if (model) model->Subtract(0, samples);
+  }
   Harmonics harmonics = FitHarmonics(samples, {window.rate_hz(), 0, kHighestDriftDegree},
                                      frequency_hz, std::min(upper_hz, 10.5 * frequency_hz));
   if (harmonics.converged) window.numbers.harmonics = std::move(harmonics);
+  return {};
+}
+
+// when the drive began, and what it takes
+Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const auto onset = FindDriveOnset(source, window.chosen, frequency_hz);
+  if (!onset) return std::unexpected(onset.error());
+  window.numbers.onset = *onset;
+  const auto found = MeasureElectrical(source, window.numbers.part.first_row, window.rows,
+                                       window.rate_hz(), frequency_hz);
+  if (!found) return std::unexpected(found.error());
+  window.numbers.electrical = found->state;
+  if (!found->why_not.empty()) window.analysis.remarks.push_back(found->why_not);
+  return {};
+}
+
+Result<void> DescribeMotion(Window& window) {
+  const std::size_t begin = window.chosen.begin;
+  const auto motion =
+      MeasureKinematics(window.signal(), begin, begin + window.rows, window.band().upper_hz);
+  if (!motion) return std::unexpected(motion.error());
+  window.numbers.kinematics = *motion;
   return {};
 }
 
@@ -334,10 +349,13 @@ void RemarkFloor(Window& window) {
 
 }  // namespace
 
-Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& displacement,
-                           const std::vector<BandSignal>& all, const ChosenPart& chosen,
-                           const BandQuestion& question, BandAnalysis* analysis) {
-  Window window{head, displacement.resolution, chosen, question, *analysis, {}, {}, 0, {}};
+Result<void> MeasureWindow(const Displacement& displacement, const std::vector<BandSignal>& all,
+                           const ChosenPart& chosen, const BandQuestion& question,
+                           BandAnalysis* analysis) {
+  const trial::Record& head = displacement.source.head();
+  Window window{
+      head, head.channels[displacement.channel].resolution, chosen, question, *analysis, {}, {}, 0,
+      {}};
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
   window.samples = std::move(*samples);
@@ -365,7 +383,9 @@ Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& disp
   if (window.numbers.tone) {
     FinishTone(window);
     if (auto described = DescribeHarmonics(window); !described) return described;
+    if (auto described = DescribeDrive(displacement.source, window); !described) return described;
   }
+  if (auto described = DescribeMotion(window); !described) return described;
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);
   return {};

@@ -1,40 +1,62 @@
 #include "dsp/analysis/window_samples.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/check.h"
 #include "dsp/analysis/displacement_channel.h"
+#include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 
 namespace haptometer::dsp {
+namespace {
 
-Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnalysis& analysis,
-                                 std::size_t most) {
-  HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
-  const UsedPart& part = analysis.numbers->part;
+// samples of `window` in `segment`, at most `most` from its middle
+WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::size_t most) {
+  const double begin = std::round((window.begin_s - segment.start_s) * segment.rate_hz);
+  const double wanted = std::round(window.duration_s() * segment.rate_hz);
+  const auto first = std::min(static_cast<std::size_t>(begin), segment.size);
+  const std::size_t size = std::min(static_cast<std::size_t>(wanted), segment.size - first);
+  const std::size_t count = std::min(size, most);
+  WindowSamples samples;
+  samples.rate_hz = segment.rate_hz;
+  samples.start_s =
+      segment.start_s + static_cast<double>(first + (size - count) / 2) / segment.rate_hz;
+  samples.values_m.resize(count);
+  return samples;
+}
+
+Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysis& analysis,
+                               std::size_t most) {
   const auto channel = DisplacementChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
   const auto segments = SplitIntoSegments(source, *channel, analysis.band.upper_hz);
   if (!segments) return std::unexpected(segments.error());
+  const TimeWindow& window = analysis.numbers->part.window;
+  const double middle_s = (window.begin_s + window.end_s) / 2;
   const auto holds_window = [&](const Segment& segment) {
-    return part.first_row >= segment.first_row &&
-           part.first_row + part.rows <= segment.first_row + segment.size;
+    return middle_s >= segment.start_s &&
+           middle_s < segment.start_s + static_cast<double>(segment.size) / segment.rate_hz;
   };
   const auto segment = std::ranges::find_if(segments->parts, holds_window);
-  HAPTOMETER_CHECK(segment != segments->parts.end(), "rows {} + {} are in no segment",
-                   part.first_row, part.rows);
+  HAPTOMETER_CHECK(segment != segments->parts.end(), "{} s are in no segment", middle_s);
+  WindowSamples samples = PlaceOf(*segment, window, most);
+  const double first = std::round((samples.start_s - segment->start_s) * segment->rate_hz);
+  const auto read = SegmentSamples(source, *channel, *segment)
+                        .Read(static_cast<std::size_t>(first), samples.values_m);
+  if (!read) return std::unexpected(read.error());
+  return samples;
+}
 
-  WindowSamples window;
-  const std::size_t count = std::min(part.rows, most);
-  const std::size_t first = part.first_row - segment->first_row + (part.rows - count) / 2;
-  window.rate_hz = segment->rate_hz;
-  window.start_s = segment->start_s + static_cast<double>(first) / segment->rate_hz;
-  window.values_m.resize(count);
-  const SegmentSamples samples(source, *channel, *segment);
-  if (auto read = samples.Read(first, window.values_m); !read) {
-    return std::unexpected(read.error());
-  }
-  return window;
+}  // namespace
+
+Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnalysis& analysis,
+                                 std::size_t most) {
+  HAPTOMETER_CHECK(analysis.numbers, "an analysis without a window");
+  if (!source.head().times_are_known) return ReadFrom(source, analysis, most);
+  const auto grid = OnRegularGrid(source, analysis.band.upper_hz);
+  if (!grid) return std::unexpected(grid.error());
+  return ReadFrom(trial::RecordRows(grid->record), analysis, most);
 }
 
 }  // namespace haptometer::dsp

@@ -105,7 +105,33 @@ Json OnsetJson(const std::optional<dsp::OnsetNumbers>& onset) {
            edge.rise_s ? NumberOrNull(edge.rise_uncertainty_s) : Json(nullptr)},
           {"rise_at_most_s", NumberOrNull(edge.rise_at_most_s)},
           {"drive_s", NumberOrNull(onset->drive_s)},
-          {"latency_s", NumberOrNull(onset->latency_s)}};
+          {"latency_s", NumberOrNull(onset->latency_s)},
+          {"latency_standard_uncertainty_s",
+           onset->latency_s ? NumberOrNull(onset->latency_uncertainty_s) : Json(nullptr)}};
+}
+
+Json KinematicsJson(const std::optional<dsp::Kinematics>& motion) {
+  if (!motion) return nullptr;
+  return {{"velocity_rms_m_per_s", NumberOrNull(motion->velocity_rms)},
+          {"velocity_peak_m_per_s", NumberOrNull(motion->velocity_peak)},
+          {"acceleration_rms_m_per_s2", NumberOrNull(motion->acceleration_rms)},
+          {"acceleration_peak_m_per_s2", NumberOrNull(motion->acceleration_peak)},
+          {"relative_error", NumberOrNull(motion->relative_error)}};
+}
+
+Json ElectricalJson(const std::optional<dsp::ElectricalState>& state) {
+  if (!state) return nullptr;
+  const auto estimate = [](const dsp::Estimate& of) {
+    return Json{{"value", NumberOrNull(of.value)},
+                {"standard_uncertainty", NumberOrNull(of.uncertainty)}};
+  };
+  return {{"voltage_rms_v", estimate(state->voltage_rms_v)},
+          {"current_rms_a", estimate(state->current_rms_a)},
+          {"real_power_w", estimate(state->real_power_w)},
+          {"apparent_power_va", estimate(state->apparent_power_va)},
+          {"phase_rad", estimate(state->phase_rad)},
+          {"resistance_ohm", estimate(state->resistance_ohm)},
+          {"reactance_ohm", estimate(state->reactance_ohm)}};
 }
 
 // every key that a trial may leave unknown
@@ -124,7 +150,8 @@ constexpr const char* kKeys[] = {
     "tone_frequency_hz", "tone_frequency_standard_uncertainty_hz", "tone_frequency_interval_95_hz",
     "tone_amplitude_m", "tone_amplitude_standard_uncertainty_m", "tone_amplitude_interval_95_m",
     "tone_amplitude_estimate_m", "tone_share_of_rms", "tone_velocity_m_per_s",
-    "tone_acceleration_m_per_s2", "thd", "harmonics", "onset", "known_tone"};
+    "tone_acceleration_m_per_s2", "thd", "harmonics", "onset", "motion", "electrical",
+    "known_tone"};
 
 // the keys of every trial, all null
 Json EmptyTrial(const AnalyzedFile& file) {
@@ -221,6 +248,8 @@ void FillNumbers(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
   if (numbers.harmonics) trial["thd"] = NumberOrNull(numbers.harmonics->thd);
   trial["harmonics"] = HarmonicsJson(numbers.harmonics);
   trial["onset"] = OnsetJson(numbers.onset);
+  trial["motion"] = KinematicsJson(numbers.kinematics);
+  trial["electrical"] = ElectricalJson(numbers.electrical);
 }
 
 Json TrialJson(const AnalyzedFile& file) {

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -83,7 +83,7 @@ std::string RiseText(const dsp::Edge& edge) {
 
 std::string LatencyText(const dsp::OnsetNumbers& onset) {
   if (!onset.latency_s) return "not known (rise time only): no drive channel or trigger";
-  return fmt::format("{}: {}", Ms(*onset.latency_s, onset.edge.time_uncertainty_s),
+  return fmt::format("{}: {}", Ms(*onset.latency_s, onset.latency_uncertainty_s),
                      LatencyVerdict(*onset.latency_s));
 }
 
@@ -240,6 +240,28 @@ AnalysisSection OnsetSection(const dsp::OnsetNumbers& onset) {
   return section;
 }
 
+AnalysisSection MotionSection(const dsp::Kinematics& motion) {
+  return {"Motion in the band",
+          {{"velocity", fmt::format("{:.4g} mm/s RMS, {:.4g} mm/s peak", motion.velocity_rms * 1e3,
+                                    motion.velocity_peak * 1e3)},
+           {"acceleration", fmt::format("{:.4g} m/s^2 RMS, {:.4g} m/s^2 peak",
+                                        motion.acceleration_rms, motion.acceleration_peak)}}};
+}
+
+AnalysisSection ElectricalSection(const dsp::ElectricalState& state) {
+  const auto value = [](const dsp::Estimate& of, double unit, std::string_view name) {
+    return fmt::format("{} {}", WithUncertainty(of.value / unit, of.uncertainty / unit), name);
+  };
+  return {"Electrical, at the tone",
+          {{"voltage", value(state.voltage_rms_v, 1, "V RMS")},
+           {"current", value(state.current_rms_a, 1e-3, "mA RMS")},
+           {"real power", value(state.real_power_w, 1e-3, "mW")},
+           {"apparent power", value(state.apparent_power_va, 1e-3, "mVA")},
+           {"phase of current", value(state.phase_rad, std::numbers::pi / 180, "degrees")},
+           {"resistance", value(state.resistance_ohm, 1, "ohm")},
+           {"reactance", value(state.reactance_ohm, 1, "ohm")}}};
+}
+
 void AddKnownTone(const dsp::KnownTone& known, Lines& lines) {
   lines.push_back(
       {"at the drive", fmt::format("{:g} Hz: amplitude {}{}", known.fit.frequency_hz,
@@ -293,6 +315,8 @@ std::vector<AnalysisSection> AllSections(const AnalyzedFile& file) {
     sections.push_back(UncertaintySection(numbers.rms));
     sections.push_back(ToneSection(numbers));
     if (numbers.onset) sections.push_back(OnsetSection(*numbers.onset));
+    if (numbers.kinematics) sections.push_back(MotionSection(*numbers.kinematics));
+    if (numbers.electrical) sections.push_back(ElectricalSection(*numbers.electrical));
     sections.push_back(SensorSection(numbers.sensor));
   }
   AnalysisSection remarks{"Remarks", {}};

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "dsp/analysis/window_faults.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
@@ -160,6 +161,19 @@ TEST(Faults, HowRowsAreFedChangesNothing) {
       EXPECT_EQ(parts.list[k].size, whole.list[k].size);
     }
   }
+}
+
+TEST(WindowFaults, ClippedRowsBeyondTheListCountAsIfInside) {
+  FaultScanner scanner({-1, 1, 0});
+  std::vector<double> values(12'000);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = k % 6 == 0 ? 2 : 0.001 * static_cast<double>(k % 7);
+  scanner.Feed(0, values, std::vector<trial::SampleStatus>(values.size()));
+  const Faults faults = scanner.Finish();
+  EXPECT_EQ(faults.Rows(FaultKind::kClipped), 2000U);
+  EXPECT_EQ(ClippedRows(faults, 0, 6000), 2000U) << "1000 listed, 1000 that may be anywhere";
+  EXPECT_EQ(ClippedRows(faults, 9000, 3000), 1000U);
+  EXPECT_EQ(ClippedRows(faults, 9000, 300), 300U);
 }
 
 }  // namespace

@@ -1,0 +1,115 @@
+// Onset and latency through AnalyzeBand; the oracle is the closed form of the rise.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kRateHz = 10e3;
+constexpr std::size_t kRows = 30'000;
+constexpr double kToneHz = 225;
+constexpr double kOnS = 1.03374;  // between two rows
+constexpr double kOffS = 2.5;
+constexpr double kRiseTauS = 0.02;
+const double kTenthS = -kRiseTauS * std::log(0.9);  // from the drive to 10 %
+
+double Turn(double t_s, double phase) {
+  return std::sin(2 * std::numbers::pi * kToneHz * t_s + phase);
+}
+
+// 10 um (1 - exp(-(t - on) / tau)) on 30 mm and 50 um of tremor, with 0.05 um of noise
+trial::Record Rising(double phase) {
+  std::vector<double> values = Samples(kRateHz, kRows, 0.03, {{5e-5, 8.3, 0.7}});
+  Noise noise(5);
+  for (std::size_t k = 0; k < kRows; ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    if (t_s >= kOnS && t_s < kOffS) {
+      values[k] += 1e-5 * (1 - std::exp(-(t_s - kOnS) / kRiseTauS)) * Turn(t_s, phase);
+    }
+    values[k] += 5e-8 * noise();
+  }
+  return RecordOf(std::move(values), kRateHz);
+}
+
+template <typename Value>
+void AddChannel(trial::Record& record, trial::ChannelRole role, const std::string& unit,
+                const Value& value) {
+  trial::Channel channel = record.channels[0];
+  channel.name = Name(role);
+  channel.role = role;
+  channel.unit = unit;
+  for (std::size_t k = 0; k < record.rows; ++k) {
+    const double t_s = static_cast<double>(k) / kRateHz;
+    channel.values[k] = value(t_s, t_s >= kOnS && t_s < kOffS);
+  }
+  record.channels.push_back(std::move(channel));
+}
+
+TEST(DriveOnset, ARiseAfterAVoltageHasItsLatencyWithinWhatIsStated) {
+  for (int k = 0; k < 8; ++k) {
+    const double phase = k * std::numbers::pi / 4;
+    trial::Record record = Rising(phase);
+    Noise noise(6);
+    AddChannel(record, trial::ChannelRole::kVoltage, "V", [&](double t_s, bool on) {
+      return 0.2 + 0.01 * noise() + (on ? 2 * Turn(t_s, phase + 1) : 0);
+    });
+    const auto analysis = AnalyzeBand(record, {});
+    ASSERT_TRUE(analysis && analysis->answered && analysis->numbers->onset);
+    const OnsetNumbers& onset = *analysis->numbers->onset;
+    EXPECT_ABS(onset.edge.time_s, kOnS + kTenthS, 2 * onset.edge.time_uncertainty_s, "as stated");
+    ASSERT_TRUE(onset.drive_s && onset.latency_s);
+    EXPECT_ABS(*onset.drive_s, kOnS, 2 * onset.drive_uncertainty_s, "the interval, and noise");
+    EXPECT_LT(onset.drive_uncertainty_s, 1e-4);
+    EXPECT_ABS(*onset.latency_s, kTenthS, 2 * onset.latency_uncertainty_s, "as stated");
+    EXPECT_LT(onset.latency_uncertainty_s, 2e-3);
+    EXPECT_REL(*onset.edge.rise_s, kRiseTauS * std::log(9), 0.05, "the window's own rise");
+  }
+}
+
+TEST(DriveOnset, ATriggerIsKnownToARow) {
+  trial::Record record = Rising(0.3);
+  AddChannel(record, trial::ChannelRole::kTrigger, "V",
+             [](double, bool on) { return on ? 5.0 : 0.0; });
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis && analysis->numbers->onset && analysis->numbers->onset->drive_s);
+  const OnsetNumbers& onset = *analysis->numbers->onset;
+  EXPECT_ABS(*onset.drive_s, kOnS, 0.5 / kRateHz + 1e-12, "half a row");
+  EXPECT_ABS(onset.drive_uncertainty_s, 0.5 / kRateHz / std::numbers::sqrt3, 1e-12, "a row");
+}
+
+TEST(DriveOnset, WithoutADriveChannelThereIsNoLatency) {
+  const auto analysis = AnalyzeBand(Rising(0), {});
+  ASSERT_TRUE(analysis && analysis->numbers->onset);
+  EXPECT_FALSE(analysis->numbers->onset->drive_s);
+  EXPECT_FALSE(analysis->numbers->onset->latency_s);
+}
+
+TEST(DriveOnset, IsNotDeterminedWithoutAQuietPartBefore) {
+  const auto analysis = AnalyzeBand(RecordOf(Samples(kRateHz, kRows, 0, {{1e-5, 225}}), 1e4), {});
+  ASSERT_TRUE(analysis && analysis->answered);
+  EXPECT_FALSE(analysis->numbers->onset);
+  EXPECT_EQ(analysis->numbers->part.drive.course, DriveCourse::kUnchanging);
+}
+
+TEST(DriveOnset, ANoisyVoltageTellsNoLatency) {
+  trial::Record record = Rising(0);
+  Noise noise(6);
+  AddChannel(record, trial::ChannelRole::kVoltage, "V",
+             [&](double t_s, bool on) { return noise() + (on ? 2 * Turn(t_s, 0) : 0); });
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis && analysis->numbers->onset);
+  EXPECT_FALSE(analysis->numbers->onset->drive_s);
+}
+
+}  // namespace
+}  // namespace haptometer::dsp
