@@ -1,6 +1,7 @@
 #include "dsp/filter/lane_cascade.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/check.h"
 #include "dsp/filter/cascade.h"
@@ -9,6 +10,28 @@
 
 namespace haptometer::dsp {
 namespace {
+
+// a numerator 1 + one/z + two/z^2
+struct Numerator {
+  double one = 0;
+  double two = 0;
+};
+
+Numerator NumeratorOf(SectionKind kind) {
+  switch (kind) {
+    case SectionKind::kHighPass:
+      return {-2, 1};
+    case SectionKind::kBandPass:
+      return {0, -1};
+    case SectionKind::kLowPass:
+      return {2, 1};
+    case SectionKind::kFirstOrderHighPass:
+      return {-1, 0};
+    case SectionKind::kFirstOrderLowPass:
+      return {1, 0};
+  }
+  return {};
+}
 
 const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(IsSupported(set), "this processor has no {}", Name(set));
@@ -23,13 +46,35 @@ const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
 }
 
+// for each sample of a stretch the states at its end where the first section's combination of
+// inputs is 1 at that sample, 0 at all others
+std::vector<double> WeightsOf(const FilterDesign& design) {
+  const std::size_t states = 2 * design.sections.size();
+  std::vector<double> weights(kLaneSamples * states);
+  // the inputs that combine to 1, 0, 0, ...: small whole numbers, so exact
+  const auto [one, two] = NumeratorOf(design.sections.front().kind);
+  double last = 0;
+  double before_last = 0;
+  Cascade cascade(design);
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const double input = (n == 0 ? 1 : 0) - one * last - two * before_last;
+    before_last = std::exchange(last, input);
+    double output = 0;
+    cascade.Process({&input, 1}, {&output, 1});
+    cascade.CopyState(std::span(weights).subspan((kLaneSamples - 1 - n) * states, states));
+  }
+  return weights;
+}
+
 }  // namespace
 
 LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
     : design_(design), kernel_(&KernelOf(set)), sections_(design.sections.size()) {
   CheckSections(design);
+  weights_ = WeightsOf(design);
   const FlushSubnormals flush;
-  alignas(64) std::array<double, kTileSamples> silence{};
+  alignas(64) const std::array<double, kTileSamples> silence{};
+  alignas(64) std::array<double, kTileSamples> ringing;
   for (std::size_t first = 0; first < 2 * sections_; first += kLanes) {
     // lane j begins from the unit state first + j
     LaneStates lanes{};
@@ -37,7 +82,7 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
       const std::size_t state = first + lane;
       (state < sections_ ? lanes.output[state] : lanes.step[state - sections_])[lane] = 1;
     }
-    kernel_->advance(design_, Direction::kForward, silence.data(), lanes);
+    kernel_->filter(design_, Direction::kForward, silence.data(), ringing.data(), lanes);
     for (std::size_t lane = 0; lane < kLanes && first + lane < 2 * sections_; ++lane) {
       for (std::size_t k = 0; k < sections_; ++k) {
         handover_[first + lane][k] = lanes.output[k][lane];
@@ -75,7 +120,7 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   }
   last_input_ = last;
   input_before_last_ = before;
-  plan_->kernel_->advance(plan_->design_, direction, rows, lanes_);
+  plan_->kernel_->weigh(plan_->design_, direction, rows, plan_->weights_.data(), lanes_);
 }
 
 // from lanes_, run from rest, the true state at each lane's begin (starts_) and at the tile's end

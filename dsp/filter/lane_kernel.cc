@@ -24,7 +24,19 @@ Lanes Load(const double* values) {
 }
 
 // runs Lanes::size() lanes from `first_lane` on
-template <FilterKind kKind, int kOrder, bool kKeepsOutput>
+// the first row on the way and how far the next one is
+struct Way {
+  std::ptrdiff_t first = 0;
+  std::ptrdiff_t stride = kLanes;
+};
+
+Way WayOf(Direction direction) {
+  constexpr auto kStride = static_cast<std::ptrdiff_t>(kLanes);
+  if (direction == Direction::kForward) return {0, kStride};
+  return {static_cast<std::ptrdiff_t>(kTileSamples) - kStride, -kStride};
+}
+
+template <FilterKind kKind, int kOrder>
 void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
               LaneStates& states, std::size_t first_lane) {
   constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
@@ -46,14 +58,11 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
   }
   step.last_input = Load(&states.last_input[first_lane]);
 
-  const bool forward = direction == Direction::kForward;
-  const std::ptrdiff_t stride = forward ? kLanes : -static_cast<std::ptrdiff_t>(kLanes);
-  std::ptrdiff_t at =
-      static_cast<std::ptrdiff_t>(first_lane + (forward ? 0 : kTileSamples - kLanes));
+  const Way way = WayOf(direction);
+  std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    const Lanes result = step.Advance(sections, Load(rows + at));
-    if constexpr (kKeepsOutput) result.copy_to(out + at, vector_aligned);
-    at += stride;
+    step.Advance(sections, Load(rows + at)).copy_to(out + at, vector_aligned);
+    at += way.stride;
   }
 
   for (std::size_t k = 0; k < Step::kCount; ++k) {
@@ -62,45 +71,66 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
   }
 }
 
-using RunFunction = void (*)(const DeltaSection*, Direction, const double*, double*, LaneStates&,
-                             std::size_t);
-
-template <FilterKind kKind, bool kKeepsOutput>
-RunFunction RunOfOrder(int order) {
-  return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
-    constexpr RunFunction kByOrder[] = {RunLanes<kKind, kIndex + 1, kKeepsOutput>...};
-    return kByOrder[order - 1];
-  }(std::make_integer_sequence<int, kHighestOrder>());
+// the weighted sums of Lanes::size() lanes from `first_lane` on
+template <FilterKind kKind, int kOrder>
+void WeighLanes(Direction direction, const double* rows, const double* weights, LaneStates& states,
+                std::size_t first_lane) {
+  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
+  constexpr std::size_t kCount = kShape.count();
+  using Step = CascadeStep<kShape, Lanes>;
+  Lanes sums[2 * kCount] = {};
+  Lanes last_input = Load(&states.last_input[first_lane]);
+  Lanes input_before = Load(&states.input_before[first_lane]);
+  const Way way = WayOf(direction);
+  const double* row = rows + way.first + first_lane;
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const Lanes combined = Step::FirstCombined(Load(row), last_input, input_before);
+#pragma GCC unroll 16  // all of them: so that the sums stay in registers
+    for (std::size_t k = 0; k < 2 * kCount; ++k) sums[k] += weights[k] * combined;
+    weights += 2 * kCount;
+    row += way.stride;
+  }
+  for (std::size_t k = 0; k < kCount; ++k) {
+    sums[k].copy_to(&states.output[k][first_lane], vector_aligned);
+    sums[kCount + k].copy_to(&states.step[k][first_lane], vector_aligned);
+  }
 }
 
-template <bool kKeepsOutput>
-void Run(const FilterDesign& design, Direction direction, const double* rows, double* out,
-         LaneStates& states) {
-  RunFunction run = nullptr;
+// calls `run` with the kind and the order of `design` as constants
+template <typename Run>
+void WithShape(const FilterDesign& design, const Run& run) {
+  const auto with_kind = [&]<FilterKind kKind>() {
+    [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
+      (void)((design.order == kIndex + 1 && (run.template operator()<kKind, kIndex + 1>(), true)) ||
+             ...);
+    }(std::make_integer_sequence<int, kHighestOrder>());
+  };
   switch (design.kind) {
     case FilterKind::kBandPass:
-      run = RunOfOrder<FilterKind::kBandPass, kKeepsOutput>(design.order);
-      break;
+      return with_kind.template operator()<FilterKind::kBandPass>();
     case FilterKind::kHighPass:
-      run = RunOfOrder<FilterKind::kHighPass, kKeepsOutput>(design.order);
-      break;
+      return with_kind.template operator()<FilterKind::kHighPass>();
     case FilterKind::kLowPass:
-      run = RunOfOrder<FilterKind::kLowPass, kKeepsOutput>(design.order);
-      break;
-  }
-  for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
-    run(&design.sections.front(), direction, rows, out, states, lane);
+      return with_kind.template operator()<FilterKind::kLowPass>();
   }
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
             LaneStates& states) {
-  Run<true>(design, direction, rows, out, states);
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+      RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, states, lane);
+    }
+  });
 }
 
-void Advance(const FilterDesign& design, Direction direction, const double* rows,
-             LaneStates& states) {
-  Run<false>(design, direction, rows, nullptr, states);
+void Weigh(const FilterDesign& design, Direction direction, const double* rows,
+           const double* weights, LaneStates& states) {
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+      WeighLanes<kKind, kOrder>(direction, rows, weights, states, lane);
+    }
+  });
 }
 
 // Two samples of two lanes are turned at once: wider squares are slower (g++ 12).
@@ -140,6 +170,6 @@ void Scatter(const double* rows, double* tile) {
 
 }  // namespace
 
-const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Advance};
+const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Weigh};
 
 }  // namespace haptometer::dsp

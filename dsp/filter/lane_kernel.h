@@ -38,9 +38,12 @@ struct LaneKernel {
   /// and leaves the states. `out` may be `rows`.
   void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
                  LaneStates& states);
-  /// The states only.
-  void (*advance)(const FilterDesign& design, Direction direction, const double* rows,
-                  LaneStates& states);
+  /// The states that it would leave, all outputs and steps being 0 before, at a third of the cost:
+  ///   state = sum over n of weights[n] m[n]
+  /// with m the first section's combination of inputs and weights[n] (a value for each state,
+  /// y of each section, then d of each) what is left at the end of m = 1 at sample n of the way.
+  void (*weigh)(const FilterDesign& design, Direction direction, const double* rows,
+                const double* weights, LaneStates& states);
 };
 
 extern const LaneKernel kLaneKernelBaseline;
