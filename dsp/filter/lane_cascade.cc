@@ -196,13 +196,9 @@ void LaneCascade::ProcessBackward(std::span<const double> rows, std::span<double
     StartLanes();
     plan_->kernel_->filter(plan_->design_, Direction::kBackward, &rows[begin], rows_.data(),
                            lanes_);
-    if (end <= out.size()) {
-      plan_->kernel_->scatter(rows_.data(), &out[begin]);
-    } else {
-      alignas(64) std::array<double, kTileSamples> tile;
-      plan_->kernel_->scatter(rows_.data(), tile.data());
-      std::copy_n(tile.begin(), out.size() - begin, &out[begin]);
-    }
+    // by way of the cache: eight streams into memory at once would cost twice as much as one
+    plan_->kernel_->scatter(rows_.data(), tile_.data());
+    std::copy_n(tile_.begin(), std::min(kTileSamples, out.size() - begin), &out[begin]);
   }
 }
 

@@ -72,7 +72,8 @@ class LaneCascade {
   double input_before_last_ = 0;  // x[n-2]
   LaneStates lanes_{};
   std::array<LanePlan::StateVector, kLanes> starts_{};
-  alignas(64) std::array<double, kTileSamples> rows_{};
+  alignas(64) std::array<double, kTileSamples> rows_;
+  alignas(64) std::array<double, kTileSamples> tile_;
 };
 
 }  // namespace haptometer::dsp
