@@ -123,33 +123,10 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   plan_->kernel_->weigh(plan_->design_, direction, rows, plan_->weights_.data(), lanes_);
 }
 
-// from lanes_, run from rest, the true state at each lane's begin (starts_) and at the tile's end
+// from lanes_, run from rest, the true state at each lane's begin and at the tile's end
 void LaneCascade::HandOver(Direction direction) {
-  const std::size_t sections = plan_->sections_;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const std::size_t lane = direction == Direction::kForward ? k : kLanes - 1 - k;
-    starts_[lane] = state_;
-    LanePlan::StateVector next{};
-    for (std::size_t section = 0; section < sections; ++section) {
-      next[section] = lanes_.output[section][lane];
-      next[sections + section] = lanes_.step[section][lane];
-    }
-    for (std::size_t column = 0; column < 2 * sections; ++column) {
-      for (std::size_t row = 0; row < LanePlan::kMostStates; ++row) {
-        next[row] += plan_->handover_[column][row] * state_[column];
-      }
-    }
-    state_ = next;
-  }
-}
-
-void LaneCascade::StartLanes() {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    for (std::size_t section = 0; section < plan_->sections_; ++section) {
-      lanes_.output[section][lane] = starts_[lane][section];
-      lanes_.step[section][lane] = starts_[lane][plan_->sections_ + section];
-    }
-  }
+  plan_->kernel_->hand_over(plan_->design_, direction, plan_->handover_.front().data(),
+                            state_.data(), lanes_);
 }
 
 void LaneCascade::AdvanceForward(std::span<const double> tiles) {
@@ -170,7 +147,6 @@ void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
-    StartLanes();
     plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile], lanes_);
   }
 }
@@ -193,10 +169,9 @@ void LaneCascade::ProcessBackward(std::span<const double> rows, std::span<double
     const std::size_t begin = end - kTileSamples;
     TakeRows(&rows[begin], Direction::kBackward);
     HandOver(Direction::kBackward);
-    StartLanes();
     plan_->kernel_->filter(plan_->design_, Direction::kBackward, &rows[begin], rows_.data(),
                            lanes_);
-    // by way of the cache: eight streams into memory at once would cost twice as much as one
+    // by way of the cache: a stream for each lane into memory would cost twice as much as one
     plan_->kernel_->scatter(rows_.data(), tile_.data());
     std::copy_n(tile_.begin(), std::min(kTileSamples, out.size() - begin), &out[begin]);
   }

@@ -26,8 +26,8 @@ class LanePlan {
 
  private:
   friend class LaneCascade;
-  static constexpr std::size_t kMostStates = 2UZ * kHighestOrder;
-  using StateVector = std::array<double, kMostStates>;  // y of each section, then d of each
+  // y of each section, then d of each
+  struct alignas(64) StateVector : std::array<double, kMostStates> {};
 
   FilterDesign design_;
   const LaneKernel* kernel_;
@@ -64,14 +64,12 @@ class LaneCascade {
  private:
   void TakeRows(const double* rows, Direction direction);
   void HandOver(Direction direction);
-  void StartLanes();
 
   const LanePlan* plan_;
   LanePlan::StateVector state_{};
   double last_input_ = 0;         // x[n-1]
   double input_before_last_ = 0;  // x[n-2]
   LaneStates lanes_{};
-  std::array<LanePlan::StateVector, kLanes> starts_{};
   alignas(64) std::array<double, kTileSamples> rows_;
   alignas(64) std::array<double, kTileSamples> tile_;
 };

@@ -3,6 +3,7 @@
 // always.
 #include "dsp/filter/lane_kernel.h"
 
+#include <algorithm>
 #include <experimental/simd>
 #include <utility>
 
@@ -14,7 +15,7 @@ namespace {
 // as many lanes as one register holds: a row of several registers is copied through memory, which
 // costs up to ten times as much (g++ 12)
 using Lanes = std::experimental::native_simd<double>;
-static_assert(kLanes % Lanes::size() == 0);
+static_assert(kLanes % (2 * Lanes::size()) == 0);
 using std::experimental::vector_aligned;
 
 Lanes Load(const double* values) {
@@ -36,15 +37,11 @@ Way WayOf(Direction direction) {
   return {static_cast<std::ptrdiff_t>(kTileSamples) - kStride, -kStride};
 }
 
-template <FilterKind kKind, int kOrder>
-void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
-              LaneStates& states, std::size_t first_lane) {
-  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
-  using Step = CascadeStep<kShape, Lanes>;
-  Step step;
-  DeltaSection sections[Step::kCount];
-  for (std::size_t k = 0; k < Step::kCount; ++k) {
-    sections[k] = given[k];
+// the cascade in Lanes::size() lanes from `first_lane` on
+template <CascadeShape kShape>
+CascadeStep<kShape, Lanes> LoadStep(const LaneStates& states, std::size_t first_lane) {
+  CascadeStep<kShape, Lanes> step;
+  for (std::size_t k = 0; k < kShape.count(); ++k) {
     step.output[k] = Load(&states.output[k][first_lane]);
     step.step[k] = Load(&states.step[k][first_lane]);
     if (k == 0) {
@@ -57,18 +54,39 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
     }
   }
   step.last_input = Load(&states.last_input[first_lane]);
+  return step;
+}
 
-  const Way way = WayOf(direction);
-  std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
-  for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    step.Advance(sections, Load(rows + at)).copy_to(out + at, vector_aligned);
-    at += way.stride;
-  }
-
-  for (std::size_t k = 0; k < Step::kCount; ++k) {
+template <CascadeShape kShape>
+void StoreStep(const CascadeStep<kShape, Lanes>& step, LaneStates& states, std::size_t first_lane) {
+  for (std::size_t k = 0; k < kShape.count(); ++k) {
     step.output[k].copy_to(&states.output[k][first_lane], vector_aligned);
     step.step[k].copy_to(&states.step[k][first_lane], vector_aligned);
   }
+}
+
+// Runs 2 Lanes::size() lanes from `first_lane` on: in two registers, because each alone would wait
+// for its own last sample.
+template <FilterKind kKind, int kOrder>
+void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
+              LaneStates& states, std::size_t first_lane) {
+  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
+  DeltaSection sections[kShape.count()];
+  for (std::size_t k = 0; k < kShape.count(); ++k) sections[k] = given[k];
+  const std::size_t second_lane = first_lane + Lanes::size();
+  auto first = LoadStep<kShape>(states, first_lane);
+  auto second = LoadStep<kShape>(states, second_lane);
+  const Way way = WayOf(direction);
+  std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const double* row = rows + at;
+    first.Advance(sections, Load(row)).copy_to(out + at, vector_aligned);
+    second.Advance(sections, Load(row + Lanes::size()))
+        .copy_to(out + at + Lanes::size(), vector_aligned);
+    at += way.stride;
+  }
+  StoreStep<kShape>(first, states, first_lane);
+  StoreStep<kShape>(second, states, second_lane);
 }
 
 // the weighted sums of Lanes::size() lanes from `first_lane` on
@@ -96,6 +114,36 @@ void WeighLanes(Direction direction, const double* rows, const double* weights, 
   }
 }
 
+// A section's two states, of one lane, in `state` as LaneKernel::hand_over has them, exchanged.
+template <std::size_t kCount>
+void ExchangeStates(LaneStates& states, std::size_t lane, double* state) {
+  for (std::size_t k = 0; k < kCount; ++k) {
+    std::swap(states.output[k][lane], state[k]);
+    std::swap(states.step[k][lane], state[kCount + k]);
+  }
+}
+
+template <std::size_t kCount>
+void HandOverLanes(Direction direction, const double* handover, double* state, LaneStates& states) {
+  constexpr std::size_t kRegisters = (2 * kCount + Lanes::size() - 1) / Lanes::size();
+  for (std::size_t n = 0; n < kLanes; ++n) {
+    const std::size_t lane = direction == Direction::kForward ? n : kLanes - 1 - n;
+    alignas(64) double before[kMostStates];
+    std::copy_n(state, kMostStates, before);
+    ExchangeStates<kCount>(states, lane, state);
+    Lanes sums[kRegisters];
+    for (std::size_t k = 0; k < kRegisters; ++k) sums[k] = Load(state + k * Lanes::size());
+    for (std::size_t column = 0; column < 2 * kCount; ++column) {
+      for (std::size_t k = 0; k < kRegisters; ++k) {
+        sums[k] += Load(handover + column * kMostStates + k * Lanes::size()) * before[column];
+      }
+    }
+    for (std::size_t k = 0; k < kRegisters; ++k) {
+      sums[k].copy_to(state + k * Lanes::size(), vector_aligned);
+    }
+  }
+}
+
 // calls `run` with the kind and the order of `design` as constants
 template <typename Run>
 void WithShape(const FilterDesign& design, const Run& run) {
@@ -118,7 +166,7 @@ void WithShape(const FilterDesign& design, const Run& run) {
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
             LaneStates& states) {
   WithShape(design, [&]<FilterKind kKind, int kOrder>() {
-    for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+    for (std::size_t lane = 0; lane < kLanes; lane += 2 * Lanes::size()) {
       RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, states, lane);
     }
   });
@@ -130,6 +178,13 @@ void Weigh(const FilterDesign& design, Direction direction, const double* rows,
     for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
       WeighLanes<kKind, kOrder>(direction, rows, weights, states, lane);
     }
+  });
+}
+
+void HandOver(const FilterDesign& design, Direction direction, const double* handover,
+              double* state, LaneStates& states) {
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    HandOverLanes<ShapeOf(kKind, kOrder).count()>(direction, handover, state, states);
   });
 }
 
@@ -170,6 +225,6 @@ void Scatter(const double* rows, double* tile) {
 
 }  // namespace
 
-const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Weigh};
+const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Weigh, HandOver};
 
 }  // namespace haptometer::dsp
