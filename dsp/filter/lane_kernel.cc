@@ -17,6 +17,7 @@ namespace {
 using Lanes = std::experimental::native_simd<double>;
 static_assert(kLanes % (2 * Lanes::size()) == 0);
 using std::experimental::vector_aligned;
+constexpr std::size_t kCacheLine = 64;
 
 Lanes Load(const double* values) {
   Lanes lanes;
@@ -69,7 +70,7 @@ void StoreStep(const CascadeStep<kShape, Lanes>& step, LaneStates& states, std::
 // for its own last sample.
 template <FilterKind kKind, int kOrder>
 void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
-              LaneStates& states, std::size_t first_lane) {
+              const double* ahead, LaneStates& states, std::size_t first_lane) {
   constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
   DeltaSection sections[kShape.count()];
   for (std::size_t k = 0; k < kShape.count(); ++k) sections[k] = given[k];
@@ -80,6 +81,10 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
   std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
     const double* row = rows + at;
+    __builtin_prefetch(ahead + at);
+    if constexpr (2 * Lanes::size() * sizeof(double) > kCacheLine) {
+      __builtin_prefetch(ahead + at + kCacheLine / sizeof(double));
+    }
     first.Advance(sections, Load(row)).copy_to(out + at, vector_aligned);
     second.Advance(sections, Load(row + Lanes::size()))
         .copy_to(out + at + Lanes::size(), vector_aligned);
@@ -164,10 +169,10 @@ void WithShape(const FilterDesign& design, const Run& run) {
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
-            LaneStates& states) {
+            const double* ahead, LaneStates& states) {
   WithShape(design, [&]<FilterKind kKind, int kOrder>() {
     for (std::size_t lane = 0; lane < kLanes; lane += 2 * Lanes::size()) {
-      RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, states, lane);
+      RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, ahead, states, lane);
     }
   });
 }

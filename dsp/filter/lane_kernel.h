@@ -37,9 +37,10 @@ struct LaneKernel {
   /// The same, back in order of time.
   void (*scatter)(const double* rows, double* tile);
   /// Runs the cascade through all lanes, each from its first sample to its last or the other way,
-  /// and leaves the states. `out` may be `rows`.
+  /// and leaves the states. `out` may be `rows`. The tile at `ahead` is fetched into the cache
+  /// meanwhile.
   void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
-                 LaneStates& states);
+                 const double* ahead, LaneStates& states);
   /// The states that it would leave, all outputs and steps being 0 before, at a third of the cost:
   ///   state = sum over n of weights[n] m[n]
   /// with m the first section's combination of inputs and weights[n] (a value for each state,
