@@ -156,6 +156,11 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
                         "check the target and the sensor's range");
   }
   RemarkFaults(head, &analysis);
+  if (head.stretches.size() == 1) {
+    const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
+    analysis.slow_motion =
+        DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
+  }
 
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};

@@ -13,8 +13,8 @@
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/spectrum/harmonics.h"
-#include "dsp/spectrum/onset.h"
 #include "dsp/spectrum/sine_fit.h"
+#include "dsp/spectrum/slow_motion.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -80,13 +80,6 @@ struct SensorNumbers {
   bool amplitude_verified = false;         ///< false: "sensor averaging unknown", or below 0.5
 };
 
-/// How a vibration begins, by its tone's moving fit.
-struct OnsetNumbers {
-  Edge edge;                        ///< times count from the record's zero
-  std::optional<double> drive_s;    ///< when the drive began; nothing without a drive channel
-  std::optional<double> latency_s;  ///< from there to the vibration's 10 %
-};
-
 /// What a window says of the band.
 struct BandNumbers {
   UsedPart part;
@@ -98,8 +91,9 @@ struct BandNumbers {
   std::optional<NoiseFloor> floor;
   std::optional<BelowBand> below_band;
   std::optional<ToneNumbers> tone;
-  std::optional<Harmonics> harmonics;  ///< of unfiltered samples; where a second one is observable
-  std::optional<OnsetNumbers> onset;
+  /// Of unfiltered samples up to the tenth and record.observable_upper_hz, as the sensor handed
+  /// them out; nothing where no second one is observable. At most 2^21 samples.
+  std::optional<Harmonics> harmonics;
   SensorNumbers sensor;
   NoisePower power;  ///< of the whole window, tone and all: what another trial takes as its floor
 };
@@ -122,6 +116,9 @@ struct BandAnalysis {
   BandPass band;                       ///< as used: the order may have been lowered
   std::optional<BandNumbers> numbers;  ///< nothing where no part could be filtered
   std::optional<KnownTone> known_tone;
+  /// Drift and tremor of all rows, by means of 4 ms or more; nothing for a record with holes that
+  /// long, or of uneven stretches.
+  std::optional<SlowMotion> slow_motion;
 
   /// Row by row: the filtered signal, NaN where there is none; empty where nothing was filtered.
   std::vector<double> filtered_m;
@@ -144,7 +141,7 @@ struct BandAnalysis {
 ///
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
-/// what leaks from below the band, quantisation, bridging, and settling to 2.5e-5. The sensor's
+/// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
 /// calibration is not included and a remark says so.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose

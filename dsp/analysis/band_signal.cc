@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -25,26 +26,29 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
   return samples;
 }
 
-// four running results of each kind, so that no step waits for the one before it
+// four running sums, so that no step waits for the one before it
 BandCell CellOf(std::span<const double> samples) {
   constexpr std::size_t kLanes = 4;
-  std::array<double, kLanes> sums{};
-  std::array<double, kLanes> least;
-  std::array<double, kLanes> most;
-  least.fill(samples.front());
-  most.fill(samples.front());
-  const auto take = [&](std::size_t lane, double sample) {
-    sums[lane] += sample * sample;
-    least[lane] = sample < least[lane] ? sample : least[lane];
-    most[lane] = sample > most[lane] ? sample : most[lane];
+  std::array<BandCell, kLanes> lanes;
+  lanes.fill({0, samples.front(), samples.front()});
+  const auto take = [](BandCell& cell, double sample) {
+    cell.square_sum += sample * sample;
+    cell.least = sample < cell.least ? sample : cell.least;
+    cell.most = sample > cell.most ? sample : cell.most;
   };
-  const std::size_t whole = samples.size() / kLanes * kLanes;
-  for (std::size_t k = 0; k < whole; k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, samples[k + lane]);
+  std::size_t k = 0;
+  for (; k + kLanes <= samples.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lanes[lane], samples[k + lane]);
   }
-  for (std::size_t k = whole; k < samples.size(); ++k) take(k - whole, samples[k]);
-  return {(sums[0] + sums[1]) + (sums[2] + sums[3]), std::ranges::min(least),
-          std::ranges::max(most)};
+  for (; k < samples.size(); ++k) take(lanes[k % kLanes], samples[k]);
+  BandCell cell = lanes[0];
+  cell.square_sum =
+      (lanes[0].square_sum + lanes[1].square_sum) + (lanes[2].square_sum + lanes[3].square_sum);
+  for (const BandCell& lane : lanes) {
+    cell.least = std::min(cell.least, lane.least);
+    cell.most = std::max(cell.most, lane.most);
+  }
+  return cell;
 }
 
 // Neumaier's compensated sum of terms that are not negative (ZAMM 54, 1974)
@@ -89,6 +93,7 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
                                       int threads) {
+  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
   BandSignal signal(samples, design, std::nullopt);
   if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
@@ -97,15 +102,13 @@ Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const Filte
 Result<BandSignal> BandSignal::FilterBeside(const SegmentSamples& samples,
                                             const FilterDesign& design, BelowBandModel model,
                                             int threads) {
+  HAPTOMETER_CHECK(samples.size() >= 1, "no samples");
   BandSignal signal(samples, design, std::move(model));
-  if (auto filtered = signal.FilterAll(threads); !filtered) {
-    return std::unexpected(filtered.error());
-  }
+  if (auto done = signal.FilterAll(threads); !done) return std::unexpected(done.error());
   return signal;
 }
 
 Result<void> BandSignal::FilterAll(int threads) {
-  HAPTOMETER_CHECK(size() >= 1, "no samples");
   // the ends first, then the blocks
   EndDependence dependence;
   const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {

@@ -57,6 +57,7 @@ class BandSignal {
   [[nodiscard]] const Segment& segment() const { return samples_.segment(); }
   [[nodiscard]] const SegmentSamples& samples() const { return samples_; }
   [[nodiscard]] const FilterDesign& design() const { return design_; }
+  /// What was taken from the samples; nothing by Filter.
   [[nodiscard]] const std::optional<BelowBandModel>& model() const { return model_; }
 
   /// Samples [settled_begin, settled_end) do not depend on what lay beyond the segment's ends;
@@ -93,10 +94,10 @@ class BandSignal {
   BandSignal(const SegmentSamples& samples, const FilterDesign& design,
              std::optional<BelowBandModel> model);
 
-  // the segment's samples less the model
+  // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
   [[nodiscard]] Result<void> FilterAll(int threads);
-  // a block, filtered with an odd continuation, the model's share added; it lies in `buffers`
+  // a block, filtered; it lies in `buffers`
   [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
                                                    Buffers& buffers) const;
   [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);

@@ -253,7 +253,8 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   add("quantisation", std::min(steps, steps * steps / (2 * rms)),
       "step / sqrt(12), white up to half the rate");
   add("bridged readings", numbers.bridged_rms_m, "the error of the same bridging beside each hole");
-  add("filter's ends", kSettledTolerance * rms, "how far the two continuations may differ");
+  add("filter's ends", kSettledError * rms,
+      "what lay beyond the ends, as far as it may still show");
   add("drive's edges", edges_m, "what a window shorter by a period at either end would change");
   add("spikes", 0.5 * rms * FaultShare(window, FaultKind::kSpike), "their energy within the band");
   add("steps", 0.5 * rms * FaultShare(window, FaultKind::kStep), "their energy within the band");
@@ -292,6 +293,20 @@ void FinishTone(Window& window) {
   const double turn = kTwoPi * fit.frequency_hz;
   tone.velocity_m_per_s = turn * tone.amplitude_m;
   tone.acceleration_m_per_s2 = turn * turn * tone.amplitude_m;
+}
+
+// multiples of the tone in the samples before the filter, beside a cubic drift
+Result<void> DescribeHarmonics(Window& window) {
+  const double frequency_hz = window.numbers.tone->fit.frequency_hz;
+  const double upper_hz = window.analysis.record.observable_upper_hz;
+  if (2 * frequency_hz > upper_hz) return {};
+  std::vector<double> samples(std::min(window.rows, kMostFitted));
+  const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
+  if (auto read = window.signal().samples().Read(first, samples); !read) return read;
+  Harmonics harmonics = FitHarmonics(samples, {window.rate_hz(), 0, kHighestDriftDegree},
+                                     frequency_hz, std::min(upper_hz, 10.5 * frequency_hz));
+  if (harmonics.converged) window.numbers.harmonics = std::move(harmonics);
+  return {};
 }
 
 // RMS of everything that was filtered, unsettled ends included
@@ -347,7 +362,10 @@ Result<void> MeasureWindow(const trial::Record& head, const trial::Channel& disp
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
-  if (window.numbers.tone) FinishTone(window);
+  if (window.numbers.tone) {
+    FinishTone(window);
+    if (auto described = DescribeHarmonics(window); !described) return described;
+  }
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);
   return {};

@@ -61,8 +61,8 @@ void PrintBand(const dsp::BandAnalysis& a) {
                    a.numbers->tone->fit.frequency_hz,
                    a.numbers->tone->fit.frequency_uncertainty_hz));
   Line("", fmt::format("{:.5g} um amplitude, standard uncertainty {:.2g} um",
-                       a.numbers->tone->fit.amplitude / kUm,
-                       a.numbers->tone->fit.amplitude_uncertainty / kUm));
+                       a.numbers->tone->amplitude_m / kUm,
+                       a.numbers->tone->amplitude_uncertainty_m / kUm));
   Line("", fmt::format("{:.3g} um RMS in band without it", a.numbers->residual_rms_m / kUm));
 }
 
@@ -139,6 +139,9 @@ Json EmptyTrial(const AnalyzedFile& file) {
                           "tone_velocity_m_per_s",
                           "tone_acceleration_m_per_s2",
                           "known_tone",
+                          "thd",
+                          "drift_m_per_s",
+                          "tremor_rms_m",
                           "tone_frequency_hz",
                           "tone_frequency_standard_uncertainty_hz",
                           "tone_amplitude_m",
@@ -163,6 +166,10 @@ void FillKnown(const dsp::BandAnalysis& a, Json& trial) {
   trial["offset_m"] = a.record.offset_m;
   trial["peak_to_peak_m"] = a.record.peak_to_peak_m;
   trial["faults"] = FaultsJson(a.faults);
+  if (a.slow_motion) {
+    trial["drift_m_per_s"] = a.slow_motion->drift_per_s;
+    trial["tremor_rms_m"] = cli::NumberOrNull(a.slow_motion->tremor_rms);
+  }
   if (a.known_tone) {
     trial["known_tone"] = {{"frequency_hz", a.known_tone->fit.frequency_hz},
                            {"amplitude_m", a.known_tone->fit.amplitude},
@@ -205,6 +212,7 @@ void FillBand(const dsp::BandAnalysis& a, Json& trial) {
   trial[a.answered ? "tone_amplitude_m" : "tone_amplitude_estimate_m"] = n.tone->amplitude_m;
   trial["tone_amplitude_standard_uncertainty_m"] = n.tone->amplitude_uncertainty_m;
   trial["tone_amplitude_interval_95_m"] = {n.tone->amplitude_lower_m, n.tone->amplitude_upper_m};
+  if (n.harmonics) trial["thd"] = cli::NumberOrNull(n.harmonics->thd);
   trial["tone_share_of_rms"] = n.tone->share_of_rms;
   trial["tone_velocity_m_per_s"] = n.tone->velocity_m_per_s;
   trial["tone_acceleration_m_per_s2"] = n.tone->acceleration_m_per_s2;

@@ -296,6 +296,22 @@ TEST(BandAnalysis, AnUncertainRateMakesTheFrequencyUncertain) {
              1e-3, "noise's share");
 }
 
+TEST(BandAnalysis, HarmonicsDriftAndTremorStandBesideTheNumber) {
+  std::vector<double> values =
+      Samples(kRateHz, 40'000, 0.03, {{1e-5, 225, 0.3}, {2e-7, 450, 1}, {1e-4, 8.3, 0.7}});
+  Noise noise(3);
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] += 1e-8 * noise() + 1e-5 * static_cast<double>(k) / kRateHz;
+  }
+  const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
+  ASSERT_TRUE(analysis.answered && analysis.numbers->harmonics && analysis.slow_motion);
+  EXPECT_FALSE(analysis.numbers->harmonics->thd) << "strong tremor hides 2 %: not determined";
+  EXPECT_REL(*analysis.slow_motion->tremor_rms, 1e-4 / kRootTwo, 0.05, "4 s of Hann segments");
+  EXPECT_ABS(analysis.slow_motion->drift_per_s, 1e-5, 4e-6, "part periods of tremor");
+  const std::vector<double> still = Samples(kRateHz, 40'000, 0.03, {{1e-5, 225}, {2e-7, 450, 1}});
+  EXPECT_ABS(*Answer(RecordOf(still, kRateHz)).numbers->harmonics->thd, 0.02, 1e-6, "no noise");
+}
+
 TEST(BandAnalysis, NoiseHasNoTone) {
   Noise noise(11);
   std::vector<double> values(30'000, 0.03);
