@@ -86,4 +86,12 @@ void Cascade::Process(std::span<const double> in, std::span<double> out) {
   (this->*run_)(in, out);
 }
 
+void Cascade::CopyState(std::span<double> state) const {
+  HAPTOMETER_CHECK(state.size() == 2 * count_, "{} for {} sections", state.size(), count_);
+  for (std::size_t k = 0; k < count_; ++k) {
+    state[k] = states_[k].output;
+    state[count_ + k] = states_[k].step;
+  }
+}
+
 }  // namespace haptometer::dsp

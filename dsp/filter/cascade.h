@@ -26,6 +26,9 @@ class Cascade {
   /// Filters in.size() samples; `out` has the same size and may be `in` itself.
   void Process(std::span<const double> in, std::span<double> out);
 
+  /// y[n-1] of each section, then d[n-1] of each: 2 values a section.
+  void CopyState(std::span<double> state) const;
+
  private:
   struct State {
     double output = 0;        // y[n-1]

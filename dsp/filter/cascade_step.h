@@ -67,6 +67,17 @@ struct CascadeStep {
     return From<0>(sections, input, before, input_step);
   }
 
+  /// What Advance feeds to the first section's recursion, and what it remembers of the input.
+  [[gnu::always_inline]] static inline Value FirstCombined(const Value& input, Value& last_input,
+                                                           Value& input_before) {
+    constexpr SectionKind kKind = KindAt(kShape, 0);
+    const Value now = TakesSums(kKind) ? input + last_input : input - last_input;
+    const Value combined = Combined<kKind>(now, input_before);
+    last_input = input;
+    input_before = now;
+    return combined;
+  }
+
  private:
   // section k with its input x[n], x[n-1] and x[n] - x[n-1], and all that follow
   template <std::size_t k>

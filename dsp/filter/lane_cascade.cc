@@ -1,6 +1,7 @@
 #include "dsp/filter/lane_cascade.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "base/check.h"
 #include "dsp/filter/cascade.h"
@@ -9,6 +10,28 @@
 
 namespace haptometer::dsp {
 namespace {
+
+// a numerator 1 + one/z + two/z^2
+struct Numerator {
+  double one = 0;
+  double two = 0;
+};
+
+Numerator NumeratorOf(SectionKind kind) {
+  switch (kind) {
+    case SectionKind::kHighPass:
+      return {-2, 1};
+    case SectionKind::kBandPass:
+      return {0, -1};
+    case SectionKind::kLowPass:
+      return {2, 1};
+    case SectionKind::kFirstOrderHighPass:
+      return {-1, 0};
+    case SectionKind::kFirstOrderLowPass:
+      return {1, 0};
+  }
+  return {};
+}
 
 const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(IsSupported(set), "this processor has no {}", Name(set));
@@ -23,13 +46,35 @@ const LaneKernel& KernelOf(InstructionSet set) {
   HAPTOMETER_CHECK(false, "instruction set {}", static_cast<int>(set));
 }
 
+// for each sample of a stretch the states at its end where the first section's combination of
+// inputs is 1 at that sample, 0 at all others
+std::vector<double> WeightsOf(const FilterDesign& design) {
+  const std::size_t states = 2 * design.sections.size();
+  std::vector<double> weights(kLaneSamples * states);
+  // the inputs that combine to 1, 0, 0, ...: small whole numbers, so exact
+  const auto [one, two] = NumeratorOf(design.sections.front().kind);
+  double last = 0;
+  double before_last = 0;
+  Cascade cascade(design);
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const double input = (n == 0 ? 1 : 0) - one * last - two * before_last;
+    before_last = std::exchange(last, input);
+    double output = 0;
+    cascade.Process({&input, 1}, {&output, 1});
+    cascade.CopyState(std::span(weights).subspan((kLaneSamples - 1 - n) * states, states));
+  }
+  return weights;
+}
+
 }  // namespace
 
 LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
     : design_(design), kernel_(&KernelOf(set)), sections_(design.sections.size()) {
   CheckSections(design);
+  weights_ = WeightsOf(design);
   const FlushSubnormals flush;
-  alignas(64) std::array<double, kTileSamples> silence{};
+  alignas(64) const std::array<double, kTileSamples> silence{};
+  alignas(64) std::array<double, kTileSamples> ringing;
   for (std::size_t first = 0; first < 2 * sections_; first += kLanes) {
     // lane j begins from the unit state first + j
     LaneStates lanes{};
@@ -37,7 +82,8 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
       const std::size_t state = first + lane;
       (state < sections_ ? lanes.output[state] : lanes.step[state - sections_])[lane] = 1;
     }
-    kernel_->advance(design_, Direction::kForward, silence.data(), lanes);
+    kernel_->filter(design_, Direction::kForward, silence.data(), ringing.data(), silence.data(),
+                    lanes);
     for (std::size_t lane = 0; lane < kLanes && first + lane < 2 * sections_; ++lane) {
       for (std::size_t k = 0; k < sections_; ++k) {
         handover_[first + lane][k] = lanes.output[k][lane];
@@ -75,36 +121,13 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   }
   last_input_ = last;
   input_before_last_ = before;
-  plan_->kernel_->advance(plan_->design_, direction, rows, lanes_);
+  plan_->kernel_->weigh(plan_->design_, direction, rows, plan_->weights_.data(), lanes_);
 }
 
-// from lanes_, run from rest, the true state at each lane's begin (starts_) and at the tile's end
+// from lanes_, run from rest, the true state at each lane's begin and at the tile's end
 void LaneCascade::HandOver(Direction direction) {
-  const std::size_t sections = plan_->sections_;
-  for (std::size_t k = 0; k < kLanes; ++k) {
-    const std::size_t lane = direction == Direction::kForward ? k : kLanes - 1 - k;
-    starts_[lane] = state_;
-    LanePlan::StateVector next{};
-    for (std::size_t section = 0; section < sections; ++section) {
-      next[section] = lanes_.output[section][lane];
-      next[sections + section] = lanes_.step[section][lane];
-    }
-    for (std::size_t column = 0; column < 2 * sections; ++column) {
-      for (std::size_t row = 0; row < LanePlan::kMostStates; ++row) {
-        next[row] += plan_->handover_[column][row] * state_[column];
-      }
-    }
-    state_ = next;
-  }
-}
-
-void LaneCascade::StartLanes() {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) {
-    for (std::size_t section = 0; section < plan_->sections_; ++section) {
-      lanes_.output[section][lane] = starts_[lane][section];
-      lanes_.step[section][lane] = starts_[lane][plan_->sections_ + section];
-    }
-  }
+  plan_->kernel_->hand_over(plan_->design_, direction, plan_->handover_.front().data(),
+                            state_.data(), lanes_);
 }
 
 void LaneCascade::AdvanceForward(std::span<const double> tiles) {
@@ -125,8 +148,9 @@ void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
-    StartLanes();
-    plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile], lanes_);
+    plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile],
+                           &rows[std::min(tile + kTileSamples, rows.size() - kTileSamples)],
+                           lanes_);
   }
 }
 
@@ -148,16 +172,11 @@ void LaneCascade::ProcessBackward(std::span<const double> rows, std::span<double
     const std::size_t begin = end - kTileSamples;
     TakeRows(&rows[begin], Direction::kBackward);
     HandOver(Direction::kBackward);
-    StartLanes();
     plan_->kernel_->filter(plan_->design_, Direction::kBackward, &rows[begin], rows_.data(),
-                           lanes_);
-    if (end <= out.size()) {
-      plan_->kernel_->scatter(rows_.data(), &out[begin]);
-    } else {
-      alignas(64) std::array<double, kTileSamples> tile;
-      plan_->kernel_->scatter(rows_.data(), tile.data());
-      std::copy_n(tile.begin(), out.size() - begin, &out[begin]);
-    }
+                           &rows[begin - std::min(begin, kTileSamples)], lanes_);
+    // by way of the cache: a stream for each lane into memory would cost twice as much as one
+    plan_->kernel_->scatter(rows_.data(), tile_.data());
+    std::copy_n(tile_.begin(), std::min(kTileSamples, out.size() - begin), &out[begin]);
   }
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/instruction_set.h"
@@ -13,9 +14,10 @@ namespace haptometer::dsp {
 /// What the lanes of a cascade need of its design; made once, shared by any number of threads.
 ///
 /// A signal is cut into tiles of kTileSamples, a tile into kLanes stretches that run side by side.
-/// A stretch of M samples takes a state s to A^M s + z, z being where it would come from rest: one
-/// run gives z in all lanes, the states are handed over from lane to lane, a second run gives the
-/// outputs. A^M is made by the kernel itself, from unit states.
+/// A stretch of M samples takes a state s to A^M s + z, z being where it would come from rest: a
+/// weighted sum of the inputs gives z in all lanes, the states are handed over from lane to lane,
+/// one run gives the outputs. A^M is made by the kernel itself, from unit states, the weights by
+/// Cascade.
 class LanePlan {
  public:
   explicit LanePlan(const FilterDesign& design, InstructionSet set = WidestInstructionSet());
@@ -24,13 +26,14 @@ class LanePlan {
 
  private:
   friend class LaneCascade;
-  static constexpr std::size_t kMostStates = 2UZ * kHighestOrder;
-  using StateVector = std::array<double, kMostStates>;  // y of each section, then d of each
+  // y of each section, then d of each
+  struct alignas(64) StateVector : std::array<double, kMostStates> {};
 
   FilterDesign design_;
   const LaneKernel* kernel_;
   std::size_t sections_;
   std::array<StateVector, kMostStates> handover_{};  // A^M, by columns
+  std::vector<double> weights_;                      // as LaneKernel::weigh takes them
 };
 
 /// A causal run over whole tiles, forward or backward in time: Cascade's filter, faster.
@@ -47,7 +50,7 @@ class LaneCascade {
   /// As Cascade::StartFrom.
   void StartFrom(double input);
 
-  /// Takes in tiles, in order of time, without giving their output: half the work.
+  /// Takes in tiles, in order of time, without giving their output: a third of the work.
   void AdvanceForward(std::span<const double> tiles);
   /// Filters tiles in order of time to as many `rows` (aligned to 64 bytes).
   void ProcessForward(std::span<const double> tiles, std::span<double> rows);
@@ -61,15 +64,14 @@ class LaneCascade {
  private:
   void TakeRows(const double* rows, Direction direction);
   void HandOver(Direction direction);
-  void StartLanes();
 
   const LanePlan* plan_;
   LanePlan::StateVector state_{};
   double last_input_ = 0;         // x[n-1]
   double input_before_last_ = 0;  // x[n-2]
   LaneStates lanes_{};
-  std::array<LanePlan::StateVector, kLanes> starts_{};
-  alignas(64) std::array<double, kTileSamples> rows_{};
+  alignas(64) std::array<double, kTileSamples> rows_;
+  alignas(64) std::array<double, kTileSamples> tile_;
 };
 
 }  // namespace haptometer::dsp

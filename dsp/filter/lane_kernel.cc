@@ -3,6 +3,7 @@
 // always.
 #include "dsp/filter/lane_kernel.h"
 
+#include <algorithm>
 #include <experimental/simd>
 #include <utility>
 
@@ -14,8 +15,9 @@ namespace {
 // as many lanes as one register holds: a row of several registers is copied through memory, which
 // costs up to ten times as much (g++ 12)
 using Lanes = std::experimental::native_simd<double>;
-static_assert(kLanes % Lanes::size() == 0);
+static_assert(kLanes % (2 * Lanes::size()) == 0);
 using std::experimental::vector_aligned;
+constexpr std::size_t kCacheLine = 64;
 
 Lanes Load(const double* values) {
   Lanes lanes;
@@ -24,15 +26,23 @@ Lanes Load(const double* values) {
 }
 
 // runs Lanes::size() lanes from `first_lane` on
-template <FilterKind kKind, int kOrder, bool kKeepsOutput>
-void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
-              LaneStates& states, std::size_t first_lane) {
-  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
-  using Step = CascadeStep<kShape, Lanes>;
-  Step step;
-  DeltaSection sections[Step::kCount];
-  for (std::size_t k = 0; k < Step::kCount; ++k) {
-    sections[k] = given[k];
+// the first row on the way and how far the next one is
+struct Way {
+  std::ptrdiff_t first = 0;
+  std::ptrdiff_t stride = kLanes;
+};
+
+Way WayOf(Direction direction) {
+  constexpr auto kStride = static_cast<std::ptrdiff_t>(kLanes);
+  if (direction == Direction::kForward) return {0, kStride};
+  return {static_cast<std::ptrdiff_t>(kTileSamples) - kStride, -kStride};
+}
+
+// the cascade in Lanes::size() lanes from `first_lane` on
+template <CascadeShape kShape>
+CascadeStep<kShape, Lanes> LoadStep(const LaneStates& states, std::size_t first_lane) {
+  CascadeStep<kShape, Lanes> step;
+  for (std::size_t k = 0; k < kShape.count(); ++k) {
     step.output[k] = Load(&states.output[k][first_lane]);
     step.step[k] = Load(&states.step[k][first_lane]);
     if (k == 0) {
@@ -45,62 +55,142 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
     }
   }
   step.last_input = Load(&states.last_input[first_lane]);
+  return step;
+}
 
-  const bool forward = direction == Direction::kForward;
-  const std::ptrdiff_t stride = forward ? kLanes : -static_cast<std::ptrdiff_t>(kLanes);
-  std::ptrdiff_t at =
-      static_cast<std::ptrdiff_t>(first_lane + (forward ? 0 : kTileSamples - kLanes));
-  for (std::size_t n = 0; n < kLaneSamples; ++n) {
-    const Lanes result = step.Advance(sections, Load(rows + at));
-    if constexpr (kKeepsOutput) result.copy_to(out + at, vector_aligned);
-    at += stride;
-  }
-
-  for (std::size_t k = 0; k < Step::kCount; ++k) {
+template <CascadeShape kShape>
+void StoreStep(const CascadeStep<kShape, Lanes>& step, LaneStates& states, std::size_t first_lane) {
+  for (std::size_t k = 0; k < kShape.count(); ++k) {
     step.output[k].copy_to(&states.output[k][first_lane], vector_aligned);
     step.step[k].copy_to(&states.step[k][first_lane], vector_aligned);
   }
 }
 
-using RunFunction = void (*)(const DeltaSection*, Direction, const double*, double*, LaneStates&,
-                             std::size_t);
-
-template <FilterKind kKind, bool kKeepsOutput>
-RunFunction RunOfOrder(int order) {
-  return [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
-    constexpr RunFunction kByOrder[] = {RunLanes<kKind, kIndex + 1, kKeepsOutput>...};
-    return kByOrder[order - 1];
-  }(std::make_integer_sequence<int, kHighestOrder>());
+// Runs 2 Lanes::size() lanes from `first_lane` on: in two registers, because each alone would wait
+// for its own last sample.
+template <FilterKind kKind, int kOrder>
+void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
+              const double* ahead, LaneStates& states, std::size_t first_lane) {
+  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
+  DeltaSection sections[kShape.count()];
+  for (std::size_t k = 0; k < kShape.count(); ++k) sections[k] = given[k];
+  const std::size_t second_lane = first_lane + Lanes::size();
+  auto first = LoadStep<kShape>(states, first_lane);
+  auto second = LoadStep<kShape>(states, second_lane);
+  const Way way = WayOf(direction);
+  std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const double* row = rows + at;
+    __builtin_prefetch(ahead + at);
+    if constexpr (2 * Lanes::size() * sizeof(double) > kCacheLine) {
+      __builtin_prefetch(ahead + at + kCacheLine / sizeof(double));
+    }
+    first.Advance(sections, Load(row)).copy_to(out + at, vector_aligned);
+    second.Advance(sections, Load(row + Lanes::size()))
+        .copy_to(out + at + Lanes::size(), vector_aligned);
+    at += way.stride;
+  }
+  StoreStep<kShape>(first, states, first_lane);
+  StoreStep<kShape>(second, states, second_lane);
 }
 
-template <bool kKeepsOutput>
-void Run(const FilterDesign& design, Direction direction, const double* rows, double* out,
-         LaneStates& states) {
-  RunFunction run = nullptr;
+// the weighted sums of Lanes::size() lanes from `first_lane` on
+template <FilterKind kKind, int kOrder>
+void WeighLanes(Direction direction, const double* rows, const double* weights, LaneStates& states,
+                std::size_t first_lane) {
+  constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
+  constexpr std::size_t kCount = kShape.count();
+  using Step = CascadeStep<kShape, Lanes>;
+  Lanes sums[2 * kCount] = {};
+  Lanes last_input = Load(&states.last_input[first_lane]);
+  Lanes input_before = Load(&states.input_before[first_lane]);
+  const Way way = WayOf(direction);
+  const double* row = rows + way.first + first_lane;
+  for (std::size_t n = 0; n < kLaneSamples; ++n) {
+    const Lanes combined = Step::FirstCombined(Load(row), last_input, input_before);
+#pragma GCC unroll 16  // all of them: so that the sums stay in registers
+    for (std::size_t k = 0; k < 2 * kCount; ++k) sums[k] += weights[k] * combined;
+    weights += 2 * kCount;
+    row += way.stride;
+  }
+  for (std::size_t k = 0; k < kCount; ++k) {
+    sums[k].copy_to(&states.output[k][first_lane], vector_aligned);
+    sums[kCount + k].copy_to(&states.step[k][first_lane], vector_aligned);
+  }
+}
+
+// A section's two states, of one lane, in `state` as LaneKernel::hand_over has them, exchanged.
+template <std::size_t kCount>
+void ExchangeStates(LaneStates& states, std::size_t lane, double* state) {
+  for (std::size_t k = 0; k < kCount; ++k) {
+    std::swap(states.output[k][lane], state[k]);
+    std::swap(states.step[k][lane], state[kCount + k]);
+  }
+}
+
+template <std::size_t kCount>
+void HandOverLanes(Direction direction, const double* handover, double* state, LaneStates& states) {
+  constexpr std::size_t kRegisters = (2 * kCount + Lanes::size() - 1) / Lanes::size();
+  for (std::size_t n = 0; n < kLanes; ++n) {
+    const std::size_t lane = direction == Direction::kForward ? n : kLanes - 1 - n;
+    alignas(64) double before[kMostStates];
+    std::copy_n(state, kMostStates, before);
+    ExchangeStates<kCount>(states, lane, state);
+    Lanes sums[kRegisters];
+    for (std::size_t k = 0; k < kRegisters; ++k) sums[k] = Load(state + k * Lanes::size());
+    for (std::size_t column = 0; column < 2 * kCount; ++column) {
+      for (std::size_t k = 0; k < kRegisters; ++k) {
+        sums[k] += Load(handover + column * kMostStates + k * Lanes::size()) * before[column];
+      }
+    }
+    for (std::size_t k = 0; k < kRegisters; ++k) {
+      sums[k].copy_to(state + k * Lanes::size(), vector_aligned);
+    }
+  }
+}
+
+// calls `run` with the kind and the order of `design` as constants
+template <typename Run>
+void WithShape(const FilterDesign& design, const Run& run) {
+  const auto with_kind = [&]<FilterKind kKind>() {
+    [&]<int... kIndex>(std::integer_sequence<int, kIndex...>) {
+      (void)((design.order == kIndex + 1 && (run.template operator()<kKind, kIndex + 1>(), true)) ||
+             ...);
+    }(std::make_integer_sequence<int, kHighestOrder>());
+  };
   switch (design.kind) {
     case FilterKind::kBandPass:
-      run = RunOfOrder<FilterKind::kBandPass, kKeepsOutput>(design.order);
-      break;
+      return with_kind.template operator()<FilterKind::kBandPass>();
     case FilterKind::kHighPass:
-      run = RunOfOrder<FilterKind::kHighPass, kKeepsOutput>(design.order);
-      break;
+      return with_kind.template operator()<FilterKind::kHighPass>();
     case FilterKind::kLowPass:
-      run = RunOfOrder<FilterKind::kLowPass, kKeepsOutput>(design.order);
-      break;
-  }
-  for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
-    run(&design.sections.front(), direction, rows, out, states, lane);
+      return with_kind.template operator()<FilterKind::kLowPass>();
   }
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
-            LaneStates& states) {
-  Run<true>(design, direction, rows, out, states);
+            const double* ahead, LaneStates& states) {
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    for (std::size_t lane = 0; lane < kLanes; lane += 2 * Lanes::size()) {
+      RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, ahead, states, lane);
+    }
+  });
 }
 
-void Advance(const FilterDesign& design, Direction direction, const double* rows,
-             LaneStates& states) {
-  Run<false>(design, direction, rows, nullptr, states);
+void Weigh(const FilterDesign& design, Direction direction, const double* rows,
+           const double* weights, LaneStates& states) {
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    for (std::size_t lane = 0; lane < kLanes; lane += Lanes::size()) {
+      WeighLanes<kKind, kOrder>(direction, rows, weights, states, lane);
+    }
+  });
+}
+
+void HandOver(const FilterDesign& design, Direction direction, const double* handover,
+              double* state, LaneStates& states) {
+  WithShape(design, [&]<FilterKind kKind, int kOrder>() {
+    HandOverLanes<ShapeOf(kKind, kOrder).count()>(direction, handover, state, states);
+  });
 }
 
 // Two samples of two lanes are turned at once: wider squares are slower (g++ 12).
@@ -140,6 +230,6 @@ void Scatter(const double* rows, double* tile) {
 
 }  // namespace
 
-const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Advance};
+const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Weigh, HandOver};
 
 }  // namespace haptometer::dsp

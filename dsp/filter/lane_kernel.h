@@ -9,12 +9,14 @@
 
 namespace haptometer::dsp {
 
-inline constexpr std::size_t kLanes = 8;
+inline constexpr std::size_t kLanes = 16;
 /// Samples of one lane. Not a power of two: lanes 4096 bytes apart would share one set of the
 /// cache.
-inline constexpr std::size_t kLaneSamples = 504;
+inline constexpr std::size_t kLaneSamples = 252;
 /// Samples that the lanes hold together: 31.5 KiB.
 inline constexpr std::size_t kTileSamples = kLanes * kLaneSamples;
+
+inline constexpr std::size_t kMostStates = 2UZ * kHighestOrder;
 
 /// Which way a filter goes through a signal in time.
 enum class Direction : std::uint8_t { kForward, kBackward };
@@ -29,18 +31,28 @@ struct alignas(64) LaneStates {
 };
 
 /// The functions of one instruction set. `rows` are kLaneSamples rows of kLanes values, aligned to
-/// 64 bytes: row n holds sample n of each lane, lane j the j-th eighth of the tile.
+/// 64 bytes: row n holds sample n of each lane, lane j the j-th part of the tile.
 struct LaneKernel {
   void (*gather)(const double* tile, double* rows);
   /// The same, back in order of time.
   void (*scatter)(const double* rows, double* tile);
   /// Runs the cascade through all lanes, each from its first sample to its last or the other way,
-  /// and leaves the states. `out` may be `rows`.
+  /// and leaves the states. `out` may be `rows`. The tile at `ahead` is fetched into the cache
+  /// meanwhile.
   void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
-                 LaneStates& states);
-  /// The states only.
-  void (*advance)(const FilterDesign& design, Direction direction, const double* rows,
-                  LaneStates& states);
+                 const double* ahead, LaneStates& states);
+  /// The states that it would leave, all outputs and steps being 0 before, at a third of the cost:
+  ///   state = sum over n of weights[n] m[n]
+  /// with m the first section's combination of inputs and weights[n] (a value for each state,
+  /// y of each section, then d of each) what is left at the end of m = 1 at sample n of the way.
+  void (*weigh)(const FilterDesign& design, Direction direction, const double* rows,
+                const double* weights, LaneStates& states);
+  /// From the states that each lane would leave if it began from rest (z) to those that it begins
+  /// from: the first lane on the way from `state`, each next one from A^M s + z of the one before;
+  /// the last one's goes to `state`. `handover` is A^M, by columns; it and `state` (y of each
+  /// section, then d of each, then zeros) have kMostStates rows, aligned to 64 bytes.
+  void (*hand_over)(const FilterDesign& design, Direction direction, const double* handover,
+                    double* state, LaneStates& states);
 };
 
 extern const LaneKernel kLaneKernelBaseline;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "base/check.h"
 
@@ -11,12 +12,12 @@ namespace {
 
 // of the begin of a pass: 1000 times the signal then is 1e-15 of it
 constexpr double kLeadInRemainder = 1e-18;
-// lead-ins a block: the more, the less is computed twice, up to blocks of 16 MiB
+// lead-ins a block: the more, the less is computed twice, up to blocks of 24 MiB
 constexpr std::size_t kLeadInsPerBlock = 16;
-constexpr std::size_t kMostBlockSamples = std::size_t{1} << 21;
+constexpr std::size_t kMostBlockSamples = std::size_t{3} << 20;
 
-// read at a time: half a megabyte, which stays in the processor's second cache
-constexpr std::size_t kPieceSamples = 16 * kTileSamples;
+// read at a time: an eighth of a megabyte, which stays in the processor's second cache
+constexpr std::size_t kPieceSamples = 4 * kTileSamples;
 
 std::size_t WholeTiles(std::size_t samples) {
   return (samples + kTileSamples - 1) / kTileSamples * kTileSamples;
@@ -172,7 +173,10 @@ Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const Read
 
 ReadSamples ReadFrom(std::span<const double> signal) {
   return [signal](std::size_t first, std::span<double> out) -> Result<void> {
-    std::ranges::copy(signal.subspan(first, out.size()), out.begin());
+    HAPTOMETER_CHECK(first + out.size() <= signal.size(), "{} + {} of {}", first, out.size(),
+                     signal.size());
+    // faster than std::ranges::copy, which g++ 12 makes a loop of
+    if (!out.empty()) std::memcpy(out.data(), &signal[first], out.size_bytes());
     return {};
   };
 }

@@ -21,7 +21,7 @@ enum class Continuation : std::uint8_t { kOdd, kConstant };
 [[nodiscard]] std::size_t RingingSamples(const FilterDesign& design, double remainder);
 
 /// Fills `out` with the samples from `first` on. Called only with whole ranges of the signal, from
-/// the threads that filter, with up to 64 512 samples at a time; every value must be finite. An
+/// the threads that filter, with up to 16 128 samples at a time; every value must be finite. An
 /// error ends the block with that error.
 using ReadSamples = std::function<Result<void>(std::size_t first, std::span<double> out)>;
 
@@ -43,8 +43,8 @@ struct SampleRange {
 /// continuation takes the place of samples; what it cannot know is in the first and last tenths of
 /// a second (dsp/filter/settled.h finds where that ends).
 ///
-/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 21 MB at 392 kHz.
-/// Cost: 4 + 5 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
+/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 30 MB at 392 kHz.
+/// Cost: 2.9 + 2.4 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
 /// Scratch of its own.
 class ZeroPhaseBlocks {
  public:

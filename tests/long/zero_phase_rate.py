@@ -4,8 +4,8 @@
   zero_phase_rate.py build/release/bin [--samples 25000000] [--rounds 7] [--plain-malloc]
 
 Each round times one call of each in turn; the best of all rounds counts. Both sides have touched their
-memory before: malloc keeps SciPy's work space from call to call, which makes it twice as fast as it is
-in a program that does not ask for that (--plain-malloc).
+memory before. malloc is told to keep SciPy's work space from call to call, more than a user does;
+--plain-malloc leaves it as it is in any program.
 """
 import argparse
 import ctypes
