@@ -14,10 +14,12 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kTimeUncertaintyPeriods = 0.1;
+constexpr double kWorstUncertainty = 100;  // times that of a tone seen at all phases
 constexpr double kUmPerM = 1e6;
 
 // why the times will not do; empty where they will
 std::string TimesWillNotDo(const trial::Record& head, double frequency_hz) {
+  if (head.times_are_known) return {};
   if (head.timing == trial::Timing::kPolled) {
     return "its readings are of unknown age, so no tone of known frequency is fitted either";
   }
@@ -28,6 +30,13 @@ std::string TimesWillNotDo(const trial::Record& head, double frequency_hz) {
   if (worst_s < kTimeUncertaintyPeriods / frequency_hz) return {};
   return fmt::format("times are uncertain by {:.3g} ms; a fit at {:g} Hz needs less than {:.3g} ms",
                      worst_s * 1e3, frequency_hz, kTimeUncertaintyPeriods / frequency_hz * 1e3);
+}
+
+// whether the readings see the tone at more than one phase: at a multiple of the rate only rounding
+// tells it from the offset, and its uncertainty is far above that of as many readings of any phase
+bool ToldApart(const SineFit& fit, std::size_t readings) {
+  const double usual = fit.residual_rms * std::sqrt(2 / static_cast<double>(readings));
+  return fit.converged && fit.amplitude_uncertainty <= kWorstUncertainty * usual;
 }
 
 }  // namespace
@@ -54,14 +63,14 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   std::size_t kept = 0;
   for (std::size_t row = 0; row < rows; ++row) {
     if (statuses[row] != trial::SampleStatus::kOk || !std::isfinite(values[row])) continue;
-    times_s.push_back(trial::TimeOf(head, row));
+    times_s.push_back(head.times_are_known ? head.raw_times_s[row] : trial::TimeOf(head, row));
     values[kept++] = values[row];
   }
   values.resize(kept);
   KnownTone tone;
   tone.fit = FitSineAtTimes(values, times_s, *frequency_hz, 1);
   tone.aliased = *frequency_hz > analysis->record.fresh_rate_hz / 2;
-  if (!tone.fit.converged) {
+  if (!ToldApart(tone.fit, kept)) {
     analysis->remarks.push_back(fmt::format(
         "a tone at {:g} Hz cannot be told apart from the offset at this rate", *frequency_hz));
     return {};
