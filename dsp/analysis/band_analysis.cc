@@ -10,6 +10,7 @@
 
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/segments.h"
@@ -23,19 +24,6 @@ namespace {
 using trial::SampleStatus;
 
 constexpr double kUmPerM = 1e6;
-
-Result<std::size_t> DisplacementOf(const trial::Record& head) {
-  const trial::Channel* first = head.Find(trial::ChannelRole::kDisplacement);
-  if (first == nullptr) {
-    return CannotAnswer("", "holds no displacement channel", "name one displacement_m");
-  }
-  for (std::size_t k = 0; k < head.channels.size(); ++k) {
-    const trial::Channel& channel = head.channels[k];
-    if (channel.role == trial::ChannelRole::kDisplacement && channel.unit == "m") return k;
-  }
-  return CannotAnswer("", fmt::format("its displacement has the unit '{}'", first->unit),
-                      "convert it to metres");
-}
 
 // the band and the window must be possible; whether the record has them is an answer, not an error
 Result<void> CheckQuestion(const BandQuestion& question) {
@@ -140,7 +128,7 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
                                  int threads) {
   if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
   const trial::Record& head = source.head();
-  const auto channel = DisplacementOf(head);
+  const auto channel = DisplacementChannel(head);
   if (!channel) return std::unexpected(channel.error());
 
   BandAnalysis analysis;
