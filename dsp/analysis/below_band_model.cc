@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "base/check.h"
 #include "dsp/spectrum/tone.h"
@@ -179,7 +181,9 @@ std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal
   }
   std::erase_if(parts.sines, [&](const Sine& sine) { return sine.frequency_hz >= lower_hz; });
   if (parts.sines.empty()) return std::nullopt;
-  std::ranges::stable_sort(parts.sines, std::ranges::greater{}, &Sine::amplitude);
+  std::ranges::sort(parts.sines, std::ranges::greater{}, [](const Sine& sine) {
+    return std::pair(sine.amplitude(), sine.frequency_hz);
+  });
 
   BelowBandModel model;
   model.drift_ = parts.drift;

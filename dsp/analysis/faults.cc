@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "base/check.h"
 
@@ -144,7 +145,9 @@ Faults FaultScanner::Finish() {
   if (scanned_ < fed_) ScanBlock(fed_);
   FinishExtremes();
   FinishHeld();
-  std::ranges::stable_sort(faults_.list, {}, &Fault::first_row);
+  std::ranges::sort(faults_.list, {}, [](const Fault& fault) {
+    return std::tuple(fault.first_row, fault.kind, fault.rows);
+  });
   return std::move(faults_);
 }
 

@@ -50,7 +50,7 @@ void FillColumns(const Question& question, const PhasorBlocks& phasors, std::siz
     columns.col(2 * h) = c * c_before - s * s_before;
     columns.col(2 * h + 1) = s * c_before + c * s_before;
   }
-  const Index drift = 2 * question.count;
+  const Index drift = 2 * Index{question.count};
   columns.col(drift).setOnes();
   const VectorXd tau =
       VectorXd::LinSpaced(columns.rows(), first, first + static_cast<double>(rows - 1)) /
@@ -93,7 +93,7 @@ Normal Linearise(const Question& question, const VectorXd& at) {
 // a and b of order h: amplitude and phase, with their uncertainties
 Harmonic Describe(const Question& question, const VectorXd& at, const MatrixXd& covariance,
                   int order) {
-  const Index column = 2 * (order - 1);
+  const Index column = 2 * Index{order - 1};
   const double a = at[column];
   const double b = at[column + 1];
   Harmonic harmonic;

@@ -7,6 +7,7 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -21,7 +22,7 @@ using Eigen::VectorXd;
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kLeastRelativeUncertainty = 1e-3;
 constexpr int kMostSteps = 200;
-constexpr double kAtRest = 1e-12;  // relative change of f0 and of Q
+constexpr double kAtRest = 1e-9;  // relative change of f0 and of Q
 constexpr double kLargestDamping = 1e12;
 
 // A point to fit: its value (a magnitude where only that is known) and one over its deviation.
@@ -102,8 +103,9 @@ Linear Linearise(const Problem& problem, const VectorXd& at) {
   return linear;
 }
 
-// f0 at the highest point, Q from where the magnitude is 1/sqrt(2) of it, the gain from both
-VectorXd StartOf(const Problem& problem) {
+// f0 at the highest point, Q from where the magnitude is 1/sqrt(2) of it (a width `widening` times
+// as large), the gain from both
+VectorXd StartOf(const Problem& problem, double widening) {
   const auto& points = problem.points;
   const auto highest = std::ranges::max_element(
       points, {}, [](const Point& point) { return std::abs(point.value); });
@@ -113,7 +115,7 @@ VectorXd StartOf(const Problem& problem) {
     if (std::abs(point.value) > half_power) continue;
     nearest_hz = std::min(nearest_hz, std::abs(point.frequency_hz - highest->frequency_hz));
   }
-  const double quality = highest->frequency_hz / std::max(2 * nearest_hz, 1e-6);
+  const double quality = highest->frequency_hz / std::max(2 * nearest_hz, 1e-6) / widening;
   VectorXd start(problem.parameters());
   // at resonance H = gain Q / j
   const Complex gain = highest->value * Complex(0, 1) / quality;
@@ -154,6 +156,25 @@ bool Minimise(const Problem& problem, VectorXd& at, Linear& linear) {
   return damping >= kLargestDamping;  // no step improves: rounding's minimum
 }
 
+struct Minimum {
+  VectorXd at;
+  Linear linear;
+};
+
+// the lowest of the minima from three widths: a noisy point beside the peak makes it look narrow
+std::optional<Minimum> LowestMinimum(const Problem& problem) {
+  std::optional<Minimum> lowest;
+  for (const double widening : {1.0, 4.0, 16.0}) {
+    Minimum found{StartOf(problem, widening), {}};
+    if (!found.at.allFinite() || !Minimise(problem, found.at, found.linear)) continue;
+    if (lowest && lowest->linear.residuals.squaredNorm() <= found.linear.residuals.squaredNorm()) {
+      continue;
+    }
+    lowest = std::move(found);
+  }
+  return lowest;
+}
+
 Resonance NotDetermined() {
   Resonance none;
   none.frequency_uncertainty_hz = kNotANumber;
@@ -164,9 +185,9 @@ Resonance NotDetermined() {
 Resonance Fit(const Problem& problem) {
   const auto freedom = static_cast<double>(problem.rows() - problem.parameters());
   if (freedom < 1) return NotDetermined();
-  VectorXd at = StartOf(problem);
-  Linear linear;
-  if (!at.allFinite() || !Minimise(problem, at, linear)) return NotDetermined();
+  const auto lowest = LowestMinimum(problem);
+  if (!lowest) return NotDetermined();
+  const auto& [at, linear] = *lowest;
 
   const Index f0 = at.size() - 2;
   const auto [first, last] = std::ranges::minmax_element(

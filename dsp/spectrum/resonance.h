@@ -27,7 +27,8 @@ struct Resonance {
 /// Fits the complex response, weighted by the points' uncertainties (never below 1e-3 of the
 /// value, so that a few bins without noise do not decide): a gain of any phase, f0 and Q.
 ///
-/// Levenberg and Marquardt's steps from the highest point and its half-power width. A constant
+/// Levenberg and Marquardt's steps from the highest point and its half-power width, and 4 and 16
+/// times that; the lowest minimum counts. A constant
 /// delay beside the resonance is not in the model and shows in `residual_share`.
 [[nodiscard]] Resonance FitResonance(std::span<const ResponsePoint> points);
 

@@ -339,7 +339,7 @@ SineFit FitSineAtTimes(std::span<const double> values, std::span<const double> t
   CheckOptions(options);
   HAPTOMETER_CHECK(values.size() == times_s.size(), "{} values, {} times", values.size(),
                    times_s.size());
-  if (values.size() < static_cast<std::size_t>(4 + drift_degree)) {
+  if (values.size() < 4 + static_cast<std::size_t>(drift_degree)) {
     return NotConverged(frequency_hz, 0);
   }
   const Signal signal = TimedSignal(values, times_s);

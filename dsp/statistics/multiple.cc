@@ -8,7 +8,8 @@ namespace haptometer::dsp {
 std::vector<double> HolmAdjusted(std::span<const double> p) {
   std::vector<std::size_t> order(p.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return p[i]; });
+  // equal p values come out alike in either order
+  std::ranges::sort(order, {}, [&](std::size_t i) { return p[i]; });
   std::vector<double> adjusted(p.size());
   double largest = 0;
   for (std::size_t k = 0; k < order.size(); ++k) {

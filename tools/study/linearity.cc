@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/study/linearity_result.h"
-#include "tools/study/study_question.h"
 #include "tools/study/study_trial.h"
 #include "tools/study/text_table.h"
 #include "tools/study/words.h"
@@ -30,7 +30,7 @@ struct Wanted {
   std::vector<std::string> files;
   std::optional<Quantity> floor_m;
   std::string plot;
-  BandWords band;
+  cli::BandWords band;
   cli::ImportWords import;
 };
 
@@ -86,7 +86,7 @@ void TakeTrial(const StudyTrial& trial, Readings& taken) {
 }
 
 Result<Readings> Read(const Wanted& wanted) {
-  const auto question = QuestionOf(wanted.band);
+  const auto question = cli::BandQuestionOf(wanted.band);
   if (!question) return std::unexpected(question.error());
   const auto import = cli::ImportOf(wanted.import);
   if (!import) return std::unexpected(import.error());
@@ -117,7 +117,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   options.Number("--floor", &wanted.floor_m, Dimension::kLength,
                  "RMS with the drive off, subtracted in power (default: the readings at 0 V)");
   options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf", "Draw RMS against drive");
-  DeclareBand(&options, &wanted.band);
+  cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &wanted.import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (!wanted.plot.empty()) {

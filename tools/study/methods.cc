@@ -64,15 +64,22 @@ std::string MethodsText(const StudyResult& study) {
   fmt::format_to(
       std::back_inserter(text),
       "Displacement was band-passed from {:g} to {:g} Hz with a Butterworth filter of order {} "
-      "applied forward and backward (zero phase; -3 dB at the corners of {}). Samples within the "
-      "filter's unsettled ends were left out, and the root-mean-square (RMS) was taken over the "
-      "longest settled part, shortened to whole periods of its strongest tone. {} of {} trials of "
+      "applied forward and backward (zero phase; -3 dB at the corners of {}){}. Motion below the "
+      "band was modelled and taken out first where too little would have settled otherwise. The "
+      "root-mean-square (RMS) was taken over the longest steady part of the drive that had settled "
+      "(all that had settled where no drive stood out), shortened to whole periods of its "
+      "strongest tone. The noise of the trial's own quiet part was subtracted in power where it "
+      "had "
+      "one, and the sensor's gain at the tone was divided out where its averaging was on record. "
+      "{} of {} trials of "
       "{} subjects in {} conditions ({}) gave a value. The unit of analysis was the subject: up to "
       "{} trials of a subject in a condition were averaged first. ",
       band.lower_hz, band.upper_hz, band.order,
-      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass", answered,
-      study.table.trials.size(), study.table.subjects.size(), study.table.conditions.size(),
-      fmt::join(study.table.conditions, ", "), study.table.repeats);
+      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
+      study.question.may_lower_order ? ", its order lowered where a trial was too short for it"
+                                     : "",
+      answered, study.table.trials.size(), study.table.subjects.size(),
+      study.table.conditions.size(), fmt::join(study.table.conditions, ", "), study.table.repeats);
   if (!study.contrasts.empty()) AppendContrasts(study, text);
   fmt::format_to(
       std::back_inserter(text),

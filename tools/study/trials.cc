@@ -8,11 +8,11 @@
 
 #include "base/input_file.h"
 #include "tools/cli/band.h"
+#include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/study/output_file.h"
-#include "tools/study/study_question.h"
 #include "tools/study/study_result.h"
 #include "tools/study/words.h"
 
@@ -36,7 +36,7 @@ struct Wanted {
   std::string source;
   std::vector<std::string> contrasts;
   std::string pattern;
-  BandWords band;
+  cli::BandWords band;
   bool all = false;
   std::string table;
   std::string wide;
@@ -55,7 +55,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
                    "condition against the first)");
   options.Text("--pattern", &wanted.pattern, "PATTERN",
                "Labels in the files' names: '{subject}_{condition}_{repeat}'");
-  DeclareBand(&options, &wanted.band);
+  cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
   options.Flag("--all", &wanted.all,
                "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend");
   options.Text("--table", &wanted.table, "LONG.csv", "Write a row a trial");
@@ -128,11 +128,11 @@ Result<Task> TaskOf(const Wanted& wanted) {
   Task task;
   if (auto found = FindFiles(wanted, task); !found) return std::unexpected(found.error());
   if (auto taken = TakeContrasts(wanted, task); !taken) return std::unexpected(taken.error());
-  BandWords band = wanted.band;
+  cli::BandWords band = wanted.band;
   if (band.band.empty()) band.band = task.manifest.band;
   if (!band.order) band.order = task.manifest.order;
   if (band.corner.empty()) band.corner = task.manifest.corner;
-  auto question = QuestionOf(band);
+  auto question = cli::BandQuestionOf(band);
   if (!question) return std::unexpected(question.error());
   task.question = *question;
   auto import = cli::ImportOf(wanted.import);

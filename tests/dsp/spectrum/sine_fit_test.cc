@@ -114,7 +114,7 @@ TEST(SineFit, UncertaintiesAreCramerAndRaosBound) {
     const double s = fit.residual_rms * std::sqrt(kCount / fit.degrees_of_freedom);
     const double duration_s = kCount / kRateHz;
     constexpr const char* kReason = "columns mix by 1/(pi periods) squared, and N - 1 for N";
-    EXPECT_EQ(fit.degrees_of_freedom, kCount - 4 - degree);
+    EXPECT_EQ(fit.degrees_of_freedom, static_cast<double>(kCount - 4) - degree);
     EXPECT_REL(fit.amplitude_uncertainty, s * std::sqrt(2.0 / kCount), 4e-4, kReason);
     EXPECT_REL(2 * kPi * fit.frequency_uncertainty_hz,
                s / fit.amplitude * std::sqrt(24.0 / kCount) / duration_s, 4e-4, kReason);

@@ -1,26 +1,29 @@
-#include "tools/study/study_question.h"
+#include "tools/cli/band_question.h"
 
 #include "tools/cli/band.h"
 
-namespace haptometer::tools {
+namespace haptometer::cli {
 
-void DeclareBand(cli::Options* options, BandWords* words) {
+void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
   options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
   options->Count("--order", &words->order, 1, dsp::kHighestOrder,
                  "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
                  "record is too short for it)",
-                 cli::Shown::kHelpAll);
+                 order_shown);
   options->Choice("--corner", &words->corner, {"whole", "each"},
-                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+                  "-3 dB at the corners of both passes together or of each", Shown::kHelpAll);
 }
 
-Result<dsp::BandQuestion> QuestionOf(const BandWords& words) {
-  const auto band = cli::ParseBand(words.band.empty() ? "20-500Hz" : words.band);
-  if (!band) return std::unexpected(band.error());
+Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
   dsp::BandQuestion question;
-  question.band.lower_hz = band->lower_hz;
-  question.band.upper_hz = band->upper_hz;
+  if (!words.band.empty()) {
+    const auto band = ParseBand(words.band);
+    if (!band) return std::unexpected(band.error());
+    question.band.lower_hz = band->lower_hz;
+    question.band.upper_hz = band->upper_hz;
+  }
   question.may_lower_order = !words.order.has_value();
+  // a manifest's order has passed through no option
   if (words.order && (*words.order < 1 || *words.order > dsp::kHighestOrder)) {
     return Usage("order", "lies outside 1 to 8", "write one within");
   }
@@ -31,4 +34,4 @@ Result<dsp::BandQuestion> QuestionOf(const BandWords& words) {
   return question;
 }
 
-}  // namespace haptometer::tools
+}  // namespace haptometer::cli

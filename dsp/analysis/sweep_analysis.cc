@@ -1,0 +1,345 @@
+#include "dsp/analysis/sweep_analysis.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <span>
+#include <utility>
+
+#include "dsp/analysis/band_question.h"
+#include "dsp/analysis/displacement_channel.h"
+#include "dsp/analysis/segments.h"
+#include "dsp/analysis/sweep_piece.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/statistics/distributions.h"
+#include "dsp/statistics/robust.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kLongestSegmentS = 4;
+constexpr double kSegmentsInRecord = 4;   // end to end
+constexpr std::size_t kIndependent = 3;   // bins of a Hann window that share no noise
+constexpr double kOverlapping = 0.94;     // independent ones in Hann segments that overlap by half
+constexpr double kPeriods = 2;            // of the lower frequency, in a block without drive
+constexpr std::size_t kLeastPoints = 12;  // three times what the fit asks for
+constexpr double kLeastSweep = 1.1;       // highest over lowest frequency
+constexpr double kMuchLeft = 0.1;         // of the response, by the curve
+
+Result<void> CheckQuestion(const SweepQuestion& question) {
+  if (!(question.lower_hz > 0 && question.upper_hz > question.lower_hz)) {
+    return Usage("band",
+                 fmt::format("{:g} Hz to {:g} Hz is none", question.lower_hz, question.upper_hz),
+                 "give its lower, then its upper frequency");
+  }
+  if (question.resolution_hz && !(*question.resolution_hz > 0)) {
+    return Usage("resolution", "is not above 0", "give some hertz");
+  }
+  return {};
+}
+
+// what the answer says of its piece
+void TakePiece(const trial::Record& head, const SweepPiece& piece, SweepAnswer& answer) {
+  answer.rate_hz = piece.rate_hz;
+  answer.window = {piece.start_s, piece.start_s + static_cast<double>(piece.displacement_m.size()) /
+                                                      piece.rate_hz};
+  if (piece.drive.empty()) return;
+  const trial::Channel& drive = head.channels[piece.drive_channel];
+  answer.drive = drive.name;
+  answer.amplitude_unit = drive.unit.empty() ? "m per unit of the drive" : "m/" + drive.unit;
+}
+
+// rate without readings that were handed out again
+double FreshRate(const Segments& segments, double rate_hz) {
+  const auto count = [&](trial::SampleStatus status) {
+    return static_cast<double>(segments.by_status[static_cast<std::size_t>(status)]);
+  };
+  const double fresh = count(trial::SampleStatus::kOk);
+  return rate_hz * fresh / std::max(1.0, fresh + count(trial::SampleStatus::kRepeated));
+}
+
+// 1 where the sensor's gain is not known
+double GainOr1(const SensorAveraging& sensor, double frequency_hz) {
+  return GainAt(sensor, frequency_hz).value_or(1);
+}
+
+// the highest frequency up to which readings are often enough and the sensor lets half through
+double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer& answer) {
+  double upper_hz = question.upper_hz;
+  if (const double observable_hz = fresh_rate_hz / kLeastRatePerUpperCorner;
+      upper_hz > observable_hz) {
+    upper_hz = observable_hz;
+    answer.reasons.push_back(
+        fmt::format("above {:.4g} Hz: {:.4g} new readings a second; record {:.4g} or more",
+                    upper_hz, fresh_rate_hz, kLeastRatePerUpperCorner * question.upper_hz));
+  }
+  if (GainOr1(answer.sensor, upper_hz) >= kLeastSensorGain) return upper_hz;
+  // the gain falls from 1 at 0 Hz; bisection to where it is a half
+  double passed_hz = 0;
+  for (int step = 0; step < 60; ++step) {
+    const double middle_hz = (passed_hz + upper_hz) / 2;
+    (GainOr1(answer.sensor, middle_hz) >= kLeastSensorGain ? passed_hz : upper_hz) = middle_hz;
+  }
+  answer.reasons.push_back(fmt::format("above {:.4g} Hz: the sensor ({}) passes less than a half",
+                                       passed_hz, Describe(answer.sensor)));
+  return passed_hz;
+}
+
+struct Band {
+  double lower_hz = 0;
+  double upper_hz = 0;
+};
+
+std::size_t SegmentSize(const SweepPiece& piece, const SweepQuestion& question) {
+  const auto size = static_cast<double>(piece.drive.size());
+  const double samples = question.resolution_hz
+                             ? piece.rate_hz / *question.resolution_hz
+                             : std::min(kLongestSegmentS * piece.rate_hz, size / kSegmentsInRecord);
+  // even, so that half of it is a whole number
+  return 2 * static_cast<std::size_t>(std::min(samples, 2 * size) / 2);
+}
+
+// leaves out what chance may give: one point in all of them, in 5 % of records without any drive
+void KeepSignificant(std::vector<ResponsePoint>& points, double segments) {
+  const double chance = 0.05 / static_cast<double>(std::max<std::size_t>(1, points.size()));
+  const double level = 1 - std::pow(chance, 1 / std::max(1.0, kOverlapping * segments - 1));
+  std::erase_if(points, [&](const ResponsePoint& point) { return point.coherence <= level; });
+}
+
+// those at every third frequency
+std::vector<ResponsePoint> Independent(std::span<const ResponsePoint> points,
+                                       double resolution_hz) {
+  std::vector<ResponsePoint> kept;
+  kept.reserve(points.size() / kIndependent + 1);
+  for (const ResponsePoint& point : points) {
+    const auto bin = static_cast<std::size_t>(std::round(point.frequency_hz / resolution_hz));
+    if (bin % kIndependent == 0) kept.push_back(point);
+  }
+  return kept;
+}
+
+struct Response {
+  std::size_t asked = 0;  // frequencies, before any was left out
+  std::vector<ResponsePoint> points;
+  Resonance resonance;
+};
+
+Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, const Band& band,
+                           const SensorAveraging& sensor) {
+  const WelchOptions options{piece.rate_hz, segment_size};
+  auto points =
+      MeasureResponse(piece.drive, piece.displacement_m, options, band.lower_hz, band.upper_hz);
+  if (!points) return std::unexpected(points.error());
+  for (ResponsePoint& point : *points) point.response /= GainOr1(sensor, point.frequency_hz);
+  const auto segments = static_cast<double>(2 * (piece.drive.size() / segment_size) - 1);
+  Response response;
+  response.asked = points->size();
+  KeepSignificant(*points, segments);
+  response.resonance =
+      FitResonance(Independent(*points, piece.rate_hz / static_cast<double>(segment_size)));
+  response.points = std::move(*points);
+  return response;
+}
+
+// the interval of a value: Student's t of its uncertainty, and `change` beside it
+Interval IntervalOf(double value, double uncertainty, double freedom, double change) {
+  const double reach = StudentCritical(freedom) * uncertainty + change;
+  return {value - reach, value + reach};
+}
+
+// what is not determined of the resonance; empty where it is
+std::string Doubt(const Resonance& fit, const Resonance& other, double lowest_hz,
+                  double highest_hz) {
+  if (fit.converged && other.converged) return {};
+  return fmt::format(
+      "f0 and Q: no resonance with one degree of freedom between {:.4g} Hz and {:.4g} Hz",
+      lowest_hz, highest_hz);
+}
+
+// keeps the resonance, or says why there is none; `late_hz` is what f0 may be off besides
+void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
+                   SweepAnswer& answer) {
+  if (answer.points.empty()) return;
+  const std::string doubt =
+      Doubt(fit, other, answer.points.front().frequency_hz, answer.points.back().frequency_hz);
+  if (!doubt.empty()) {
+    answer.reasons.push_back(doubt);
+    return;
+  }
+  SweepResonance found{fit, {}, {}};
+  found.frequency_hz =
+      IntervalOf(fit.frequency_hz, fit.frequency_uncertainty_hz, fit.degrees_of_freedom,
+                 std::abs(fit.frequency_hz - other.frequency_hz) + late_hz);
+  found.quality_factor =
+      IntervalOf(fit.quality_factor, fit.quality_factor_uncertainty, fit.degrees_of_freedom,
+                 std::abs(fit.quality_factor - other.quality_factor));
+  found.quality_factor.lower = std::max(0.0, found.quality_factor.lower);
+  if (fit.residual_share > kMuchLeft) {
+    answer.remarks.push_back(
+        fmt::format("one resonance leaves {:.0f} % of the response: it may hold more than one",
+                    100 * fit.residual_share));
+  }
+  answer.resonance = found;
+}
+
+Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
+                           SweepAnswer& answer) {
+  const std::size_t size = SegmentSize(piece, question);
+  if (size < 8 || 3 * size > 2 * piece.drive.size()) {
+    answer.reasons.push_back(fmt::format(
+        "the response: {:.3g} s do not hold two segments; record longer, or ask for {:.3g} Hz",
+        answer.window.duration_s(), 2 / answer.window.duration_s()));
+    return {};
+  }
+  answer.resolution_hz = piece.rate_hz / static_cast<double>(size);
+  const auto response = RespondBy(piece, size, band, answer.sensor);
+  if (!response) return std::unexpected(response.error());
+  const auto halved = RespondBy(piece, size / 2, band, answer.sensor);
+  if (!halved) return std::unexpected(halved.error());
+  answer.points.reserve(response->points.size());
+  for (const ResponsePoint& point : response->points) {
+    answer.points.push_back(
+        {point.frequency_hz, std::abs(point.response), std::arg(point.response), point.coherence});
+  }
+  if (const std::size_t left_out = response->asked - response->points.size(); left_out > 0) {
+    answer.remarks.push_back(
+        fmt::format("{} of {} frequencies left out: too little drive or too much noise there",
+                    left_out, response->asked));
+  }
+  if (answer.points.empty()) {
+    answer.reasons.emplace_back("the response: nothing in the displacement follows the drive");
+  }
+  TakeResonance(response->resonance, halved->resonance, 0, answer);
+  return {};
+}
+
+// the longest run of blocks whose frequency goes on from one to the next
+std::vector<SweptPoint> LongestSweep(const std::vector<SweptPoint>& points, double block_s) {
+  std::size_t best = 0;
+  std::size_t best_size = 0;
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= points.size(); ++k) {
+    const bool goes_on =
+        k < points.size() &&
+        std::abs(points[k].frequency_hz - points[k - 1].frequency_hz) < 1 / block_s &&
+        points[k].time_s - points[k - 1].time_s < 1.5 * block_s;
+    if (goes_on) continue;
+    if (k - begin > best_size) {
+      best = begin;
+      best_size = k - begin;
+    }
+    begin = k;
+  }
+  const auto first = points.begin() + static_cast<std::ptrdiff_t>(best);
+  return {first, first + static_cast<std::ptrdiff_t>(best_size)};
+}
+
+// median rate of the frequency, in Hz/s
+double SweepRate(std::span<const SweptPoint> points) {
+  std::vector<double> rates;
+  rates.reserve(points.size());
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    rates.push_back(std::abs((points[k].frequency_hz - points[k - 1].frequency_hz) /
+                             (points[k].time_s - points[k - 1].time_s)));
+  }
+  return Median(rates);
+}
+
+bool Sweeps(const std::vector<SweptPoint>& points) {
+  if (points.size() < kLeastPoints) return false;
+  const auto [lowest, highest] = std::ranges::minmax_element(points, {}, &SweptPoint::frequency_hz);
+  return highest->frequency_hz > kLeastSweep * lowest->frequency_hz;
+}
+
+Result<void> AnswerAlone(const SweepPiece& piece, const Band& band, SweepAnswer& answer) {
+  answer.reasons.emplace_back(
+      "phase, coherence and amplitude per volt: there is no voltage or current channel");
+  const auto design =
+      DesignBandPass({.lower_hz = band.lower_hz, .upper_hz = band.upper_hz}, piece.rate_hz);
+  if (!design) return std::unexpected(design.error());
+  const std::vector<double> filtered = FilterZeroPhase(*design, piece.displacement_m);
+  const auto measure = [&](double periods) {
+    auto points =
+        LongestSweep(SweptAmplitude(filtered, piece.rate_hz, band.lower_hz, band.upper_hz, periods),
+                     periods / band.lower_hz);
+    for (SweptPoint& point : points) {
+      const double gain = Magnitude(*design, point.frequency_hz);
+      point.amplitude /= gain * gain * GainOr1(answer.sensor, point.frequency_hz);
+    }
+    return points;
+  };
+  std::vector<SweptPoint> points = measure(kPeriods);
+  if (!Sweeps(points)) {
+    answer.reasons.emplace_back(
+        "amplitude over frequency: no vibration whose frequency moves by a tenth; sweep more "
+        "slowly, "
+        "or record the drive's voltage");
+    return {};
+  }
+  answer.resolution_hz = band.lower_hz / kPeriods;
+  answer.remarks.emplace_back("f0 and Q hold for a drive of constant amplitude");
+  const Resonance fit = FitResonance(std::span<const SweptPoint>(points));
+  const Resonance longer = FitResonance(std::span<const SweptPoint>(measure(2 * kPeriods)));
+  const double late_hz =
+      fit.converged ? fit.quality_factor * SweepRate(points) / (std::numbers::pi * fit.frequency_hz)
+                    : 0;
+  std::ranges::sort(points, {}, &SweptPoint::frequency_hz);
+  answer.points.reserve(points.size());
+  for (const SweptPoint& point : points) {
+    answer.points.push_back({point.frequency_hz, point.amplitude, {}, {}});
+  }
+  TakeResonance(fit, longer, late_hz, answer);
+  return {};
+}
+
+// why its times will not do; empty where they will
+std::string TimesWillNotDo(const trial::Record& head) {
+  if (head.times_are_known) return "its readings lie at uneven times";
+  if (head.timing == trial::Timing::kPolled) return "its readings are polled and of unknown age";
+  return {};
+}
+
+Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
+                    const Segments& segments, const SweepQuestion& question, SweepAnswer& answer) {
+  const double fresh_rate_hz = FreshRate(segments, piece.rate_hz);
+  answer.sensor = AveragingOf(source.head().metadata, piece.rate_hz, fresh_rate_hz);
+  answer.amplitude_verified = answer.sensor.knowledge != SensorKnowledge::kUnknown;
+  if (!answer.amplitude_verified) {
+    answer.remarks.emplace_back("amplitude not verified: sensor averaging unknown");
+  }
+  const Band band{question.lower_hz, UpperOf(question, fresh_rate_hz, answer)};
+  if (!(band.upper_hz > band.lower_hz)) return {};
+  return piece.drive.empty() ? AnswerAlone(piece, band, answer)
+                             : AnswerByDrive(piece, question, band, answer);
+}
+
+}  // namespace
+
+Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQuestion& question) {
+  if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
+  const auto channel = DisplacementChannel(source.head());
+  if (!channel) return std::unexpected(channel.error());
+  SweepAnswer answer;
+  if (const std::string why = TimesWillNotDo(source.head()); !why.empty()) {
+    answer.reasons.push_back(why + ": a sweep needs a clocked record");
+    return answer;
+  }
+  const auto segments = SplitIntoSegments(source, *channel, question.upper_hz);
+  if (!segments) return std::unexpected(segments.error());
+  const auto piece = ReadSweepPiece(source, *channel, *segments, answer.remarks);
+  if (!piece) return std::unexpected(piece.error());
+  if (piece->displacement_m.empty()) {
+    answer.reasons.emplace_back("none of its readings is a measurement");
+    return answer;
+  }
+  TakePiece(source.head(), *piece, answer);
+  const auto done = Answer(source, *piece, *segments, question, answer);
+  if (!done) return std::unexpected(done.error());
+  answer.answered = !answer.points.empty();
+  return answer;
+}
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,199 @@
+#include "dsp/analysis/sweep_analysis.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/dsp/records.h"
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kRateHz = 2000;
+constexpr double kResonanceHz = 175;
+constexpr double kQuality = 12;
+constexpr double kGain = 2e-6;  // m/V at rest
+constexpr double kVolts = 2;
+
+std::complex<double> ClosedForm(double frequency_hz) {
+  const double u = frequency_hz / kResonanceHz;
+  return kGain / std::complex<double>(1 - u * u, u / kQuality);
+}
+
+// The motion of an oscillator under a chirp of 2 V from 60 to 450 Hz, exactly but for the drive's
+// straight line between sub-samples: x'' + w/Q x' + w^2 x = w^2 gain v(t) by the step of its
+// complex mode, z' = s z + v, x = Im(z) w^2 gain / Im(s).
+trial::Record Chirp(double duration_s, double noise_m, std::uint64_t seed, bool with_drive) {
+  constexpr int kSteps = 16;  // the line is wrong by (2 pi 450 / 32000)^2 / 12 = 7e-4 at most
+  const double h = 1 / kRateHz / kSteps;
+  const double w = 2 * kPi * kResonanceHz;
+  const std::complex<double> s(-w / (2 * kQuality),
+                               w * std::sqrt(1 - 1 / (4 * kQuality * kQuality)));
+  const std::complex<double> e = std::exp(s * h);
+  const std::complex<double> from_end = (e - 1.0 - s * h) / (s * s * h);
+  const std::complex<double> from_begin = (e - 1.0) / s - from_end;
+  const auto drive_at = [&](double t_s) {
+    return kVolts * std::sin(2 * kPi * (60 + 0.5 * (450 - 60) * t_s / duration_s) * t_s);
+  };
+  Noise noise(seed);
+  std::vector<double> drive_v;
+  std::vector<double> displacement_m;
+  std::complex<double> z;
+  const auto samples = static_cast<int>(duration_s * kRateHz);
+  for (int n = 0; n < samples; ++n) {
+    drive_v.push_back(drive_at(n / kRateHz));
+    displacement_m.push_back(1e-3 + w * w * kGain * z.imag() / s.imag() + noise_m * noise());
+    for (int step = 0; step < kSteps; ++step) {
+      const double t_s = n / kRateHz + step * h;
+      z = e * z + from_begin * drive_at(t_s) + from_end * drive_at(t_s + h);
+    }
+  }
+  trial::Record record = RecordOf(std::move(displacement_m), kRateHz);
+  record.metadata.averages = 1;
+  if (!with_drive) return record;
+  trial::Channel drive = record.channels.front();
+  drive.name = "coil";
+  drive.role = trial::ChannelRole::kVoltage;
+  drive.unit = "V";
+  drive.values = std::move(drive_v);
+  record.channels.push_back(std::move(drive));
+  return record;
+}
+
+SweepAnswer Analyzed(const trial::Record& record, const SweepQuestion& question = {}) {
+  return AnalyzeSweep(trial::RecordRows(record), question).value();
+}
+
+bool Holds(const Interval& interval, double truth) {
+  return interval.lower <= truth && truth <= interval.upper;
+}
+
+TEST(AnalyzeSweep, OfADrivenOscillatorIsTheClosedForm) {
+  const SweepAnswer answer = Analyzed(Chirp(16, 0, 1, true));
+  ASSERT_TRUE(answer.answered);
+  EXPECT_TRUE(answer.reasons.empty());
+  EXPECT_EQ(answer.drive, "coil");
+  EXPECT_EQ(answer.amplitude_unit, "m/V");
+  EXPECT_EQ(answer.resolution_hz, 0.25);
+  EXPECT_TRUE(answer.amplitude_verified);
+  double worst = 0;
+  double worst_phase_rad = 0;
+  for (const SweepPoint& point : answer.points) {
+    if (point.frequency_hz < 80 || point.frequency_hz > 420) continue;
+    const std::complex<double> truth = ClosedForm(point.frequency_hz);
+    worst = std::max(worst, std::abs(point.amplitude / std::abs(truth) - 1));
+    worst_phase_rad =
+        std::max(worst_phase_rad, std::abs(std::arg(std::polar(1.0, *point.phase_rad) / truth)));
+    EXPECT_GT(*point.coherence, 0.99) << point.frequency_hz;
+  }
+  EXPECT_ABS(worst, 0, 0.02, "a window of 58 Q / f0: measured 0.012");
+  EXPECT_ABS(worst_phase_rad, 0, 0.02, "the same");
+  ASSERT_TRUE(answer.resonance);
+  EXPECT_PRED2(Holds, answer.resonance->frequency_hz, kResonanceHz);
+  EXPECT_PRED2(Holds, answer.resonance->quality_factor, kQuality);
+  EXPECT_REL(answer.resonance->fit.frequency_hz, kResonanceHz, 1e-3, "the window: measured");
+}
+
+// 1 um of noise beside some 50 um at resonance
+TEST(AnalyzeSweep, IntervalsHoldTheTruthUnderNoise) {
+  constexpr int kRepetitions = 40;
+  int determined = 0;
+  int frequency = 0;
+  int quality = 0;
+  for (std::uint64_t seed = 1; seed <= kRepetitions; ++seed) {
+    const SweepAnswer answer = Analyzed(Chirp(8, 1e-6, seed, true));
+    if (!answer.resonance) continue;  // "not determined" is no wrong answer
+    ++determined;
+    frequency += Holds(answer.resonance->frequency_hz, kResonanceHz) ? 1 : 0;
+    quality += Holds(answer.resonance->quality_factor, kQuality) ? 1 : 0;
+    EXPECT_LT(answer.resonance->frequency_hz.upper - answer.resonance->frequency_hz.lower, 2.0);
+    EXPECT_LT(answer.resonance->quality_factor.upper - answer.resonance->quality_factor.lower, 2.0);
+  }
+  EXPECT_GE(determined, 36);
+  EXPECT_GE(frequency, determined - 4) << "95 % of 40, two standard deviations more";
+  EXPECT_GE(quality, determined - 4);
+}
+
+TEST(AnalyzeSweep, WithoutDriveAnswersAmplitudeOnlyAndSaysSo) {
+  const SweepAnswer answer = Analyzed(Chirp(40, 0.2e-6, 3, false));
+  ASSERT_TRUE(answer.answered);
+  EXPECT_EQ(answer.amplitude_unit, "m");
+  EXPECT_EQ(answer.drive, "");
+  EXPECT_THAT(answer.reasons, Contains(HasSubstr("phase, coherence and amplitude per volt")));
+  EXPECT_THAT(answer.remarks, Contains(HasSubstr("constant amplitude")));
+  double worst = 0;
+  for (const SweepPoint& point : answer.points) {
+    EXPECT_FALSE(point.phase_rad || point.coherence);
+    if (point.frequency_hz < 80 || point.frequency_hz > 250) continue;
+    const double truth = kVolts * std::abs(ClosedForm(point.frequency_hz));
+    worst = std::max(worst, std::abs(point.amplitude / truth - 1));
+  }
+  EXPECT_ABS(worst, 0, 0.1, "0.2 um of noise beside 4 um, and the sweep's lateness: measured");
+  ASSERT_TRUE(answer.resonance);
+  EXPECT_PRED2(Holds, answer.resonance->frequency_hz, kResonanceHz);
+  EXPECT_PRED2(Holds, answer.resonance->quality_factor, kQuality);
+}
+
+TEST(AnalyzeSweep, DividesTheSensorsGainOutOrSaysThatItIsUnknown) {
+  trial::Record record = Chirp(8, 0, 1, true);
+  const SweepAnswer plain = Analyzed(record);
+  record.metadata.averages = 4;
+  record.metadata.sampling_s = 0.5e-3;
+  const SweepAnswer divided = Analyzed(record);
+  EXPECT_THAT(divided.reasons, Contains(HasSubstr("passes less than a half")));
+  ASSERT_GT(plain.points.size(), divided.points.size());
+  const SweepPoint& point = divided.points[100];
+  // a mean of four samples 0.5 ms apart: sin(4 x) / (4 sin(x)), x = pi f 0.5 ms
+  const double x = kPi * point.frequency_hz * 0.5e-3;
+  const double gain = std::sin(4 * x) / (4 * std::sin(x));
+  const auto same = std::ranges::find(plain.points, point.frequency_hz, &SweepPoint::frequency_hz);
+  ASSERT_NE(same, plain.points.end());
+  EXPECT_REL(point.amplitude * gain, same->amplitude, 1e-12, "rounding");
+  record.metadata.averages.reset();
+  const SweepAnswer unknown = Analyzed(record);
+  EXPECT_FALSE(unknown.amplitude_verified);
+  EXPECT_THAT(unknown.remarks, Contains(HasSubstr("sensor averaging unknown")));
+}
+
+TEST(AnalyzeSweep, SaysWhatIsNotDetermined) {
+  const SweepAnswer tone =
+      Analyzed(RecordOf(Samples(kRateHz, 8000, 1e-3, {{5e-6, 100, 0}}), kRateHz));
+  EXPECT_FALSE(tone.answered);
+  EXPECT_THAT(tone.reasons, Contains(HasSubstr("no vibration whose frequency moves")));
+
+  trial::Record record = Chirp(4, 0, 1, true);
+  const SweepAnswer fine = Analyzed(record, {.resolution_hz = 0.3});
+  EXPECT_FALSE(fine.answered);
+  EXPECT_THAT(fine.reasons, Contains(HasSubstr("do not hold two segments")));
+  const SweepAnswer above = Analyzed(record, {.lower_hz = 250, .upper_hz = 440});
+  EXPECT_TRUE(above.answered);
+  EXPECT_FALSE(above.resonance) << "the resonance lies below";
+  EXPECT_THAT(above.reasons, Contains(HasSubstr("f0 and Q: no resonance")));
+  EXPECT_THAT(Analyzed(record, {.upper_hz = 900}).reasons, Contains(HasSubstr("above 781.2 Hz")));
+
+  record.channels[1].statuses[1000] = trial::SampleStatus::kOver;
+  EXPECT_EQ(Analyzed(record).window.begin_s, 1001 / kRateHz);
+  record.channels[1].values.assign(record.rows, 1.0);
+  EXPECT_THAT(Analyzed(record).remarks, Contains(HasSubstr("coil does not move; it is no drive")));
+  record.timing = trial::Timing::kPolled;
+  EXPECT_THAT(Analyzed(record).reasons, Contains(HasSubstr("polled and of unknown age")));
+  EXPECT_FALSE(AnalyzeSweep(trial::RecordRows(record), {.lower_hz = 500, .upper_hz = 20}));
+}
+
+}  // namespace
+}  // namespace haptometer::dsp
