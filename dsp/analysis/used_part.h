@@ -20,8 +20,15 @@ struct ChosenPart {
   UsedPart part;  ///< how it was chosen; window and rows are not set yet
 };
 
-/// Samples in the middle of a part that a tone is sought and fitted in.
+/// The longest part that a tone is sought and fitted in as a whole, in samples (5 s at 392 kHz).
 inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
+/// Samples in the middle of a longer part that stand for it: 1.3 s at 392 kHz, 52 s at 10 kHz.
+inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
+
+/// How many samples in the middle of a part of `size` a tone is sought and fitted in.
+[[nodiscard]] constexpr std::size_t FittedOf(std::size_t size) {
+  return size <= kMostFitted ? size : kFittedOfLonger;
+}
 
 /// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
 /// nothing, and a reason, where a given window has not settled. `all` is not empty.
@@ -31,7 +38,7 @@ inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);
 
-/// Filtered samples [begin, end), or their middle kMostFitted.
+/// Filtered samples [begin, end), or the FittedOf(end - begin) in their middle.
 [[nodiscard]] Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
                                                      std::size_t end);
 
