@@ -49,17 +49,19 @@ struct Pass {
 };
 
 Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
-                      const BandQuestion& question, BandAnalysis* analysis) {
+                      const BandQuestion& question, int threads, BandAnalysis* analysis) {
   const trial::Record& head = source.head();
   const trial::Channel& displacement = head.channels[channel];
   RawSummarizer summarizer(head);
   FaultScanner scanner({displacement.range_min, displacement.range_max, displacement.resolution});
-  auto segments = SplitIntoSegments(source, channel, question.band.upper_hz,
-                                    [&](std::size_t first_row, std::span<const double> values,
-                                        std::span<const SampleStatus> statuses) {
-                                      summarizer.Feed(values, statuses);
-                                      scanner.Feed(first_row, values, statuses);
-                                    });
+  auto segments = SplitIntoSegments(
+      source, channel, question.band.upper_hz,
+      [&](std::size_t first_row, std::span<const double> values,
+          std::span<const SampleStatus> statuses) {
+        summarizer.Feed(values, statuses);
+        scanner.Feed(first_row, values, statuses);
+      },
+      threads);
   if (!segments) return std::unexpected(segments.error());
   analysis->faults = scanner.Finish();
   return Pass{std::move(*segments), summarizer.Finish()};
@@ -146,7 +148,7 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
 
   BandAnalysis analysis;
   analysis.band = question.band;
-  const auto pass = PassOver(source, *channel, question, &analysis);
+  const auto pass = PassOver(source, *channel, question, threads, &analysis);
   if (!pass) return std::unexpected(pass.error());
   DescribeRecord(head, pass->segments, pass->summary, &analysis);
   if (auto checked = CheckReadings(head, pass->summary, analysis.record); !checked) {

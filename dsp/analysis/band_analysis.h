@@ -169,7 +169,7 @@ struct BandAnalysis {
 /// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
 /// whose tone is there in the quiet parts too (30 % of its amplitude) is no drive. Without one it
 /// is all that has settled. It is shortened to whole periods of the strongest tone in it; of more
-/// than 2^21 samples the tone is sought in the middle.
+/// than 2^21 samples the tone is sought in the middle 2^19.
 ///
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:

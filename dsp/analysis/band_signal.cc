@@ -29,26 +29,23 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
 // four running sums, so that no step waits for the one before it
 BandCell CellOf(std::span<const double> samples) {
   constexpr std::size_t kLanes = 4;
-  std::array<BandCell, kLanes> lanes;
-  lanes.fill({0, samples.front(), samples.front()});
-  const auto take = [](BandCell& cell, double sample) {
-    cell.square_sum += sample * sample;
-    cell.least = sample < cell.least ? sample : cell.least;
-    cell.most = sample > cell.most ? sample : cell.most;
+  std::array<double, kLanes> sums{};
+  std::array<double, kLanes> least;
+  std::array<double, kLanes> most;
+  least.fill(samples.front());
+  most.fill(samples.front());
+  const auto take = [&](std::size_t lane, double sample) {
+    sums[lane] += sample * sample;
+    least[lane] = sample < least[lane] ? sample : least[lane];
+    most[lane] = sample > most[lane] ? sample : most[lane];
   };
   std::size_t k = 0;
   for (; k + kLanes <= samples.size(); k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lanes[lane], samples[k + lane]);
+    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, samples[k + lane]);
   }
-  for (; k < samples.size(); ++k) take(lanes[k % kLanes], samples[k]);
-  BandCell cell = lanes[0];
-  cell.square_sum =
-      (lanes[0].square_sum + lanes[1].square_sum) + (lanes[2].square_sum + lanes[3].square_sum);
-  for (const BandCell& lane : lanes) {
-    cell.least = std::min(cell.least, lane.least);
-    cell.most = std::max(cell.most, lane.most);
-  }
-  return cell;
+  for (; k < samples.size(); ++k) take(k % kLanes, samples[k]);
+  return {(sums[0] + sums[1]) + (sums[2] + sums[3]), std::ranges::min(least),
+          std::ranges::max(most)};
 }
 
 // Neumaier's compensated sum of terms that are not negative (ZAMM 54, 1974)

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/check.h"
+#include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -24,6 +25,8 @@ constexpr std::size_t kLeastAtExtreme = 3;
 constexpr std::size_t kLeastExtremeRuns = 2;
 constexpr double kFalseHolds = 0.01;
 constexpr std::size_t kMostCandidates = 65'536;
+// the first rows of a plain piece, which say how its runs begin
+constexpr std::size_t kRunRows = 2;
 
 // a shape is tried on rows center - kReach .. center + kReach
 constexpr std::size_t kReach = 6;
@@ -79,6 +82,48 @@ Fault BestShape(const Shape& error) {
   return best;
 }
 
+// what a piece of a channel says without a look at each row
+struct PlainLook {
+  std::size_t equal = 0;    // rows from the third on that repeat the one before
+  std::size_t triples = 0;  // of these, those whose row before repeats, too
+  bool finite = false;
+  double least = 0;
+  double most = 0;
+};
+
+// several results of each kind are kept apart, so that no step waits for the one before it
+template <std::size_t kRows>
+PlainLook LookAt(std::span<const double, kRows> x) {
+  constexpr std::size_t kLanes = 4;
+  static_assert((kRows - kRunRows) % kLanes == 0);
+  std::array<double, kLanes> equal{};
+  std::array<double, kLanes> triples{};
+  std::array<double, kLanes> strange{};
+  std::array<double, kLanes> least;
+  std::array<double, kLanes> most;
+  least.fill(std::min(x[0], x[1]));
+  most.fill(std::max(x[0], x[1]));
+  for (std::size_t k = kRunRows; k < kRows; k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const double value = x[k + lane];
+      const double repeats = value == x[k + lane - 1] ? 1 : 0;
+      const double before_repeats = x[k + lane - 1] == x[k + lane - 2] ? 1 : 0;
+      equal[lane] += repeats;
+      triples[lane] += repeats * before_repeats;
+      // x - x is 0, or NaN where x is none or infinite
+      strange[lane] += value - value;
+      least[lane] = value < least[lane] ? value : least[lane];
+      most[lane] = value > most[lane] ? value : most[lane];
+    }
+  }
+  const auto count = [](const std::array<double, kLanes>& lanes) {
+    return static_cast<std::size_t>((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]));
+  };
+  return {count(equal), count(triples),
+          AllFinite(strange) && std::isfinite(x[0]) && std::isfinite(x[1]), std::ranges::min(least),
+          std::ranges::max(most)};
+}
+
 double MedianOf(std::vector<double>& values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -123,19 +168,76 @@ void FaultScanner::Feed(std::size_t first_row, std::span<const double> values,
   HAPTOMETER_CHECK(first_row == fed_ && values.size() == statuses.size(),
                    "row {} after {}, {} values and {} statuses", first_row, fed_, values.size(),
                    statuses.size());
-  for (std::size_t k = 0; k < values.size(); ++k, ++fed_) {
-    const double value = values[k];
-    const trial::SampleStatus status = statuses[k];
-    const bool measured = trial::IsMeasurement(status) && std::isfinite(value);
-    FeedClipped(fed_, status == trial::SampleStatus::kClipped ||
-                          (measured && (value <= scale_.range_min || value >= scale_.range_max)));
-    if (!measured) {
-      EndRun(0);
-    } else if (status != trial::SampleStatus::kRepeated) {
-      FeedRun(fed_, value);
+  while (!values.empty()) {
+    const std::size_t block_end = scanned_ + kBlock + kMargin;
+    const std::size_t count = std::min(values.size(), block_end - fed_);
+    FeedPiece(values.first(count), statuses.first(count));
+    if (fed_ == block_end) ScanBlock(scanned_ + kBlock);
+    values = values.subspan(count);
+    statuses = statuses.subspan(count);
+  }
+}
+
+// rows that end a block at most
+void FaultScanner::FeedPiece(std::span<const double> values,
+                             std::span<const trial::SampleStatus> statuses) {
+  const bool may_be_plain = AllOk(statuses);
+  while (!values.empty()) {
+    const std::size_t count = std::min(values.size(), kPlainRows);
+    if (!may_be_plain || count < kPlainRows || !FeedPlain(values.first<kPlainRows>())) {
+      for (std::size_t k = 0; k < count; ++k) FeedRow(values[k], statuses[k]);
     }
-    window_.push_back(measured ? value : kNaN);
-    if (fed_ + 1 == scanned_ + kBlock + kMargin) ScanBlock(scanned_ + kBlock);
+    values = values.subspan(count);
+    statuses = statuses.subspan(count);
+  }
+}
+
+void FaultScanner::FeedRow(double value, trial::SampleStatus status) {
+  const bool measured = IsMeasured(value, status);
+  FeedClipped(fed_, status == trial::SampleStatus::kClipped ||
+                        (measured && (value <= scale_.range_min || value >= scale_.range_max)));
+  if (!measured) {
+    EndRun(0);
+  } else if (status != trial::SampleStatus::kRepeated) {
+    FeedRun(fed_, value);
+  }
+  window_.push_back(measured ? value : kNaN);
+  ++fed_;
+}
+
+// What FeedRow does, for rows of status kOk of which none is clipped and no three are equal in a
+// line; false, and nothing done, elsewhere.
+bool FaultScanner::FeedPlain(std::span<const double, kPlainRows> values) {
+  const PlainLook look = LookAt(values);
+  const bool starts_equal = values[1] == values[0];
+  const bool goes_on = run_.rows > 0 && starts_equal && values[0] == run_.value;
+  if (!any_extreme_ || goes_on || look.triples > 0 || !look.finite ||
+      look.least <= scale_.range_min || look.most >= scale_.range_max) {
+    return false;
+  }
+  FeedClipped(fed_, false);
+  const std::size_t first_row = fed_;
+  for (; fed_ < first_row + kRunRows; ++fed_) FeedRun(fed_, values[fed_ - first_row]);
+  if (scale_.resolution <= 0) TakeChanges(values);
+  // of runs that end within: each is of one row or two
+  constexpr std::size_t kLast = kPlainRows - 1;
+  const bool ends_equal = values[kLast] == values[kLast - 1];
+  runs_ += kPlainRows - kRunRows - look.equal;
+  longer_runs_ += look.equal + (starts_equal ? 1U : 0U) - (ends_equal ? 1U : 0U);
+  if (look.least < extremes_[0].value) extremes_[0] = {look.least, {}};
+  if (look.most > extremes_[1].value) extremes_[1] = {look.most, {}};
+  const std::size_t begin = ends_equal ? kLast - 1 : kLast;
+  run_ = {first_row + begin, ends_equal ? 2U : 1U, values[begin],
+          std::abs(values[begin] - values[begin - 1])};
+  window_.insert(window_.end(), values.begin(), values.end());
+  fed_ = first_row + kPlainRows;
+  return true;
+}
+
+void FaultScanner::TakeChanges(std::span<const double, kPlainRows> values) {
+  for (std::size_t k = 1; k < kPlainRows; ++k) {
+    const double jump = std::abs(values[k] - values[k - 1]);
+    if (jump > 0) least_change_ = std::min(least_change_, jump);
   }
 }
 
@@ -281,14 +383,47 @@ std::size_t FaultScanner::Judge(std::size_t row, double limit) {
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
 
+// the sizes of the errors of all rows at hand
+void FaultScanner::FillOff() {
+  constexpr std::size_t kLanes = 4;
+  off_.assign(window_.size(), kNaN);
+  std::size_t k = 2;
+  for (; k + kLanes + 2 <= window_.size(); k += kLanes) {
+    std::array<double, kLanes> off;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      off[lane] = std::abs(CubicError(window_.data(), k + lane));
+    }
+    std::ranges::copy(off, off_.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  for (; k + 2 < window_.size(); ++k) off_[k] = std::abs(CubicError(window_, k));
+}
+
+// whether any row of [scanned_, end) may be a candidate: told without the median's value
+bool FaultScanner::AnyBeyond(std::size_t end) const {
+  constexpr std::size_t kLanes = 4;
+  const std::span off = std::span(off_).subspan(scanned_ - window_first_, end - scanned_);
+  std::array<double, kLanes> most{};
+  std::size_t k = 0;
+  for (; k + kLanes <= off.size(); k += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      most[lane] = off[k + lane] > most[lane] ? off[k + lane] : most[lane];
+    }
+  }
+  for (; k < off.size(); ++k) most[0] = off[k] > most[0] ? off[k] : most[0];
+  return std::ranges::max(most) > kLeastSteps * Step();
+}
+
 // judges rows [scanned_, end), then lets go of what no later block reads
 void FaultScanner::ScanBlock(std::size_t end) {
-  off_.assign(window_.size(), kNaN);
-  for (std::size_t k = 2; k + 2 < window_.size(); ++k) off_[k] = std::abs(CubicError(window_, k));
-  const double limit =
-      std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
-  while (scanned_ < end) {
-    scanned_ = off_[scanned_ - window_first_] > limit ? Judge(scanned_, limit) : scanned_ + 1;
+  FillOff();
+  if (AnyBeyond(end)) {
+    const double limit =
+        std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
+    while (scanned_ < end) {
+      scanned_ = off_[scanned_ - window_first_] > limit ? Judge(scanned_, limit) : scanned_ + 1;
+    }
+  } else {
+    scanned_ = end;
   }
   if (end > window_first_ + kMargin) {
     const std::size_t gone = end - kMargin - window_first_;

@@ -105,6 +105,12 @@ class FaultScanner {
     std::vector<Fault> runs;
   };
 
+  static constexpr std::size_t kPlainRows = 130;
+
+  void FeedPiece(std::span<const double> values, std::span<const trial::SampleStatus> statuses);
+  void FeedRow(double value, trial::SampleStatus status);
+  [[nodiscard]] bool FeedPlain(std::span<const double, kPlainRows> values);
+  void TakeChanges(std::span<const double, kPlainRows> values);
   void FeedRun(std::size_t row, double value);
   void EndRun(double jump_after);
   void TakeExtreme(const Fault& run, double value, bool highest);
@@ -112,6 +118,8 @@ class FaultScanner {
   void FinishExtremes();
   void FinishHeld();
   void ScanBlock(std::size_t end);
+  void FillOff();
+  [[nodiscard]] bool AnyBeyond(std::size_t end) const;
   [[nodiscard]] double ErrorAt(std::size_t row) const;
   [[nodiscard]] double BlockMedian(std::size_t begin, std::size_t end) const;
   [[nodiscard]] double LocalMedian(std::size_t row) const;

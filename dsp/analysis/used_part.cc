@@ -236,7 +236,7 @@ std::pair<std::size_t, std::size_t> SettledRange(const BandSignal& signal,
 
 Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
                                        std::size_t end) {
-  std::vector<double> samples(std::min(end - begin, kMostFitted));
+  std::vector<double> samples(FittedOf(end - begin));
   const std::size_t first = begin + (end - begin - samples.size()) / 2;
   if (auto read = signal.Read(first, samples); !read) return std::unexpected(read.error());
   return samples;

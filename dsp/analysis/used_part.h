@@ -21,8 +21,15 @@ struct ChosenPart {
   UsedPart part;  ///< how it was chosen; window and rows are not set yet
 };
 
-/// Samples in the middle of a part that a tone is sought and fitted in.
+/// The longest part that a tone is sought and fitted in as a whole, in samples (5 s at 392 kHz).
 inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
+/// Samples in the middle of a longer part that stand for it: 1.3 s at 392 kHz, 52 s at 10 kHz.
+inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
+
+/// How many samples in the middle of a part of `size` a tone is sought and fitted in.
+[[nodiscard]] constexpr std::size_t FittedOf(std::size_t size) {
+  return size <= kMostFitted ? size : kFittedOfLonger;
+}
 
 /// The channel that says when the drive is on: a voltage, else a current, else a trigger.
 [[nodiscard]] std::optional<std::size_t> DriveChannel(const trial::Record& head);
@@ -35,7 +42,7 @@ inline constexpr std::size_t kMostFitted = std::size_t{1} << 21U;
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);
 
-/// Filtered samples [begin, end), or their middle kMostFitted.
+/// Filtered samples [begin, end), or the FittedOf(end - begin) in their middle.
 [[nodiscard]] Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t begin,
                                                      std::size_t end);
 

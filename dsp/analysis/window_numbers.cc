@@ -287,7 +287,7 @@ Result<void> DescribeHarmonics(Window& window) {
   const double frequency_hz = window.numbers.tone->fit.frequency_hz;
   const double upper_hz = window.analysis.record.observable_upper_hz;
   if (2 * frequency_hz > upper_hz) return {};
-  std::vector<double> samples(std::min(window.rows, kMostFitted));
+  std::vector<double> samples(FittedOf(window.rows));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   if (auto read = window.signal().samples().Read(first, samples); !read) return read;
   if (window.sampled_s() <= kLongestModelledS) {

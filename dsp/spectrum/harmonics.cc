@@ -70,8 +70,11 @@ struct Normal {
   double square_sum = 0;  // of the residuals
 };
 
-// normal equations about `at`, block by block
-Normal Linearise(const Question& question, const VectorXd& at) {
+// Normal equations about `at`, block by block; the matrix is the same about every `at`, and most of
+// the work.
+enum class WithMatrix : bool { kNo, kYes };
+
+Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_matrix) {
   const Index p = question.parameters();
   const PhasorBlocks phasors(question.rad_per_sample);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
@@ -82,7 +85,9 @@ Normal Linearise(const Question& question, const VectorXd& at) {
     FillColumns(question, phasors, begin, columns);
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
     const VectorXd residual = values - columns * at;
-    total.matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+    if (with_matrix == WithMatrix::kYes) {
+      total.matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+    }
     total.right.noalias() += columns.transpose() * residual;
     total.square_sum += residual.squaredNorm();
   }
@@ -181,12 +186,12 @@ Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& opt
 
   // one step solves it, the second removes its rounding
   VectorXd at = VectorXd::Zero(question.parameters());
-  Normal normal = Linearise(question, at);
+  Normal normal = Linearise(question, at, WithMatrix::kYes);
   const Eigen::LDLT<MatrixXd> solver(normal.matrix);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kLeastCondition)) return found;
   for (int step = 0; step < 2; ++step) {
     at += solver.solve(normal.right);
-    normal = Linearise(question, at);
+    normal = Linearise(question, at, WithMatrix::kNo);
   }
   if (!at.allFinite()) return found;
 

@@ -1,6 +1,8 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -8,13 +10,16 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analysis_json.h"
 #include "tools/analyze/analysis_lines.h"
 #include "tools/analyze/analysis_panels.h"
 #include "tools/analyze/analysis_report.h"
 #include "tools/analyze/analyze_options.h"
 #include "tools/analyze/spectrum_output.h"
+#include "tools/analyze/sweep_output.h"
 #include "tools/cli/command_line.h"
+#include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/verbs.h"
 #include "trial/open_rows.h"
@@ -161,6 +166,47 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   return job;
 }
 
+// one sweep, with its points and its drawing; its status
+Result<int> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job,
+                        nlohmann::ordered_json* trials) {
+  const auto opened = trial::OpenRows(path, job.import);
+  if (!opened) return std::unexpected(opened.error());
+  dsp::SweepQuestion question{job.question.band.lower_hz, job.question.band.upper_hz, {}};
+  question.resolution_hz = job.spectrum.resolution_hz;
+  const auto answer = dsp::AnalyzeSweep(*opened->rows, question);
+  if (!answer) return std::unexpected(answer.error());
+  if (trials == nullptr) PrintSweep(path, *answer);
+  if (trials != nullptr) trials->push_back(SweepJson(path, *answer));
+  if (!words.response.empty()) {
+    if (auto written = WriteSweepCsv(words.response, *answer); !written) {
+      return std::unexpected(written.error());
+    }
+  }
+  if (!words.plot.empty() && !answer->points.empty()) {
+    if (auto drawn = plot::DrawPanels(words.plot, SweepPanels(*answer)); !drawn) {
+      return std::unexpected(drawn.error());
+    }
+  }
+  return answer->answered ? 0 : ExitStatus(Cause::kCannotAnswer);
+}
+
+int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, bool json) {
+  nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+  int status = 0;
+  for (const std::string& path : words.files) {
+    const auto answered = AnswerSweep(path, words, job, json ? &trials : nullptr);
+    if (answered) {
+      status = std::max(status, *answered);
+      continue;
+    }
+    Error error = answered.error();
+    if (error.where.empty()) error.where = path;
+    status = cli::ReportError(kVerb, error);
+  }
+  if (json) fmt::print("{}", cli::JsonText({{"trials", std::move(trials)}}));
+  return status;
+}
+
 Result<void> WritePage(const std::string& path, const std::vector<ReportedFile>& files,
                        const std::string& command) {
   const auto page = AnalysisReport(files, command);
@@ -177,6 +223,7 @@ int RunAnalyze(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto job = JobOf(words);
   if (!job) return cli::ReportError(kVerb, job.error());
+  if (words.sweep) return AnalyzeSweeps(words, *job, options.json());
 
   // one after the other: an error of one file does not keep the others from their answer
   std::vector<ReportedFile> files;

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
-#include "tools/cli/band.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/report/html_page.h"
 
@@ -40,6 +40,13 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
                    "give one file, or --report FILE.html for several");
     }
   }
+  if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
+    return Usage("--sweep", "goes without --window, --floor and --report",
+                 "analyse the trial as a whole with --plot and --response");
+  }
+  if (!words.sweep && !words.response.empty()) {
+    return Usage("--response", "is of a sweep", "say --sweep too");
+  }
   return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
 }
 
@@ -61,7 +68,7 @@ Result<void> ReadWindow(const std::string& text, dsp::BandQuestion& question) {
 void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
   options->Positionals("files", &words->files,
                        "Trials (trial.bin) or CSV with time_s,displacement_m");
-  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
+  cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
   options->Text("--window", &words->window, "auto|all|FROM:TO",
                 "Which part: the steady drive (auto, default), all that has settled, or 1s:3s");
   options->Text("--floor", &words->floor, "FILE",
@@ -72,11 +79,11 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "Draw the trial and what was used of it");
   options->Text("--report", &words->report, "FILE.html",
                 "One page with figures, numbers, assumptions and settings");
-  options->Count("--order", &words->order, 1, dsp::kHighestOrder,
-                 "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
-                 "record is too short for it)");
-  options->Choice("--corner", &words->corner, {"whole", "each"},
-                  "-3 dB at the corners of both passes together or of each", cli::Shown::kHelpAll);
+  options->Flag("--sweep", &words->sweep,
+                "The drive's frequency moves: amplitude over frequency, f0 and Q",
+                cli::Shown::kHelpAll);
+  options->Text("--response", &words->response, "FILE.csv", "The sweep's points",
+                cli::Shown::kHelpAll);
   options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
                   "Of the drive: fitted where a record is too slow for the band (default: what the "
                   "file says)",
@@ -91,22 +98,14 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
-  const auto band = cli::ParseBand(words.band);
-  if (!band) return std::unexpected(band.error());
-  dsp::BandQuestion question;
-  question.band.lower_hz = band->lower_hz;
-  question.band.upper_hz = band->upper_hz;
-  question.may_lower_order = !words.order.has_value();
-  question.band.order = static_cast<int>(words.order.value_or(question.band.order));
-  question.band.corners = words.corner == "whole" ? dsp::Corners::kWhole : dsp::Corners::kEach;
+  auto asked = cli::BandQuestionOf(words.band);
+  if (!asked) return std::unexpected(asked.error());
+  dsp::BandQuestion question = std::move(*asked);
   question.keep_filtered = !words.plot.empty() || !words.report.empty();
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
   if (auto window = ReadWindow(words.window, question); !window) {
     return std::unexpected(window.error());
   }
-  // whether the band is one, before any file is read
-  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
-  if (!possible) return std::unexpected(possible.error());
   return question;
 }
 

@@ -9,6 +9,7 @@
 #include "base/result.h"
 #include "dsp/analysis/band_question.h"
 #include "tools/analyze/spectrum_options.h"
+#include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 
@@ -17,13 +18,13 @@ namespace haptometer::tools {
 /// The command line of `analyze`, as it was typed.
 struct AnalyzeWords {
   std::vector<std::string> files;
-  std::string band = "20-500Hz";
-  std::optional<std::int64_t> order;
-  std::string corner = "whole";
+  cli::BandWords band;
   std::string window = "auto";
   std::string floor;
   std::optional<Quantity> drive_frequency_hz;
   bool all = false;
+  bool sweep = false;
+  std::string response;
   std::string plot;
   std::string report;
   std::optional<std::int64_t> threads;

@@ -176,5 +176,28 @@ TEST(WindowFaults, ClippedRowsBeyondTheListCountAsIfInside) {
   EXPECT_EQ(ClippedRows(faults, 9000, 300), 300U);
 }
 
+// rows fed one by one are each looked at, long pieces only where they are not plain
+TEST(Faults, PlainPiecesSayWhatTheirRowsSay) {
+  for (const double swing_steps : {0.7, 3.0, 40.0, 4000.0}) {
+    std::vector<double> values(9'000);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      values[k] = 1e-8 * std::round(swing_steps * std::sin(0.01 * static_cast<double>(k)));
+    }
+    for (std::size_t k = 50; k < values.size(); k += 531) values[k] += 3e-7;
+    for (std::size_t k = 1; k < 9; ++k) values[5'000 + k] = values[5'000];
+    for (const FaultScale& scale : {FaultScale{}, FaultScale{-2.9e-8, 1, 1e-8}}) {
+      const Faults whole = Scan(values, scale);
+      const Faults rows = Scan(values, scale, 1);
+      EXPECT_EQ(rows.count, whole.count) << swing_steps;
+      EXPECT_EQ(rows.rows, whole.rows) << swing_steps;
+      ASSERT_EQ(rows.list.size(), whole.list.size());
+      for (std::size_t k = 0; k < whole.list.size(); ++k) {
+        EXPECT_EQ(rows.list[k].first_row, whole.list[k].first_row);
+        EXPECT_EQ(rows.list[k].size, whole.list[k].size);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp
