@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "base/check.h"
+#include "dsp/analysis/fault_shape.h"
 #include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
@@ -27,60 +28,6 @@ constexpr double kFalseHolds = 0.01;
 constexpr std::size_t kMostCandidates = 65'536;
 // the first rows of a plain piece, which say how its runs begin
 constexpr std::size_t kRunRows = 2;
-
-// a shape is tried on rows center - kReach .. center + kReach
-constexpr std::size_t kReach = 6;
-constexpr std::size_t kShapeRows = 2 * kReach + 1;
-using Shape = std::array<double, kShapeRows>;
-
-// what the cubic through the neighbours leaves of `x` at `k`
-template <typename Values>
-double CubicError(const Values& x, std::size_t k) {
-  return x[k] - (4 * (x[k - 1] + x[k + 1]) - (x[k - 2] + x[k + 2])) / 6;
-}
-
-// e of a spike of `rows` rows (0: a step) of height 1 that begins at `at`, counted from the first
-// row
-Shape ErrorOf(std::size_t at, std::size_t rows) {
-  std::array<double, kShapeRows + 4> x{};
-  for (std::size_t k = at + 2; k < x.size(); ++k) x[k] = rows == 0 || k < at + 2 + rows ? 1 : 0;
-  Shape error{};
-  for (std::size_t k = 0; k < kShapeRows; ++k) error[k] = CubicError(x, k + 2);
-  return error;
-}
-
-struct Fit {
-  double height = 0;
-  double rest = 0;  // squares that are left
-};
-
-Fit Project(const Shape& error, const Shape& shape) {
-  double product = 0;
-  double norm = 0;
-  double square = 0;
-  for (std::size_t k = 0; k < kShapeRows; ++k) {
-    product += error[k] * shape[k];
-    norm += shape[k] * shape[k];
-    square += error[k] * error[k];
-  }
-  return {product / norm, square - product * product / norm};
-}
-
-// the shape that explains `error` best; rows count from the first row of the shape
-Fault BestShape(const Shape& error) {
-  Fault best;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t rows = 0; rows <= 3; ++rows) {
-    for (std::size_t at = kReach - 2; at <= kReach + 2; ++at) {
-      const Fit fit = Project(error, ErrorOf(at, rows));
-      if (!(fit.rest < least)) continue;
-      least = fit.rest;
-      best = {rows == 0 ? FaultKind::kStep : FaultKind::kSpike, at, std::max<std::size_t>(rows, 1),
-              fit.height};
-    }
-  }
-  return best;
-}
 
 // what a piece of a channel says without a look at each row
 struct PlainLook {
@@ -371,14 +318,14 @@ std::size_t FaultScanner::Judge(std::size_t row, double limit) {
   }
   const double local = kDeviations * kMadToDeviation * LocalMedian(center);
   if (!(off_[center - window_first_] > std::max(limit, local))) return row + 1;
-  Shape error{};
+  CubicErrors error{};
   for (std::size_t k = 0; k < kShapeRows; ++k) {
-    const std::size_t at = center + k < kReach ? 0 : center + k - kReach;
+    const std::size_t at = center + k < kShapeReach ? 0 : center + k - kShapeReach;
     const double e = at < window_first_ ? 0 : ErrorAt(at);
     error[k] = std::isnan(e) ? 0 : e;
   }
-  Fault fault = BestShape(error);
-  fault.first_row = center + fault.first_row - kReach;
+  Fault fault = BestFault(error);
+  fault.first_row = center + fault.first_row - kShapeReach;
   Add(fault);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
