@@ -22,6 +22,9 @@ constexpr double kLatencyPerceivedS = 0.050;
 
 std::string Um(double metres) { return fmt::format("{:.5g} um", metres / kUm); }
 
+// a number that serves another, to three digits
+std::string AboutUm(double metres) { return fmt::format("{:.3g} um", metres / kUm); }
+
 std::string Um(double metres, double uncertainty_m) {
   return WithUncertainty(metres / kUm, uncertainty_m / kUm) + " um";
 }
@@ -42,7 +45,7 @@ std::string BandName(const dsp::BandPass& band) {
 std::string RmsText(const dsp::RmsEstimate& rms, const dsp::BandPass& band) {
   if (rms.below_floor) {
     return fmt::format("at most {} RMS in {} (95 %): not above the noise floor of {}",
-                       Um(rms.at_most_m), BandName(band), Um(rms.floor_m.value_or(0)));
+                       Um(rms.at_most_m), BandName(band), AboutUm(rms.floor_m.value_or(0)));
   }
   return fmt::format("{} RMS in {}; 95 %: {:.5g} to {:.5g} um",
                      Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band), rms.lower_m / kUm,
@@ -53,7 +56,7 @@ std::string RmsText(const dsp::RmsEstimate& rms, const dsp::BandPass& band) {
 std::optional<std::string> CorrectionText(const dsp::BandNumbers& numbers) {
   std::string text = fmt::format("{} as measured", Um(numbers.rms.as_measured_m));
   if (numbers.rms.floor_m) {
-    text += fmt::format("; noise floor of {} taken off in power", Um(*numbers.rms.floor_m));
+    text += fmt::format("; noise floor of {} taken off in power", AboutUm(*numbers.rms.floor_m));
   }
   if (numbers.sensor.divided_out && numbers.sensor.gain_at_tone) {
     text += fmt::format("; sensor gain of {:.4g} divided out of the tone",
@@ -146,7 +149,7 @@ AnalysisSection VibrationSection(const dsp::BandAnalysis& analysis) {
   lines.push_back({"without the tone", Um(numbers.residual_rms_m) + " RMS in the window"});
   if (numbers.floor) {
     lines.push_back(
-        {"noise floor", fmt::format("{} RMS, from {}", Um(numbers.rms.floor_m.value_or(0)),
+        {"noise floor", fmt::format("{} RMS, from {}", AboutUm(numbers.rms.floor_m.value_or(0)),
                                     numbers.floor->source)});
   } else {
     lines.push_back(
@@ -156,7 +159,7 @@ AnalysisSection VibrationSection(const dsp::BandAnalysis& analysis) {
     lines.push_back(
         {"below the band",
          fmt::format("{} at {:.3g} Hz, of which {:.2g} um RMS leak in{}",
-                     Um(numbers.below_band->amplitude_m), numbers.below_band->frequency_hz,
+                     AboutUm(numbers.below_band->amplitude_m), numbers.below_band->frequency_hz,
                      numbers.below_band->leaked_rms_m / kUm,
                      numbers.below_band->modelled ? "; modelled and taken out" : "")});
   }

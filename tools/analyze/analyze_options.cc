@@ -98,6 +98,7 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
 
 Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
+  if (words.band.band.empty()) return Usage("--band", "is empty", "write it as 20-500Hz");
   auto asked = cli::BandQuestionOf(words.band);
   if (!asked) return std::unexpected(asked.error());
   dsp::BandQuestion question = std::move(*asked);

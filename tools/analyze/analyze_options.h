@@ -18,7 +18,7 @@ namespace haptometer::tools {
 /// The command line of `analyze`, as it was typed.
 struct AnalyzeWords {
   std::vector<std::string> files;
-  cli::BandWords band;
+  cli::BandWords band{.band = "20-500Hz", .order = {}, .corner = "whole"};
   std::string window = "auto";
   std::string floor;
   std::optional<Quantity> drive_frequency_hz;
