@@ -82,6 +82,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   const Reach reach = ReachOf(power, gain_square, kNormal95, 0.025);
   const Reach one_sided = ReachOf(power, gain_square, kNormal90, 0.05);
   estimate.below_floor = power.floor && sum.value <= one_sided.below;
+  estimate.floor_contradicts = power.floor && sum.value + reach.above < 0;
   const double lower = RootOf(sum.value - reach.below);
   const double upper = RootOf(sum.value + reach.above);
 
@@ -111,8 +112,9 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   const double widening = kNormal95 * std::sqrt(bound_square);
   estimate.lower_m = std::max(0.0, estimate.rms_m - std::hypot(estimate.rms_m - lower, widening));
   estimate.upper_m = estimate.rms_m + std::hypot(upper - estimate.rms_m, widening);
+  const double least = std::max({0.0, sum.value, power.tone_mean_square / gain_square});
   estimate.at_most_m =
-      estimate.rms_m + std::hypot(RootOf(sum.value + one_sided.above) - estimate.rms_m,
+      estimate.rms_m + std::hypot(std::sqrt(least + one_sided.above) - estimate.rms_m,
                                   kNormal90 * std::sqrt(bound_square));
   return estimate;
 }

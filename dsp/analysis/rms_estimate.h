@@ -52,7 +52,10 @@ struct RmsEstimate {
   double upper_m = 0;
   /// The floor is not exceeded (one-sided 95 %): `rms_m` says nothing, `at_most_m` does.
   bool below_floor = false;
-  double at_most_m = 0;                 ///< one-sided 95 % upper limit
+  /// One-sided 95 % upper limit; never less than it is for a vibration of nothing, or of the tone.
+  double at_most_m = 0;
+  /// The floor is above all that was measured (97.5 %): it is not this record's.
+  bool floor_contradicts = false;
   std::vector<UncertaintyLine> budget;  ///< adds up in squares to standard_uncertainty_m
 };
 

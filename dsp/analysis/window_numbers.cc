@@ -339,7 +339,15 @@ void RemarkFloor(Window& window) {
   const BandNumbers& numbers = window.numbers;
   if (!numbers.floor) {
     window.analysis.remarks.emplace_back(
-        "noise floor not known: no quiet part before or after the drive");
+        "noise floor not known: no settled quiet part of 0.1 s beside the window; --floor FILE "
+        "takes "
+        "a drive-off trial");
+  } else if (numbers.rms.floor_contradicts) {
+    window.analysis.reasons.push_back(fmt::format(
+        "the floor of {:.3g} um ({}) is above the {:.3g} um that were measured: take one "
+        "of the same sensor, settings and rate, drive off",
+        *numbers.rms.floor_m * kUmPerM, numbers.floor->source,
+        numbers.rms.as_measured_m * kUmPerM));
   } else if (numbers.rms.below_floor) {
     window.analysis.remarks.push_back(fmt::format("below the floor of {:.3g} um: at most {:.3g} um",
                                                   *numbers.rms.floor_m * kUmPerM,

@@ -81,6 +81,9 @@ Result<void> AddSpectra(const trial::RowSource& rows, const Job& job, ReportedFi
   if (!job.report) return {};
   const auto panel = SpectrumPanel(*window, job.spectrum);
   if (!panel) return std::unexpected(panel.error());
+  // silence has no place on a logarithmic axis
+  const std::vector<double>& levels = panel->series.front().y;
+  if (std::ranges::none_of(levels, [](double level) { return level > 0; })) return {};
   reported.figures.push_back({*panel});
   reported.captions.emplace_back("Spectrum of the unfiltered window (Welch, one-sided).");
   return {};

@@ -67,10 +67,11 @@ Result<void> TakeTable(const std::string& path, Readings& taken) {
   return {};
 }
 
-// errors are reported; the other trials are still used
+// Errors are reported; the other trials are still used. The floor is taken off all of them alike,
+// by AnalyzeLinearity, so none is taken off here.
 void TakeTrial(const StudyTrial& trial, Readings& taken) {
   std::optional<Error> error = trial.error;
-  if (!error && !trial.answered) {
+  if (!error && !trial.rms_with_floor_m) {
     error = Error{Cause::kCannotAnswer, trial.file,
                   trial.reasons.empty() ? "has no RMS" : trial.reasons.front(), ""};
   }
@@ -82,7 +83,8 @@ void TakeTrial(const StudyTrial& trial, Readings& taken) {
     taken.status = std::max(taken.status, cli::ReportError(kVerb, *error));
     return;
   }
-  taken.readings.push_back({trial.subject, trial.condition, *trial.drive_v, *trial.rms_m});
+  taken.readings.push_back(
+      {trial.subject, trial.condition, *trial.drive_v, *trial.rms_with_floor_m});
 }
 
 Result<Readings> Read(const Wanted& wanted) {

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <thread>
 
@@ -26,6 +27,11 @@ std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
 
 void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
                   StudyTrial& trial) {
+  if (analysis.answered && analysis.numbers) {
+    const dsp::RmsEstimate& rms = analysis.numbers->rms;
+    trial.rms_with_floor_m =
+        rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
+  }
   trial.answered = analysis.answered && analysis.numbers && !analysis.numbers->rms.below_floor;
   trial.reasons = analysis.reasons;
   if (!trial.answered) {

@@ -15,14 +15,15 @@ struct StudyTrial {
   std::string file;
   std::string subject;
   std::string condition;
-  std::string repeat;                   ///< numbered by file name where nothing says it
-  std::string utc_start;                ///< empty where unknown
-  std::optional<double> drive_v;        ///< amplitude of the drive, where the file says it
-  std::optional<Error> error;           ///< it cannot be read, or has no place in the study
-  bool answered = false;                ///< rms_m is there
-  std::vector<std::string> reasons;     ///< why not
-  std::vector<std::string> deviations;  ///< how its analysis differs from what was asked
-  std::optional<double> rms_m;          ///< within the band
+  std::string repeat;                      ///< numbered by file name where nothing says it
+  std::string utc_start;                   ///< empty where unknown
+  std::optional<double> drive_v;           ///< amplitude of the drive, where the file says it
+  std::optional<Error> error;              ///< it cannot be read, or has no place in the study
+  bool answered = false;                   ///< rms_m is there
+  std::vector<std::string> reasons;        ///< why not
+  std::vector<std::string> deviations;     ///< how its analysis differs from what was asked
+  std::optional<double> rms_m;             ///< within the band
+  std::optional<double> rms_with_floor_m;  ///< the same before its noise floor is taken off
   std::optional<double> rms_uncertainty_m;
 };
 

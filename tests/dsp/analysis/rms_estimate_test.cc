@@ -99,6 +99,18 @@ TEST(RmsEstimate, BelowTheFloorOnlyALimitIsKnown) {
   EXPECT_LT(estimate.at_most_m, 0.6);
 }
 
+TEST(RmsEstimate, AFloorAboveAllThatWasMeasuredIsNotTheRecords) {
+  BandPower power;
+  power.tone_mean_square = 0.5;
+  power.rest = {1, 0.0001};
+  power.floor = NoisePower{4, 0.0001};
+  const RmsEstimate estimate = EstimateRms(power, {});
+  EXPECT_TRUE(estimate.floor_contradicts);
+  EXPECT_GE(estimate.at_most_m, std::sqrt(0.5)) << "the tone is there";
+  power.floor = NoisePower{1.5, 0.0001};
+  EXPECT_FALSE(EstimateRms(power, {}).floor_contradicts);
+}
+
 TEST(RmsEstimate, TheGainDividesTheToneOnly) {
   BandPower power;
   power.tone_mean_square = 0.25;

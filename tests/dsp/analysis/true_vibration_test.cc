@@ -185,6 +185,12 @@ TEST(TrueVibrationOfAPause, ADriveOffTrialGivesTheFloor) {
   const auto none = AnalyzeBand(TrialOf(Trial{0, 225, false, false, true}, 10), question);
   EXPECT_LT(none->numbers->rms.lower_m, 1e-6);
   EXPECT_LT(none->numbers->rms.at_most_m, 3e-6);
+  // a "floor" that was recorded with the drive on
+  question.floor = FloorOf(*on, "on.bin");
+  const auto contradicted = AnalyzeBand(TrialOf(Trial{0, 225, false, false, true}, 10), question);
+  ASSERT_TRUE(contradicted);
+  EXPECT_FALSE(contradicted->answered);
+  EXPECT_THAT(contradicted->reasons.back(), ::testing::HasSubstr("that were measured: take one"));
 }
 
 }  // namespace
