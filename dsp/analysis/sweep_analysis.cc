@@ -134,7 +134,8 @@ Result<Response> RespondBy(const SweepPiece& piece, std::size_t segment_size, co
       MeasureResponse(piece.drive, piece.displacement_m, options, band.lower_hz, band.upper_hz);
   if (!points) return std::unexpected(points.error());
   for (ResponsePoint& point : *points) point.response /= GainOr1(sensor, point.frequency_hz);
-  const auto segments = static_cast<double>(2 * (piece.drive.size() / segment_size) - 1);
+  const std::size_t whole = piece.drive.size() / segment_size;
+  const auto segments = static_cast<double>(2 * whole - 1);
   Response response;
   response.asked = points->size();
   KeepSignificant(*points, segments);

@@ -165,7 +165,7 @@ Result<std::optional<ChosenPart>> ChooseGiven(const std::vector<BandSignal>& all
                                                         chosen.signal->rate_hz();
   const std::string asked =
       fmt::format("{:g} s to {:g} s", question.window.begin_s, question.window.end_s);
-  if (found_s < kLeastWindowPeriods / question.band.lower_hz) {
+  if (chosen.signal == nullptr || found_s < kLeastWindowPeriods / question.band.lower_hz) {
     analysis->reasons.push_back(
         fmt::format("of the window {} only {:.3f} s have settled: ask for a wider one, or record "
                     "longer before and after it",

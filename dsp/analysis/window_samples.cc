@@ -18,10 +18,10 @@ WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::siz
   const auto first = std::min(static_cast<std::size_t>(begin), segment.size);
   const std::size_t size = std::min(static_cast<std::size_t>(wanted), segment.size - first);
   const std::size_t count = std::min(size, most);
+  const std::size_t begin_of_middle = first + (size - count) / 2;
   WindowSamples samples;
   samples.rate_hz = segment.rate_hz;
-  samples.start_s =
-      segment.start_s + static_cast<double>(first + (size - count) / 2) / segment.rate_hz;
+  samples.start_s = segment.start_s + static_cast<double>(begin_of_middle) / segment.rate_hz;
   samples.values_m.resize(count);
   return samples;
 }
