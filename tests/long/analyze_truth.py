@@ -3,11 +3,12 @@
   /usr/bin/python3 tests/long/analyze_truth.py [PROGRAMS] [SEEDS]
 
 Writes CSV trials of a tone on 30 mm of offset and 0.3 mm of tremor, with each of three troubles and
-with all their combinations: a drive that is on for 4 of 6 s, a sensor that averages 16 samples of
+with all their combinations: a drive that is on for 16 of 18 s, a sensor that averages 16 samples of
 0.33 ms, and white noise of 5.9 um RMS in the band. Each level from 5 to 45 um RMS is tried with
 SEEDS seeds (3). Asked of every answer: the true RMS lies within the stated 95 % interval in at
 least 95 % of all (less 3 standard deviations of that count), and above 15 um the RMS is within
-2 % of the truth (of 4 s of noise, 15 um have a standard uncertainty of 0.7 %: shorter would not do). NumPy makes the trials; it
+2 % of the truth (16 s of this noise leave 16 um a standard uncertainty of 0.5 %, so that 2 % are
+four of them). Where the drive is never off, a drive-off trial of the same sensor is given by --floor. NumPy makes the trials; it
 knows nothing of the program.
 """
 import itertools
@@ -26,7 +27,7 @@ LEVELS_UM = (5, 9, 16, 30, 45)
 FLOOR_UM = 5.9
 SAMPLING_S = 0.33e-3
 AVERAGES = 16
-DURATION_S = 6.0
+DURATION_S = 18.0
 BAND_HZ = 480.0
 
 
@@ -37,7 +38,7 @@ def readings(rms_um, frequency_hz, gated, averaged, floor, seed):
     lead = AVERAGES if averaged else 0
     count = int(DURATION_S * rate_hz)
     t = (np.arange(count + lead) - lead) / rate_hz
-    on = ((t >= 1) & (t < 5)) if gated else np.ones_like(t, dtype=bool)
+    on = ((t >= 1) & (t < 17)) if gated else np.ones_like(t, dtype=bool)
     phase = random.uniform(0, 2 * np.pi)
     tone = math.sqrt(2) * rms_um * 1e-6 * np.sin(2 * np.pi * frequency_hz * t + phase) * on
     slow = 30e-3 + 0.3e-3 * np.sin(2 * np.pi * 8.3 * t + random.uniform(0, 6))
@@ -50,13 +51,17 @@ def readings(rms_um, frequency_hz, gated, averaged, floor, seed):
     return rate_hz, x[:count]
 
 
-def analysed(path, rate_hz, x, averaged):
+def write(path, rate_hz, x, averaged):
     with open(path, "w") as file:
         file.write(f"# sampling_s = {SAMPLING_S if averaged else 1 / rate_hz:.12g}\n"
                    f"# averages = {AVERAGES if averaged else 1}\n"
                    "time_s,displacement_m\n")
         np.savetxt(file, np.column_stack([np.arange(x.size) / rate_hz, x]), "%.12g", ",")
-    done = subprocess.run([os.path.join(PROGRAMS, "haptometer"), "analyze", "--json", path],
+
+
+def analysed(path, off):
+    floor = ["--floor", off] if off else []
+    done = subprocess.run([os.path.join(PROGRAMS, "haptometer"), "analyze", "--json", path, *floor],
                           capture_output=True, timeout=60, text=True)
     return json.loads(done.stdout)["trials"][0]
 
@@ -74,7 +79,12 @@ def main():
             frequency_hz = 97.3 if averaged else 225.0
             rate_hz, x = readings(rms_um, frequency_hz, gated, averaged, floor,
                                   [seed, rms_um, gated, averaged, floor])
-            trial = analysed(path, rate_hz, x, averaged)
+            write(path, rate_hz, x, averaged)
+            off = None
+            if floor and not gated:
+                off = os.path.join(directory, "off.csv")
+                write(off, *readings(0, frequency_hz, False, averaged, True, [seed, 1]), averaged)
+            trial = analysed(path, off)
             case = (gated, averaged, floor)
             if not trial["answered"]:
                 missed.append((case, rms_um, trial["reasons"]))
