@@ -235,4 +235,14 @@ Result<Extremes> BandSignal::ExtremesOf(std::size_t begin, std::size_t end) cons
   return extremes;
 }
 
+double WholeRms(std::span<const BandSignal> signals) {
+  double square_sum = 0;
+  double count = 0;
+  for (const BandSignal& signal : signals) {
+    for (const BandCell& cell : signal.cells()) square_sum += cell.square_sum;
+    count += static_cast<double>(signal.size());
+  }
+  return std::sqrt(square_sum / count);
+}
+
 }  // namespace haptometer::dsp

@@ -121,4 +121,7 @@ class BandSignal {
   std::vector<BandCell> cells_;
 };
 
+/// RMS of every sample of all `signals` (one at least), unsettled ends and pauses included.
+[[nodiscard]] double WholeRms(std::span<const BandSignal> signals);
+
 }  // namespace haptometer::dsp

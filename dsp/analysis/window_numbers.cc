@@ -324,17 +324,6 @@ Result<void> DescribeMotion(Window& window) {
   return {};
 }
 
-// RMS of everything that was filtered, unsettled ends included
-double WholeRms(const std::vector<BandSignal>& all) {
-  double square_sum = 0;
-  double count = 0;
-  for (const BandSignal& signal : all) {
-    for (const BandCell& cell : signal.cells()) square_sum += cell.square_sum;
-    count += static_cast<double>(signal.size());
-  }
-  return std::sqrt(square_sum / count);
-}
-
 void RemarkFloor(Window& window) {
   const BandNumbers& numbers = window.numbers;
   if (!numbers.floor) {
