@@ -165,6 +165,13 @@ Result<std::optional<ChosenPart>> ChooseGiven(const std::vector<BandSignal>& all
                                                         chosen.signal->rate_hz();
   const std::string asked =
       fmt::format("{:g} s to {:g} s", question.window.begin_s, question.window.end_s);
+  const double end_s = TimeOfSample(all.back(), all.back().size());
+  if (question.window.begin_s >= end_s || question.window.end_s <= all.front().start_s()) {
+    analysis->reasons.push_back(
+        fmt::format("the window {} lies outside of the record, {:g} s to {:g} s", asked,
+                    all.front().start_s(), end_s));
+    return std::nullopt;
+  }
   if (chosen.signal == nullptr || found_s < kLeastWindowPeriods / question.band.lower_hz) {
     analysis->reasons.push_back(
         fmt::format("of the window {} only {:.3f} s have settled: ask for a wider one, or record "

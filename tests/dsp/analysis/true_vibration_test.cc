@@ -165,6 +165,10 @@ TEST(TrueVibrationOfAPause, AWindowThatIsAskedForIsTaken) {
   const auto unsettled = AnalyzeBand(TrialOf(Trial{16e-6, 225, false, false, false}, 1), given);
   ASSERT_FALSE(unsettled->answered);
   EXPECT_THAT(unsettled->reasons[0], ::testing::HasSubstr("have settled"));
+  given.window = {5, 6};
+  const auto outside = AnalyzeBand(TrialOf(Trial{16e-6, 225, false, false, false}, 1), given);
+  ASSERT_FALSE(outside->answered);
+  EXPECT_THAT(outside->reasons[0], ::testing::HasSubstr("lies outside of the record, 0 s to 3"));
   given.window = {2, 1};
   EXPECT_EQ(AnalyzeBand(TrialOf(Trial{}, 1), given).error().cause, Cause::kUsage);
 }
