@@ -262,7 +262,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
 
 RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
   RingDownPoint point;
-  point.own.assign(model.starts.size(), {std::numeric_limits<double>::quiet_NaN(), 0, 0});
+  point.own.assign(model.starts.size(), {std::numeric_limits<double>::quiet_NaN()});
   // an unknown coil resistance starts as large as a load
   for (const auto& input : model.inputs) {
     if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
@@ -306,6 +306,12 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
   std::vector<bool> unknown(kSharedCount + kOwnCount * problem.records().size(), true);
   unknown[Index(Shared::kMass)] = !model.knows_mass;
   unknown[Index(Shared::kResistance)] = !model.knows_resistance;
+  for (std::size_t r = 0; r < problem.records().size(); ++r) {
+    const RingDownSamples& record = problem.records()[r];
+    unknown[Column(r, Own::kDrift)] = record.drifts;
+    unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
+    unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
+  }
   if (!use_heights) return unknown;
   for (const auto& input : model.inputs) {
     if (input.kind != Kind::kHeight) continue;

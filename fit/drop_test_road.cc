@@ -17,12 +17,6 @@ double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   return sum;
 }
 
-std::vector<double> Flat(const RingDownPoint& point) {
-  std::vector<double> flat(point.shared.begin(), point.shared.end());
-  for (const auto& own : point.own) flat.insert(flat.end(), own.begin(), own.end());
-  return flat;
-}
-
 std::vector<bool> LogarithmColumns(std::size_t records) {
   std::vector<bool> logarithm(kSharedCount + kOwnCount * records, false);
   std::fill_n(logarithm.begin(), kSharedCount, true);
@@ -31,7 +25,7 @@ std::vector<bool> LogarithmColumns(std::size_t records) {
 }
 
 // holds as many of the unknowns as the records cannot tell apart: mass, resistance, Km
-RingDownFreedom FindFreedom(const DropTestRoad& road, std::vector<bool> is_free) {
+std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_free) {
   const std::size_t records = road.problem.records().size();
   const auto logarithm = LogarithmColumns(records);
   std::size_t nullity = FindIdentifiability(road.jacobian, is_free, logarithm).nullity;
@@ -44,12 +38,7 @@ RingDownFreedom FindFreedom(const DropTestRoad& road, std::vector<bool> is_free)
     is_free = fewer;
     nullity = left;
   }
-  RingDownFreedom freedom;
-  std::copy_n(is_free.begin(), kSharedCount, freedom.shared.begin());
-  for (std::size_t r = 0; r < records; ++r) {
-    freedom.speed.push_back(is_free[Column(r, Own::kSpeed)]);
-  }
-  return freedom;
+  return is_free;
 }
 
 // each record's noise becomes the root mean square of its residuals
@@ -84,7 +73,7 @@ std::vector<double> ChangeByInput(const DropTestRoad& road, const DropTestModel&
     RingDownPoint point = road.point;
     ApplyInputs(inputs, model, road.uses_heights, &problem, &point);
     residuals.push_back(problem.Residuals(point));
-    points.push_back(Flat(point));
+    points.push_back(ToColumns(point));
   }
   for (std::size_t n = 0; n < residuals[0].size(); ++n) {
     residuals[0][n] = (residuals[0][n] - residuals[1][n]) / (2 * kShare);
@@ -116,7 +105,7 @@ std::vector<double> Weights(const DropTestRoad& road,
 }
 
 double LogarithmAt(const DropTestRoad& road, const std::vector<double>& weights) {
-  return Dot(weights, Flat(road.point));
+  return Dot(weights, ToColumns(road.point));
 }
 
 bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {

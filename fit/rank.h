@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "fit/ring_down_problem.h"
+#include "fit/least_squares.h"
 
 namespace haptometer::fit {
 

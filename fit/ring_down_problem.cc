@@ -1,12 +1,11 @@
 #include "fit/ring_down_problem.h"
 
-#include <ceres/autodiff_cost_function.h>
-#include <ceres/manifold.h>
-#include <ceres/problem.h>
-#include <ceres/solver.h>
+#include <ceres/jet.h>
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
+#include <numbers>
+#include <span>
 #include <utility>
 
 #include "base/check.h"
@@ -28,65 +27,92 @@ sim::RingDown<T> Circuit(const RingDownSamples& record, double inductance_h, con
                            .load_ohm = record.load_ohm});
 }
 
-// the model's voltage; the blow's direction is such that the first half period has `polarity`
+// the ringing and the offset; the blow's direction is such that the first half period has
+// `polarity`
 template <typename T>
-T Voltage(const sim::RingDown<T>& circuit, double polarity, const T* own, double time_s) {
+T Ringing(const sim::RingDown<T>& circuit, double polarity, const T* own, double time_s) {
   using std::exp;
   const T since_impact_s = time_s - own[Index(Own::kImpact)];
   return own[Index(Own::kOffset)] -
          polarity * exp(own[Index(Own::kSpeed)]) * circuit.VoltagePerSpeed(since_impact_s);
 }
 
-struct Residual {
-  const RingDownSamples* record;
-  double inductance_h;
+// what one volt (or volt per second) of each disturbance adds at a time
+struct Disturbances {
+  explicit Disturbances(const RingDownSamples& record)
+      : middle_s(0.5 * (record.times_s.front() + record.times_s.back())),
+        hum_rad_per_s(2 * std::numbers::pi * record.hum_hz) {}
 
-  // false, a rejected step, where a trial point is so far away that the voltage overflows
-  template <typename T>
-  bool operator()(const T* shared, const T* own, T* residuals) const {
-    using std::isfinite;
-    const auto circuit = Circuit(*record, inductance_h, shared);
-    for (std::size_t n = 0; n < record->times_s.size(); ++n) {
-      residuals[n] =
-          (Voltage(circuit, record->polarity, own, record->times_s[n]) - record->voltages_v[n]) /
-          record->noise_v;
-      if (!isfinite(residuals[n])) return false;
-    }
-    return true;
+  [[nodiscard]] std::array<double, 3> At(double time_s) const {
+    return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
   }
+  [[nodiscard]] double Sum(const double* own, double time_s) const {
+    const auto [drift, cosine, sine] = At(time_s);
+    return own[Index(Own::kDrift)] * drift + own[Index(Own::kHumCosine)] * cosine +
+           own[Index(Own::kHumSine)] * sine;
+  }
+
+  double middle_s;
+  double hum_rad_per_s;
 };
 
-using Cost = ceres::AutoDiffCostFunction<Residual, ceres::DYNAMIC, kSharedCount, kOwnCount>;
-
-std::unique_ptr<Cost> MakeCost(const RingDownSamples& record, double inductance_h) {
-  return std::make_unique<Cost>(new Residual{&record, inductance_h},
-                                static_cast<int>(record.times_s.size()));
+// false, a rejected step, where a trial point is so far away that the voltage overflows
+bool WriteResiduals(const RingDownSamples& record, double inductance_h, const double* shared,
+                    const double* own, std::span<double> residuals) {
+  const auto circuit = Circuit(record, inductance_h, shared);
+  const Disturbances disturbances(record);
+  for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+    const double time_s = record.times_s[n];
+    const double model_v =
+        Ringing(circuit, record.polarity, own, time_s) + disturbances.Sum(own, time_s);
+    residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
+    if (!std::isfinite(residuals[n])) return false;
+  }
+  return true;
 }
 
-// the block's held components as a manifold, a constant block, or nothing to do
-void Hold(ceres::Problem& problem, double* block, const std::vector<bool>& is_free) {
-  std::vector<int> held;
-  for (std::size_t k = 0; k < is_free.size(); ++k) {
-    if (!is_free[k]) held.push_back(static_cast<int>(k));
+// the parameters behind which derivatives are automatic: all but the disturbances
+constexpr std::size_t kRingingCount = Index(Own::kDrift);
+constexpr int kAutomatic = static_cast<int>(kSharedCount + kRingingCount);
+using Jet = ceres::Jet<double, kAutomatic>;
+
+struct Jets {
+  std::array<Jet, kSharedCount> shared;
+  std::array<Jet, kRingingCount> own;
+};
+
+Jets MakeJets(const double* shared, const double* own) {
+  Jets jets;
+  for (std::size_t k = 0; k < kSharedCount; ++k)
+    jets.shared[k] = Jet(shared[k], static_cast<int>(k));
+  for (std::size_t k = 0; k < kRingingCount; ++k) {
+    jets.own[k] = Jet(own[k], static_cast<int>(kSharedCount + k));
   }
-  if (held.size() == is_free.size()) {
-    problem.SetParameterBlockConstant(block);
-  } else if (!held.empty()) {
-    problem.SetManifold(block, new ceres::SubsetManifold(static_cast<int>(is_free.size()), held));
-  }
+  return jets;
 }
 
-ceres::Solver::Options SolverOptions() {
-  constexpr double kRounding = 1e-15;
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 1000;
-  options.function_tolerance = kRounding;
-  options.parameter_tolerance = kRounding;
-  options.gradient_tolerance = kRounding;
-  options.max_num_consecutive_invalid_steps = 20;
-  options.logging_type = ceres::SILENT;
-  return options;
+// one record's rows: `rows` begins at the record's first row, `columns` wide; its own parameters
+// begin at column `first`
+void WriteDerivatives(const RingDownSamples& record, double inductance_h, const double* shared,
+                      const double* own, std::size_t first, std::size_t columns, double* rows) {
+  const Jets jets = MakeJets(shared, own);
+  const auto circuit = Circuit(record, inductance_h, jets.shared.data());
+  const Disturbances disturbances(record);
+  for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+    double* row = rows + n * columns;
+    std::fill_n(row, columns, 0.0);
+    const Jet voltage = Ringing(circuit, record.polarity, jets.own.data(), record.times_s[n]);
+    for (std::size_t k = 0; k < kSharedCount; ++k) {
+      row[k] = voltage.v[static_cast<int>(k)] / record.noise_v;
+    }
+    for (std::size_t k = 0; k < kRingingCount; ++k) {
+      row[first + k] = voltage.v[static_cast<int>(kSharedCount + k)] / record.noise_v;
+    }
+    const auto disturbance = disturbances.At(record.times_s[n]);
+    for (std::size_t k = 0; k < disturbance.size(); ++k) {
+      row[first + kRingingCount + k] = disturbance[k] / record.noise_v;
+    }
+  }
 }
 
 std::size_t RowCount(const std::vector<RingDownSamples>& records) {
@@ -97,75 +123,79 @@ std::size_t RowCount(const std::vector<RingDownSamples>& records) {
 
 }  // namespace
 
+std::vector<double> ToColumns(const RingDownPoint& point) {
+  std::vector<double> columns(point.shared.begin(), point.shared.end());
+  for (const auto& own : point.own) columns.insert(columns.end(), own.begin(), own.end());
+  return columns;
+}
+
+RingDownPoint FromColumns(const std::vector<double>& columns) {
+  RingDownPoint point;
+  std::copy_n(columns.begin(), kSharedCount, point.shared.begin());
+  point.own.resize((columns.size() - kSharedCount) / kOwnCount);
+  for (std::size_t r = 0; r < point.own.size(); ++r) {
+    std::copy_n(columns.begin() + static_cast<std::ptrdiff_t>(Column(r, Own::kSpeed)), kOwnCount,
+                point.own[r].begin());
+  }
+  return point;
+}
+
 RingDownProblem::RingDownProblem(std::vector<RingDownSamples> records, double inductance_h)
     : records_(std::move(records)), inductance_h_(inductance_h) {}
 
-SolverReport RingDownProblem::Minimise(const RingDownFreedom& freedom, RingDownPoint* point) const {
-  HAPTOMETER_CHECK(point->own.size() == records_.size() && freedom.speed.size() == records_.size(),
-                   "{} records, {} points, {} speeds", records_.size(), point->own.size(),
-                   freedom.speed.size());
-  ceres::Problem problem;
-  for (std::size_t r = 0; r < records_.size(); ++r) {
-    problem.AddResidualBlock(MakeCost(records_[r], inductance_h_).release(), nullptr,
-                             point->shared.data(), point->own[r].data());
-    Hold(problem, point->own[r].data(), {freedom.speed[r], true, true});
-  }
-  Hold(problem, point->shared.data(),
-       std::vector<bool>(freedom.shared.begin(), freedom.shared.end()));
+LeastSquares RingDownProblem::Whole() const {
+  const std::size_t columns = kSharedCount + kOwnCount * records_.size();
+  const auto evaluate = [this, columns](std::span<const double> point, std::span<double> residuals,
+                                        std::span<double> jacobian) {
+    std::size_t row = 0;
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      const std::size_t rows = records_[r].times_s.size();
+      const std::size_t first = Column(r, Own::kSpeed);
+      const double* own = point.data() + first;
+      if (!WriteResiduals(records_[r], inductance_h_, point.data(), own,
+                          residuals.subspan(row, rows))) {
+        return false;
+      }
+      if (!jacobian.empty()) {
+        WriteDerivatives(records_[r], inductance_h_, point.data(), own, first, columns,
+                         jacobian.data() + row * columns);
+      }
+      row += rows;
+    }
+    return true;
+  };
+  return {RowCount(records_), columns, evaluate};
+}
 
-  ceres::Solver::Summary summary;
-  ceres::Solve(SolverOptions(), &problem, &summary);
-  return {.converged = summary.termination_type == ceres::CONVERGENCE,
-          .termination = summary.message,
-          .iterations = static_cast<int>(summary.iterations.size())};
+SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free,
+                                       RingDownPoint* point) const {
+  HAPTOMETER_CHECK(point->own.size() == records_.size(), "{} records, {} points", records_.size(),
+                   point->own.size());
+  std::vector<double> columns = ToColumns(*point);
+  const SolverReport report = fit::Minimise(Whole(), is_free, &columns);
+  *point = FromColumns(columns);
+  return report;
 }
 
 Jacobian RingDownProblem::Linearise(const RingDownPoint& point) const {
-  Jacobian jacobian;
-  jacobian.rows = RowCount(records_);
-  jacobian.columns = kSharedCount + kOwnCount * records_.size();
-  jacobian.values.assign(jacobian.rows * jacobian.columns, 0.0);
-  jacobian.residuals.resize(jacobian.rows);
-
-  std::size_t first_row = 0;
-  for (std::size_t r = 0; r < records_.size(); ++r) {
-    const std::size_t rows = records_[r].times_s.size();
-    std::vector<double> shared(rows * kSharedCount);
-    std::vector<double> own(rows * kOwnCount);
-    const std::array<const double*, 2> parameters{point.shared.data(), point.own[r].data()};
-    std::array<double*, 2> blocks{shared.data(), own.data()};
-    MakeCost(records_[r], inductance_h_)
-        ->Evaluate(parameters.data(), jacobian.residuals.data() + first_row, blocks.data());
-    // scatter the two blocks into the rows of the whole
-    for (std::size_t n = 0; n < rows; ++n) {
-      double* row = jacobian.values.data() + (first_row + n) * jacobian.columns;
-      for (std::size_t k = 0; k < kSharedCount; ++k) row[k] = shared[n * kSharedCount + k];
-      for (std::size_t k = 0; k < kOwnCount; ++k) {
-        row[kSharedCount + kOwnCount * r + k] = own[n * kOwnCount + k];
-      }
-    }
-    first_row += rows;
-  }
-  return jacobian;
+  return fit::Linearise(Whole(), ToColumns(point));
 }
 
 std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const {
   std::vector<double> residuals(RowCount(records_));
-  std::size_t first_row = 0;
-  for (std::size_t r = 0; r < records_.size(); ++r) {
-    const Residual residual{&records_[r], inductance_h_};
-    residual(point.shared.data(), point.own[r].data(), residuals.data() + first_row);
-    first_row += records_[r].times_s.size();
-  }
+  Whole().evaluate(ToColumns(point), residuals, {});
   return residuals;
 }
 
 std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::size_t record,
                                               const std::vector<double>& times_s) const {
   const auto circuit = Circuit(records_[record], inductance_h_, point.shared.data());
+  const Disturbances disturbances(records_[record]);
+  const double* own = point.own[record].data();
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] = Voltage(circuit, records_[record].polarity, point.own[record].data(), times_s[n]);
+    voltages[n] = Ringing(circuit, records_[record].polarity, own, times_s[n]) +
+                  disturbances.Sum(own, times_s[n]);
   }
   return voltages;
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "fit/least_squares.h"
+
 namespace haptometer::fit {
 
 /// The parameters that all records share, each as the logarithm of its SI value.
@@ -23,8 +25,12 @@ enum class Own : std::uint8_t {
   kSpeed,   ///< ln of the impact speed in m/s
   kImpact,  ///< time of the impact in s
   kOffset,  ///< in V
+  // disturbances of the recording, held at 0 where a record shows none
+  kDrift,      ///< of the offset, in V/s, about the middle of the fitted samples
+  kHumCosine,  ///< in V, at the record's `hum_hz`
+  kHumSine,    ///< in V
 };
-inline constexpr std::size_t kOwnCount = 3;
+inline constexpr std::size_t kOwnCount = 6;
 
 [[nodiscard]] constexpr std::size_t Index(Shared parameter) {
   return static_cast<std::size_t>(parameter);
@@ -41,6 +47,8 @@ struct RingDownSamples {
   double load_ohm = 0;    ///< infinite: open
   double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M
   double polarity = 1;    ///< +1 or -1: sign of the voltage's first half period
+  bool drifts = false;    ///< whether the drift is fitted
+  double hum_hz = 0;      ///< of the mains; 0: no hum is fitted
 };
 
 /// A point in parameter space, or a direction.
@@ -49,45 +57,33 @@ struct RingDownPoint {
   std::vector<std::array<double, kOwnCount>> own;  ///< one a record
 };
 
-/// Which parameters the solver may move; impact times and offsets always.
-struct RingDownFreedom {
-  std::array<bool, kSharedCount> shared{};
-  std::vector<bool> speed;  ///< one a record
-};
+/// The point's components in the order of the Jacobian's columns: the shared parameters, then each
+/// record's own (see Column).
+[[nodiscard]] std::vector<double> ToColumns(const RingDownPoint& point);
 
-/// Derivatives of the weighted residuals, rows x columns, row-major. Columns: the shared
-/// parameters, then three a record (see Column).
-struct Jacobian {
-  std::size_t rows = 0;
-  std::size_t columns = 0;
-  std::vector<double> values;     ///< (rows x columns)
-  std::vector<double> residuals;  ///< (rows) (model - sample) / noise
-};
+/// The point of these components.
+[[nodiscard]] RingDownPoint FromColumns(const std::vector<double>& columns);
 
 /// The Jacobian's column of a record's own parameter.
 [[nodiscard]] constexpr std::size_t Column(std::size_t record, Own parameter) {
   return kSharedCount + kOwnCount * record + Index(parameter);
 }
 
-/// How the solver ended.
-struct SolverReport {
-  bool converged = false;
-  std::string termination;  ///< in Ceres's words
-  int iterations = 0;
-};
-
 /// All records of a drop test as one least-squares problem over the circuit model of
-/// sim/ring_down.h:  voltage = offset - polarity v0 u(t - impact) / v0, so that it begins with the
-/// sign of `polarity`.
+/// sim/ring_down.h:
 ///
-/// Derivatives are automatic. The only file of the program that includes Ceres is this one's .cc.
+///     voltage = offset - polarity v0 u(t - impact) / v0 + drift (t - middle)
+///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
+///
+/// so that the ringing begins with the sign of `polarity`. Derivatives are automatic for the
+/// circuit and written down for the rest.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
 
-  /// Levenberg-Marquardt with dense QR from `point`, until rounding stops it (tolerances 1e-15, at
-  /// most 1000 iterations). `point` becomes the best one found.
-  [[nodiscard]] SolverReport Minimise(const RingDownFreedom& freedom, RingDownPoint* point) const;
+  /// Minimises (least_squares.h) over the columns that are free; `point` becomes the best one
+  /// found.
+  [[nodiscard]] SolverReport Minimise(const std::vector<bool>& is_free, RingDownPoint* point) const;
 
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
@@ -95,7 +91,7 @@ class RingDownProblem {
   /// Weighted residuals alone, records in order.
   [[nodiscard]] std::vector<double> Residuals(const RingDownPoint& point) const;
 
-  /// The model's voltage at `times_s` for a record, offset included.
+  /// The model's voltage at `times_s` for a record, offset and disturbances included.
   [[nodiscard]] std::vector<double> Voltages(const RingDownPoint& point, std::size_t record,
                                              const std::vector<double>& times_s) const;
 
@@ -105,6 +101,8 @@ class RingDownProblem {
   void set_inductance_h(double inductance_h) { inductance_h_ = inductance_h; }
 
  private:
+  [[nodiscard]] LeastSquares Whole() const;
+
   std::vector<RingDownSamples> records_;
   double inductance_h_;
 };

@@ -22,14 +22,26 @@ RingDownSamples Samples(double load_ohm, double mass_ratio) {
   samples.load_ohm = load_ohm;
   samples.mass_ratio = mass_ratio;
   samples.polarity = load_ohm > 100 ? 1 : -1;
+  samples.drifts = true;
+  samples.hum_hz = 50;
   return samples;
 }
 
 RingDownPoint Point() {
   RingDownPoint point;
   point.shared = {std::log(2800), std::log(0.0322), std::log(1.1), std::log(1.4e-3), std::log(27)};
-  point.own = {{std::log(0.44), 2e-5, 0.01}, {std::log(0.4), -3e-5, -0.02}};
+  point.own = {{std::log(0.44), 2e-5, 0.01, 0, 0, 0}, {std::log(0.4), -3e-5, -0.02, 0, 0, 0}};
   return point;
+}
+
+// all but Km, mass, resistance and `held`
+std::vector<bool> FreeColumns(std::size_t records, const std::vector<std::size_t>& held) {
+  std::vector<bool> is_free(kSharedCount + kOwnCount * records, true);
+  for (const Shared k : {Shared::kForceConstant, Shared::kMass, Shared::kResistance}) {
+    is_free[Index(k)] = false;
+  }
+  for (const std::size_t k : held) is_free[k] = false;
+  return is_free;
 }
 
 TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
@@ -38,6 +50,7 @@ TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
     const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 0.3)}, 130e-6);
     auto point = Point();
     point.shared[Index(Shared::kDamping)] = std::log(damping);
+    point.own[0] = {std::log(0.44), 2e-5, 0.01, 0.3, 2e-3, -4e-3};
     const auto jacobian = problem.Linearise(point);
     ASSERT_EQ(jacobian.columns, kSharedCount + 2 * kOwnCount);
     const auto residuals = problem.Residuals(point);
@@ -76,8 +89,7 @@ TEST(RingDownProblem, HeldParametersStay) {
   const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 1)}, 0);
   auto point = Point();
   const auto before = point;
-  const auto report = problem.Minimise(
-      {.shared = {true, true, false, false, false}, .speed = {false, true}}, &point);
+  const auto report = problem.Minimise(FreeColumns(2, {Column(0, Own::kSpeed)}), &point);
   EXPECT_GT(report.iterations, 1);
   EXPECT_EQ(point.shared[Index(Shared::kForceConstant)],
             before.shared[Index(Shared::kForceConstant)]);
@@ -102,18 +114,19 @@ TEST(RingDownProblem, ReachesTheMinimumFromThirtyPercentAway) {
     const RingDownProblem scratch({Samples(kOpen, 1)}, 0);
     RingDownPoint truth;
     truth.shared = Point().shared;
-    truth.own = {{std::log(0.44), 2e-5, 0.01}};
+    truth.own = {{std::log(0.44), 2e-5, 0.01, 0.3, 2e-3, -4e-3}};
     auto samples = Samples(kOpen, 1);
     samples.voltages_v = scratch.Voltages(truth, 0, samples.times_s);
     const RingDownProblem problem({samples}, 0);
     auto point = truth;
     point.shared[Index(Shared::kStiffness)] += std::log(away);
     point.shared[Index(Shared::kDamping)] += std::log(10.0);
-    const auto report =
-        problem.Minimise({.shared = {true, true, false, false, false}, .speed = {true}}, &point);
+    const auto report = problem.Minimise(FreeColumns(1, {}), &point);
     EXPECT_TRUE(report.converged) << report.termination;
     EXPECT_REL(std::exp(point.shared[0]), 2800.0, 1e-12, "noise-free");
     EXPECT_REL(std::exp(point.shared[1]), 0.0322, 1e-11, "noise-free");
+    EXPECT_REL(point.own[0][Index(Own::kDrift)], 0.3, 1e-9, "noise-free");
+    EXPECT_REL(point.own[0][Index(Own::kHumSine)], -4e-3, 1e-9, "noise-free");
   }
 }
 

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace haptometer::fit {
+
+/// A nonlinear least-squares problem: minimise sum r(p)^2 over p.
+struct LeastSquares {
+  std::size_t residuals = 0;
+  std::size_t parameters = 0;
+  /// Writes r(p), and dr/dp (residuals x parameters, row-major) where `jacobian` is not empty.
+  /// False where r is not defined or overflows: the solver takes a shorter step.
+  std::function<bool(std::span<const double> point, std::span<double> r,
+                     std::span<double> jacobian)>
+      evaluate;
+};
+
+/// A linearised problem: r and dr/dp at a point.
+struct Jacobian {
+  std::size_t rows = 0;
+  std::size_t columns = 0;
+  std::vector<double> values;     ///< (rows x columns), row-major
+  std::vector<double> residuals;  ///< (rows)
+};
+
+/// How the solver ended.
+struct SolverReport {
+  bool converged = false;
+  std::string termination;  ///< in Ceres's words
+  int iterations = 0;
+};
+
+/// Levenberg-Marquardt with dense QR (Ceres) from `point`, which becomes the best point found, and
+/// Gauss-Newton steps from there until rounding stops them.
+///
+/// Ceres runs to function, parameter and gradient tolerance 1e-15, at most 10 000 iterations. Its
+/// own settings stop at 1e-6 of the cost and solve 24 of NIST's 54 nonlinear problems; these solve
+/// 53. A cost that no longer changes leaves half of the digits open, which the last steps give
+/// back: 10 digits in the mean where NIST certifies 11 (tests/fit/nist_nonlinear_test.cc). Its
+/// gradient tolerance is absolute, so residuals belong in units of their noise, and positive
+/// parameters are best given as logarithms.
+///
+/// @param is_free one flag a parameter; the others stay where they are
+/// Cost of an iteration: one evaluation with derivatives and a QR of residuals x free parameters.
+[[nodiscard]] SolverReport Minimise(const LeastSquares& problem, const std::vector<bool>& is_free,
+                                    std::vector<double>* point);
+
+/// r and dr/dp for all parameters, held or not. The problem must be defined at `point`.
+[[nodiscard]] Jacobian Linearise(const LeastSquares& problem, const std::vector<double>& point);
+
+}  // namespace haptometer::fit
