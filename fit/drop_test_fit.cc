@@ -103,8 +103,9 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   }
 }
 
-FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
-                            const DropTestRoad& road, std::size_t r) {
+FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& road,
+                            std::size_t r) {
+  const auto& [record, start, part] = prepared;
   const auto& samples = road.problem.records()[r];
   const auto& own = road.point.own[r];
   const auto& shared = road.point.shared;
@@ -126,8 +127,9 @@ FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
   const double square = circuit.stiffness_per_s2() - fitted.decay_per_s * fitted.decay_per_s;
   fitted.damped_frequency_hz = square > 0 ? std::sqrt(square) / (2 * std::numbers::pi) : 0;
   fitted.quiet_noise_v = start.quiet_noise_v;
-  fitted.first_sample = start.first_sample;
+  fitted.first_sample = part.first_sample;
   fitted.samples = samples.times_s.size();
+  fitted.found = part.found;
 
   std::vector<double> speed(road.jacobian.columns, 0.0);
   speed[Column(r, Own::kSpeed)] = 1;
@@ -136,13 +138,13 @@ FittedRecord DescribeRecord(const ImpulseRecord& record, const RingStart& start,
 
   // the model at every sample, measured or not; the residual at the measured ones
   std::vector<double> times;
-  for (std::size_t n = start.first_sample; n < record.voltage_v.size(); ++n) {
+  for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
     times.push_back(record.start_s + static_cast<double>(n) * record.step_s);
   }
   fitted.model_v = road.problem.Voltages(road.point, r, times);
   double square_sum = 0;
   for (std::size_t n = 0; n < times.size(); ++n) {
-    const double sample = record.voltage_v[start.first_sample + n];
+    const double sample = record.voltage_v[part.first_sample + n];
     if (!std::isfinite(sample)) continue;
     square_sum += (sample - fitted.model_v[n]) * (sample - fitted.model_v[n]);
     fitted.peak_v = std::max(fitted.peak_v, std::abs(sample - fitted.offset_v));
@@ -189,9 +191,9 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   DropTestFit fit;
   fit.assumptions = model->assumptions;
   std::optional<DropTestRoad> by_heights;
-  if (model->knows_heights) by_heights = Travel(records, *model, true);
+  if (model->knows_heights) by_heights = Travel(*model, true);
   const DropTestRoad road =
-      Choose(std::move(by_heights), Travel(records, *model, false), *model, fit.assumptions);
+      Choose(std::move(by_heights), Travel(*model, false), *model, fit.assumptions);
   if (road.uses_heights) DescribeHeights(*model, fit.assumptions);
 
   fit.mass_symbol = model->all_free ? "Mv Mc/(Mv+Mc)" : "Mv";
@@ -208,7 +210,7 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
       Evaluate(road, *model,
                {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
   for (std::size_t r = 0; r < records.size(); ++r) {
-    fit.records.push_back(DescribeRecord(records[r], model->starts[r], road, r));
+    fit.records.push_back(DescribeRecord(model->records[r], road, r));
   }
   DescribeInfluences(road, *model, fit);
   DescribeUndetermined(road, *model, fit);

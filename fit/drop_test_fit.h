@@ -44,9 +44,11 @@ struct FittedRecord {
   double residual_rms_v = 0;       ///< over the fitted samples
   double quiet_noise_v = 0;  ///< RMS of the noise before the impact; 0 where nothing precedes it
   double peak_v = 0;         ///< largest distance from the offset in the fitted stretch
-  std::size_t first_sample = 0;  ///< the fitted samples: first_sample to the record's end
+  std::size_t first_sample = 0;  ///< of the fitted part
   std::size_t samples = 0;       ///< fitted, measurements only
-  std::vector<double> model_v;   ///< for every sample from first_sample on, offset included
+  std::vector<double> model_v;   ///< for every sample of the part, offset and disturbances included
+  std::vector<std::string>
+      found;  ///< sentences: clipping, later blows, hum, drift, and what is done
 };
 
 /// What a set of drops says about an actuator.

@@ -161,13 +161,13 @@ PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem
   PoleSummary summary;
   double sum = 0;
   int heights = 0;
-  for (std::size_t r = 0; r < model.starts.size(); ++r) {
-    const RingStart& start = model.starts[r];
+  for (std::size_t r = 0; r < model.records.size(); ++r) {
+    const RingStart& start = model.records[r].start;
     const RingDownSamples& record = problem.records()[r];
     summary.conductances.push_back(Conductance(record, point));
     summary.dampings.push_back(2 * start.poles.decay_per_s * record.mass_ratio);
-    summary.stiffness_over_mass +=
-        start.poles.stiffness_per_s2 * record.mass_ratio / static_cast<double>(model.starts.size());
+    summary.stiffness_over_mass += start.poles.stiffness_per_s2 * record.mass_ratio /
+                                   static_cast<double>(model.records.size());
     const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
     if (std::isnan(speed)) continue;
     sum += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
@@ -185,10 +185,10 @@ Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& record
   DropTestModel model;
   bool some_loaded = false;
   for (std::size_t r = 0; r < records.size(); ++r) {
-    auto start = FindRingStart(records[r]);
-    if (!start) return std::unexpected(start.error());
-    model.starts.push_back(*start);
-    AddRecordInputs(records[r], r, model);
+    auto prepared = PrepareRecord(records[r]);
+    if (!prepared) return std::unexpected(prepared.error());
+    AddRecordInputs(prepared->record, r, model);
+    model.records.push_back(*std::move(prepared));
     some_loaded = some_loaded || (records[r].load_ohm && std::isfinite(records[r].load_ohm->value));
   }
   AddConditions(records, knowns, model);
@@ -204,18 +204,19 @@ Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& record
   return model;
 }
 
-RingDownProblem MakeProblem(const std::vector<ImpulseRecord>& records, const DropTestModel& model) {
-  std::vector<RingDownSamples> samples(records.size());
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    const auto& record = records[r];
-    for (std::size_t n = model.starts[r].first_sample; n < record.voltage_v.size(); ++n) {
+RingDownProblem MakeProblem(const DropTestModel& model) {
+  std::vector<RingDownSamples> samples(model.records.size());
+  for (std::size_t r = 0; r < samples.size(); ++r) {
+    const auto& [record, start, part] = model.records[r];
+    for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
       if (!std::isfinite(record.voltage_v[n])) continue;
       samples[r].times_s.push_back(record.start_s + static_cast<double>(n) * record.step_s);
       samples[r].voltages_v.push_back(record.voltage_v[n]);
     }
-    samples[r].polarity = model.starts[r].impact_voltage_v < 0 ? -1 : 1;
-    samples[r].noise_v = std::max(model.starts[r].residual_rms_v,
-                                  1e-12 * std::abs(model.starts[r].impact_voltage_v));
+    samples[r].polarity = start.impact_voltage_v < 0 ? -1 : 1;
+    samples[r].noise_v = std::max(start.residual_rms_v, 1e-12 * std::abs(start.impact_voltage_v));
+    samples[r].drifts = part.background.drifts;
+    samples[r].hum_hz = part.background.hum_hz;
   }
   return {std::move(samples), 0};
 }
@@ -262,7 +263,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
 
 RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
   RingDownPoint point;
-  point.own.assign(model.starts.size(), {std::numeric_limits<double>::quiet_NaN()});
+  point.own.assign(model.records.size(), {std::numeric_limits<double>::quiet_NaN()});
   // an unknown coil resistance starts as large as a load
   for (const auto& input : model.inputs) {
     if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
@@ -291,10 +292,10 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
   point.shared[Index(Shared::kForceConstant)] = std::log(km);
   for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
-    own[Index(Own::kImpact)] = model.starts[r].impact_s;
-    own[Index(Own::kOffset)] = model.starts[r].offset_v;
+    own[Index(Own::kImpact)] = model.records[r].start.impact_s;
+    own[Index(Own::kOffset)] = model.records[r].start.offset_v;
     if (std::isnan(own[Index(Own::kSpeed)])) {
-      own[Index(Own::kSpeed)] = std::log(std::abs(model.starts[r].impact_voltage_v) /
+      own[Index(Own::kSpeed)] = std::log(std::abs(model.records[r].start.impact_voltage_v) /
                                          (km * Divider(problem->records()[r], point)));
     }
   }

@@ -8,9 +8,9 @@
 #include "base/result.h"
 #include "fit/drop_test_fit.h"
 #include "fit/impulse_record.h"
+#include "fit/prepared_record.h"
 #include "fit/rank.h"
 #include "fit/ring_down_problem.h"
-#include "fit/ring_start.h"
 
 namespace haptometer::fit {
 
@@ -38,7 +38,7 @@ struct DropTestInput {
 /// The records of a drop test with their start values and everything that is given, as a
 /// least-squares problem whose given numbers can be changed one at a time.
 struct DropTestModel {
-  std::vector<RingStart> starts;  ///< one a record
+  std::vector<PreparedRecord> records;
   std::vector<CaseCondition> conditions;
   std::vector<DropTestInput> inputs;
   bool knows_mass = false;        ///< M of the problem is given
@@ -48,15 +48,14 @@ struct DropTestModel {
   std::vector<std::string> assumptions;
 };
 
-/// Collects starts and inputs.
+/// Prepares the records and collects what is given.
 ///
 /// Errors (Cause::kCannotAnswer): see FitDropTest.
 [[nodiscard]] Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
                                                       const ActuatorKnowns& knowns);
 
-/// The problem with the samples from each record's start on; the noise is that of the start's fit.
-[[nodiscard]] RingDownProblem MakeProblem(const std::vector<ImpulseRecord>& records,
-                                          const DropTestModel& model);
+/// The problem with the samples of each record's part; the noise is that of the start's fit.
+[[nodiscard]] RingDownProblem MakeProblem(const DropTestModel& model);
 
 /// Writes the inputs into the problem and into the point's given components: loads, mass ratios,
 /// inductance, mass, resistance, and the impact speeds where `use_heights`.

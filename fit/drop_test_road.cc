@@ -112,9 +112,8 @@ bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
   return Blur(road.seen, weights) < kMostBlur;
 }
 
-DropTestRoad Travel(const std::vector<ImpulseRecord>& records, const DropTestModel& model,
-                    bool uses_heights) {
-  DropTestRoad road(MakeProblem(records, model), uses_heights);
+DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
+  DropTestRoad road(MakeProblem(model), uses_heights);
   road.point = StartPoint(model, uses_heights, &road.problem);
 
   // what can be told from where we stand; then solve, weigh by the residuals, solve again
@@ -127,7 +126,7 @@ DropTestRoad Travel(const std::vector<ImpulseRecord>& records, const DropTestMod
   road.solver.iterations += first.iterations;
 
   road.jacobian = road.problem.Linearise(road.point);
-  road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(records.size()));
+  road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
   const auto unknowns = static_cast<double>(std::count(unknown.begin(), unknown.end(), true));
   const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
   road.variance = Dot(road.jacobian.residuals, road.jacobian.residuals) / std::max(degrees, 1.0);

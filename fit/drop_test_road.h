@@ -31,8 +31,7 @@ struct DropTestRoad {
 
 /// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
 /// minimises, weighs every record by its residual's RMS, minimises again, linearises.
-[[nodiscard]] DropTestRoad Travel(const std::vector<ImpulseRecord>& records,
-                                  const DropTestModel& model, bool uses_heights);
+[[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.
 [[nodiscard]] double InputBase(const DropTestInput& input);

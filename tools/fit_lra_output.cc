@@ -54,7 +54,9 @@ std::string RecordLine(const fit::FittedRecord& record) {
   if (record.quiet_noise_v > 0) {
     text += fmt::format(", noise before the impact {:.3g} mV", record.quiet_noise_v * 1e3);
   }
-  return text + '\n';
+  text += '\n';
+  for (const auto& sentence : record.found) text += fmt::format("    {}\n", sentence);
+  return text;
 }
 
 // in the unit that people say
@@ -131,7 +133,8 @@ ordered_json RecordJson(const fit::FittedRecord& record) {
           {"residual_rms_v", record.residual_rms_v},
           {"quiet_noise_rms_v", record.quiet_noise_v > 0 ? cli::NumberOrNull(record.quiet_noise_v)
                                                          : ordered_json(nullptr)},
-          {"samples", record.samples}};
+          {"samples", record.samples},
+          {"disturbances", record.found}};
 }
 
 ordered_json InfluenceJson(const fit::InputInfluence& influence) {
@@ -209,7 +212,7 @@ Result<void> PlotFitLra(const std::string& path, const DropTestFit& fit,
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       times_ms.push_back((record.start_s + static_cast<double>(n) * record.step_s) * 1e3);
     }
-    std::vector<double> model_v(times_ms.size(), std::nan(""));
+    std::vector<double> model_v(times_ms.size(), std::nan(""));  // outside of the fitted part
     std::ranges::copy(fitted.model_v,
                       model_v.begin() + static_cast<std::ptrdiff_t>(fitted.first_sample));
     std::vector<double> residual_mv(times_ms.size());
