@@ -130,6 +130,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.first_sample = part.first_sample;
   fitted.samples = samples.times_s.size();
   fitted.found = part.found;
+  fitted.density = road.densities[r];
 
   std::vector<double> speed(road.jacobian.columns, 0.0);
   speed[Column(r, Own::kSpeed)] = 1;

@@ -7,6 +7,7 @@
 
 #include "base/result.h"
 #include "fit/impulse_record.h"
+#include "fit/residual_density.h"
 
 namespace haptometer::fit {
 
@@ -43,6 +44,7 @@ struct FittedRecord {
   double damped_frequency_hz = 0;  ///< 0 where it does not oscillate
   double residual_rms_v = 0;       ///< over the fitted samples
   double quiet_noise_v = 0;  ///< RMS of the noise before the impact; 0 where nothing precedes it
+  ResidualDensity density;   ///< of the residuals at the resonance
   double peak_v = 0;         ///< largest distance from the offset in the fitted stretch
   std::size_t first_sample = 0;  ///< of the fitted part
   std::size_t samples = 0;       ///< fitted, measurements only
@@ -81,10 +83,11 @@ struct DropTestFit {
 /// both the heights and the loads, the road with the smaller combined uncertainty is taken.
 ///
 /// Ceres minimises the residuals in units of each record's noise, with logarithms as parameters, to
-/// rounding; the noise is the residual's own RMS (solved twice). Before any number is given, the
-/// singular values of the column-scaled Jacobian say what the records determine (fit/rank.h).
-/// Type A: covariance with the residual's variance. Type B: first-order propagation of the inputs'
-/// standard uncertainties through the same Jacobian; the two add as squares (JCGM 100:2008, 5.1.2).
+/// rounding; the noise is what the residuals show at the resonance (solved twice;
+/// residual_density.h). Before any number is given, the singular values of the column-scaled
+/// Jacobian say what the records determine (fit/rank.h). Type A: covariance with that noise. Type
+/// B: first-order propagation of the inputs' standard uncertainties through the same Jacobian; the
+/// two add as squares (JCGM 100:2008, 5.1.2).
 ///
 /// Errors (Cause::kCannotAnswer): no records; no ring-down found in one (nothing above the noise,
 /// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and

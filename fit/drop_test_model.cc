@@ -213,6 +213,7 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
       samples[r].times_s.push_back(record.start_s + static_cast<double>(n) * record.step_s);
       samples[r].voltages_v.push_back(record.voltage_v[n]);
     }
+    samples[r].step_s = record.step_s;
     samples[r].polarity = start.impact_voltage_v < 0 ? -1 : 1;
     samples[r].noise_v = std::max(start.residual_rms_v, 1e-12 * std::abs(start.impact_voltage_v));
     samples[r].drifts = part.background.drifts;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <span>
 
 namespace haptometer::fit {
 namespace {
@@ -41,21 +43,42 @@ std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_fre
   return is_free;
 }
 
-// each record's noise becomes the root mean square of its residuals
-void Reweight(RingDownProblem& problem, const RingDownPoint& point) {
-  const auto residuals = problem.Residuals(point);
-  std::size_t row = 0;
-  for (std::size_t r = 0; r < problem.records().size(); ++r) {
-    auto& record = problem.records()[r];
+// the record's residuals on its grid, 0 where there is no sample
+std::vector<double> OnGrid(const RingDownSamples& record, std::span<const double> residuals) {
+  const double length_s = record.times_s.back() - record.times_s.front();
+  std::vector<double> grid(static_cast<std::size_t>(std::lround(length_s / record.step_s)) + 1);
+  for (std::size_t n = 0; n < residuals.size(); ++n) {
+    const double since_s = record.times_s[n] - record.times_s.front();
+    grid[static_cast<std::size_t>(std::lround(since_s / record.step_s))] = residuals[n];
+  }
+  return grid;
+}
+
+double ResonanceHz(const RingDownSamples& record, const RingDownPoint& point) {
+  const double ratio =
+      std::exp(point.shared[Index(Shared::kStiffness)] - point.shared[Index(Shared::kMass)]) /
+      record.mass_ratio;
+  return std::sqrt(ratio) / (2 * std::numbers::pi);
+}
+
+// each record's noise becomes the root mean square of its residuals, or of a white noise that is as
+// dense at the resonance
+void Reweight(DropTestRoad& road) {
+  const auto residuals = road.problem.Residuals(road.point);
+  std::span<const double> rest(residuals);
+  road.densities.clear();
+  for (auto& record : road.problem.records()) {
+    const auto own = rest.first(record.times_s.size());
+    rest = rest.subspan(own.size());
+    road.densities.push_back(
+        DensityAt(OnGrid(record, own), record.step_s, ResonanceHz(record, road.point)));
+    const ResidualDensity& density = road.densities.back();
     double square = 0;
-    for (std::size_t n = 0; n < record.times_s.size(); ++n, ++row) {
-      square += residuals[row] * residuals[row];
-    }
-    const double rms =
-        record.noise_v * std::sqrt(square / static_cast<double>(record.times_s.size()));
+    for (const double residual : own) square += residual * residual;
+    square *= (density.is_coloured ? density.ratio : 1) / static_cast<double>(own.size());
     double peak = 0;
     for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
-    record.noise_v = std::max(rms, 1e-14 * peak);
+    record.noise_v = std::max(record.noise_v * std::sqrt(square), 1e-14 * peak);
   }
 }
 
@@ -120,7 +143,7 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   const auto unknown = UnknownColumns(model, uses_heights, road.problem);
   road.jacobian = road.problem.Linearise(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
-  Reweight(road.problem, road.point);
+  Reweight(road);
   road.jacobian = road.problem.Linearise(road.point);
   road.solver = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   road.solver.iterations += first.iterations;
@@ -129,7 +152,8 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
   const auto unknowns = static_cast<double>(std::count(unknown.begin(), unknown.end(), true));
   const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
-  road.variance = Dot(road.jacobian.residuals, road.jacobian.residuals) / std::max(degrees, 1.0);
+  // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
+  road.variance = static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const bool counts = DependsOn(road, model.inputs[k]);
     road.input_changes.push_back(counts ? ChangeByInput(road, model, k)

@@ -8,6 +8,7 @@
 #include "fit/drop_test_fit.h"
 #include "fit/drop_test_model.h"
 #include "fit/rank.h"
+#include "fit/residual_density.h"
 #include "fit/ring_down_problem.h"
 
 namespace haptometer::fit {
@@ -21,16 +22,18 @@ struct DropTestRoad {
   RingDownProblem problem;
   RingDownPoint point;  ///< the solution
   SolverReport solver;
-  Jacobian jacobian;     ///< at the solution
-  Identifiability seen;  ///< at the solution, all unknowns free
-  double variance = 1;   ///< of the weighted residuals, per degree of freedom
+  Jacobian jacobian;                       ///< at the solution
+  Identifiability seen;                    ///< at the solution, all unknowns free
+  double variance = 1;                     ///< of the weighted residuals, per degree of freedom
+  std::vector<ResidualDensity> densities;  ///< of each record's residuals at its resonance
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
   std::vector<std::vector<double>> input_changes;
 };
 
 /// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
-/// minimises, weighs every record by its residual's RMS, minimises again, linearises.
+/// minimises, weighs every record by the noise that its residuals show (residual_density.h),
+/// minimises again, linearises.
 [[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.

@@ -43,6 +43,7 @@ inline constexpr std::size_t kOwnCount = 6;
 struct RingDownSamples {
   std::vector<double> times_s;
   std::vector<double> voltages_v;
+  double step_s = 0;      ///< between samples; some may be missing
   double noise_v = 1;     ///< standard deviation; residuals are divided by it
   double load_ohm = 0;    ///< infinite: open
   double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M

@@ -55,6 +55,11 @@ std::string RecordLine(const fit::FittedRecord& record) {
     text += fmt::format(", noise before the impact {:.3g} mV", record.quiet_noise_v * 1e3);
   }
   text += '\n';
+  if (record.density.is_coloured) {
+    text +=
+        fmt::format("    the residual is {:.3g} times as dense at the resonance as on average\n",
+                    record.density.ratio);
+  }
   for (const auto& sentence : record.found) text += fmt::format("    {}\n", sentence);
   return text;
 }
@@ -134,6 +139,7 @@ ordered_json RecordJson(const fit::FittedRecord& record) {
           {"quiet_noise_rms_v", record.quiet_noise_v > 0 ? cli::NumberOrNull(record.quiet_noise_v)
                                                          : ordered_json(nullptr)},
           {"samples", record.samples},
+          {"residual_density_ratio", record.density.ratio},
           {"disturbances", record.found}};
 }
 
