@@ -40,7 +40,7 @@ ceres::Solver::Options SolverOptions() {
   constexpr double kRounding = 1e-15;
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = 10'000;
+  options.max_num_iterations = 1000;
   options.function_tolerance = kRounding;
   options.parameter_tolerance = kRounding;
   options.gradient_tolerance = kRounding;
@@ -86,16 +86,24 @@ NewtonStep StepFrom(const LeastSquares& problem, const std::vector<bool>& is_fre
 void Polish(const LeastSquares& problem, const std::vector<bool>& is_free,
             std::vector<double>* point) {
   constexpr int kMostSteps = 50;
+  constexpr double kFlat = 1e-9;  // what the cost may rise by and still be flat
   double previous = std::numeric_limits<double>::infinity();
   std::vector<double> best = *point;
   std::vector<double> residuals(problem.residuals);
+  const auto cost_at = [&](const std::vector<double>& at) {
+    if (!problem.evaluate(at, residuals, {})) return std::numeric_limits<double>::infinity();
+    return Eigen::Map<const Eigen::VectorXd>(residuals.data(),
+                                             static_cast<Eigen::Index>(residuals.size()))
+        .squaredNorm();
+  };
+  const double most = cost_at(best) * (1 + kFlat);
   for (int k = 0; k < kMostSteps; ++k) {
     const NewtonStep step = StepFrom(problem, is_free, best);
     if (!(step.length < 0.9 * previous) || step.length == 0) break;
     *point = best;
     previous = step.length;
     std::ranges::transform(best, step.change, best.begin(), std::plus<>());
-    if (!problem.evaluate(best, residuals, {})) break;
+    if (!(cost_at(best) <= most)) break;
   }
 }
 

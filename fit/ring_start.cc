@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <string>
 
@@ -51,7 +52,7 @@ std::vector<double> From(const std::vector<double>& values, std::size_t first, d
 }
 
 // the first sample beyond half of the largest distance from `middle`
-std::size_t FindBlow(const std::vector<double>& values, double middle) {
+std::size_t FindLargeSample(const std::vector<double>& values, double middle) {
   double peak = 0;
   for (const double value : values) peak = std::max(peak, std::abs(value - middle));
   std::size_t n = 0;
@@ -123,18 +124,79 @@ struct Blow {
   double period_samples = 0;
 };
 
+// The amplitude at the resonance in the period that follows each sample; shorter by a period. It
+// begins to rise a period before the blow, and noise of any single sample does not move it.
+std::vector<double> FollowingAmplitude(const std::vector<double>& values, const Blow& blow) {
+  const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
+  std::vector<std::complex<double>> turned(values.size() + 1);
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const double turns = static_cast<double>(n) / blow.period_samples;
+    turned[n + 1] =
+        turned[n] + (values[n] - blow.middle_v) * std::polar(1.0, -2 * std::numbers::pi * turns);
+  }
+  std::vector<double> amplitudes;
+  amplitudes.reserve(values.size());
+  for (std::size_t n = 0; n + period < turned.size(); ++n) {
+    amplitudes.push_back(std::abs(turned[n + period] - turned[n]));
+  }
+  return amplitudes;
+}
+
+// The sample that best parts a quiet stretch from the ring-down: the squares of what lies before it
+// and those of what the ring-down, continued backwards from `known`, leaves behind it, are least.
+std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_s, const Blow& blow,
+                                 std::size_t first, std::size_t known) {
+  const auto ringing = From(values, known, blow.middle_v);
+  const auto poles = EstimatePoles(ringing, step_s);
+  if (!poles) return first;
+  const LinearFit fit = FitLinear(ringing, step_s, *poles);
+  double gain = 0;
+  double least = 0;
+  std::size_t best = known;
+  for (std::size_t n = known; n-- > first;) {
+    const double before_s = -step_s * static_cast<double>(known - n);
+    const auto pair =
+        sim::DampedFundamentals(poles->decay_per_s, poles->stiffness_per_s2, before_s);
+    const double model = fit.even_v * pair.even + fit.odd_v_per_s * pair.odd + fit.offset_v;
+    const double value = values[n] - blow.middle_v;
+    const double quiet = value - fit.offset_v;
+    gain += (value - model) * (value - model) - quiet * quiet;
+    if (gain >= least) continue;
+    least = gain;
+    best = n;
+  }
+  return best;
+}
+
+// where the amplitude at the resonance has risen to half of its largest, and around there the best
+// parting; for a motion too damped for that, the first sample beyond half of the largest
+std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blow& blow) {
+  const std::size_t first_large = FindLargeSample(values, blow.middle_v);
+  const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
+  const auto amplitudes = FollowingAmplitude(values, blow);
+  if (6 * period > values.size() || amplitudes.empty()) return first_large;
+  const double half = *std::ranges::max_element(amplitudes) / 2;
+  const auto risen = static_cast<std::size_t>(
+      std::ranges::find_if(amplitudes, [half](double a) { return a >= half; }) -
+      amplitudes.begin());
+  const std::size_t known = risen + period + period / 4;
+  if (known + 3 * period > values.size()) return first_large;
+  const std::size_t first = risen > period ? risen - period : 0;
+  return PartQuietFromRinging(values, step_s, blow, first, known);
+}
+
 Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& values) {
   Blow blow;
   blow.middle_v = Median(values);
-  blow.sample = FindBlow(values, blow.middle_v);
-  const auto frequency_hz =
-      StrongestFrequency(From(values, blow.sample, blow.middle_v), record.step_s);
+  const auto rough = FindLargeSample(values, blow.middle_v);
+  const auto frequency_hz = StrongestFrequency(From(values, rough, blow.middle_v), record.step_s);
   if (!frequency_hz) {
     return Unfit(record, "shows no ring-down",
                  "the voltage must jump and then decay for at least 32 samples");
   }
   blow.frequency_hz = *frequency_hz;
   blow.period_samples = 1 / (*frequency_hz * record.step_s);
+  blow.sample = FindBlow(values, record.step_s, blow);
   const double periods = static_cast<double>(values.size() - blow.sample) / blow.period_samples;
   if (periods < kLeastPeriods) {
     return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),

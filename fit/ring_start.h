@@ -23,8 +23,10 @@ struct RingStart {
 
 /// Finds the blow in a record and the start values of its ring-down.
 ///
-/// The blow is where the voltage first passes half of its largest distance from the median. What
-/// lies well before it is quiet and gives the noise; a record that begins with the blow has none.
+/// The blow is the sample that best parts a quiet stretch from the ring-down (least squares over
+/// the two periods around the amplitude's rise), for a motion without oscillation the first sample
+/// beyond half of the largest distance from the median. What lies well before it is quiet and gives
+/// the noise; a record that begins with the blow has none.
 /// From an eighth of a period behind the blow (contact lasts that long, and the coil's current has
 /// settled) the poles are estimated (poles.h) and amplitude, phase and offset follow by linear
 /// least squares. The impact is the zero of the motion nearest to the blow.
