@@ -141,7 +141,7 @@ SyntheticDrop DropOf(const Case& tried, unsigned seed) {
 
 TEST_P(Efficiency, ErrorsAreAtTheBoundAndAsStated) {
   const Case& tried = GetParam();
-  const int repetitions = tests::Repetitions(60);
+  const int repetitions = tests::Repetitions(300);
   Errors stiffness;
   Errors damping;
   Errors force_constant;

@@ -62,6 +62,19 @@ TEST(RingStart, SilenceBeforeTheBlowStaysOutside) {
   EXPECT_REL(start->poles.decay_per_s, 11.5, 1e-9, "noise-free");
 }
 
+TEST(RingStart, NoiseDoesNotMoveTheBlow) {
+  // noise of a third of the amplitude: single samples before the blow pass half of the largest one
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    tests::SyntheticDrop drop;
+    drop.noise_v = 0.33 * tests::ImpactSpeed(drop);
+    drop.quiet_s = 0.03;
+    drop.seed = seed;
+    const auto start = FindRingStart(tests::MakeRecord(drop));
+    ASSERT_TRUE(start) << start.error().Text();
+    EXPECT_ABS(start->impact_s, drop.impact_s, 4e-4, "a tenth of a period");
+  }
+}
+
 TEST(RingStart, TooShortARecordSaysWhatIsMissing) {
   SyntheticDrop drop;
   drop.quiet_s = 0;
