@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,8 @@ struct Suspect {
   Kind kind = Kind::kNone;
   double value = 0;  // frequency in Hz, or time in s
   double amplitude_v = 0;
-  double gain = 0;  // power taken away, in mean squares of what is left, per column
+  std::size_t first = 0;  // of a blow: the sample behind it
+  double gain = 0;        // power taken away, in mean squares of what is left, per column
 };
 
 double PeriodOf(const PolePair& poles) {
@@ -52,8 +54,10 @@ class Remainder {
   // amplitudes of further columns and the power that they take away per column
   Suspect Try(Eigen::MatrixXd columns) const {
     columns -= taken_ * (taken_.transpose() * columns);
-    const Eigen::VectorXd amplitudes = columns.colPivHouseholderQr().solve(residual_);
-    const double taken = (columns * amplitudes).squaredNorm();
+    const Eigen::VectorXd seen = columns.transpose() * residual_;
+    const Eigen::MatrixXd normal = columns.transpose() * columns;
+    const Eigen::VectorXd amplitudes = normal.ldlt().solve(seen);
+    const double taken = seen.dot(amplitudes);
     const double left = std::max(residual_.squaredNorm() - taken, 0.0);
     const auto degrees = static_cast<double>(rows_ - taken_.cols() - columns.cols());
     Suspect suspect;
@@ -88,23 +92,48 @@ Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hu
   return suspect;
 }
 
-// a ring-down of the same poles that begins at `blow_s` with any jump of position and speed
-Suspect TryBlow(const RingSamples& samples, const Remainder& remainder, const PolePair& poles,
-                double blow_s) {
-  const double angular = std::sqrt(poles.stiffness_per_s2);
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(samples.times_s.size()), 2);
-  for (Eigen::Index n = 0; n < columns.rows(); ++n) {
-    const double since_s = samples.times_s[static_cast<std::size_t>(n)] - blow_s;
-    if (since_s < 0) continue;
-    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2, since_s);
-    columns.row(n) << pair.even, angular * pair.odd;
+// What a blow adds: a ring-down of the same poles with any jump of position and speed. Blows are
+// tried half a block before a block's middle, so that one table of the motion serves them all.
+class BlowTrial {
+ public:
+  BlowTrial(const RingSamples& samples, const PolePair& poles)
+      : times_(samples.times_s), step_s_(samples.step_s) {
+    const double angular = std::sqrt(poles.stiffness_per_s2);
+    const std::size_t last = Block(times_.size() - 1);
+    motion_.resize(static_cast<Eigen::Index>(last) + 1, 2);
+    for (Eigen::Index k = 0; k < motion_.rows(); ++k) {
+      const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2,
+                                                (static_cast<double>(k) + 0.5) * step_s_);
+      motion_.row(k) << pair.even, angular * pair.odd;
+    }
   }
-  Suspect suspect = remainder.Try(std::move(columns));
-  suspect.kind = Suspect::Kind::kBlow;
-  suspect.value = blow_s;
-  return suspect;
-}
+
+  // the blow just before the `first`-th sample
+  [[nodiscard]] Suspect At(std::size_t first, const Remainder& remainder) const {
+    const auto rows = static_cast<Eigen::Index>(times_.size());
+    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, 2);
+    const std::size_t from = Block(first);
+    for (std::size_t n = first; n < times_.size(); ++n) {
+      columns.row(static_cast<Eigen::Index>(n)) =
+          motion_.row(static_cast<Eigen::Index>(Block(n) - from));
+    }
+    Suspect suspect = remainder.Try(std::move(columns));
+    suspect.kind = Suspect::Kind::kBlow;
+    suspect.first = first;
+    suspect.value = times_[first] - step_s_ / 2;
+    return suspect;
+  }
+
+ private:
+  // holes leave blocks out
+  [[nodiscard]] std::size_t Block(std::size_t n) const {
+    return static_cast<std::size_t>(std::lround((times_[n] - times_.front()) / step_s_));
+  }
+
+  const std::vector<double>& times_;
+  double step_s_;
+  Eigen::MatrixX2d motion_;
+};
 
 bool IsLarge(const Suspect& suspect, double ringing_v) {
   const double least =
@@ -126,17 +155,15 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
     const bool is_seen = length_s * hum_hz > 1 && background.hum_hz == 0;
     if (is_seen) consider(TryHum(samples, remainder, hum_hz));
   }
-  const double period_s = PeriodOf(fit.poles);
-  const double last_s = samples.times_s.back() - period_s;
-  for (double at_s = samples.times_s.front() + period_s / 2; at_s < last_s; at_s += period_s / 2) {
-    consider(TryBlow(samples, remainder, fit.poles, at_s));
-  }
+  const BlowTrial blow(samples, fit.poles);
+  const auto half = static_cast<std::size_t>(PeriodOf(fit.poles) / (2 * samples.step_s)) + 1;
+  const std::size_t end = samples.times_s.size() - std::min(2 * half, samples.times_s.size());
+  for (std::size_t first = half; first < end; first += half) consider(blow.At(first, remainder));
   if (worst.kind != Suspect::Kind::kBlow) return worst;
-  // the blow to a sixteenth of a period
-  const double middle_s = worst.value;
-  for (int k = -8; k <= 8; ++k) {
-    consider(TryBlow(samples, remainder, fit.poles, middle_s + k * period_s / 16));
-  }
+  // and the best time around the best of these
+  const std::size_t middle = worst.first;
+  for (std::size_t first = middle - half + 1; first < middle + half; ++first)
+    consider(blow.At(first, remainder));
   return worst;
 }
 

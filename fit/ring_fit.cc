@@ -107,6 +107,7 @@ bool Evaluate(const RingSamples& samples, const Background& background,
 RingSamples BlocksOf(const ImpulseRecord& record, std::size_t first, std::size_t end,
                      std::size_t block) {
   RingSamples samples;
+  samples.step_s = static_cast<double>(block) * record.step_s;
   for (std::size_t n = first; n + block <= end; n += block) {
     double sum = 0;
     for (std::size_t k = n; k < n + block; ++k) sum += record.voltage_v[k];

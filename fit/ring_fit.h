@@ -12,6 +12,7 @@ namespace haptometer::fit {
 /// Samples of one record that are looked at together: means of blocks of equal length, those with a
 /// hole left out. A mean scales an oscillation and moves it, but leaves its poles as they are.
 struct RingSamples {
+  double step_s = 0;            ///< between blocks
   std::vector<double> times_s;  ///< of the blocks' middles, on the record's own axis
   std::vector<double> values_v;
 };
