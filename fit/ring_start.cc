@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "fit/ring_fit.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -20,6 +21,8 @@ constexpr double kLeastSamplesPerPeriod = 5;
 constexpr std::size_t kLeastQuietSamples = 16;
 // below this energy over noise density the decay rate is uncertain to 2/sqrt(50) = 28 %
 constexpr double kLeastEnergy = 50;
+// of critical damping: from here on hardly a swing is seen
+constexpr double kHeavy = 0.7;
 
 // the values with holes bridged by straight lines: for start values only
 std::vector<double> Filled(const std::vector<double>& values) {
@@ -91,6 +94,32 @@ LinearFit FitLinear(const std::vector<double>& values, double step_s, const Pole
       .offset_v = fitted[2],
       .residual_rms_v = (samples - basis * fitted).norm() / std::sqrt(static_cast<double>(count)),
       .energy_v2 = ringing.squaredNorm()};
+}
+
+// Of motions without oscillation the pencil sees little: blocks of an eighth of their slow decay
+// average the fast one away. The best of a grid of natural frequencies and dampings, refined.
+PolePair BestHeavilyDamped(const ImpulseRecord& record, std::size_t first,
+                           const std::vector<double>& values, const PolePair& seen) {
+  PolePair best = seen;
+  double least_v = FitLinear(values, record.step_s, seen).residual_rms_v;
+  const double lowest = std::sqrt(seen.stiffness_per_s2);
+  for (double natural = lowest / 2; natural < 40 * lowest; natural *= 1.5) {
+    for (double zeta = 0.7; zeta < 10; zeta *= 1.3) {
+      const PolePair tried{zeta * natural, natural * natural};
+      const double rms_v = FitLinear(values, record.step_s, tried).residual_rms_v;
+      if (!(rms_v < least_v)) continue;
+      least_v = rms_v;
+      best = tried;
+    }
+  }
+  const auto samples = BlocksOf(record, first, record.voltage_v.size(), 1);
+  if (samples.values_v.size() < kLeastSamples) return best;
+  const RingFit fit = FitRing(samples, best, {});
+  return fit.converged ? fit.poles : best;
+}
+
+bool IsHeavilyDamped(const PolePair& poles) {
+  return poles.decay_per_s > kHeavy * std::sqrt(poles.stiffness_per_s2);
 }
 
 // the instant nearest to `near_s` at which the displacement behind that voltage is zero
@@ -248,8 +277,10 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   if (!poles) {
     return Unfit(record, "shows no ring-down", "record at least three decay times behind the blow");
   }
-  start.poles = *poles;
-  const LinearFit fit = FitLinear(ringing, record.step_s, *poles);
+  start.poles = IsHeavilyDamped(*poles)
+                    ? BestHeavilyDamped(record, start.first_sample, ringing, *poles)
+                    : *poles;
+  const LinearFit fit = FitLinear(ringing, record.step_s, start.poles);
   if (auto good = CheckQuality(record, *blow, fit); !good) return std::unexpected(good.error());
   start.offset_v = blow->middle_v + fit.offset_v;
   start.residual_rms_v = fit.residual_rms_v;
@@ -257,9 +288,9 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   // backwards to the blow, which lies before its first sample
   const double blow_s = static_cast<double>(blow->sample) - (blow->sample > 0 ? 0.5 : 0.0);
   const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
-  const double zero_s = ZeroOfMotion(fit, *poles, near_s);
+  const double zero_s = ZeroOfMotion(fit, start.poles, near_s);
   const auto at_impact =
-      sim::DampedFundamentals(poles->decay_per_s, poles->stiffness_per_s2, zero_s);
+      sim::DampedFundamentals(start.poles.decay_per_s, start.poles.stiffness_per_s2, zero_s);
   start.impact_s =
       record.start_s + static_cast<double>(start.first_sample) * record.step_s + zero_s;
   start.impact_voltage_v = fit.even_v * at_impact.even + fit.odd_v_per_s * at_impact.odd;
