@@ -48,7 +48,8 @@ constexpr bool TakesSums(SectionKind kind) {
   return kind == SectionKind::kLowPass || kind == SectionKind::kFirstOrderLowPass;
 }
 
-/// Whether `Value` is a double or a row of them: the same operations in the same order.
+/// Whether `Value` is a number or a row of them: the same operations in the same order. Sections
+/// are DeltaSections, or have e, f and b in another type of number.
 template <CascadeShape kShape, typename Value>
 struct CascadeStep {
   static constexpr std::size_t kCount = kShape.count();
@@ -60,7 +61,7 @@ struct CascadeStep {
 
   // One sample runs through all sections before the next: the processor overlaps the sections of
   // neighbouring samples.
-  [[gnu::always_inline]] inline Value Advance(const DeltaSection* sections, const Value& input) {
+  [[gnu::always_inline]] inline Value Advance(const auto* sections, const Value& input) {
     const Value input_step = input - last_input;  // exact within a factor of two (Sterbenz)
     const Value before = last_input;
     last_input = input;
@@ -81,7 +82,7 @@ struct CascadeStep {
  private:
   // section k with its input x[n], x[n-1] and x[n] - x[n-1], and all that follow
   template <std::size_t k>
-  [[gnu::always_inline]] inline Value From(const DeltaSection* sections, const Value& x,
+  [[gnu::always_inline]] inline Value From(const auto* sections, const Value& x,
                                            const Value& x_before, const Value& x_step) {
     if constexpr (k == kCount) {
       return x;

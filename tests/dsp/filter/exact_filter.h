@@ -35,10 +35,9 @@ inline Numerator NumeratorOf(SectionKind kind) {
 }
 
 // the same coefficients in direct form I and 113-bit arithmetic: another recursion, the same filter
-inline std::vector<double> QuadFiltered(const FilterDesign& design, const std::vector<double>& in,
-                                        double constant) {
-  std::vector<Quad> signal(in.begin(), in.end());
-  auto before = static_cast<Quad>(constant);
+inline std::vector<Quad> QuadFiltered(const FilterDesign& design, std::vector<Quad> signal,
+                                      Quad constant) {
+  Quad before = constant;
   for (const DeltaSection& section : design.sections) {
     const auto e = static_cast<Quad>(section.e);
     const auto f = static_cast<Quad>(section.f);
@@ -60,6 +59,13 @@ inline std::vector<double> QuadFiltered(const FilterDesign& design, const std::v
       value = y;
     }
   }
+  return signal;
+}
+
+inline std::vector<double> QuadFiltered(const FilterDesign& design, const std::vector<double>& in,
+                                        double constant) {
+  const std::vector<Quad> signal =
+      QuadFiltered(design, std::vector<Quad>(in.begin(), in.end()), static_cast<Quad>(constant));
   std::vector<double> out(in.size());
   for (std::size_t k = 0; k < in.size(); ++k) out[k] = static_cast<double>(signal[k]);
   return out;
