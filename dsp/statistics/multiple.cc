@@ -20,4 +20,19 @@ std::vector<double> HolmAdjusted(std::span<const double> p) {
   return adjusted;
 }
 
+std::vector<std::optional<double>> HolmOverTested(std::span<const std::optional<double>> p) {
+  std::vector<double> tested;
+  tested.reserve(p.size());
+  for (const std::optional<double>& one : p) {
+    if (one) tested.push_back(*one);
+  }
+  const std::vector<double> of_tested = HolmAdjusted(tested);
+  std::vector<std::optional<double>> adjusted(p.size());
+  auto next = of_tested.begin();
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (p[i]) adjusted[i] = *next++;
+  }
+  return adjusted;
+}
+
 }  // namespace haptometer::dsp

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,5 +11,9 @@ namespace haptometer::dsp {
 /// Rejecting those below alpha keeps the chance of any false rejection below alpha, however the
 /// tests depend on each other (S. Holm, Scandinavian Journal of Statistics 6(2), 1979).
 [[nodiscard]] std::vector<double> HolmAdjusted(std::span<const double> p);
+
+/// The same over the tests that there are: nothing stays nothing, and does not count.
+[[nodiscard]] std::vector<std::optional<double>> HolmOverTested(
+    std::span<const std::optional<double>> p);
 
 }  // namespace haptometer::dsp

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "base/check.h"
 #include "dsp/statistics/distributions.h"
@@ -27,6 +28,17 @@ Sums SumsOf(std::span<const double> x, std::span<const double> y, double mean_x,
   return sums;
 }
 
+std::vector<double> ResidualsOf(const Line& line, std::span<const double> x,
+                                std::span<const double> y) {
+  const double mean_x = Mean(x);
+  const double mean_y = Mean(y);
+  std::vector<double> residuals(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    residuals[i] = (y[i] - mean_y) - line.slope * (x[i] - mean_x);
+  }
+  return residuals;
+}
+
 }  // namespace
 
 std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y) {
@@ -42,8 +54,7 @@ std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y
   line.slope = sums.xy / sums.xx;
   line.intercept = mean_y - line.slope * mean_x;
   double residual = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double off = (y[i] - mean_y) - line.slope * (x[i] - mean_x);
+  for (const double off : ResidualsOf(line, x, y)) {
     residual += off * off;
     line.largest_deviation = std::max(line.largest_deviation, std::abs(off));
   }
@@ -55,6 +66,37 @@ std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y
   line.slope_interval = {line.slope - slope_reach, line.slope + slope_reach};
   line.intercept_interval = {line.intercept - intercept_reach, line.intercept + intercept_reach};
   return line;
+}
+
+std::optional<Curvature> FitCurvature(std::span<const double> x, std::span<const double> y) {
+  const auto line = FitLine(x, y);
+  if (!line || x.size() < 4) return std::nullopt;
+  const double mean_x = Mean(x);
+  std::vector<double> squares(x.size());
+  std::ranges::transform(x, squares.begin(),
+                         [&](double value) { return (value - mean_x) * (value - mean_x); });
+  const std::vector<double> bends = ResidualsOf(*FitLine(x, squares), x, squares);
+  const std::vector<double> left = ResidualsOf(*line, x, y);
+  const double bent = Rms(bends) * Rms(bends);
+  // with two different x a line takes all of the squares but rounding
+  if (!(std::sqrt(bent) > 1e-12 * Rms(squares))) return std::nullopt;
+
+  const auto n = static_cast<double>(x.size());
+  Curvature curvature{.n = x.size(), .df = n - 3};
+  for (std::size_t i = 0; i < x.size(); ++i) curvature.quadratic += bends[i] * left[i] / (n * bent);
+  double residual = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double off = left[i] - curvature.quadratic * bends[i];
+    residual += off * off;
+  }
+  const double uncertainty = std::sqrt(residual / curvature.df / (n * bent));
+  const double reach = StudentCritical(curvature.df) * uncertainty;
+  curvature.interval = {curvature.quadratic - reach, curvature.quadratic + reach};
+  if (uncertainty > 0) {
+    curvature.t = curvature.quadratic / uncertainty;
+    curvature.p = StudentTwoSidedP(*curvature.t, curvature.df);
+  }
+  return curvature;
 }
 
 }  // namespace haptometer::dsp

@@ -24,4 +24,22 @@ struct Line {
 /// deviations of equal spread. Nothing with fewer than 3 points or equal x.
 [[nodiscard]] std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y);
 
+/// How far points bend: c of the least-squares parabola y = a + b x + c x^2.
+struct Curvature {
+  std::size_t n = 0;
+  double quadratic = 0;    ///< c, in y's unit over x's squared
+  Interval interval = {};  ///< of c
+  double df = 0;           ///< n - 3
+  /// Of c against 0, two-sided; nothing where the parabola goes through all points exactly.
+  std::optional<double> t = {};
+  std::optional<double> p = {};
+};
+
+/// With q what a line over x leaves of (x - mean x)^2:
+///   c = sum(q y) / sum(q^2),   t = c sqrt(sum(q^2)) / s,   s^2 = residual sum of squares / (n - 3)
+/// (Frisch and Waugh, Econometrica 1(4), 1933). Exact for normal deviations of equal spread.
+/// Nothing with fewer than 4 points or 3 different x.
+[[nodiscard]] std::optional<Curvature> FitCurvature(std::span<const double> x,
+                                                    std::span<const double> y);
+
 }  // namespace haptometer::dsp

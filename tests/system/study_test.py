@@ -69,7 +69,8 @@ def check_a_gap(folder):
 
 
 def check_matching():
-    document = json.loads(run("study", "matching", "fixtures/matching.csv", "--json").stdout)
+    document = json.loads(run("study", "matching", "fixtures/matching.csv", "--json",
+                              "--contrast", "ia1:stock", "--contrast", "ia2:cone").stdout)
     truths = {"stock": 1.0, "cone": 1.0, "ia1": 0.65, "ia2": 0.68}
     for condition in document["conditions"]:
         truth = truths[condition["name"]]
@@ -79,12 +80,17 @@ def check_matching():
         assert holds(condition["started_high_over_low"]["ratio_interval"], 1.05**2), condition
         for level in condition["levels"]:
             assert (level["p_holm"] < 0.05) == (truth < 1), level
+    for contrast, truth in zip(document["contrasts"], (0.65, 0.68), strict=True):
+        assert holds(contrast["overall"]["ratio_interval"], truth), contrast
+        assert holds(contrast["overall"]["power_saving_interval"], 1 - truth**2), contrast
+        assert contrast["overall"]["p_holm"] < 0.001 and len(contrast["levels"]) == 5, contrast
 
 
 def check_linearity(folder):
     document = json.loads(run("study", "linearity", folder / "sweep.csv", "--json").stdout)
     for line, slope in zip(document["lines"], (8e-6, 9.5e-6), strict=True):
         assert holds(line["slope_interval_m_per_v"], slope), line
+        assert holds(line["curvature_interval_m_per_v2"], 0) and line["curvature_p"] > 0.05, line
         assert line["r_squared"] > 0.999 and line["floor_m"] == 1.5e-6
 
 

@@ -150,14 +150,15 @@ TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
                                                      {"2", "ia", "p", "0.9", "low"},
                                                      {"2", "ia", "q", "1.5", "high"},
                                                      {"4", "ia", "p", "2", "high"},
-                                                     {"4", "ia", "p", "2", "low"}}));
+                                                     {"4", "ia", "p", "2", "low"}}),
+                                      {});
   ASSERT_TRUE(result);
   const MatchedCondition& ia = result->conditions.at(0);
   // p: sqrt(1.6 x 0.9) / 2 = 0.6, q: 0.75
-  EXPECT_REL(ia.levels.at(0).ratio(), std::sqrt(0.6 * 0.75), 1e-15, "rounding");
+  EXPECT_REL(ia.levels.at(0).ratio.ratio(), std::sqrt(0.6 * 0.75), 1e-15, "rounding");
   // p over both levels: sqrt(0.6 x 0.5)
   EXPECT_REL(ia.overall.ratio(), std::sqrt(std::sqrt(0.6 * 0.5) * 0.75), 1e-15, "rounding");
-  EXPECT_FALSE(ia.levels.at(1).log_ratio.test);
+  EXPECT_FALSE(ia.levels.at(1).ratio.log_ratio.test);
   EXPECT_THAT(result->missing,
               ElementsAre("subject q, ia at 2 V: none started low; the other counts by itself",
                           "subject q, ia at 4 V: no setting"));
@@ -165,12 +166,47 @@ TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
 }
 
 TEST(AnalyzeMatching, RefusesImpossibleLines) {
-  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "0", "low"}})).error().Text(),
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "0", "low"}}), {}).error().Text(),
               HasSubstr("m.csv:2: has a voltage that is not above 0"));
-  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1", "up"}})).error().Text(),
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1", "up"}}), {}).error().Text(),
               HasSubstr("started 'up'; write high or low"));
-  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1V", "low"}})).error().Text(),
+  EXPECT_THAT(AnalyzeMatching(MatchingTable({{"2", "a", "p", "1V", "low"}}), {}).error().Text(),
               HasSubstr("matched_v '1V' is no number"));
+}
+
+TEST(AnalyzeMatching, ContrastsWithinSubjectsWhereBothHaveALevel) {
+  const auto table = MatchingTable({{"1", "stock", "p", "1.1", "low"},
+                                    {"1", "stock", "q", "0.9", "low"},
+                                    {"2", "stock", "p", "2", "low"},
+                                    {"1", "ia", "p", "0.55", "low"},
+                                    {"1", "ia", "q", "0.72", "low"},
+                                    {"4", "ia", "q", "4", "low"},
+                                    {"1", "ia", "r", "0.5", "low"}});
+  const auto result = AnalyzeMatching(table, {{"ia", "stock"}});
+  ASSERT_TRUE(result);
+  EXPECT_TRUE(result->planned);
+  const MatchedContrast& contrast = result->contrasts.at(0);
+  EXPECT_THAT(contrast.left_out, ElementsAre("r"));
+  ASSERT_EQ(contrast.levels.size(), 1U) << "2 V and 4 V are in one condition only";
+  // p: 0.55/1.1, q: 0.72/0.9
+  EXPECT_REL(contrast.levels[0].ratio(), std::sqrt(0.5 * 0.8), 1e-15, "rounding");
+  EXPECT_REL(contrast.overall->ratio(), std::sqrt(0.5 * 0.8), 1e-15, "rounding");
+  EXPECT_EQ(contrast.overall->p_holm, contrast.overall->log_ratio.test->p) << "one contrast";
+  EXPECT_THAT(MatchingText(*result), HasSubstr("ia against stock: their matched voltages"));
+
+  const auto unplanned = AnalyzeMatching(table, {});
+  EXPECT_THAT(MatchingText(*unplanned),
+              HasSubstr("no contrast was planned: every condition against stock"));
+  EXPECT_THAT(AnalyzeMatching(table, {{"ib", "stock"}}).error().Text(),
+              HasSubstr("did you mean ia?"));
+}
+
+TEST(AnalyzeMatching, ContrastOfNobodyHasNoNumbers) {
+  const auto result = AnalyzeMatching(
+      MatchingTable({{"1", "a", "p", "1", "low"}, {"1", "b", "q", "1", "low"}}), {{"b", "a"}});
+  EXPECT_FALSE(result->contrasts.at(0).overall);
+  EXPECT_THAT(MatchingJson(*result), HasSubstr("\"overall\": null"));
+  EXPECT_THAT(MatchingText(*result), HasSubstr("without       subject p, q: no level in both"));
 }
 
 TEST(AnalyzeMatching, CoversReductionAndPowerSaving) {
@@ -185,11 +221,35 @@ TEST(AnalyzeMatching, CoversReductionAndPowerSaving) {
           {"2", "ia", fmt::format("{}", s), fmt::format("{}", 2 * std::exp(log)), "low"});
     }
     const auto interval =
-        AnalyzeMatching(MatchingTable(rows))->conditions[0].overall.ratio_interval();
+        AnalyzeMatching(MatchingTable(rows), {})->conditions[0].overall.ratio_interval();
     // reduction and power saving fall with the ratio, so they are held as often
     held += interval->lower <= 0.65 && 0.65 <= interval->upper ? 1 : 0;
   }
   EXPECT_ABS(static_cast<double>(held) / kRepetitions, 0.95, 0.02, "the bar");
+}
+
+TEST(AnalyzeLinearity, FindsThatSubjectsBendAlike) {
+  std::vector<DriveReading> readings;
+  for (int subject = 0; subject < 4; ++subject) {
+    for (const double v : {1.0, 2.0, 3.0, 4.0, 5.0}) {
+      // each its own slope, the same bend to 10 %
+      const double bend = -1e-7 * (0.9 + subject / 15.0);
+      readings.push_back(
+          {std::to_string(subject), "a", v, (8e-6 + 1e-6 * subject) * v + bend * v * v});
+    }
+  }
+  for (const double v : {1.0, 2.0, 3.0}) readings.push_back({"9", "b", v, 1e-6 * v});
+  const LinearityResult result = AnalyzeLinearity(readings, 0.0);
+  const dsp::Curvature& first = result.lines.at(0).curvature.value();
+  EXPECT_REL(first.quadratic, -0.9e-7, 1e-9, "rounding of 40 um over a bend of 2 um");
+  EXPECT_EQ(first.df, 2);
+  const dsp::OneSample& over = result.slopes.at(0).curvature_m_per_v2.value();
+  EXPECT_EQ(over.n, 4U);
+  EXPECT_REL(over.mean, -1e-7, 1e-9, "rounding of 40 um over a bend of 2 um");
+  EXPECT_LT(over.test->p, 1e-3);
+  EXPECT_THAT(LinearityText(result), HasSubstr("mean curvature -0.1 um/V^2 (95 % CI"));
+  EXPECT_THAT(LinearityText(result), HasSubstr("curvature     not determined"));
+  EXPECT_THAT(LinearityJson(result), HasSubstr("\"curvature_p\": null"));
 }
 
 TEST(AnalyzeLinearity, SubtractsTheFloorInPower) {

@@ -1,12 +1,8 @@
 #include "tools/study/contrast.h"
 
-#include <fmt/core.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <cmath>
 
-#include "base/nearest.h"
 #include "dsp/statistics/multiple.h"
 #include "dsp/statistics/permutation.h"
 
@@ -53,22 +49,12 @@ Contrast Compare(const StudyTable& table, const PlannedContrast& planned, std::s
 }
 
 void CorrectByHolm(std::vector<Contrast>& contrasts) {
-  std::vector<double> p;
-  for (const Contrast& contrast : contrasts) {
-    if (contrast.difference.test) p.push_back(contrast.difference.test->p);
+  std::vector<std::optional<double>> p(contrasts.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (const auto& test = contrasts[i].difference.test) p[i] = test->p;
   }
-  const std::vector<double> adjusted = dsp::HolmAdjusted(p);
-  auto next = adjusted.begin();
-  for (Contrast& contrast : contrasts) {
-    if (contrast.difference.test) contrast.p_holm = *next++;
-  }
-}
-
-Error NoSuchCondition(const StudyTable& table, const std::string& name) {
-  const std::string nearest = Nearest(name, table.conditions);
-  return {Cause::kUsage, name, "is the condition of no trial",
-          nearest.empty() ? fmt::format("the trials have {}", fmt::join(table.conditions, ", "))
-                          : fmt::format("did you mean {}?", nearest)};
+  const auto adjusted = dsp::HolmOverTested(p);
+  for (std::size_t i = 0; i < p.size(); ++i) contrasts[i].p_holm = adjusted[i];
 }
 
 }  // namespace
@@ -78,23 +64,14 @@ Result<std::vector<Contrast>> CompareConditions(const StudyTable& table,
   std::vector<Contrast> contrasts;
   contrasts.reserve(planned.size());
   for (const PlannedContrast& pair : planned) {
-    const auto treatment = table.Condition(pair.treatment);
-    const auto control = table.Condition(pair.control);
-    if (!treatment) return std::unexpected(NoSuchCondition(table, pair.treatment));
-    if (!control) return std::unexpected(NoSuchCondition(table, pair.control));
-    contrasts.push_back(Compare(table, pair, *treatment, *control));
+    if (auto known = CheckConditions(pair, table.conditions); !known) {
+      return std::unexpected(known.error());
+    }
+    contrasts.push_back(
+        Compare(table, pair, *table.Condition(pair.treatment), *table.Condition(pair.control)));
   }
   CorrectByHolm(contrasts);
   return contrasts;
-}
-
-std::vector<PlannedContrast> AllAgainstTheFirst(const StudyTable& table) {
-  std::vector<PlannedContrast> planned;
-  planned.reserve(table.conditions.size());
-  for (std::size_t c = 1; c < table.conditions.size(); ++c) {
-    planned.push_back({table.conditions[c], table.conditions[0]});
-  }
-  return planned;
 }
 
 }  // namespace haptometer::tools

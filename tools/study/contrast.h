@@ -7,7 +7,7 @@
 #include "dsp/statistics/effect_size.h"
 #include "dsp/statistics/one_sample.h"
 #include "dsp/statistics/paired.h"
-#include "tools/study/manifest.h"
+#include "tools/study/planned_contrast.h"
 #include "tools/study/study_table.h"
 
 namespace haptometer::tools {
@@ -28,8 +28,5 @@ struct Contrast {
 /// Errors (Cause::kUsage): a condition that no trial has, with the nearest.
 [[nodiscard]] Result<std::vector<Contrast>> CompareConditions(
     const StudyTable& table, const std::vector<PlannedContrast>& planned);
-
-/// Every condition against the first: what is compared where nothing was planned.
-[[nodiscard]] std::vector<PlannedContrast> AllAgainstTheFirst(const StudyTable& table);
 
 }  // namespace haptometer::tools

@@ -44,6 +44,7 @@ DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<
     line.rms_m.push_back(std::sqrt(power));
   }
   line.line = dsp::FitLine(line.drive_v, line.rms_m);
+  line.curvature = dsp::FitCurvature(line.drive_v, line.rms_m);
   if (line.line) {
     const double highest = *std::ranges::max_element(line.drive_v);
     line.full_scale_m = line.line->intercept + line.line->slope * highest;
@@ -63,6 +64,20 @@ std::string NameOf(const DriveLine& line) {
 // deviation over full scale, in percent
 double Percent(double deviation_m, const DriveLine& line) {
   return 100 * deviation_m / std::abs(line.full_scale_m);
+}
+
+void AppendCurvature(const DriveLine& line, std::string& text) {
+  if (!line.curvature) {
+    text += "    curvature     not determined: fewer than 4 readings, or than 3 levels\n";
+    return;
+  }
+  const dsp::Curvature& bend = *line.curvature;
+  fmt::format_to(std::back_inserter(text),
+                 "    {:<14}{:.3g} um/V^2 (95 % CI {:.3g} to {:.3g}), the quadratic term: {}\n",
+                 "curvature", bend.quadratic / kUm, bend.interval.lower / kUm,
+                 bend.interval.upper / kUm,
+                 bend.p ? fmt::format("t({:g}) = {:.4g}, p = {:.3g}", bend.df, *bend.t, *bend.p)
+                        : "not tested, all points are on the parabola");
 }
 
 void AppendLine(const DriveLine& line, std::string& text) {
@@ -93,6 +108,7 @@ void AppendLine(const DriveLine& line, std::string& text) {
                  "    {:<14}{:.3g} um at most, {:.2g} % of full scale; R^2 = {:.6f}\n",
                  "off the line", fit.largest_deviation / kUm, Percent(fit.largest_deviation, line),
                  fit.r_squared);
+  AppendCurvature(line, text);
 }
 
 Json LineJson(const DriveLine& line) {
@@ -103,9 +119,11 @@ Json LineJson(const DriveLine& line) {
             {"floor_m", cli::NumberOrNull(line.floor_m)},
             {"drive_v", line.drive_v},
             {"rms_m", line.rms_m}};
-  for (const char* key : {"slope_m_per_v", "slope_interval_m_per_v", "intercept_m",
-                          "intercept_interval_m", "r_squared", "residual_deviation_m",
-                          "largest_deviation_m", "largest_deviation_of_full_scale"}) {
+  for (const char* key :
+       {"slope_m_per_v", "slope_interval_m_per_v", "intercept_m", "intercept_interval_m",
+        "r_squared", "residual_deviation_m", "largest_deviation_m",
+        "largest_deviation_of_full_scale", "curvature_m_per_v2", "curvature_interval_m_per_v2",
+        "curvature_t", "curvature_df", "curvature_p"}) {
     json[key] = nullptr;
   }
   if (!line.line) return json;
@@ -119,17 +137,43 @@ Json LineJson(const DriveLine& line) {
   json["largest_deviation_m"] = fit.largest_deviation;
   json["largest_deviation_of_full_scale"] =
       cli::NumberOrNull(Percent(fit.largest_deviation, line) / 100);
+  if (!line.curvature) return json;
+  const dsp::Curvature& bend = *line.curvature;
+  json["curvature_m_per_v2"] = bend.quadratic;
+  json["curvature_interval_m_per_v2"] = {bend.interval.lower, bend.interval.upper};
+  json["curvature_t"] = cli::NumberOrNull(bend.t);
+  json["curvature_df"] = bend.df;
+  json["curvature_p"] = cli::NumberOrNull(bend.p);
   return json;
 }
 
 Json SlopeJson(const SlopeOverSubjects& over) {
-  const auto& test = over.slope_m_per_v.test;
   Json json{{"condition", cli::TextOrNull(over.condition)},
             {"subjects", over.slope_m_per_v.n},
             {"slope_m_per_v", over.slope_m_per_v.mean},
-            {"slope_interval_m_per_v", nullptr}};
-  if (test) json["slope_interval_m_per_v"] = {test->mean.lower, test->mean.upper};
+            {"slope_interval_m_per_v", nullptr},
+            {"curvature_m_per_v2", nullptr},
+            {"curvature_interval_m_per_v2", nullptr},
+            {"curvature_p", nullptr}};
+  if (const auto& test = over.slope_m_per_v.test) {
+    json["slope_interval_m_per_v"] = {test->mean.lower, test->mean.upper};
+  }
+  if (!over.curvature_m_per_v2) return json;
+  json["curvature_m_per_v2"] = over.curvature_m_per_v2->mean;
+  if (const auto& test = over.curvature_m_per_v2->test) {
+    json["curvature_interval_m_per_v2"] = {test->mean.lower, test->mean.upper};
+    json["curvature_p"] = test->p;
+  }
   return json;
+}
+
+// "8.1 um/V (95 % CI 8 to 8.2)"
+std::string MeanText(const dsp::OneSample& values, std::string_view unit) {
+  return fmt::format("{:.4g} {} ({})", values.mean / kUm, unit,
+                     values.test
+                         ? fmt::format("95 % CI {:.4g} to {:.4g}", values.test->mean.lower / kUm,
+                                       values.test->mean.upper / kUm)
+                         : "interval not determined");
 }
 
 }  // namespace
@@ -142,13 +186,19 @@ LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
   }
   LinearityResult result;
   std::map<std::string, std::vector<double>> slopes;
+  std::map<std::string, std::vector<double>> curvatures;
   for (const auto& [name, group] : groups) {
     result.lines.push_back(LineOf(group, floor_m));
     const auto& line = result.lines.back().line;
     if (line) slopes[name.first].push_back(line->slope);
+    const auto& curvature = result.lines.back().curvature;
+    if (curvature) curvatures[name.first].push_back(curvature->quadratic);
   }
   for (const auto& [condition, values] : slopes) {
-    if (values.size() >= 2) result.slopes.push_back({condition, dsp::TestMean(values)});
+    if (values.size() < 2) continue;
+    result.slopes.push_back({condition, dsp::TestMean(values), {}});
+    const std::vector<double>& bends = curvatures[condition];
+    if (bends.size() >= 2) result.slopes.back().curvature_m_per_v2 = dsp::TestMean(bends);
   }
   return result;
 }
@@ -157,13 +207,14 @@ std::string LinearityText(const LinearityResult& result) {
   std::string text = "RMS = intercept + slope x drive\n";
   for (const DriveLine& line : result.lines) AppendLine(line, text);
   for (const SlopeOverSubjects& over : result.slopes) {
-    const auto& test = over.slope_m_per_v.test;
-    fmt::format_to(std::back_inserter(text), "  {}{}{} subjects: mean slope {:.4g} um/V ({})\n",
-                   over.condition, over.condition.empty() ? "" : ", ", over.slope_m_per_v.n,
-                   over.slope_m_per_v.mean / kUm,
-                   test ? fmt::format("95 % CI {:.4g} to {:.4g}", test->mean.lower / kUm,
-                                      test->mean.upper / kUm)
-                        : "interval not determined");
+    fmt::format_to(std::back_inserter(text), "  {}{}{} subjects: mean slope {}", over.condition,
+                   over.condition.empty() ? "" : ", ", over.slope_m_per_v.n,
+                   MeanText(over.slope_m_per_v, "um/V"));
+    if (const auto& bend = over.curvature_m_per_v2) {
+      fmt::format_to(std::back_inserter(text), "; mean curvature {}{}", MeanText(*bend, "um/V^2"),
+                     bend->test ? fmt::format(", p = {:.3g}", bend->test->p) : "");
+    }
+    text += '\n';
   }
   return text;
 }

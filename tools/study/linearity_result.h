@@ -29,12 +29,15 @@ struct DriveLine {
   std::optional<double> floor_m;  ///< subtracted; nothing: none known
   std::optional<dsp::Line> line;  ///< in m and V; nothing: fewer than 3 readings or levels alike
   double full_scale_m = 0;        ///< the line's value at the highest level
+  /// Of the same readings, in m and V; nothing: fewer than 4, or than 3 levels.
+  std::optional<dsp::Curvature> curvature;
 };
 
-/// The slopes of a condition's subjects.
+/// The slopes of a condition's subjects, and their curvatures: one value a subject.
 struct SlopeOverSubjects {
   std::string condition;
   dsp::OneSample slope_m_per_v;
+  std::optional<dsp::OneSample> curvature_m_per_v2;  ///< of those that have one: 2 or more
 };
 
 struct LinearityResult {
@@ -45,7 +48,8 @@ struct LinearityResult {
 /// Fits rms = intercept + slope drive for each subject and condition, after
 ///   rms^2 - floor^2
 /// where the floor is `floor_m`, or else the RMS of that subject's and condition's readings with
-/// the drive off.
+/// the drive off. Whether the readings bend, and over subjects whether they do so alike, is tested
+/// by the quadratic term of a parabola.
 [[nodiscard]] LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
                                                const std::optional<double>& floor_m);
 

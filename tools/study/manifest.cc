@@ -46,16 +46,4 @@ Result<Manifest> ReadManifest(const std::string& path) {
   return manifest;
 }
 
-Result<PlannedContrast> ParseContrast(const std::string& word) {
-  const std::size_t colon = word.find(':');
-  PlannedContrast contrast{word.substr(0, colon),
-                           colon == std::string::npos ? "" : word.substr(colon + 1)};
-  if (contrast.treatment.empty() || contrast.control.empty() ||
-      contrast.treatment == contrast.control) {
-    return Usage("--contrast", fmt::format("'{}' is no pair of conditions", word),
-                 "write TREATMENT:CONTROL, as ia1:stock");
-  }
-  return contrast;
-}
-
 }  // namespace haptometer::tools

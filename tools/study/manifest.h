@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "tools/study/planned_contrast.h"
 
 namespace haptometer::tools {
 
@@ -15,12 +16,6 @@ struct TrialGroup {
   std::string subject;    ///< of all these files; empty: from pattern or file
   std::string condition;  ///< the same
   std::string repeat;     ///< the same
-};
-
-/// What is compared in a planned contrast: the ratio is treatment / control.
-struct PlannedContrast {
-  std::string treatment;
-  std::string control;
 };
 
 /// What a study's manifest (TOML, docs/study.md) says; empty where it does not.
@@ -36,8 +31,5 @@ struct Manifest {
 
 /// Reads a manifest strictly. Errors: as TomlTable; a contrast that is no pair of two conditions.
 [[nodiscard]] Result<Manifest> ReadManifest(const std::string& path);
-
-/// "ia1:stock". Errors (Cause::kUsage).
-[[nodiscard]] Result<PlannedContrast> ParseContrast(const std::string& word);
 
 }  // namespace haptometer::tools

@@ -1,4 +1,5 @@
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <iterator>
@@ -46,6 +47,26 @@ void AppendRatio(const MatchedRatio& ratio, std::string& text) {
                  TestText(ratio));
 }
 
+void AppendPowerSaving(const MatchedRatio& ratio, std::string& text) {
+  const double r = ratio.ratio();
+  fmt::format_to(std::back_inserter(text),
+                 "    {:<14}{}, 1 - r^2: as power goes with the voltage squared\n", "power saving",
+                 Percent(1 - r * r, PowerSaving(ratio.ratio_interval())));
+}
+
+void AppendContrast(const MatchedContrast& contrast, std::string& text) {
+  fmt::format_to(std::back_inserter(text), "  {} against {}: their matched voltages\n",
+                 contrast.planned.treatment, contrast.planned.control);
+  if (!contrast.left_out.empty()) {
+    fmt::format_to(std::back_inserter(text), "    {:<14}subject {}: no level in both\n", "without",
+                   fmt::join(contrast.left_out, ", "));
+  }
+  if (!contrast.overall) return;
+  for (const MatchedRatio& level : contrast.levels) AppendRatio(level, text);
+  AppendRatio(*contrast.overall, text);
+  AppendPowerSaving(*contrast.overall, text);
+}
+
 Json IntervalJson(const std::optional<dsp::Interval>& interval) {
   if (!interval) return nullptr;
   return {interval->lower, interval->upper};
@@ -54,7 +75,6 @@ Json IntervalJson(const std::optional<dsp::Interval>& interval) {
 Json RatioJson(const MatchedRatio& ratio) {
   const auto& test = ratio.log_ratio.test;
   const auto interval = ratio.ratio_interval();
-  const bool is_level = ratio.reference_v.has_value();
   return {{"reference_v", cli::NumberOrNull(ratio.reference_v)},
           {"n", ratio.log_ratio.n},
           {"ratio", ratio.ratio()},
@@ -66,14 +86,27 @@ Json RatioJson(const MatchedRatio& ratio) {
           {"t", test ? Json(test->t) : Json(nullptr)},
           {"df", test ? Json(test->df) : Json(nullptr)},
           {"p", test ? Json(test->p) : Json(nullptr)},
-          {"p_holm", cli::NumberOrNull(ratio.p_holm)},
-          {"matched_mean_v", is_level ? Json(ratio.matched_v.mean) : Json(nullptr)},
-          {"matched_standard_deviation_v", cli::NumberOrNull(ratio.matched_v.standard_deviation)}};
+          {"p_holm", cli::NumberOrNull(ratio.p_holm)}};
+}
+
+Json ContrastJson(const MatchedContrast& contrast) {
+  Json levels = Json::array();
+  for (const MatchedRatio& level : contrast.levels) levels.push_back(RatioJson(level));
+  return {{"treatment", contrast.planned.treatment},
+          {"control", contrast.planned.control},
+          {"left_out_subjects", contrast.left_out},
+          {"levels", std::move(levels)},
+          {"overall", contrast.overall ? RatioJson(*contrast.overall) : Json(nullptr)}};
 }
 
 Json ConditionJson(const MatchedCondition& condition) {
   Json levels = Json::array();
-  for (const MatchedRatio& level : condition.levels) levels.push_back(RatioJson(level));
+  for (const MatchedLevel& level : condition.levels) {
+    Json json = RatioJson(level.ratio);
+    json["matched_mean_v"] = level.matched_v.mean;
+    json["matched_standard_deviation_v"] = cli::NumberOrNull(level.matched_v.standard_deviation);
+    levels.push_back(std::move(json));
+  }
   const auto& start = condition.start_log_ratio;
   Json start_json = nullptr;
   if (start) {
@@ -99,13 +132,9 @@ std::string MatchingText(const MatchingResult& result) {
   for (const MatchedCondition& condition : result.conditions) {
     fmt::format_to(std::back_inserter(text), "  {}: matched voltage against the reference\n",
                    condition.name);
-    for (const MatchedRatio& level : condition.levels) AppendRatio(level, text);
+    for (const MatchedLevel& level : condition.levels) AppendRatio(level.ratio, text);
     AppendRatio(condition.overall, text);
-    const double ratio = condition.overall.ratio();
-    fmt::format_to(std::back_inserter(text),
-                   "    {:<14}{}, 1 - r^2: as power goes with the voltage squared\n",
-                   "power saving",
-                   Percent(1 - ratio * ratio, PowerSaving(condition.overall.ratio_interval())));
+    AppendPowerSaving(condition.overall, text);
     if (const auto& start = condition.start_log_ratio; start && start->test) {
       fmt::format_to(std::back_inserter(text),
                      "    {:<14}settings that started high are {:.3g} times those that started low "
@@ -113,6 +142,12 @@ std::string MatchingText(const MatchingResult& result) {
                      "start", std::exp(start->mean), std::exp(start->test->mean.lower),
                      std::exp(start->test->mean.upper));
     }
+  }
+  for (const MatchedContrast& contrast : result.contrasts) AppendContrast(contrast, text);
+  if (!result.planned && !result.contrasts.empty()) {
+    fmt::format_to(std::back_inserter(text),
+                   "  no contrast was planned: every condition against {} (--contrast)\n",
+                   result.contrasts.front().planned.control);
   }
   for (const std::string& missing : result.missing) {
     fmt::format_to(std::back_inserter(text), "  missing: {}\n", missing);
@@ -125,11 +160,17 @@ std::string MatchingJson(const MatchingResult& result) {
   for (const MatchedCondition& condition : result.conditions) {
     conditions.push_back(ConditionJson(condition));
   }
+  Json contrasts = Json::array();
+  for (const MatchedContrast& contrast : result.contrasts) {
+    contrasts.push_back(ContrastJson(contrast));
+  }
   return cli::JsonText({{"file", result.source},
                         {"unit_of_analysis", "subject"},
                         {"settings", result.settings},
                         {"subjects", result.subjects},
                         {"conditions", std::move(conditions)},
+                        {"contrasts_planned", result.planned},
+                        {"contrasts", std::move(contrasts)},
                         {"missing", result.missing}});
 }
 
@@ -143,9 +184,10 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
                         {},
                         {},
                         {}};
-    for (const MatchedRatio& level : condition.levels) {
-      points.x.push_back(*level.reference_v);
-      panel.ticks.push_back({*level.reference_v, fmt::format("{:g}", *level.reference_v)});
+    for (const MatchedLevel& level : condition.levels) {
+      const double reference_v = *level.ratio.reference_v;
+      points.x.push_back(reference_v);
+      panel.ticks.push_back({reference_v, fmt::format("{:g}", reference_v)});
       points.y.push_back(level.matched_v.mean);
       points.y_error.push_back(level.matched_v.standard_deviation.value_or(0));
     }

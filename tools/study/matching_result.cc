@@ -68,16 +68,46 @@ Result<Settings> Sort(const TextTable& table) {
   return settings;
 }
 
-MatchedRatio LevelOf(double reference_v, const std::map<std::string, Halves>& subjects) {
-  std::vector<double> logs;
-  std::vector<double> volts;
-  logs.reserve(subjects.size());
-  volts.reserve(subjects.size());
-  for (const auto& [subject, halves] : subjects) {
-    logs.push_back(halves.mean());
-    volts.push_back(reference_v * std::exp(logs.back()));
+// one logarithm of a ratio by level and subject
+using LogRatios = std::map<double, std::map<std::string, double>>;
+
+LogRatios LogRatiosOf(const Levels& levels) {
+  LogRatios logs;
+  for (const auto& [level, subjects] : levels) {
+    for (const auto& [subject, halves] : subjects) logs[level][subject] = halves.mean();
   }
-  return {reference_v, dsp::TestMean(logs), {}, dsp::TestMean(volts)};
+  return logs;
+}
+
+// where both have a setting
+LogRatios Differences(const LogRatios& treatment, const LogRatios& control) {
+  LogRatios differences;
+  for (const auto& [level, subjects] : treatment) {
+    const auto other = control.find(level);
+    if (other == control.end()) continue;
+    for (const auto& [subject, log] : subjects) {
+      const auto found = other->second.find(subject);
+      if (found != other->second.end()) differences[level][subject] = log - found->second;
+    }
+  }
+  return differences;
+}
+
+std::vector<double> ValuesOf(const std::map<std::string, double>& subjects) {
+  std::vector<double> values;
+  values.reserve(subjects.size());
+  for (const auto& [subject, value] : subjects) values.push_back(value);
+  return values;
+}
+
+MatchedRatio LevelOf(double reference_v, const std::map<std::string, double>& subjects) {
+  return {reference_v, dsp::TestMean(ValuesOf(subjects))};
+}
+
+dsp::OneSample MatchedVoltage(double reference_v, const std::map<std::string, double>& subjects) {
+  std::vector<double> volts = ValuesOf(subjects);
+  for (double& value : volts) value = reference_v * std::exp(value);
+  return dsp::TestMean(volts);
 }
 
 using BySubject = std::map<std::string, std::vector<double>>;
@@ -90,13 +120,12 @@ dsp::OneSample TestSubjectMeans(const BySubject& by_subject) {
   return dsp::TestMean(means);
 }
 
-// each subject's mean over the levels it has
-MatchedRatio OverallOf(const Levels& levels) {
+BySubject BySubjectOf(const LogRatios& logs) {
   BySubject by_subject;
-  for (const auto& [level, subjects] : levels) {
-    for (const auto& [subject, halves] : subjects) by_subject[subject].push_back(halves.mean());
+  for (const auto& [level, subjects] : logs) {
+    for (const auto& [subject, log] : subjects) by_subject[subject].push_back(log);
   }
-  return {{}, TestSubjectMeans(by_subject), {}, {}};
+  return by_subject;
 }
 
 // over subjects, the mean of ln(high / low) of the levels that have both starts
@@ -112,16 +141,70 @@ std::optional<dsp::OneSample> StartOf(const Levels& levels) {
   return TestSubjectMeans(by_subject);
 }
 
-void CorrectByHolm(std::vector<MatchedRatio>& levels) {
-  std::vector<double> p;
-  for (const MatchedRatio& level : levels) {
-    if (level.log_ratio.test) p.push_back(level.log_ratio.test->p);
+void CorrectByHolm(const std::vector<MatchedRatio*>& ratios) {
+  std::vector<std::optional<double>> p(ratios.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    if (const auto& test = ratios[i]->log_ratio.test) p[i] = test->p;
   }
-  const std::vector<double> adjusted = dsp::HolmAdjusted(p);
-  auto next = adjusted.begin();
-  for (MatchedRatio& level : levels) {
-    if (level.log_ratio.test) level.p_holm = *next++;
+  const auto adjusted = dsp::HolmOverTested(p);
+  for (std::size_t i = 0; i < p.size(); ++i) ratios[i]->p_holm = adjusted[i];
+}
+
+MatchedCondition ConditionOf(const std::string& name, const Levels& levels) {
+  MatchedCondition condition;
+  condition.name = name;
+  const LogRatios logs = LogRatiosOf(levels);
+  condition.levels.reserve(logs.size());
+  std::vector<MatchedRatio*> ratios;
+  ratios.reserve(logs.size());
+  for (const auto& [level, subjects] : logs) {
+    condition.levels.push_back({LevelOf(level, subjects), MatchedVoltage(level, subjects)});
+    ratios.push_back(&condition.levels.back().ratio);
   }
+  CorrectByHolm(ratios);
+  // each subject's mean over the levels it has
+  condition.overall = {{}, TestSubjectMeans(BySubjectOf(logs))};
+  condition.start_log_ratio = StartOf(levels);
+  return condition;
+}
+
+MatchedContrast ContrastOf(const PlannedContrast& planned, const Settings& settings) {
+  MatchedContrast contrast;
+  contrast.planned = planned;
+  const LogRatios logs = Differences(LogRatiosOf(settings.of.at(planned.treatment)),
+                                     LogRatiosOf(settings.of.at(planned.control)));
+  contrast.levels.reserve(logs.size());
+  std::vector<MatchedRatio*> ratios;
+  ratios.reserve(logs.size());
+  for (const auto& [level, subjects] : logs) {
+    contrast.levels.push_back(LevelOf(level, subjects));
+    ratios.push_back(&contrast.levels.back());
+  }
+  CorrectByHolm(ratios);
+  const BySubject by_subject = BySubjectOf(logs);
+  if (!by_subject.empty()) contrast.overall = {{}, TestSubjectMeans(by_subject)};
+  for (const std::string& subject : settings.subjects) {
+    if (!by_subject.contains(subject)) contrast.left_out.push_back(subject);
+  }
+  return contrast;
+}
+
+// with Holm's correction over those that can be tested
+Result<std::vector<MatchedContrast>> ContrastsOf(const std::vector<PlannedContrast>& planned,
+                                                 const Settings& settings) {
+  std::vector<MatchedContrast> contrasts;
+  contrasts.reserve(planned.size());
+  std::vector<MatchedRatio*> ratios;
+  ratios.reserve(planned.size());
+  for (const PlannedContrast& pair : planned) {
+    if (auto known = CheckConditions(pair, settings.conditions); !known) {
+      return std::unexpected(known.error());
+    }
+    contrasts.push_back(ContrastOf(pair, settings));
+    if (auto& overall = contrasts.back().overall) ratios.push_back(&*overall);
+  }
+  CorrectByHolm(ratios);
+  return contrasts;
 }
 
 void NameMissing(const Settings& settings, const std::string& condition,
@@ -152,7 +235,8 @@ std::optional<dsp::Interval> MatchedRatio::ratio_interval() const {
   return dsp::Interval{std::exp(log_ratio.test->mean.lower), std::exp(log_ratio.test->mean.upper)};
 }
 
-Result<MatchingResult> AnalyzeMatching(const TextTable& table) {
+Result<MatchingResult> AnalyzeMatching(const TextTable& table,
+                                       const std::vector<PlannedContrast>& planned) {
   auto settings = Sort(table);
   if (!settings) return std::unexpected(settings.error());
   MatchingResult result;
@@ -160,18 +244,14 @@ Result<MatchingResult> AnalyzeMatching(const TextTable& table) {
   result.settings = table.rows();
   result.conditions.reserve(settings->conditions.size());
   for (const std::string& name : settings->conditions) {
-    const Levels& levels = settings->of.at(name);
-    MatchedCondition condition;
-    condition.name = name;
-    for (const auto& [level, subjects] : levels) {
-      condition.levels.push_back(LevelOf(level, subjects));
-    }
-    CorrectByHolm(condition.levels);
-    condition.overall = OverallOf(levels);
-    condition.start_log_ratio = StartOf(levels);
-    result.conditions.push_back(std::move(condition));
+    result.conditions.push_back(ConditionOf(name, settings->of.at(name)));
     NameMissing(*settings, name, result.missing);
   }
+  result.planned = !planned.empty();
+  auto contrasts =
+      ContrastsOf(result.planned ? planned : AllAgainstTheFirst(settings->conditions), *settings);
+  if (!contrasts) return std::unexpected(contrasts.error());
+  result.contrasts = *std::move(contrasts);
   result.subjects = std::move(settings->subjects);
   return result;
 }

@@ -105,12 +105,9 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
 
 Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
   if (wanted.contrasts.empty()) return {};
-  task.manifest.contrasts.clear();
-  for (const std::string& word : wanted.contrasts) {
-    auto contrast = ParseContrast(word);
-    if (!contrast) return std::unexpected(contrast.error());
-    task.manifest.contrasts.push_back(*std::move(contrast));
-  }
+  auto contrasts = ParseContrasts(wanted.contrasts);
+  if (!contrasts) return std::unexpected(contrasts.error());
+  task.manifest.contrasts = *std::move(contrasts);
   return {};
 }
 
@@ -148,8 +145,9 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
   study.planned = !task.manifest.contrasts.empty();
-  auto contrasts = CompareConditions(
-      study.table, study.planned ? task.manifest.contrasts : AllAgainstTheFirst(study.table));
+  auto contrasts =
+      CompareConditions(study.table, study.planned ? task.manifest.contrasts
+                                                   : AllAgainstTheFirst(study.table.conditions));
   if (!contrasts) return std::unexpected(contrasts.error());
   study.contrasts = *std::move(contrasts);
   study.missing = FindMissing(study.table);

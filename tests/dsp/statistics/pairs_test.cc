@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "dsp/statistics/anova.h"
@@ -98,6 +99,11 @@ TEST(HolmAdjusted, IsMonotoneAndInOrder) {
   EXPECT_DOUBLE_EQ(adjusted[0], 0.04);
   EXPECT_EQ(HolmAdjusted(std::vector{0.9, 0.8})[0], 1);
   EXPECT_TRUE(HolmAdjusted({}).empty());
+}
+
+TEST(HolmOverTested, CountsOnlyWhatWasTested) {
+  const auto adjusted = HolmOverTested(std::vector<std::optional<double>>{{}, 0.01, {}, 0.04});
+  EXPECT_EQ(adjusted, (std::vector<std::optional<double>>{{}, 0.02, {}, 0.04})) << "two tests";
 }
 
 CompleteTable Table(std::size_t subjects, std::size_t conditions,

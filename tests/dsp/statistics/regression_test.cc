@@ -1,0 +1,69 @@
+#include "dsp/statistics/regression.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/dsp/signals.h"
+#include "tests/residual.h"
+
+namespace haptometer::dsp {
+namespace {
+
+TEST(FitCurvature, GivesTheParabolaThatThePointsLieOn) {
+  const std::vector<double> x{0, 1, 2, 3};
+  const std::vector<double> y{5, 8, 15, 26};  // 5 + x + 2 x^2
+  const auto bend = FitCurvature(x, y);
+  ASSERT_TRUE(bend);
+  EXPECT_REL(bend->quadratic, 2, 1e-14, "rounding");
+  EXPECT_EQ(bend->df, 1);
+}
+
+TEST(FitCurvature, IsNotThrownByAnOffsetOfTheLevels) {
+  // x^2 of these has lost the bend's digits; about the mean it has not
+  std::vector<double> x;
+  std::vector<double> y;
+  for (int k = 0; k < 9; ++k) {
+    x.push_back(1e6 + k);
+    y.push_back(k + 0.25 * k * k);
+  }
+  EXPECT_REL(FitCurvature(x, y)->quadratic, 0.25, 1e-13, "rounding");
+}
+
+TEST(FitCurvature, NeedsFourPointsAndThreeLevels) {
+  EXPECT_FALSE(FitCurvature(std::vector{1.0, 2.0, 3.0}, std::vector{1.0, 2.0, 3.0}));
+  EXPECT_FALSE(FitCurvature(std::vector{0.1, 0.1, 0.3, 0.3}, std::vector{1.0, 2.0, 3.0, 5.0}));
+  EXPECT_FALSE(FitCurvature(std::vector{2.0, 2.0, 2.0, 2.0}, std::vector{1.0, 2.0, 3.0, 5.0}));
+}
+
+TEST(FitCurvature, SaysThatAFlatRecordHasNoTest) {
+  const auto bend = FitCurvature(std::vector{1.0, 2.0, 3.0, 4.0}, std::vector{3.0, 3.0, 3.0, 3.0});
+  ASSERT_TRUE(bend);
+  EXPECT_EQ(bend->quadratic, 0);
+  EXPECT_FALSE(bend->t);
+  EXPECT_FALSE(bend->p);
+}
+
+TEST(FitCurvature, HoldsItsInterval) {
+  constexpr int kRepetitions = 2000;
+  Noise noise(11);
+  int held = 0;
+  int found = 0;
+  for (int k = 0; k < kRepetitions; ++k) {
+    std::vector<double> x;
+    std::vector<double> y;
+    for (int i = 1; i <= 6; ++i) {
+      x.push_back(i);
+      y.push_back(8 * i - 0.1 * i * i + 0.2 * noise());
+    }
+    const auto bend = FitCurvature(x, y);
+    held += bend->interval.lower <= -0.1 && -0.1 <= bend->interval.upper ? 1 : 0;
+    for (std::size_t i = 0; i < x.size(); ++i) y[i] += 0.1 * x[i] * x[i];
+    found += *FitCurvature(x, y)->p < 0.05 ? 1 : 0;
+  }
+  EXPECT_ABS(static_cast<double>(held) / kRepetitions, 0.95, 0.02, "the bar");
+  EXPECT_ABS(static_cast<double>(found) / kRepetitions, 0.05, 0.02, "three standard deviations");
+}
+
+}  // namespace
+}  // namespace haptometer::dsp
