@@ -71,6 +71,9 @@ class ModbusSensor final : public Sensor {
     kStepping,  ///< a reading whose reply is thrown away, or a check, is outstanding
   };
 
+  /// How long one call waits at most: with the link's 20 ms a tenth of a second.
+  static constexpr MonotonicNs kSliceNs = 80'000'000;
+
   Result<std::string> Ask(ReadRequest request, const std::atomic<bool>& stop);
   Result<ReadReply> Exchange(ReadRequest request, int tries, const std::atomic<bool>& stop);
   Result<void> LearnCheck(const std::atomic<bool>& stop);
