@@ -71,36 +71,44 @@ Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const Job& job) {
       "record the sensor at rest, drive off, as long and as fast as the trials");
 }
 
-// spectra of the window, into their files and the report
-Result<void> AddSpectra(const trial::RowSource& rows, const Job& job, ReportedFile& reported) {
-  const bool asked = !job.spectrum.spectrum.empty() || !job.spectrum.spectrogram.empty();
-  if (!reported.file.analysis->numbers || (!asked && !job.report)) return {};
-  const auto window = dsp::ReadWindow(rows, *reported.file.analysis, kMostInSpectrum);
+// spectra of the window into their files; and the panel that plot and report show, if any
+Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, const Job& job,
+                                               const dsp::BandAnalysis& analysis) {
+  const bool is_written = !job.spectrum.spectrum.empty() || !job.spectrum.spectrogram.empty();
+  const bool is_shown = job.report || !job.plot.empty();
+  if (!analysis.numbers || !(is_written || is_shown)) return std::nullopt;
+  const auto window = dsp::ReadWindow(rows, analysis, kMostInSpectrum);
   if (!window) return std::unexpected(window.error());
-  if (auto written = WriteSpectra(*window, job.spectrum); !written) return written;
-  if (!job.report) return {};
-  const auto panel = SpectrumPanel(*window, job.spectrum);
+  if (auto written = WriteSpectra(*window, job.spectrum); !written) {
+    return std::unexpected(written.error());
+  }
+  if (!is_shown) return std::nullopt;
+  auto panel = SpectrumPanel(*window, job.spectrum);
   if (!panel) return std::unexpected(panel.error());
   // silence has no place on a logarithmic axis
   const std::vector<double>& levels = panel->series.front().y;
-  if (std::ranges::none_of(levels, [](double level) { return level > 0; })) return {};
-  reported.figures.push_back({*panel});
-  reported.captions.emplace_back("Spectrum of the unfiltered window (Welch, one-sided).");
-  return {};
+  if (std::ranges::none_of(levels, [](double level) { return level > 0; })) return std::nullopt;
+  return *std::move(panel);
 }
 
 // draws one file into its plot and its part of the report
-Result<void> Draw(const trial::RowSource& rows, const Job& job, ReportedFile& reported) {
+Result<void> Draw(const trial::RowSource& rows, const Job& job,
+                  const std::optional<plot::Panel>& spectrum, ReportedFile& reported) {
   if (job.plot.empty() && !job.report) return {};
   auto panels = AnalysisPanels(rows, *reported.file.analysis);
   if (!panels) return std::unexpected(panels.error());
   if (!job.plot.empty()) {
-    if (auto drawn = DrawPanels(job.plot, *panels); !drawn) return drawn;
+    std::vector<plot::Panel> all = *panels;
+    if (spectrum) all.push_back(*spectrum);
+    if (auto drawn = DrawPanels(job.plot, all); !drawn) return drawn;
   }
   if (!job.report) return {};
   reported.figures.push_back(std::move(*panels));
   reported.captions.emplace_back(
       "The record, the filtered signal and a part of it. Grey: no number is of it.");
+  if (!spectrum) return {};
+  reported.figures.push_back({*spectrum});
+  reported.captions.emplace_back("Spectrum of the unfiltered window (Welch, one-sided).");
   return {};
 }
 
@@ -121,8 +129,11 @@ ReportedFile Analyze(const std::string& path, const Job& job) {
   auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);
   if (!analysis) return fail(analysis.error());
   file.analysis = std::move(*analysis);
-  if (auto drawn = Draw(*opened->rows, job, reported); !drawn) return fail(drawn.error());
-  if (auto added = AddSpectra(*opened->rows, job, reported); !added) return fail(added.error());
+  const auto spectrum = TakeSpectra(*opened->rows, job, *file.analysis);
+  if (!spectrum) return fail(spectrum.error());
+  if (auto drawn = Draw(*opened->rows, job, *spectrum, reported); !drawn) {
+    return fail(drawn.error());
+  }
   file.analysis->filtered_m = {};
   return reported;
 }

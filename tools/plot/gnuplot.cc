@@ -93,10 +93,20 @@ std::string_view LogWords(LogAxes axes) {
   HAPTOMETER_CHECK(false, "axes {}", static_cast<int>(axes));
 }
 
+// points beside the frame, not on it
+std::string RangeOfX(const Panel& panel) {
+  if (!panel.x_from_zero) return "set xrange [*:*]\n";
+  double last = 0;
+  for (const Series& series : panel.series) {
+    for (const double x : series.x) last = std::max(last, x);
+  }
+  return fmt::format("set xrange [0:{:.9g}]\n", 1.05 * last);
+}
+
 // both axes as they are without, so that no panel inherits from the one before
 std::string AxisWords(const Panel& panel) {
   std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
-  if (panel.ticks.empty()) return words + "set xtics autofreq\nset xrange [*:*]\n";
+  if (panel.ticks.empty()) return words + "set xtics autofreq\n" + RangeOfX(panel);
   double least = 1;  // between two of them
   for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
     const double distance = panel.ticks[i].x - panel.ticks[i - 1].x;
@@ -134,7 +144,7 @@ std::string Script(const std::string& path, const Terminal& terminal,
       fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
       "\nset termoption noenhanced\nset output " + Quoted(path) +
       "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n"
-      "set boxwidth 0.6\n";
+      "set boxwidth 0.6\nset format '%g'\n";
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
       script += DataBlock(p, s, panels[p].series[s]);

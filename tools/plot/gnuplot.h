@@ -38,6 +38,7 @@ struct Panel {
   /// The axis reaches further by 0.7 of the least distance of two.
   std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
   bool y_from_zero = false;
+  bool x_from_zero = false;  ///< and a twentieth further than the last point
 };
 
 /// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).

@@ -230,10 +230,11 @@ std::string LinearityJson(const LinearityResult& result) {
 std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
   constexpr std::string_view kColours[] = {plot::kBlue, plot::kOrange, "#009e73", "#cc79a7"};
   plot::Panel panel;
-  panel.title = "linearity";
+  panel.title = "readings with the floor removed, and their lines";
   panel.x_label = "drive amplitude / V";
   panel.y_label = "RMS displacement / um";
   panel.y_from_zero = true;
+  panel.x_from_zero = true;
   std::size_t number = 0;
   for (const DriveLine& line : result.lines) {
     const std::string_view colour = kColours[number++ % std::size(kColours)];
@@ -242,10 +243,10 @@ std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
     for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
     panel.series.push_back(std::move(points));
     if (!line.line) continue;
-    const auto [low, high] = std::ranges::minmax(line.drive_v);
+    const double high = *std::ranges::max_element(line.drive_v);
     const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
     panel.series.push_back(
-        {"", fmt::format("lines lc rgb '{}'", colour), {low, high}, {at(low), at(high)}, {}});
+        {"", fmt::format("lines lc rgb '{}'", colour), {0, high}, {at(0), at(high)}, {}});
   }
   return {panel};
 }

@@ -179,7 +179,8 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
   panels.reserve(result.conditions.size());
   for (const MatchedCondition& condition : result.conditions) {
     plot::Panel panel;
-    plot::Series points{"mean and standard deviation over subjects",
+    const bool is_first = panels.empty();  // the one with a key
+    plot::Series points{is_first ? "mean and standard deviation over subjects" : "",
                         fmt::format("yerrorbars pt 7 lc rgb '{}'", plot::kBlue),
                         {},
                         {},
@@ -195,8 +196,11 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     panel.x_label = "reference / V";
     panel.y_label = "matched / V";
     panel.y_from_zero = true;
-    panel.series.push_back(
-        {"equal", fmt::format("lines dt 2 lc rgb '{}'", plot::kGrey), points.x, points.x, {}});
+    panel.series.push_back({is_first ? "equal" : "",
+                            fmt::format("lines dt 2 lc rgb '{}'", plot::kGrey),
+                            points.x,
+                            points.x,
+                            {}});
     panel.series.push_back(std::move(points));
     panels.push_back(std::move(panel));
   }

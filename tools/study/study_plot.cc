@@ -20,7 +20,7 @@ void AppendCondition(const StudyResult& study, std::size_t condition, double x,
       {"", fmt::format("boxes fill solid 0.35 lc rgb '{}'", plot::kBlue), {x}, {mean_um}, {}});
   if (const auto& sd = summary.subjects.standard_deviation) {
     panel.series.push_back(
-        {"", "yerrorbars pt 0 lw 1.5 lc rgb 'black'", {x}, {mean_um}, {*sd / kUm}});
+        {"", "yerrorbars pt 7 ps 0.7 lw 1.5 lc rgb 'black'", {x}, {mean_um}, {*sd / kUm}});
   }
   plot::Series points{"", fmt::format("points pt 7 ps 0.5 lc rgb '{}'", plot::kOrange), {}, {}, {}};
   const auto& cells = study.table.cells;
