@@ -36,6 +36,18 @@ inline std::vector<double> Samples(double rate_hz, std::size_t count, double off
   return values;
 }
 
+/// What tests/dsp/filter/scipy_reference.py filters: noise of 1 um about 1 mm from an integer
+/// generator.
+inline std::vector<double> ScipyInput(std::size_t count) {
+  std::vector<double> values(count);
+  std::uint32_t x = 1;
+  for (double& value : values) {
+    x = (1103515245U * x + 12345U) & 0x7fffffffU;
+    value = 1e-3 + 1e-6 * (x / 2147483648.0 - 0.5);
+  }
+  return values;
+}
+
 /// Gaussian noise that is the same on every platform (Box-Muller on a 64-bit mixer; std's
 /// distributions are not specified).
 class Noise {

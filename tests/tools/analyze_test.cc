@@ -234,8 +234,11 @@ TEST_F(AnalyzeVerb, DrawsAnsweredAndUnansweredTrials) {
   const std::string picture = directory_ / "a.svg";
   EXPECT_EQ(Analyze({Trial("a.csv", 10'000, 2), "--plot", picture}).status, 0);
   const auto size = fs::file_size(picture);
+  std::ifstream drawn(picture);
+  EXPECT_THAT(std::string(std::istreambuf_iterator<char>(drawn), {}),
+              HasSubstr("spectrum of the unfiltered window"));
   EXPECT_EQ(Analyze({Trial("slow.csv", 48, 3), "--plot", picture}).status, 3);
-  EXPECT_LT(fs::file_size(picture), size) << "one panel instead of three";
+  EXPECT_LT(fs::file_size(picture), size) << "one panel instead of four";
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <numbers>
 #include <vector>
@@ -51,12 +50,7 @@ TEST(Cascade, LosesNothingAt392kHz) {
 }
 
 TEST(Cascade, IsTheFilterOfScipy) {
-  std::vector<double> in(kScipySamples);
-  std::uint32_t x = 1;
-  for (double& value : in) {
-    x = (1103515245U * x + 12345U) & 0x7fffffffU;
-    value = 1e-3 + 1e-6 * (x / 2147483648.0 - 0.5);
-  }
+  const std::vector<double> in = ScipyInput(kScipySamples);
   for (const FilteredSample& sample : kScipyFiltered) {
     const FilterDesign design = Designed({sample.order, 20, 500, Corners::kEach}, 1e4);
     EXPECT_ABS(Filtered(design, in, in[0])[sample.index], sample.causal_m, 2e-19,

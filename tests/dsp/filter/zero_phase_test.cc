@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -33,12 +32,7 @@ TEST(ZeroPhase, AToneKeepsItsPhaseAndHasTheSquaredGain) {
 }
 
 TEST(ZeroPhase, IsTheFilterOfScipyWhereThePaddingAgrees) {
-  std::vector<double> in(kScipySamples);
-  std::uint32_t x = 1;
-  for (double& value : in) {
-    x = (1103515245U * x + 12345U) & 0x7fffffffU;
-    value = 1e-3 + 1e-6 * (x / 2147483648.0 - 0.5);
-  }
+  const std::vector<double> in = ScipyInput(kScipySamples);
   for (const FilteredSample& sample : kScipyFiltered) {
     const FilterDesign design = Designed({sample.order, 20, 500, Corners::kEach}, kRateHz);
     EXPECT_ABS(FilterZeroPhase(design, in)[sample.index], sample.zero_phase_m, 1e-12,
