@@ -4,6 +4,7 @@
 #include <string>
 
 #include "fit/drop_test_fit.h"
+#include "fit/plausibility.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/fit_lra_input.h"
@@ -25,6 +26,39 @@ constexpr cli::VerbText kText{
                  "fit-lra drop.csv --actuator thesis-c10-100 --drop-height 10mm+-0.5mm"
                  " --plot fit.svg"}};
 
+// the constants that --require names, by the names that it may name
+std::vector<std::pair<std::string_view, const fit::FittedValue*>> Constants(
+    const fit::DropTestFit& fit) {
+  return {{"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}};
+}
+
+Result<void> CheckRequired(const std::vector<std::string>& required) {
+  const fit::DropTestFit none;
+  for (const std::string& name : required) {
+    const auto is_named = [&name](const auto& constant) { return constant.first == name; };
+    if (std::ranges::none_of(Constants(none), is_named)) {
+      return Usage("--require", fmt::format("{} is none of Kv, Bv, Km", name),
+                   "write --require Km");
+    }
+  }
+  return {};
+}
+
+// says which of the required constants are missing; status 3 then
+int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& required) {
+  int status = 0;
+  for (const auto& [name, value] : Constants(fit)) {
+    if (value->determined || std::ranges::find(required, name) == required.end()) continue;
+    const auto why =
+        std::ranges::find_if(fit.undetermined, [&name](const auto& s) { return s.contains(name); });
+    status = cli::ReportError(
+        kVerb, CannotAnswer("", fmt::format("{} is required and not determined", name),
+                            why == fit.undetermined.end() ? "see the result" : *why)
+                   .error());
+  }
+  return status;
+}
+
 void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
   options.Positionals("files", &wanted.files,
                       "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
@@ -43,6 +77,8 @@ void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
                  "Speed of the case after the impact over that before it (0 to 1)");
   options.Text("--actuator", &wanted.actuator, "NAME|FILE",
                "Takes masses, R and L from an actuator file or thesis-c10-100");
+  options.Repeated("--require", &wanted.required, "Kv|Bv|Km",
+                   "Status 3 where this constant is not determined; may be repeated");
   options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
 }
 
@@ -60,6 +96,10 @@ int RunFitLra(int argc, const char* const* argv) {
     }
   }
 
+  if (auto named = CheckRequired(wanted.required); !named) {
+    return cli::ReportError(kVerb, named.error());
+  }
+
   // what cannot be used is reported, the rest is answered
   const auto input = GatherFitLraInput(wanted);
   if (!input) return cli::ReportError(kVerb, input.error());
@@ -72,8 +112,10 @@ int RunFitLra(int argc, const char* const* argv) {
 
   const auto fit = fit::FitDropTest(input->records, input->knowns);
   if (!fit) return cli::ReportError(kVerb, fit.error());
-  fmt::print("{}",
-             options.json() ? FitLraJson(*fit, input->remarks, input->left_out) : FitLraText(*fit));
+  const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
+  fmt::print("{}", options.json() ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
+                                  : FitLraText(*fit, doubts));
+  status = std::max(status, ReportRequired(*fit, wanted.required));
   if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
     status = ExitStatus(Cause::kCannotAnswer);
   }

@@ -23,6 +23,7 @@ struct FitLraOptions {
   std::optional<Quantity> case_mass_kg;
   std::optional<Quantity> resistance_ohm;
   std::optional<Quantity> inductance_h;
+  std::vector<std::string> required;  ///< constants without which the status is 3
   std::string actuator;  ///< built-in or file; beats headers, is beaten by the options above
 };
 

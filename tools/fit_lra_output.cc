@@ -155,7 +155,7 @@ ordered_json InfluenceJson(const fit::InputInfluence& influence) {
 
 }  // namespace
 
-std::string FitLraText(const DropTestFit& fit) {
+std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& doubts) {
   const bool reduced = fit.mass_symbol != "Mv";
   std::string text = "Result (value +- 95 % interval)\n";
   text += Line("Kv", fit.stiffness) + Line("Bv", fit.damping) + Line("Km", fit.force_constant);
@@ -164,6 +164,7 @@ std::string FitLraText(const DropTestFit& fit) {
   text += Line(reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass);
   if (reduced) text += fmt::format("  M is the reduced mass {}\n", fit.mass_symbol);
   text += Section("Not determined", Sentences(fit.undetermined));
+  text += Section("Doubtful", Sentences(doubts));
 
   std::string records;
   for (const auto& record : fit.records) records += RecordLine(record);
@@ -177,7 +178,8 @@ std::string FitLraText(const DropTestFit& fit) {
   return text;
 }
 
-std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& remarks,
+std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& doubts,
+                       const std::vector<std::string>& remarks,
                        const std::vector<Error>& left_out) {
   ordered_json document;
   document["parameters"] = {{"Kv", ValueJson(fit.stiffness)},
@@ -200,6 +202,7 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& r
   for (const auto& input : fit.influences) document["inputs"].push_back(InfluenceJson(input));
   document["assumptions"] = fit.assumptions;
   document["not_determined"] = fit.undetermined;
+  document["doubts"] = doubts;
   document["remarks"] = remarks;
   document["left_out"] = ordered_json::array();
   for (const auto& error : left_out) document["left_out"].push_back(error.Text());

@@ -9,11 +9,14 @@
 
 namespace haptometer::tools {
 
-/// The answer of fit-lra for people: constants with 95 % intervals, records, inputs, assumptions.
-[[nodiscard]] std::string FitLraText(const fit::DropTestFit& fit);
+/// The answer of fit-lra for people: constants with 95 % intervals, what is doubtful, records,
+/// inputs, assumptions.
+[[nodiscard]] std::string FitLraText(const fit::DropTestFit& fit,
+                                     const std::vector<std::string>& doubts);
 
 /// The same as one JSON document (docs/formats.md); what is not determined is null.
 [[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
+                                     const std::vector<std::string>& doubts,
                                      const std::vector<std::string>& remarks,
                                      const std::vector<Error>& left_out);
 

@@ -99,6 +99,26 @@ TEST_F(FitLraFiles, ThePairWithoutHeightsGivesTheTruthByItsLoads) {
   ExpectParameter(document, "Km", 1.0, 0.02);
 }
 
+TEST_F(FitLraFiles, ARequiredConstantThatIsNotDeterminedIsStatusThree) {
+  const auto path = Fixture(kOpenFile, "open.csv", {"drop_height_m", "rebound"});
+  EXPECT_EQ(FitLra({path}).status, 0) << "Kv and Bv are given";
+  EXPECT_EQ(FitLra({path, "--require", "Kv", "--require", "Bv"}).status, 0);
+  const Outcome lacking = FitLra({path, "--require", "Km"});
+  EXPECT_EQ(lacking.status, 3);
+  EXPECT_THAT(lacking.err, HasSubstr("Km is required and not determined"));
+  EXPECT_THAT(lacking.err, HasSubstr("27 to 50 ohm"));
+  EXPECT_THAT(lacking.out, HasSubstr("Kv")) << "the rest is answered";
+  EXPECT_EQ(FitLra({path, "--require", "km2"}).status, 2);
+}
+
+TEST_F(FitLraFiles, GramsAsKilogramsAreDoubted) {
+  const json document = FitLraJson({kOpenFile, "--moving-mass", "1.4kg"});
+  EXPECT_THAT(document.at("doubts").get<std::vector<std::string>>(),
+              Contains(HasSubstr("a moving mass of 1.4 kg")));
+  EXPECT_THAT(FitLra({kOpenFile, "--moving-mass", "1.4kg"}).out, HasSubstr("Doubtful"));
+  EXPECT_THAT(FitLraJson({kOpenFile}).at("doubts"), IsEmpty());
+}
+
 TEST_F(FitLraFiles, WithoutAHeightKmIsNullAndTheMessageHelps) {
   const auto path = Fixture(kOpenFile, "open.csv", {"drop_height_m", "rebound"});
   const json document = FitLraJson({path});
