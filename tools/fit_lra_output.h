@@ -14,7 +14,7 @@ namespace haptometer::tools {
 [[nodiscard]] std::string FitLraText(const fit::DropTestFit& fit,
                                      const std::vector<std::string>& doubts);
 
-/// The same as one JSON document (docs/formats.md); what is not determined is null.
+/// The same as one JSON document (docs/commands.md); what is not determined is null.
 [[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
                                      const std::vector<std::string>& doubts,
                                      const std::vector<std::string>& remarks,

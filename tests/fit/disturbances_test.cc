@@ -67,7 +67,6 @@ struct Case {
 struct Bias {
   double stiffness = 0;  // mean error over the mean stated standard uncertainty
   double damping = 0;
-  double quality = 0;
 };
 
 // mean errors over seeded records of noise `noise` of the amplitude
@@ -128,6 +127,33 @@ TEST_P(SpoiledRecord, HumIsFittedAlong) {
 
 TEST_P(SpoiledRecord, DriftIsFittedAlong) {
   Expect("a drift of ", Add([](double t) { return 0.01 * t / 0.25; }));
+}
+
+TEST(FindDisturbances, KeepsTheFirstPartWhereAHeightIsStated) {
+  // 30 ms before the blow and 220 ms behind it: more is known behind, the height holds before
+  for (const bool has_height : {false, true}) {
+    SyntheticDrop drop;
+    drop.noise_v = 1e-3;
+    auto record = has_height ? tests::MakeRecordWithHeight(drop) : MakeRecord(drop);
+    SecondImpact(0.8, 0.03)(drop, record);
+    const auto fit = FitDropTest({record}, tests::ThesisKnowns());
+    ASSERT_TRUE(fit) << fit.error().Text();
+    EXPECT_THAT(fit->records[0].found,
+                Contains(HasSubstr(has_height ? "the part before it" : "the part behind it")));
+    EXPECT_EQ(fit->force_constant.determined, has_height);
+  }
+}
+
+TEST(FindDisturbances, ATailBelowTheConvertersStepIsLeftOut) {
+  SyntheticDrop drop;
+  drop.step_v = 0.02;
+  drop.length_s = 0.6;
+  const auto fit = FitDropTest({MakeRecord(drop)}, tests::ThesisKnowns());
+  ASSERT_TRUE(fit) << fit.error().Text();
+  EXPECT_THAT(fit->records[0].found, Contains(HasSubstr("a tail below one step")));
+  // 0.443 V fall to 0.02 V in ln(22)/11.5 s
+  EXPECT_ABS(static_cast<double>(fit->records[0].samples) * drop.step_s, 0.269, 0.01,
+             "closed form");
 }
 
 INSTANTIATE_TEST_SUITE_P(AtNoise, SpoiledRecord, ::testing::Values(0.002, 0.01));
