@@ -11,6 +11,7 @@
 namespace haptometer::tools {
 namespace {
 
+using cli::ToThePlaceOf;
 using cli::WithUncertainty;
 using Lines = std::vector<AnalysisLine>;
 
@@ -41,15 +42,21 @@ std::string BandName(const dsp::BandPass& band) {
   return fmt::format("{:g}-{:g} Hz", band.lower_hz, band.upper_hz);
 }
 
+// both ends of an interval to the place of its middle
+std::string FromTo(double lower, double upper, double uncertainty) {
+  return fmt::format("{} to {}", ToThePlaceOf(uncertainty, lower),
+                     ToThePlaceOf(uncertainty, upper));
+}
+
 // the RMS and its interval, or the limit where the floor is not exceeded
 std::string RmsText(const dsp::RmsEstimate& rms, const dsp::BandPass& band) {
   if (rms.below_floor) {
     return fmt::format("at most {} RMS in {} (95 %): not above the noise floor of {}",
                        Um(rms.at_most_m), BandName(band), AboutUm(rms.floor_m.value_or(0)));
   }
-  return fmt::format("{} RMS in {}; 95 %: {:.5g} to {:.5g} um",
-                     Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band), rms.lower_m / kUm,
-                     rms.upper_m / kUm);
+  return fmt::format(
+      "{} RMS in {}; 95 %: {} um", Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band),
+      FromTo(rms.lower_m / kUm, rms.upper_m / kUm, rms.standard_uncertainty_m / kUm));
 }
 
 // how the number came from what was measured; nothing where it is the same
@@ -205,9 +212,12 @@ AnalysisSection ToneSection(const dsp::BandNumbers& numbers) {
   }
   const dsp::ToneNumbers& tone = *numbers.tone;
   lines.push_back({"tone", ToneText(tone)});
-  lines.push_back({"", fmt::format("95 %: {:.8g} to {:.8g} Hz, {:.5g} to {:.5g} um",
-                                   tone.frequency_lower_hz, tone.frequency_upper_hz,
-                                   tone.amplitude_lower_m / kUm, tone.amplitude_upper_m / kUm)});
+  lines.push_back(
+      {"", fmt::format("95 %: {} Hz, {} um",
+                       FromTo(tone.frequency_lower_hz, tone.frequency_upper_hz,
+                              tone.fit.frequency_uncertainty_hz),
+                       FromTo(tone.amplitude_lower_m / kUm, tone.amplitude_upper_m / kUm,
+                              tone.amplitude_uncertainty_m / kUm))});
   lines.push_back({"sine fit", fmt::format("RMS {}: {:.4f} of the filtered RMS",
                                            Um(tone.sine_rms_m), tone.share_of_rms)});
   lines.push_back({"velocity", fmt::format("amplitude {:.4g} mm/s", tone.velocity_m_per_s * 1e3)});
