@@ -12,6 +12,7 @@
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/raw_summary.h"
+#include "dsp/analysis/record_doubts.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
@@ -131,9 +132,16 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto chosen = ChoosePart(displacement.source, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
+    const auto stuck = WhyStuck(displacement, **chosen, *analysis);
+    if (!stuck) return std::unexpected(stuck.error());
+    if (!stuck->empty()) {
+      analysis->reasons.push_back(*stuck);
+      return {};
+    }
     const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
     AddRemarks(*all, *(*chosen)->signal, analysis);
+    RemarkImpossibleRms(analysis);
     analysis->answered = analysis->reasons.empty();
   }
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
@@ -155,6 +163,11 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
     return std::unexpected(checked.error());
   }
   RemarkFaults(head, &analysis);
+  RemarkDoubts(head, pass->summary, &analysis);
+  if (std::string stuck = WhyStuck(pass->summary); !stuck.empty()) {
+    analysis.reasons.push_back(std::move(stuck));
+    return analysis;
+  }
   if (head.stretches.size() == 1) {
     const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
     analysis.slow_motion =

@@ -179,7 +179,8 @@ struct BandAnalysis {
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
 /// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
-/// where times are known to 0.1/f; too little settled; a sensor gain below 0.5 at the tone; more
+/// where times are known to 0.1/f; readings that stand still (dsp/analysis/record_doubts.h); too
+/// little settled; a sensor gain below 0.5 at the tone; more
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
 /// displacement channel in metres, no measurement in it or one beyond 1e30 m
 /// (Cause::kCannotAnswer).

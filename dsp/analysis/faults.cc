@@ -194,6 +194,7 @@ Faults FaultScanner::Finish() {
   if (scanned_ < fed_) ScanBlock(fed_);
   FinishExtremes();
   FinishHeld();
+  faults_.runs = runs_;
   std::ranges::sort(faults_.list, {}, [](const Fault& fault) {
     return std::tuple(fault.first_row, fault.kind, fault.rows);
   });

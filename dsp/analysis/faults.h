@@ -41,6 +41,7 @@ struct Faults {
   std::vector<Fault> list;                           ///< by row; the first kMostListed of each kind
   std::array<std::size_t, kFaultKindCount> count{};  ///< faults of each kind, listed or not
   std::array<std::size_t, kFaultKindCount> rows{};   ///< rows that they cover
+  std::size_t runs = 0;  ///< of equal readings, one reading long at least: 1 for a constant
 
   [[nodiscard]] std::size_t Count(FaultKind kind) const {
     return count[static_cast<std::size_t>(kind)];
