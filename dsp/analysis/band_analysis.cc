@@ -240,7 +240,14 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
 
 std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
   if (!drive_off.numbers) return std::nullopt;
-  return NoiseFloor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
+  NoiseFloor floor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
+  floor.rate_hz = drive_off.record.rate_hz;
+  floor.doubts = drive_off.reasons;
+  if (const auto& tone = drive_off.numbers->tone) {
+    floor.tone_hz = tone->fit.frequency_hz;
+    floor.tone_amplitude_m = tone->fit.amplitude;
+  }
+  return floor;
 }
 
 }  // namespace haptometer::dsp

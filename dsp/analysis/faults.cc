@@ -327,7 +327,7 @@ std::size_t FaultScanner::Judge(std::size_t row, double limit) {
   }
   Fault fault = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
-  Add(fault);
+  if (!IsEdgeOfMotion(window_, center - window_first_, fault.size)) Add(fault);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
 
