@@ -94,6 +94,22 @@ bool Moves(std::span<const double> tones, double lowest, double highest) {
          share(small, steps.size()) >= kSmallSteps && share(on_and_on, steps.size() - 1) >= kOneWay;
 }
 
+// the longest run of tones that go on by small steps: what a sweep leaves its band for is noise
+std::span<const double> LongestRun(std::span<const double> tones, double span) {
+  std::size_t best = 0;
+  std::size_t best_size = 0;
+  std::size_t begin = 0;
+  for (std::size_t k = 1; k <= tones.size(); ++k) {
+    if (k < tones.size() && std::abs(tones[k] - tones[k - 1]) <= kLargestStep * span) continue;
+    if (k - begin > best_size) {
+      best = begin;
+      best_size = k - begin;
+    }
+    begin = k;
+  }
+  return tones.subspan(best, best_size);
+}
+
 }  // namespace
 
 Result<std::optional<FrequencyMove>> FindFrequencyMove(const BandSignal& signal, std::size_t begin,
@@ -108,12 +124,9 @@ Result<std::optional<FrequencyMove>> FindFrequencyMove(const BandSignal& signal,
   const double lowest = sorted[sorted.size() / 10];
   const double highest = sorted[sorted.size() - 1 - sorted.size() / 10];
   if (!Moves(*tones, lowest, highest)) return std::nullopt;
-  // by the steps that a sweep makes: its ends may be noise
-  double rise = 0;
-  for (const double step : StepsOf(*tones, highest - lowest)) {
-    if (std::abs(step) <= kLargestStep * (highest - lowest)) rise += step;
-  }
-  return rise > 0 ? FrequencyMove{lowest, highest} : FrequencyMove{highest, lowest};
+  const auto run = LongestRun(*tones, highest - lowest);
+  const auto [least, most] = std::ranges::minmax(run);
+  return run.back() > run.front() ? FrequencyMove{least, most} : FrequencyMove{most, least};
 }
 
 }  // namespace haptometer::dsp

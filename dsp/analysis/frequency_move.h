@@ -11,7 +11,7 @@ namespace haptometer::dsp {
 
 /// A vibration whose frequency does not stay: a sweep.
 struct FrequencyMove {
-  double from_hz = 0;  ///< as time goes on; a tenth of the blocks lies beyond either end
+  double from_hz = 0;  ///< as time goes on, over the longest run of small steps
   double to_hz = 0;
 };
 
