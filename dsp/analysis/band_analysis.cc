@@ -12,6 +12,7 @@
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/raw_summary.h"
+#include "dsp/analysis/record_doubts.h"
 #include "dsp/analysis/record_facts.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
@@ -131,9 +132,16 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto chosen = ChoosePart(displacement.source, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
+    const auto stuck = WhyStuck(displacement, **chosen, *analysis);
+    if (!stuck) return std::unexpected(stuck.error());
+    if (!stuck->empty()) {
+      analysis->reasons.push_back(*stuck);
+      return {};
+    }
     const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
     AddRemarks(*all, *(*chosen)->signal, analysis);
+    RemarkImpossibleRms(analysis);
     analysis->answered = analysis->reasons.empty();
   }
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
@@ -155,6 +163,11 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
     return std::unexpected(checked.error());
   }
   RemarkFaults(head, &analysis);
+  RemarkDoubts(head, pass->summary, &analysis);
+  if (std::string stuck = WhyStuck(pass->summary); !stuck.empty()) {
+    analysis.reasons.push_back(std::move(stuck));
+    return analysis;
+  }
   if (head.stretches.size() == 1) {
     const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
     analysis.slow_motion =
@@ -227,7 +240,14 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
 
 std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::string& source) {
   if (!drive_off.numbers) return std::nullopt;
-  return NoiseFloor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
+  NoiseFloor floor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
+  floor.rate_hz = drive_off.record.rate_hz;
+  floor.doubts = drive_off.reasons;
+  if (const auto& tone = drive_off.numbers->tone) {
+    floor.tone_hz = tone->fit.frequency_hz;
+    floor.tone_amplitude_m = tone->fit.amplitude;
+  }
+  return floor;
 }
 
 }  // namespace haptometer::dsp

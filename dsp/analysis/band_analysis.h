@@ -10,6 +10,7 @@
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/drive_part.h"
 #include "dsp/analysis/faults.h"
+#include "dsp/analysis/frequency_move.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/spectrum/electrical.h"
@@ -102,6 +103,9 @@ struct SensorNumbers {
 struct BandNumbers {
   UsedPart part;
   RmsEstimate rms;
+  /// Too much of the window is clipped: rms.lower_m and the tone's amplitude_lower_m are lower
+  /// limits, and nothing is known above them.
+  bool is_lower_limit = false;
   double whole_rms_m = 0;     ///< of all filtered samples, unsettled ends and pauses too
   double peak_to_peak_m = 0;  ///< over the window, as measured
   double residual_rms_m = 0;  ///< over the window, without the tone and its harmonics in the band
@@ -143,6 +147,8 @@ struct BandAnalysis {
   BandPass band;                       ///< as used: the order may have been lowered
   std::optional<BandNumbers> numbers;  ///< nothing where no part could be filtered
   std::optional<KnownTone> known_tone;
+  /// Of the window: there `numbers` have no tone, and the quiet parts are no floor.
+  std::optional<FrequencyMove> frequency_move;
   /// Drift and tremor of all rows, by means of 4 ms or more; nothing for a record with holes that
   /// long, or of uneven stretches.
   std::optional<SlowMotion> slow_motion;
@@ -179,7 +185,8 @@ struct BandAnalysis {
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running
 /// one has a clock, however its arrivals scatter): then a tone of known frequency f is still fitted
-/// where times are known to 0.1/f; too little settled; a sensor gain below 0.5 at the tone; more
+/// where times are known to 0.1/f; readings that stand still (dsp/analysis/record_doubts.h); too
+/// little settled; a sensor gain below 0.5 at the tone; more
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
 /// displacement channel in metres, no measurement in it or one beyond 1e30 m
 /// (Cause::kCannotAnswer).
@@ -190,7 +197,8 @@ struct BandAnalysis {
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::Record& record,
                                                const BandQuestion& question);
 
-/// The floor that a drive-off trial gives: all of its window's power. Nothing where it has none.
+/// The floor that a drive-off trial gives: all of its window's power, with its rate, its strongest
+/// tone and the reasons that speak against it. Nothing where it has none.
 [[nodiscard]] std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off,
                                                 const std::string& source);
 

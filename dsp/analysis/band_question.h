@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/time_window.h"
@@ -25,6 +26,11 @@ struct NoiseFloor {
   NoisePower power;
   double duration_s = 0;  ///< that it was measured over
   std::string source;     ///< "0.000 s to 0.375 s of the record", or a file
+  // the rest is of a file only
+  double rate_hz = 0;
+  std::optional<double> tone_hz{};  ///< its strongest tone
+  double tone_amplitude_m = 0;
+  std::vector<std::string> doubts{};  ///< what spoke against an answer
 };
 
 /// What is asked of a record.

@@ -223,6 +223,15 @@ void MeasureDrift(const std::vector<double>& power, const Level& steady, OnPart&
   part.is_steady = std::abs(part.drift) < kLeastDrift || std::abs(last - first) < 3 * noise;
 }
 
+// power in the middle third over that in the outer two
+double BulgeOf(const std::vector<double>& power, const Level& run) {
+  const std::size_t third = run.size() / 3;
+  if (third < 1) return 1;
+  const double outer =
+      (MeanOf(power, run.begin, run.begin + third) + MeanOf(power, run.end - third, run.end)) / 2;
+  return outer > 0 ? MeanOf(power, run.begin + third, run.end - third) / outer : 1;
+}
+
 OnPart PartOf(const Blocks& blocks, const std::vector<double>& response, const Level& run) {
   OnPart part;
   part.whole = {blocks.Time(run.begin), blocks.Time(run.end)};
@@ -230,6 +239,7 @@ OnPart PartOf(const Blocks& blocks, const std::vector<double>& response, const L
   part.steady = {blocks.Time(steady.begin), blocks.Time(steady.end)};
   part.mean_square = MeanOf(response, steady.begin, steady.end);
   MeasureDrift(response, steady, part);
+  part.bulge = BulgeOf(response, run);
   return part;
 }
 

@@ -35,6 +35,9 @@ struct OnPart {
   TimeWindow steady;       ///< without onset and decay; empty where nothing is steady
   double mean_square = 0;  ///< over `steady`
   double drift = 0;        ///< relative change of the amplitude over `steady`, first to last third
+  /// Power in the middle third of `whole` over that in the outer two: 1 for a drive, far above for
+  /// the ringing of a filter that was struck; 1 below three blocks.
+  double bulge = 1;
   bool is_steady = false;  ///< |drift| below 5 %, or not told from the noise
 };
 

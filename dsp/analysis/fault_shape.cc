@@ -1,7 +1,9 @@
 #include "dsp/analysis/fault_shape.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 namespace haptometer::dsp {
 namespace {
@@ -48,6 +50,28 @@ Fault BestFault(const CubicErrors& error) {
     }
   }
   return best;
+}
+
+bool IsEdgeOfMotion(std::span<const double> values, std::size_t center, double height) {
+  constexpr std::size_t kReach = 32;
+  constexpr std::size_t kNear = 3;   // rows of the fault itself
+  constexpr double kEdgeRatio = 4;   // of the mean changes
+  constexpr double kEdgeHeight = 3;  // of the largest change, at most
+  if (center < kReach + kNear || center + kReach + kNear >= values.size()) return false;
+  const auto changes = [&](std::size_t first) {
+    double sum = 0;
+    double most = 0;
+    for (std::size_t k = first; k + 1 < first + kReach; ++k) {
+      const double change = std::abs(values[k + 1] - values[k]);
+      sum += change;
+      most = std::max(most, change);
+    }
+    return std::pair(sum, most);
+  };
+  const auto before = changes(center - kNear - kReach + 1);
+  const auto after = changes(center + kNear);
+  const auto& [quiet, moving] = std::minmax(before, after);
+  return moving.first > kEdgeRatio * quiet.first && std::abs(height) <= kEdgeHeight * moving.second;
 }
 
 }  // namespace haptometer::dsp

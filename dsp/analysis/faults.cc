@@ -194,6 +194,7 @@ Faults FaultScanner::Finish() {
   if (scanned_ < fed_) ScanBlock(fed_);
   FinishExtremes();
   FinishHeld();
+  faults_.runs = runs_;
   std::ranges::sort(faults_.list, {}, [](const Fault& fault) {
     return std::tuple(fault.first_row, fault.kind, fault.rows);
   });
@@ -326,7 +327,7 @@ std::size_t FaultScanner::Judge(std::size_t row, double limit) {
   }
   Fault fault = BestFault(error);
   fault.first_row = center + fault.first_row - kShapeReach;
-  Add(fault);
+  if (!IsEdgeOfMotion(window_, center - window_first_, fault.size)) Add(fault);
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
 

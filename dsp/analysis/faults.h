@@ -41,6 +41,7 @@ struct Faults {
   std::vector<Fault> list;                           ///< by row; the first kMostListed of each kind
   std::array<std::size_t, kFaultKindCount> count{};  ///< faults of each kind, listed or not
   std::array<std::size_t, kFaultKindCount> rows{};   ///< rows that they cover
+  std::size_t runs = 0;  ///< of equal readings, one reading long at least: 1 for a constant
 
   [[nodiscard]] std::size_t Count(FaultKind kind) const {
     return count[static_cast<std::size_t>(kind)];
@@ -75,8 +76,10 @@ struct FaultScale {
 /// through the neighbours leaves. Larger than 8 deviations, by the median of |e| over a block of
 /// 4096 rows (every eighth of them) and over the 64 rows about it, and than 4 steps, it is a
 /// candidate. Of a spike of one, two or three rows and a step, each at five places, the one whose
-/// own e fits best is reported, with the height that fits. Rows without a measurement end a run and
-/// are nobody's neighbours.
+/// own e fits best is reported, with the height that fits. No fault is where motion begins or ends:
+/// the mean change from row to row on one side, over 32 rows, is four times that on the other, and
+/// the height no more than three times the largest such change on that side. Rows without a
+/// measurement end a run and are nobody's neighbours.
 ///
 /// The result depends on the rows alone, not on how they were fed. Cost: one pass, 6 flops
 /// and a comparison a row; a median of 512 values a block and of 64 a candidate.

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "dsp/analysis/used_part.h"
@@ -16,6 +19,12 @@ namespace {
 constexpr double kTimeUncertaintyPeriods = 0.1;
 constexpr double kWorstUncertainty = 100;  // times that of a tone seen at all phases
 constexpr double kUmPerM = 1e6;
+// a tone whose amplitude falls below the first part of its top pauses; above the second it is on
+constexpr double kPause = 0.3;
+constexpr double kOn = 0.5;
+constexpr double kClear = 5;  // uncertainties
+constexpr std::size_t kLeastBlock = 16;
+constexpr std::size_t kMostBlocks = 64;
 
 // why the times will not do; empty where they will
 std::string TimesWillNotDo(const trial::Record& head, double frequency_hz) {
@@ -37,6 +46,41 @@ std::string TimesWillNotDo(const trial::Record& head, double frequency_hz) {
 bool ToldApart(const SineFit& fit, std::size_t readings) {
   const double usual = fit.residual_rms * std::sqrt(2 / static_cast<double>(readings));
   return fit.converged && fit.amplitude_uncertainty <= kWorstUncertainty * usual;
+}
+
+// blocks [begin, end) of the longest run that is on, without the blocks in which it is switched
+std::pair<std::size_t, std::size_t> LongestOn(const std::vector<double>& amplitudes, double top) {
+  std::pair<std::size_t, std::size_t> best{0, 0};
+  std::size_t begin = 0;
+  for (std::size_t k = 0; k <= amplitudes.size(); ++k) {
+    if (k < amplitudes.size() && amplitudes[k] >= kOn * top) continue;
+    const std::size_t first = begin > 0 ? begin + 1 : 0;
+    const std::size_t last = k < amplitudes.size() && k > 0 ? k - 1 : k;
+    if (last > first && last - first > best.second - best.first) best = {first, last};
+    begin = k + 1;
+  }
+  return best;
+}
+
+// Readings [first, last) in which the tone is on: all, unless it pauses for a block or more.
+std::pair<std::size_t, std::size_t> DrivenReadings(std::span<const double> values,
+                                                   std::span<const double> times_s,
+                                                   double frequency_hz) {
+  const std::size_t size = std::max(kLeastBlock, values.size() / kMostBlocks);
+  std::vector<double> amplitudes(values.size() / size);
+  double top = 0;
+  for (std::size_t k = 0; k < amplitudes.size(); ++k) {
+    const SineFit fit = FitSineAtTimes(values.subspan(k * size, size),
+                                       times_s.subspan(k * size, size), frequency_hz, 1);
+    if (!ToldApart(fit, size)) return {0, values.size()};
+    amplitudes[k] = fit.amplitude;
+    if (fit.amplitude > kClear * fit.amplitude_uncertainty) top = std::max(top, fit.amplitude);
+  }
+  const auto pauses = [&](double amplitude) { return amplitude < kPause * top; };
+  if (std::ranges::none_of(amplitudes, pauses)) return {0, values.size()};
+  const auto [begin, end] = LongestOn(amplitudes, top);
+  if (end <= begin) return {0, values.size()};
+  return {begin * size, end == amplitudes.size() ? values.size() : end * size};
 }
 
 }  // namespace
@@ -67,8 +111,17 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
     values[kept++] = values[row];
   }
   values.resize(kept);
+  const auto [first, last] = DrivenReadings(values, times_s, *frequency_hz);
+  if (last - first < kept) {
+    analysis->remarks.push_back(
+        fmt::format("the tone at {:g} Hz pauses: it is fitted where it is on longest, {:.3f} s to "
+                    "{:.3f} s",
+                    *frequency_hz, times_s[first], times_s[last - 1]));
+    kept = last - first;
+  }
   KnownTone tone;
-  tone.fit = FitSineAtTimes(values, times_s, *frequency_hz, 1);
+  tone.fit = FitSineAtTimes(std::span(values).subspan(first, kept),
+                            std::span(times_s).subspan(first, kept), *frequency_hz, 1);
   tone.aliased = *frequency_hz > analysis->record.fresh_rate_hz / 2;
   if (!ToldApart(tone.fit, kept)) {
     analysis->remarks.push_back(fmt::format(

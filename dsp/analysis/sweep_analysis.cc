@@ -151,21 +151,48 @@ Interval IntervalOf(double value, double uncertainty, double freedom, double cha
   return {value - reach, value + reach};
 }
 
+// where the largest amplitude is, and what to try because of it
+std::string Advice(const SweepAnswer& answer) {
+  const auto& points = answer.points;
+  const auto highest = std::ranges::max_element(points, {}, &SweepPoint::amplitude);
+  const auto near = [&](const SweepPoint& end) {
+    return std::abs(highest->frequency_hz - end.frequency_hz) <= 2 * answer.resolution_hz;
+  };
+  if (near(points.back()) || near(points.front())) {
+    const bool is_upper = near(points.back());
+    return fmt::format(
+        "the largest amplitude lies at the {} end, {:.4g} Hz: the resonance may be {} it; sweep "
+        "and "
+        "look further with --band",
+        is_upper ? "upper" : "lower", highest->frequency_hz, is_upper ? "above" : "below");
+  }
+  const auto high = std::ranges::count_if(points, [&](const SweepPoint& point) {
+    return point.amplitude > highest->amplitude / std::numbers::sqrt2;
+  });
+  if (high <= 3) {
+    return fmt::format(
+        "the peak at {:.4g} Hz is no wider than the resolution of {:.3g} Hz: sweep more slowly, or "
+        "record the drive's voltage, with a smaller --resolution",
+        highest->frequency_hz, answer.resolution_hz);
+  }
+  return fmt::format(
+      "the largest amplitude lies at {:.4g} Hz: look at it with --plot or --response",
+      highest->frequency_hz);
+}
+
 // what is not determined of the resonance; empty where it is
-std::string Doubt(const Resonance& fit, const Resonance& other, double lowest_hz,
-                  double highest_hz) {
+std::string Doubt(const Resonance& fit, const Resonance& other, const SweepAnswer& answer) {
   if (fit.converged && other.converged) return {};
   return fmt::format(
-      "f0 and Q: no resonance with one degree of freedom between {:.4g} Hz and {:.4g} Hz",
-      lowest_hz, highest_hz);
+      "f0 and Q: no resonance with one degree of freedom between {:.4g} Hz and {:.4g} Hz; {}",
+      answer.points.front().frequency_hz, answer.points.back().frequency_hz, Advice(answer));
 }
 
 // keeps the resonance, or says why there is none; `late_hz` is what f0 may be off besides
 void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
                    SweepAnswer& answer) {
   if (answer.points.empty()) return;
-  const std::string doubt =
-      Doubt(fit, other, answer.points.front().frequency_hz, answer.points.back().frequency_hz);
+  const std::string doubt = Doubt(fit, other, answer);
   if (!doubt.empty()) {
     answer.reasons.push_back(doubt);
     return;
@@ -255,7 +282,8 @@ bool Sweeps(const std::vector<SweptPoint>& points) {
   return highest->frequency_hz > kLeastSweep * lowest->frequency_hz;
 }
 
-Result<void> AnswerAlone(const SweepPiece& piece, const Band& band, SweepAnswer& answer) {
+Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
+                         SweepAnswer& answer) {
   answer.reasons.emplace_back(
       "phase, coherence and amplitude per volt: there is no voltage or current channel");
   const auto design =
@@ -272,18 +300,22 @@ Result<void> AnswerAlone(const SweepPiece& piece, const Band& band, SweepAnswer&
     }
     return points;
   };
-  std::vector<SweptPoint> points = measure(kPeriods);
+  const double resolution_hz = question.resolution_hz.value_or(band.lower_hz / kPeriods);
+  const double periods = band.lower_hz / resolution_hz;
+  std::vector<SweptPoint> points = measure(periods);
   if (!Sweeps(points)) {
-    answer.reasons.emplace_back(
-        "amplitude over frequency: no vibration whose frequency moves by a tenth; sweep more "
-        "slowly, "
-        "or record the drive's voltage");
+    answer.reasons.push_back(fmt::format(
+        "amplitude over frequency: from {:.4g} Hz to {:.4g} Hz no vibration whose frequency moves "
+        "by "
+        "a tenth, and by less than {:.3g} Hz in {:.3g} s; try another --band, a --resolution above "
+        "the root of the sweep's Hz/s, a slower sweep, or record the drive's voltage",
+        band.lower_hz, band.upper_hz, resolution_hz, 1 / resolution_hz));
     return {};
   }
-  answer.resolution_hz = band.lower_hz / kPeriods;
+  answer.resolution_hz = resolution_hz;
   answer.remarks.emplace_back("f0 and Q hold for a drive of constant amplitude");
   const Resonance fit = FitResonance(std::span<const SweptPoint>(points));
-  const Resonance longer = FitResonance(std::span<const SweptPoint>(measure(2 * kPeriods)));
+  const Resonance longer = FitResonance(std::span<const SweptPoint>(measure(2 * periods)));
   const double late_hz =
       fit.converged ? fit.quality_factor * SweepRate(points) / (std::numbers::pi * fit.frequency_hz)
                     : 0;
@@ -313,7 +345,7 @@ Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
   }
   const Band band{question.lower_hz, UpperOf(question, fresh_rate_hz, answer)};
   if (!(band.upper_hz > band.lower_hz)) return {};
-  return piece.drive.empty() ? AnswerAlone(piece, band, answer)
+  return piece.drive.empty() ? AnswerAlone(piece, question, band, answer)
                              : AnswerByDrive(piece, question, band, answer);
 }
 

@@ -17,8 +17,9 @@ namespace haptometer::dsp {
 struct SweepQuestion {
   double lower_hz = 20;
   double upper_hz = 500;
-  /// One over a segment's length, with a drive channel; a fourth of the record, 4 s at most, where
-  /// absent (seven segments that overlap by half).
+  /// One over a segment's length, with a drive channel: a fourth of the record, 4 s at most, where
+  /// absent (seven segments that overlap by half). Without one, one over a block's length: two
+  /// periods of the lower frequency where absent.
   std::optional<double> resolution_hz = {};
 };
 

@@ -11,12 +11,15 @@
 #include <utility>
 
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/frequency_move.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
+constexpr double kRingingLeft = 1e-3;  // of an amplitude, where it counts as over
+constexpr double kLeastBulge = 2;      // of a transient
 
 // visits values of rows [first, first + size)
 template <typename Visit>
@@ -119,11 +122,31 @@ Result<DriveParts> ToneParts(const BandSignal& signal, const SettledCells& cells
 struct FoundParts {
   DriveParts parts;
   bool from_channel = false;
+  std::string remark{};  // what the reader must know of it
 };
 
-// by the drive's channel where there is one, else by the tone, else by the power
+// Leaves out parts that are no longer than the filter rings on both sides of an event, and whose
+// power rises and falls as its ringing does: what a switched tone outside of the band leaves in it.
+void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
+  const double ringing_s = -2 * std::log(kRingingLeft) / SlowestDecayPerS(signal.design());
+  const std::size_t left_out = std::erase_if(found.parts.on, [&](const OnPart& part) {
+    return part.whole.duration_s() <= ringing_s && part.bulge >= kLeastBulge;
+  });
+  if (left_out == 0) return;
+  found.remark = fmt::format(
+      "{} part{} of the record stand{} out no longer than the filter rings ({:.2g} s) and swell{} "
+      "as that does: taken for transients, not for a drive in this band",
+      left_out, left_out == 1 ? "" : "s", left_out == 1 ? "s" : "", ringing_s,
+      left_out == 1 ? "s" : "");
+  if (!found.parts.on.empty()) return;
+  found.parts.course = DriveCourse::kUnchanging;
+  found.parts.quiet.clear();
+}
+
+// by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
+// whose resonance stands out as a drive does
 Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& signal,
-                           const BandPass& band, BandAnalysis* analysis) {
+                           const BandPass& band) {
   const SettledCells cells = CellsOf(signal);
   const DriveSearch search{band.lower_hz, band.upper_hz - band.lower_hz};
   const auto channel = DriveChannel(source.head());
@@ -134,16 +157,61 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
         FindDriveParts({*drive, cells.course.start_s, cells.course.cell_s}, cells.course, search);
     if (parts.course == DriveCourse::kGated) return FoundParts{std::move(parts), true};
   }
+  const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
+  if (!move) return std::unexpected(move.error());
+  if (*move) return FoundParts{};
   auto by_tone = ToneParts(signal, cells, band, search);
   if (!by_tone) return std::unexpected(by_tone.error());
   if (by_tone->course == DriveCourse::kGated) return FoundParts{std::move(*by_tone), false};
   DriveParts by_power = FindDriveParts(cells.course, search);
   if (by_power.course == DriveCourse::kGated && !by_tone->why.empty()) {
-    analysis->remarks.emplace_back(
-        "the vibration's level changes, but its tone never pauses: all of it is used");
-    return FoundParts{std::move(*by_tone), false};
+    return FoundParts{
+        std::move(*by_tone), false,
+        "the vibration's level changes, but its tone never pauses: all of it is used"};
   }
-  return FoundParts{std::move(by_power), false};
+  FoundParts found{std::move(by_power), false};
+  LeaveOutTransients(signal, found);
+  return found;
+}
+
+// says where a window that was asked for holds more than the steady drive
+Result<void> RemarkMixed(const trial::RowSource& source, const ChosenPart& chosen,
+                         const BandPass& band, BandAnalysis* analysis) {
+  const BandSignal& signal = *chosen.signal;
+  const auto found = PartsOf(source, signal, band);
+  if (!found) return std::unexpected(found.error());
+  const TimeWindow window{TimeOfSample(signal, chosen.begin), TimeOfSample(signal, chosen.end)};
+  const auto shared_s = [&](const TimeWindow& other) {
+    return std::max(0.0,
+                    std::min(window.end_s, other.end_s) - std::max(window.begin_s, other.begin_s));
+  };
+  double on_s = 0;
+  double steady_s = 0;
+  for (const OnPart& part : found->parts.on) {
+    on_s += shared_s(part.whole);
+    steady_s += shared_s(part.steady);
+  }
+  const double rest_s = window.duration_s() - steady_s;
+  if (found->parts.on.empty() || rest_s <= 1 / band.lower_hz) return {};
+  analysis->remarks.push_back(
+      on_s > 0 ? fmt::format("the window mixes: in {:.3f} s of its {:.3f} s the drive is off or "
+                             "changes ({}); --window auto takes the steady part",
+                             rest_s, window.duration_s(), found->parts.why)
+               : fmt::format("the drive is off in the whole window ({})", found->parts.why));
+  return {};
+}
+
+// says where the tone of what was chosen moves
+Result<void> RemarkMove(const ChosenPart& chosen, const BandPass& band, BandAnalysis* analysis) {
+  const auto move = FindFrequencyMove(*chosen.signal, chosen.begin, chosen.end, band);
+  if (!move) return std::unexpected(move.error());
+  analysis->frequency_move = *move;
+  if (!*move) return {};
+  analysis->remarks.push_back(fmt::format(
+      "the frequency moves from {:.3g} Hz to {:.3g} Hz: this is a sweep, and the RMS is "
+      "of all of it; use --sweep",
+      (*move)->from_hz, (*move)->to_hz));
+  return {};
 }
 
 ChosenPart AllSettled(const BandSignal& signal) {
@@ -152,9 +220,8 @@ ChosenPart AllSettled(const BandSignal& signal) {
   return chosen;
 }
 
-Result<std::optional<ChosenPart>> ChooseGiven(const std::vector<BandSignal>& all,
-                                              const BandQuestion& question,
-                                              BandAnalysis* analysis) {
+std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
+                                      const BandQuestion& question, BandAnalysis* analysis) {
   ChosenPart chosen;
   for (const BandSignal& signal : all) {
     const auto [begin, end] = SettledRange(signal, question.window);
@@ -195,8 +262,9 @@ Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
                                                BandAnalysis* analysis) {
   std::optional<ChosenPart> best;
   for (const BandSignal& signal : all) {
-    auto found = PartsOf(source, signal, question.band, analysis);
+    auto found = PartsOf(source, signal, question.band);
     if (!found) return std::unexpected(found.error());
+    if (!found->remark.empty()) analysis->remarks.push_back(found->remark);
     const OnPart* on = found->parts.Longest();
     if (on == nullptr) continue;
     const auto [begin, end] = SettledRange(signal, on->steady);
@@ -212,6 +280,13 @@ Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
     best->part.drive = std::move(found->parts);
   }
   return best;
+}
+
+void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
+  const OnPart& on = *drive.Longest();
+  if (on.is_steady) return;
+  analysis->remarks.push_back(
+      fmt::format("the amplitude changes by {:.2g} % over the drive", 100 * on.drift));
 }
 
 }  // namespace
@@ -252,20 +327,32 @@ Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t beg
 Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
                                              const std::vector<BandSignal>& all,
                                              const BandQuestion& question, BandAnalysis* analysis) {
-  if (question.choice == WindowChoice::kGiven) return ChooseGiven(all, question, analysis);
+  std::optional<ChosenPart> chosen;
+  if (question.choice == WindowChoice::kGiven) {
+    chosen = ChooseGiven(all, question, analysis);
+    if (!chosen) return chosen;
+  }
   if (question.choice == WindowChoice::kAuto) {
     auto driven = ChooseDriven(source, all, question, analysis);
     if (!driven) return driven;
-    if (*driven) {
-      const OnPart& on = *(*driven)->part.drive.Longest();
-      if (!on.is_steady) {
-        analysis->remarks.push_back(
-            fmt::format("the amplitude changes by {:.2g} % over the drive", 100 * on.drift));
-      }
-      return driven;
+    chosen = std::move(*driven);
+  }
+  if (!chosen) chosen = AllSettled(LongestSettled(all));
+  if (question.choice != WindowChoice::kAuto) {
+    if (auto said = RemarkMixed(source, *chosen, question.band, analysis); !said) {
+      return std::unexpected(said.error());
     }
   }
-  return AllSettled(LongestSettled(all));
+  if (auto said = RemarkMove(*chosen, question.band, analysis); !said) {
+    return std::unexpected(said.error());
+  }
+  if (analysis->frequency_move && chosen->part.from_drive && !chosen->part.from_channel) {
+    // a sweep that leaves the band or its resonance: beside it the drive is not off
+    chosen->part = {};
+    chosen->part.why = "where a vibration whose frequency moves stands out";
+  }
+  if (chosen->part.from_drive) RemarkUnsteady(chosen->part.drive, analysis);
+  return chosen;
 }
 
 }  // namespace haptometer::dsp

@@ -10,6 +10,7 @@
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_onset.h"
+#include "dsp/analysis/floor_remarks.h"
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/settled.h"
@@ -198,8 +199,9 @@ void JudgeClipping(Window& window) {
   const std::size_t rows = ClippedRows(window.analysis.faults, part.first_row, part.rows);
   const double share = static_cast<double>(rows) / static_cast<double>(part.rows);
   if (share <= kMostClipped) return;
+  window.numbers.is_lower_limit = true;
   window.analysis.reasons.push_back(fmt::format(
-      "{:.2g} % of the window is clipped, so its RMS is a lower bound: move the sensor or choose a "
+      "{:.2g} % of the window is clipped, so its RMS is a lower limit: move the sensor or choose a "
       "wider range",
       100 * share));
 }
@@ -324,26 +326,6 @@ Result<void> DescribeMotion(Window& window) {
   return {};
 }
 
-void RemarkFloor(Window& window) {
-  const BandNumbers& numbers = window.numbers;
-  if (!numbers.floor) {
-    window.analysis.remarks.emplace_back(
-        "noise floor not known: no settled quiet part of 0.1 s beside the window; --floor FILE "
-        "takes "
-        "a drive-off trial");
-  } else if (numbers.rms.floor_contradicts) {
-    window.analysis.reasons.push_back(fmt::format(
-        "the floor of {:.3g} um ({}) is above the {:.3g} um that were measured: take one "
-        "of the same sensor, settings and rate, drive off",
-        *numbers.rms.floor_m * kUmPerM, numbers.floor->source,
-        numbers.rms.as_measured_m * kUmPerM));
-  } else if (numbers.rms.below_floor) {
-    window.analysis.remarks.push_back(fmt::format("below the floor of {:.3g} um: at most {:.3g} um",
-                                                  *numbers.rms.floor_m * kUmPerM,
-                                                  numbers.rms.at_most_m * kUmPerM));
-  }
-}
-
 }  // namespace
 
 Result<void> MeasureWindow(const Displacement& displacement, const std::vector<BandSignal>& all,
@@ -356,8 +338,11 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
   window.samples = std::move(*samples);
-  const auto tone = StrongestTone(window.samples, {window.rate_hz(), analysis->band.lower_hz,
-                                                   analysis->band.upper_hz, window.bandwidth_hz()});
+  std::optional<SineFit> tone;
+  if (!analysis->frequency_move) {
+    tone = StrongestTone(window.samples, {window.rate_hz(), analysis->band.lower_hz,
+                                          analysis->band.upper_hz, window.bandwidth_hz()});
+  }
   window.rows = WholePeriods(window, tone);
   DescribePart(window);
   if (tone) {
@@ -383,7 +368,7 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
     if (auto described = DescribeDrive(displacement.source, window); !described) return described;
   }
   if (auto described = DescribeMotion(window); !described) return described;
-  RemarkFloor(window);
+  RemarkFloor(window.numbers, analysis);
   analysis->numbers = std::move(window.numbers);
   return {};
 }

@@ -95,6 +95,35 @@ TEST(FindOutlying, NamesTrialsAndCellsThatStandApartAndKeepsThem) {
   EXPECT_EQ(table.cells[0][2].rms_m.size(), 3U) << "it counts";
 }
 
+TEST(FindOutlying, AFewPercentAreNoNewsHoweverCloselyRepeatsAgree) {
+  std::vector<StudyTrial> trials;
+  for (int s = 0; s < 4; ++s) {
+    for (const char* condition : {"a", "b", "c"}) {
+      for (int repeat = 1; repeat <= 3; ++repeat) {
+        trials.push_back(Answered(s, condition, repeat, 20e-6 * (1 + 1e-4 * repeat)));
+      }
+    }
+  }
+  *trials[4].rms_m *= 1.03;
+  for (std::size_t i = 9; i < 12; ++i) *trials[i].rms_m *= 1.03;
+  EXPECT_TRUE(FindOutlying(MakeStudyTable(trials, {})).empty());
+  *trials[4].rms_m *= 1.04;
+  ASSERT_EQ(FindOutlying(MakeStudyTable(trials, {})).size(), 1U) << "7 % is more than 5 x 1 %";
+  trials[4].rms_uncertainty_m = 0.02 * *trials[4].rms_m;
+  EXPECT_TRUE(FindOutlying(MakeStudyTable(trials, {})).empty()) << "7 % of 2 % uncertainty";
+}
+
+TEST(FindDeviations, NamesEachOnceWithItsTrials) {
+  std::vector<StudyTrial> trials = FullStudy();
+  trials.resize(3);
+  for (StudyTrial& trial : trials) trial.deviations = {"no noise floor taken off"};
+  trials[1].deviations.emplace_back("filter of order 4");
+  const auto deviations = FindDeviations(MakeStudyTable(trials, {}));
+  ASSERT_EQ(deviations.size(), 2U);
+  EXPECT_EQ(Describe(deviations[0]), "no noise floor taken off: all 3 trials");
+  EXPECT_EQ(Describe(deviations[1]), "filter of order 4: 0_a_2");
+}
+
 TEST(DescribeFurther, FindsATrendOverRepeatsOrStarts) {
   std::vector<StudyTrial> trials;
   for (int s = 0; s < 3; ++s) {

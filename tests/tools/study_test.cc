@@ -134,7 +134,7 @@ TEST_F(StudyVerb, NamesWhatIsMissingAndAnswersTheRest) {
   EXPECT_THAT(outcome.err, HasSubstr("s9_a.csv: "));
   EXPECT_THAT(outcome.out, HasSubstr("b against a, n = 2 subjects"));
   EXPECT_THAT(outcome.out, HasSubstr("without         subject 9: one of the two is missing"));
-  EXPECT_THAT(outcome.out, HasSubstr("subject 9 in a: 0 of 1 trials"));
+  EXPECT_THAT(outcome.out, HasSubstr("subject 9 in a: 0 of 1 trial\n"));
   EXPECT_THAT(outcome.out, HasSubstr("no contrast was planned: every condition against a"));
 }
 
@@ -144,7 +144,7 @@ TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   const Outcome outcome = Study({directory()});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; say haptometer trial label"));
-  EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subjects, 1 conditions"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subject, 1 condition;"));
 }
 
 TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
@@ -168,6 +168,20 @@ TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
   const Outcome again = Study(words);
   EXPECT_EQ(again.status, 2);
   EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or say --overwrite"));
+}
+
+TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {
+  WriteNamedTrials();
+  std::ostringstream stuck;
+  stuck << "time_s,displacement_um\n";
+  for (int k = 0; k < 2400; ++k) stuck << k / 2000.0 << ",1000\n";
+  Write("s12_a.csv", stuck.str());
+  const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out,
+              HasSubstr("    differs         no noise floor taken off: all 6 trials\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("s12_a.csv: all 2400 readings are the same"));
+  EXPECT_THAT(outcome.out, HasSubstr("subject 12 in a: 0 of 1 trial\n"));
 }
 
 TEST_F(StudyVerb, DrawsAPanelAContrast) {

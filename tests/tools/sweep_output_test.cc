@@ -53,8 +53,8 @@ TEST(SweepOutput, SaysF0AndQWithTheirIntervals) {
   EXPECT_THAT(text, StartsWith("sweep.bin\n"));
   EXPECT_THAT(text, HasSubstr("100 Hz to 300 Hz, 5 points"));
   EXPECT_THAT(text, HasSubstr("20 um/V amplitude at 200 Hz"));
-  EXPECT_THAT(text, HasSubstr("200 Hz (95 % interval 199 to 201 Hz)"));
-  EXPECT_THAT(text, HasSubstr("10 (95 % interval 9.5 to 10.5)"));
+  EXPECT_THAT(text, HasSubstr("200.00 Hz (95 % interval 199.00 to 201.00 Hz)"));
+  EXPECT_THAT(text, HasSubstr("10.00 (95 % interval 9.50 to 10.50)"));
 }
 
 TEST(SweepOutput, WritesColumnsNamedByTheirUnit) {

@@ -29,5 +29,20 @@ TEST(WithUncertainty, WithoutOneGivesSixDigits) {
   EXPECT_EQ(WithUncertainty(1.23456789, std::numeric_limits<double>::quiet_NaN()), "1.23457");
 }
 
+TEST(WithUncertainty, KeepsZerosAndShowsNoSignOfZero) {
+  EXPECT_EQ(WithUncertainty(12.3, 0.1), "12.30(10)");
+  EXPECT_EQ(WithUncertainty(-0.0004, 0.1), "0.00(10)");
+  EXPECT_EQ(WithUncertainty(-0.0, 0), "0");
+  EXPECT_EQ(WithUncertainty(-3, 670), "0(670)");
+}
+
+TEST(ToThePlaceOf, ShowsAnIntervalsEndsAsItsMiddle) {
+  EXPECT_EQ(ToThePlaceOf(0.0021, 14.14), "14.1400");
+  EXPECT_EQ(ToThePlaceOf(0.1, 12.0), "12.00");
+  EXPECT_EQ(ToThePlaceOf(670, 13690), "13690");
+  EXPECT_EQ(ToThePlaceOf(0.1, -0.001), "0.00");
+  EXPECT_EQ(ToThePlaceOf(0, 1.23456789), "1.23457");
+}
+
 }  // namespace
 }  // namespace haptometer::cli

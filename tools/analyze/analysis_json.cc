@@ -142,16 +142,17 @@ constexpr const char* kKeys[] = {
     "tremor_rms_m", "tremor_frequency_hz",
     // the band
     "band", "window_s", "window_because", "drive", "band_rms_m", "band_rms_standard_uncertainty_m",
-    "band_rms_interval_95_m", "band_rms_at_most_m", "band_rms_as_measured_m", "band_rms_estimate_m",
-    "band_rms_whole_m", "band_peak_to_peak_m", "residual_rms_m", "noise_rms_m", "noise_from",
-    "bridged_rms_m", "below_band", "uncertainty_budget", "sensor_averaging", "sensor_gain_at_tone",
-    "sensor_gain_in_band", "sensor_gain_divided_out", "amplitude_verified",
+    "band_rms_interval_95_m", "band_rms_at_least_m", "band_rms_at_most_m", "band_rms_as_measured_m",
+    "band_rms_estimate_m", "band_rms_whole_m", "band_peak_to_peak_m", "residual_rms_m",
+    "noise_rms_m", "noise_from", "bridged_rms_m", "below_band", "uncertainty_budget",
+    "sensor_averaging", "sensor_gain_at_tone", "sensor_gain_in_band", "sensor_gain_divided_out",
+    "amplitude_verified",
     // the tone
     "tone_frequency_hz", "tone_frequency_standard_uncertainty_hz", "tone_frequency_interval_95_hz",
     "tone_amplitude_m", "tone_amplitude_standard_uncertainty_m", "tone_amplitude_interval_95_m",
-    "tone_amplitude_estimate_m", "tone_share_of_rms", "tone_velocity_m_per_s",
-    "tone_acceleration_m_per_s2", "thd", "harmonics", "onset", "motion", "electrical",
-    "known_tone"};
+    "tone_amplitude_at_least_m", "tone_amplitude_estimate_m", "tone_share_of_rms",
+    "tone_velocity_m_per_s", "tone_acceleration_m_per_s2", "thd", "harmonics", "onset", "motion",
+    "electrical", "known_tone", "frequency_moves_hz"};
 
 // the keys of every trial, all null
 Json EmptyTrial(const AnalyzedFile& file) {
@@ -195,17 +196,25 @@ void FillRecord(const dsp::BandAnalysis& analysis, Json& trial) {
   trial["faults"] = FaultsJson(analysis.faults);
   trial["band"] = BandJson(analysis.band);
   if (analysis.slow_motion) FillSlowMotion(*analysis.slow_motion, trial);
+  if (const auto& move = analysis.frequency_move) {
+    trial["frequency_moves_hz"] = Pair(move->from_hz, move->to_hz);
+  }
   if (analysis.known_tone) trial["known_tone"] = KnownToneJson(*analysis.known_tone);
 }
 
 // what is no answer stands under a name of its own
-void FillRms(const dsp::RmsEstimate& rms, bool answered, Json& trial) {
+void FillRms(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
+  const dsp::RmsEstimate& rms = numbers.rms;
+  trial["band_rms_as_measured_m"] = NumberOrNull(rms.as_measured_m);
+  trial["noise_rms_m"] = NumberOrNull(rms.floor_m);
+  if (numbers.is_lower_limit) {
+    trial["band_rms_at_least_m"] = NumberOrNull(rms.lower_m);
+    return;
+  }
   trial[answered ? "band_rms_m" : "band_rms_estimate_m"] = NumberOrNull(rms.rms_m);
   trial["band_rms_standard_uncertainty_m"] = NumberOrNull(rms.standard_uncertainty_m);
   trial["band_rms_interval_95_m"] = Pair(rms.lower_m, rms.upper_m);
   if (rms.below_floor) trial["band_rms_at_most_m"] = NumberOrNull(rms.at_most_m);
-  trial["band_rms_as_measured_m"] = NumberOrNull(rms.as_measured_m);
-  trial["noise_rms_m"] = NumberOrNull(rms.floor_m);
   trial["uncertainty_budget"] = BudgetJson(rms);
 }
 
@@ -219,10 +228,15 @@ void FillSensor(const dsp::SensorNumbers& sensor, Json& trial) {
   trial["amplitude_verified"] = sensor.amplitude_verified;
 }
 
-void FillTone(const dsp::ToneNumbers& tone, bool answered, Json& trial) {
+void FillTone(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
+  const dsp::ToneNumbers& tone = *numbers.tone;
   trial["tone_frequency_hz"] = NumberOrNull(tone.fit.frequency_hz);
   trial["tone_frequency_standard_uncertainty_hz"] = NumberOrNull(tone.fit.frequency_uncertainty_hz);
   trial["tone_frequency_interval_95_hz"] = Pair(tone.frequency_lower_hz, tone.frequency_upper_hz);
+  if (numbers.is_lower_limit) {
+    trial["tone_amplitude_at_least_m"] = NumberOrNull(tone.amplitude_lower_m);
+    return;
+  }
   trial[answered ? "tone_amplitude_m" : "tone_amplitude_estimate_m"] =
       NumberOrNull(tone.amplitude_m);
   trial["tone_amplitude_standard_uncertainty_m"] = NumberOrNull(tone.amplitude_uncertainty_m);
@@ -236,7 +250,7 @@ void FillNumbers(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
   trial["window_s"] = WindowJson(numbers.part.window);
   trial["window_because"] = numbers.part.why;
   trial["drive"] = DriveJson(numbers.part);
-  FillRms(numbers.rms, answered, trial);
+  FillRms(numbers, answered, trial);
   trial["band_rms_whole_m"] = NumberOrNull(numbers.whole_rms_m);
   trial["band_peak_to_peak_m"] = NumberOrNull(numbers.peak_to_peak_m);
   trial["residual_rms_m"] = NumberOrNull(numbers.residual_rms_m);
@@ -244,9 +258,11 @@ void FillNumbers(const dsp::BandNumbers& numbers, bool answered, Json& trial) {
   trial["bridged_rms_m"] = NumberOrNull(numbers.bridged_rms_m);
   trial["below_band"] = BelowBandJson(numbers.below_band);
   FillSensor(numbers.sensor, trial);
-  if (numbers.tone) FillTone(*numbers.tone, answered, trial);
-  if (numbers.harmonics) trial["thd"] = NumberOrNull(numbers.harmonics->thd);
-  trial["harmonics"] = HarmonicsJson(numbers.harmonics);
+  if (numbers.tone) FillTone(numbers, answered, trial);
+  if (numbers.harmonics && !numbers.is_lower_limit) {
+    trial["thd"] = NumberOrNull(numbers.harmonics->thd);
+    trial["harmonics"] = HarmonicsJson(numbers.harmonics);
+  }
   trial["onset"] = OnsetJson(numbers.onset);
   trial["motion"] = KinematicsJson(numbers.kinematics);
   trial["electrical"] = ElectricalJson(numbers.electrical);

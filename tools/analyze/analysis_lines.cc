@@ -11,6 +11,7 @@
 namespace haptometer::tools {
 namespace {
 
+using cli::ToThePlaceOf;
 using cli::WithUncertainty;
 using Lines = std::vector<AnalysisLine>;
 
@@ -41,15 +42,26 @@ std::string BandName(const dsp::BandPass& band) {
   return fmt::format("{:g}-{:g} Hz", band.lower_hz, band.upper_hz);
 }
 
+// both ends of an interval to the place of its middle
+std::string FromTo(double lower, double upper, double uncertainty) {
+  return fmt::format("{} to {}", ToThePlaceOf(uncertainty, lower),
+                     ToThePlaceOf(uncertainty, upper));
+}
+
 // the RMS and its interval, or the limit where the floor is not exceeded
-std::string RmsText(const dsp::RmsEstimate& rms, const dsp::BandPass& band) {
+std::string RmsText(const dsp::BandNumbers& numbers, const dsp::BandPass& band) {
+  const dsp::RmsEstimate& rms = numbers.rms;
+  if (numbers.is_lower_limit) {
+    return fmt::format("at least {} RMS in {}: clipped, so nothing is known above it",
+                       Um(rms.lower_m), BandName(band));
+  }
   if (rms.below_floor) {
     return fmt::format("at most {} RMS in {} (95 %): not above the noise floor of {}",
                        Um(rms.at_most_m), BandName(band), AboutUm(rms.floor_m.value_or(0)));
   }
-  return fmt::format("{} RMS in {}; 95 %: {:.5g} to {:.5g} um",
-                     Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band), rms.lower_m / kUm,
-                     rms.upper_m / kUm);
+  return fmt::format(
+      "{} RMS in {}; 95 %: {} um", Um(rms.rms_m, rms.standard_uncertainty_m), BandName(band),
+      FromTo(rms.lower_m / kUm, rms.upper_m / kUm, rms.standard_uncertainty_m / kUm));
 }
 
 // how the number came from what was measured; nothing where it is the same
@@ -66,10 +78,22 @@ std::optional<std::string> CorrectionText(const dsp::BandNumbers& numbers) {
   return text;
 }
 
-std::string ToneText(const dsp::ToneNumbers& tone) {
+std::string ToneText(const dsp::ToneNumbers& tone, bool is_lower_limit) {
+  if (is_lower_limit) {
+    return fmt::format("{} Hz, amplitude at least {}",
+                       WithUncertainty(tone.fit.frequency_hz, tone.fit.frequency_uncertainty_hz),
+                       Um(tone.amplitude_lower_m));
+  }
   return fmt::format("{} Hz, amplitude {}",
                      WithUncertainty(tone.fit.frequency_hz, tone.fit.frequency_uncertainty_hz),
                      Um(tone.amplitude_m, tone.amplitude_uncertainty_m));
+}
+
+// the tone of an answer, or why there is none
+std::string ToneText(const dsp::BandAnalysis& analysis) {
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  if (numbers.tone) return ToneText(*numbers.tone, numbers.is_lower_limit);
+  return analysis.frequency_move ? "none: the frequency moves" : "none stands out of the noise";
 }
 
 std::string_view LatencyVerdict(double latency_s) {
@@ -141,7 +165,7 @@ AnalysisSection VibrationSection(const dsp::BandAnalysis& analysis) {
   lines.push_back({"", numbers.part.why});
   if (numbers.part.drive.why != numbers.part.why)
     lines.push_back({"drive", numbers.part.drive.why});
-  lines.push_back({"RMS", RmsText(numbers.rms, analysis.band)});
+  lines.push_back({"RMS", RmsText(numbers, analysis.band)});
   lines.push_back({"", Um(numbers.rms.as_measured_m) + " as measured in the window"});
   lines.push_back(
       {"", Um(numbers.whole_rms_m) + " over the whole record, unsettled ends included"});
@@ -196,18 +220,20 @@ void AddHarmonics(const dsp::Harmonics& harmonics, Lines& lines) {
   }
 }
 
-AnalysisSection ToneSection(const dsp::BandNumbers& numbers) {
+AnalysisSection ToneSection(const dsp::BandAnalysis& analysis) {
+  const dsp::BandNumbers& numbers = *analysis.numbers;
   AnalysisSection section{"Strongest tone", {}};
   Lines& lines = section.lines;
-  if (!numbers.tone) {
-    lines.push_back({"tone", "none stands out of the noise"});
-    return section;
-  }
+  lines.push_back({"tone", ToneText(analysis)});
+  // of what is clipped, neither amplitudes nor harmonics are the motion's
+  if (!numbers.tone || numbers.is_lower_limit) return section;
   const dsp::ToneNumbers& tone = *numbers.tone;
-  lines.push_back({"tone", ToneText(tone)});
-  lines.push_back({"", fmt::format("95 %: {:.8g} to {:.8g} Hz, {:.5g} to {:.5g} um",
-                                   tone.frequency_lower_hz, tone.frequency_upper_hz,
-                                   tone.amplitude_lower_m / kUm, tone.amplitude_upper_m / kUm)});
+  lines.push_back(
+      {"", fmt::format("95 %: {} Hz, {} um",
+                       FromTo(tone.frequency_lower_hz, tone.frequency_upper_hz,
+                              tone.fit.frequency_uncertainty_hz),
+                       FromTo(tone.amplitude_lower_m / kUm, tone.amplitude_upper_m / kUm,
+                              tone.amplitude_uncertainty_m / kUm))});
   lines.push_back({"sine fit", fmt::format("RMS {}: {:.4f} of the filtered RMS",
                                            Um(tone.sine_rms_m), tone.share_of_rms)});
   lines.push_back({"velocity", fmt::format("amplitude {:.4g} mm/s", tone.velocity_m_per_s * 1e3)});
@@ -291,15 +317,13 @@ std::vector<AnalysisLine> ShortLines(const AnalyzedFile& file) {
     return lines;
   }
   const dsp::BandNumbers& numbers = *analysis.numbers;
-  lines.push_back(
-      {analysis.answered ? "vibration" : "estimate", RmsText(numbers.rms, analysis.band)});
+  lines.push_back({analysis.answered ? "vibration" : "estimate", RmsText(numbers, analysis.band)});
   if (const auto correction = CorrectionText(numbers)) lines.push_back({"", *correction});
   lines.push_back(
       {"window", fmt::format("{}: {}", Seconds(numbers.part.window), numbers.part.why)});
   lines.push_back(
       {"whole record", Um(numbers.whole_rms_m) + " RMS, unsettled ends and pauses included"});
-  lines.push_back(
-      {"tone", numbers.tone ? ToneText(*numbers.tone) : "none stands out of the noise"});
+  lines.push_back({"tone", ToneText(analysis)});
   if (numbers.onset) {
     lines.push_back({"rise", RiseText(numbers.onset->edge)});
     lines.push_back({"latency", LatencyText(*numbers.onset)});
@@ -315,8 +339,8 @@ std::vector<AnalysisSection> AllSections(const AnalyzedFile& file) {
   if (analysis.numbers) {
     const dsp::BandNumbers& numbers = *analysis.numbers;
     sections.push_back(VibrationSection(analysis));
-    sections.push_back(UncertaintySection(numbers.rms));
-    sections.push_back(ToneSection(numbers));
+    if (!numbers.is_lower_limit) sections.push_back(UncertaintySection(numbers.rms));
+    sections.push_back(ToneSection(analysis));
     if (numbers.onset) sections.push_back(OnsetSection(*numbers.onset));
     if (numbers.kinematics) sections.push_back(MotionSection(*numbers.kinematics));
     if (numbers.electrical) sections.push_back(ElectricalSection(*numbers.electrical));

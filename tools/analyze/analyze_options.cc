@@ -47,6 +47,12 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   if (!words.sweep && !words.response.empty()) {
     return Usage("--response", "is of a sweep", "say --sweep too");
   }
+  const bool has_spectrum = !words.spectrum.spectrum.empty() ||
+                            !words.spectrum.spectrogram.empty() || !words.report.empty();
+  if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
+    return Usage("--resolution", "is of a spectrum or a sweep",
+                 "say --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
+  }
   return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
 }
 

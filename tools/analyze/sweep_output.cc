@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tools/cli/json.h"
+#include "tools/cli/uncertain_number.h"
 #include "tools/cli/whole_file.h"
 
 namespace haptometer::tools {
@@ -36,8 +37,10 @@ std::string AmplitudeColumn(const dsp::SweepAnswer& answer) {
 
 // "12.3 (95 % interval 12.1 to 12.5)"
 std::string WithInterval(double value, const dsp::Interval& interval, std::string_view unit) {
-  return fmt::format("{:.5g}{} (95 % interval {:.5g} to {:.5g}{})", value, unit, interval.lower,
-                     interval.upper, unit);
+  const double uncertainty = (interval.upper - interval.lower) / 4;
+  return fmt::format("{}{} (95 % interval {} to {}{})", cli::ToThePlaceOf(uncertainty, value), unit,
+                     cli::ToThePlaceOf(uncertainty, interval.lower),
+                     cli::ToThePlaceOf(uncertainty, interval.upper), unit);
 }
 
 const dsp::SweepPoint& Highest(const dsp::SweepAnswer& answer) {

@@ -11,4 +11,9 @@ namespace haptometer::cli {
 /// JCGM 100:2008, 7.2.2 (third form).
 [[nodiscard]] std::string WithUncertainty(double value, double standard_uncertainty);
 
+/// `value` to the place that WithUncertainty shows it to, its zeros kept: "12.30", "12350"; an end
+/// of an interval beside its middle. Never "-0.00". Six digits where the uncertainty is not above
+/// 0.
+[[nodiscard]] std::string ToThePlaceOf(double standard_uncertainty, double value);
+
 }  // namespace haptometer::cli

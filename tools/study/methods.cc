@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "tools/study/counted.h"
 #include "tools/study/study_result.h"
 
 namespace haptometer::tools {
@@ -35,14 +36,14 @@ void AppendExceptions(const StudyResult& study, std::string& text) {
     if (!trial.answered) {
       fmt::format_to(std::back_inserter(list), "- {}: no value ({})\n", trial.file,
                      fmt::join(trial.reasons, "; "));
-    } else if (!trial.deviations.empty()) {
-      fmt::format_to(std::back_inserter(list), "- {}: {}\n", trial.file,
-                     fmt::join(trial.deviations, "; "));
     }
   }
+  for (const Deviation& deviation : FindDeviations(study.table)) {
+    fmt::format_to(std::back_inserter(list), "- {}\n", Describe(deviation));
+  }
   for (const MissingTrials& missing : study.missing) {
-    fmt::format_to(std::back_inserter(list), "- subject {} in {}: {} of {} trials\n",
-                   missing.subject, missing.condition, missing.answered, missing.expected);
+    fmt::format_to(std::back_inserter(list), "- subject {} in {}: {} of {}\n", missing.subject,
+                   missing.condition, missing.answered, Counted(missing.expected, "trial"));
   }
   for (const Outlying& outlying : study.outlying) {
     fmt::format_to(std::back_inserter(list),
@@ -71,22 +72,26 @@ std::string MethodsText(const StudyResult& study) {
       "strongest tone. The noise of the trial's own quiet part was subtracted in power where it "
       "had "
       "one, and the sensor's gain at the tone was divided out where its averaging was on record. "
-      "{} of {} trials of "
-      "{} subjects in {} conditions ({}) gave a value. The unit of analysis was the subject: up to "
-      "{} trials of a subject in a condition were averaged first. ",
+      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ",
       band.lower_hz, band.upper_hz, band.order,
       band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
       study.question.may_lower_order ? ", its order lowered where a trial was too short for it"
                                      : "",
-      answered, study.table.trials.size(), study.table.subjects.size(),
-      study.table.conditions.size(), fmt::join(study.table.conditions, ", "), study.table.repeats);
+      answered, Counted(study.table.trials.size(), "trial"),
+      Counted(study.table.subjects.size(), "subject"),
+      Counted(study.table.conditions.size(), "condition"), fmt::join(study.table.conditions, ", "),
+      study.table.repeats > 1
+          ? fmt::format("up to {} trials of a subject in a condition were averaged first",
+                        study.table.repeats)
+          : "each subject gave one trial in a condition");
   if (!study.contrasts.empty()) AppendContrasts(study, text);
   fmt::format_to(
       std::back_inserter(text),
       " Trials farther than {:g} robust standard deviations from their cell, and cells as far from "
-      "what subject and condition let expect, were named but not removed. Computed with haptometer "
-      "study.\n",
-      kOutlyingScore);
+      "what subject and condition let expect, were named but not removed (a standard deviation "
+      "counted for no less than {:g} % and no less than the stated uncertainty). Computed with "
+      "haptometer study.\n",
+      kOutlyingScore, 100 * kLeastScatter);
   AppendExceptions(study, text);
   return text;
 }

@@ -1,29 +1,46 @@
 #include "tools/study/study_quality.h"
 
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <cmath>
 
 #include "dsp/statistics/robust.h"
+#include "tools/study/counted.h"
 
 namespace haptometer::tools {
 namespace {
+
+// of an answered trial's RMS, as it states it
+double RelativeUncertainty(const StudyTrial& trial) {
+  return trial.rms_uncertainty_m.value_or(0) / *trial.rms_m;
+}
+
+double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
+  std::vector<double> all(cell.trials.size());
+  std::ranges::transform(cell.trials, all.begin(),
+                         [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); });
+  return dsp::Median(std::move(all));
+}
 
 void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {
   std::vector<std::vector<double>> all;
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
     for (std::size_t c = 0; c < table.conditions.size(); ++c) all.push_back(table.Logs(s, c));
   }
-  const auto deviation = dsp::RobustWithinDeviation(all);
-  if (!deviation) return;
+  const double scatter = std::max(kLeastScatter, dsp::RobustWithinDeviation(all).value_or(0));
   for (std::size_t s = 0; s < table.subjects.size(); ++s) {
     for (std::size_t c = 0; c < table.conditions.size(); ++c) {
       const std::vector<double>& logs = all[s * table.conditions.size() + c];
       if (logs.size() < 3) continue;
       const double median = dsp::Median(logs);
       for (std::size_t i = 0; i < logs.size(); ++i) {
-        const double score = std::abs(logs[i] - median) / *deviation;
+        const StudyTrial& trial = table.trials[table.cells[s][c].trials[i]];
+        const double scale = std::max(scatter, RelativeUncertainty(trial));
+        const double score = std::abs(logs[i] - median) / scale;
         if (score <= kOutlyingScore) continue;
-        outlying.push_back({table.subjects[s], table.conditions[c],
-                            table.trials[table.cells[s][c].trials[i]].file,
+        outlying.push_back({table.subjects[s], table.conditions[c], trial.file,
                             std::exp(logs[i] - median), score});
       }
     }
@@ -42,11 +59,12 @@ void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlyin
     }
   }
   const dsp::CompleteTable left = dsp::MedianPolish(medians);
-  const double scale =
-      dsp::DeviationFromMedianAbsolute(left.values()) * std::sqrt(n * k / ((n - 1) * (k - 1)));
-  if (!(scale > 0)) return;
+  const double scatter = std::max(kLeastScatter, dsp::DeviationFromMedianAbsolute(left.values()) *
+                                                     std::sqrt(n * k / ((n - 1) * (k - 1))));
   for (std::size_t row = 0; row < whole.size(); ++row) {
     for (std::size_t c = 0; c < medians.conditions(); ++c) {
+      const double scale =
+          std::max(scatter, RelativeUncertainty(table, table.cells[whole[row]][c]));
       const double score = std::abs(left.At(row, c)) / scale;
       if (score <= kOutlyingScore) continue;
       outlying.push_back(
@@ -67,6 +85,29 @@ std::vector<MissingTrials> FindMissing(const StudyTable& table) {
     }
   }
   return missing;
+}
+
+std::vector<Deviation> FindDeviations(const StudyTable& table) {
+  std::vector<Deviation> deviations;
+  std::size_t answered = 0;
+  for (const StudyTrial& trial : table.trials) {
+    if (!trial.answered) continue;
+    ++answered;
+    for (const std::string& what : trial.deviations) {
+      auto known = std::ranges::find(deviations, what, &Deviation::what);
+      if (known == deviations.end()) known = deviations.insert(known, Deviation{what, {}, false});
+      known->files.push_back(trial.file);
+    }
+  }
+  for (Deviation& deviation : deviations) deviation.all = deviation.files.size() == answered;
+  return deviations;
+}
+
+std::string Describe(const Deviation& deviation) {
+  if (deviation.all && deviation.files.size() > 1) {
+    return fmt::format("{}: all {} trials", deviation.what, deviation.files.size());
+  }
+  return fmt::format("{}: {}", deviation.what, fmt::join(deviation.files, ", "));
 }
 
 std::vector<Outlying> FindOutlying(const StudyTable& table) {

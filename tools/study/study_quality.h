@@ -28,6 +28,22 @@ struct Outlying {
 
 /// Robust standard deviations beyond which a trial or cell is named.
 inline constexpr double kOutlyingScore = 5;
+/// The least standard deviation of ln(RMS) that a trial or cell is judged by: where repeats agree
+/// to less, what differs by less than kOutlyingScore times this is no news to anybody.
+inline constexpr double kLeastScatter = 0.01;
+
+/// A way in which the analysis of some trials differs from what was asked.
+struct Deviation {
+  std::string what;
+  std::vector<std::string> files;  ///< in the table's order
+  bool all = false;                ///< of all answered trials
+};
+
+/// Each deviation of answered trials once, in the order of its first trial.
+[[nodiscard]] std::vector<Deviation> FindDeviations(const StudyTable& table);
+
+/// "no noise floor taken off: a.bin, b.bin", or "all 96 trials".
+[[nodiscard]] std::string Describe(const Deviation& deviation);
 
 [[nodiscard]] std::vector<MissingTrials> FindMissing(const StudyTable& table);
 
@@ -39,6 +55,8 @@ inline constexpr double kOutlyingScore = 5;
 ///   have all conditions), against 1.4826 times the median of these residuals' sizes, with 4
 ///   subjects and 3 conditions or more. As condition and subject effects take degrees of freedom,
 ///   the scale is multiplied by sqrt(n k / ((n - 1)(k - 1))).
+/// Neither scale counts below kLeastScatter, nor below the relative standard uncertainty that the
+/// trial states (a cell: the median of its trials').
 [[nodiscard]] std::vector<Outlying> FindOutlying(const StudyTable& table);
 
 }  // namespace haptometer::tools

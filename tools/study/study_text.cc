@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "tools/study/counted.h"
 #include "tools/study/study_result.h"
 
 namespace haptometer::tools {
@@ -49,8 +50,8 @@ void AppendFurther(const Contrast& contrast, std::string& text) {
 }
 
 void AppendContrast(const Contrast& contrast, bool all, std::string& text) {
-  fmt::format_to(std::back_inserter(text), "  {} against {}, n = {} subjects\n",
-                 contrast.planned.treatment, contrast.planned.control, contrast.difference.n);
+  fmt::format_to(std::back_inserter(text), "  {} against {}, n = {}\n", contrast.planned.treatment,
+                 contrast.planned.control, Counted(contrast.difference.n, "subject"));
   if (!contrast.left_out.empty()) {
     Append(
         text, "without",
@@ -159,14 +160,14 @@ void AppendQuality(const StudyResult& study, std::string& text) {
       Append(text, "not answered",
              fmt::format("{}: {}", trial.file, fmt::join(trial.reasons, "; ")));
     }
-    if (!trial.deviations.empty()) {
-      Append(text, "differs", fmt::format("{}: {}", trial.file, fmt::join(trial.deviations, "; ")));
-    }
+  }
+  for (const Deviation& deviation : FindDeviations(study.table)) {
+    Append(text, "differs", Describe(deviation));
   }
   for (const MissingTrials& missing : study.missing) {
     Append(text, "missing",
-           fmt::format("subject {} in {}: {} of {} trials", missing.subject, missing.condition,
-                       missing.answered, missing.expected));
+           fmt::format("subject {} in {}: {} of {}", missing.subject, missing.condition,
+                       missing.answered, Counted(missing.expected, "trial")));
   }
   for (const Outlying& outlying : study.outlying) {
     Append(text, "outlying", OutlyingText(outlying));
@@ -176,10 +177,11 @@ void AppendQuality(const StudyResult& study, std::string& text) {
 }  // namespace
 
 std::string StudyText(const StudyResult& study, bool all) {
-  std::string text = fmt::format(
-      "{}: {} trials, {} subjects, {} conditions; RMS within {:g}-{:g} Hz, one mean a subject\n",
-      study.source, study.table.trials.size(), study.table.subjects.size(),
-      study.table.conditions.size(), study.question.band.lower_hz, study.question.band.upper_hz);
+  std::string text = fmt::format("{}: {}, {}, {}; RMS within {:g}-{:g} Hz, one mean a subject\n",
+                                 study.source, Counted(study.table.trials.size(), "trial"),
+                                 Counted(study.table.subjects.size(), "subject"),
+                                 Counted(study.table.conditions.size(), "condition"),
+                                 study.question.band.lower_hz, study.question.band.upper_hz);
   AppendConditions(study, text);
   if (!study.planned && !study.contrasts.empty()) {
     fmt::format_to(std::back_inserter(text),

@@ -44,6 +44,9 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
   if (analysis.band.order != question.band.order) {
     trial.deviations.push_back(fmt::format("filter of order {}", analysis.band.order));
   }
+  if (analysis.frequency_move) {
+    trial.deviations.emplace_back("its frequency moves, so its RMS is that of a sweep");
+  }
   if (!analysis.numbers->floor) trial.deviations.emplace_back("no noise floor taken off");
   if (!analysis.numbers->sensor.amplitude_verified) {
     trial.deviations.emplace_back("amplitude not verified: sensor averaging unknown");

@@ -40,6 +40,7 @@ class Parser {
       if (std::string remark = RateRemark(*record); !remark.empty()) {
         remarks->push_back(std::move(remark));
       }
+      for (std::string& remark : overridden_) remarks->push_back(std::move(remark));
     }
     return record;
   }
@@ -77,12 +78,61 @@ class Parser {
     if (!is_ours) {
       auto table = FindForeignTable(whole_, name_, options_);
       if (!table) return std::unexpected(table.error());
-      if (*table) return Begin(std::move(**table));
+      if (*table) {
+        NoteOverridden((*table)->columns);
+        return Begin(std::move(**table));
+      }
     }
     auto columns = ReadCsvColumns(cells_, name_);
     if (!columns) return std::unexpected(columns.error());
     SetColumns(std::move(*columns));
     return {};
+  }
+
+  // remembers where --columns or --scale reads a column otherwise than the file names it
+  void NoteOverridden(const std::vector<CsvColumn>& columns) {
+    if (options_.columns.empty() && !options_.scale_m) return;
+    const ImportOptions own_words{.rate_hz = options_.rate_hz};
+    const auto own = FindForeignTable(whole_, name_, own_words);
+    if (!own || !*own || (*own)->columns.size() != columns.size()) return;
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const CsvColumn& said = (*own)->columns[i];
+      const CsvColumn& read = columns[i];
+      if (said.unit.empty() || read.kind == CsvColumnKind::kLeftOut) continue;
+      if (said.unit == read.unit && said.factor == read.factor) continue;
+      overridden_.push_back(
+          fmt::format("column {} holds units of {:g} {} by the file and of {:g} {} by --columns or "
+                      "--scale; the "
+                      "file is not believed",
+                      i + 1, said.factor, said.unit, read.factor, read.unit));
+    }
+  }
+
+  // the column, from 1 on, whose next values grow in even steps as times do; 0: none
+  [[nodiscard]] std::size_t EvenColumn() const {
+    constexpr std::size_t kRows = 8;
+    constexpr double kEven = 0.05;
+    std::vector<std::vector<double>> values(cells_.size());
+    std::string_view rest = rest_;
+    for (std::size_t row = 0; row < kRows && !rest.empty(); ++row) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size() - 1);
+      const auto cells = SplitCells(Trimmed(rest.substr(0, end + 1)), separator_);
+      rest.remove_prefix(end + 1);
+      if (cells.size() != values.size()) return 0;
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        values[i].push_back(ReadNumberWithComma(cells[i]).value_or(kNan));
+      }
+    }
+    if (values.empty() || values[0].size() < kRows) return 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const double step = (values[i].back() - values[i].front()) / (kRows - 1);
+      bool is_even = step > 0 && columns_[i].kind != CsvColumnKind::kTime;
+      for (std::size_t k = 1; k < kRows; ++k) {
+        is_even = is_even && std::abs(values[i][k] - values[i][k - 1] - step) <= kEven * step;
+      }
+      if (is_even) return i + 1;
+    }
+    return 0;
   }
 
   static bool IsOurTime(std::string_view cell) {
@@ -169,10 +219,21 @@ class Parser {
       return CannotAnswer(Here(),
                           fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
                                       times_.times_s().back()),
-                          "sort the rows, or print the times with more digits");
+                          NotGrowingRemedy());
     }
     times_.Add(cell, time_s, factor);
     return {};
+  }
+
+  [[nodiscard]] std::string NotGrowingRemedy() const {
+    if (const std::size_t column = EvenColumn(); column > 0) {
+      return fmt::format(
+          "column {} grows in even steps as times do: if the columns are swapped, name them from "
+          "the "
+          "left with --columns",
+          column);
+    }
+    return "sort the rows, or print the times with more digits";
   }
 
   Result<void> TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
@@ -293,6 +354,7 @@ class Parser {
   bool is_foreign_ = false;
   std::string comma_;  // the first number whose comma may group thousands, and where
   std::string point_;  // the first number with a point
+  std::vector<std::string> overridden_;
   CsvComments comments_;
   PrintedTimes times_;
   Record record_;

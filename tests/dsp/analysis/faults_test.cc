@@ -103,6 +103,23 @@ TEST(Faults, AStepIsNotASpike) {
   EXPECT_EQ(faults.Count(FaultKind::kSpike), 0U);
 }
 
+TEST(Faults, ADriveThatIsSwitchedIsNeitherASpikeNorAStep) {
+  for (const double drive_hz : {75.0, 225.0}) {
+    for (const double rate_hz : {400.0, 1000.0, 5000.0, 50'000.0}) {
+      const auto rows = static_cast<std::size_t>(rate_hz);
+      std::vector<double> values = Samples(rate_hz, 3 * rows, 0, {{20e-6, drive_hz}});
+      Noise noise(8);
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        if (k < rows || k >= 2 * rows) values[k] = 0;
+        values[k] += 0.03 + 0.02e-6 * noise();
+      }
+      ExpectNone(Scan(values, {-0.1, 0.1, 0}));
+      values[rows - 200] += 30e-6;  // a spike beside it stays one
+      EXPECT_EQ(Scan(values, {-0.1, 0.1, 0}).Count(FaultKind::kSpike), 1U) << rate_hz;
+    }
+  }
+}
+
 TEST(Faults, HeldReadingsAreToldFromASlowSignalOnSteps) {
   std::vector<double> values = Streamed(30'000, 6);
   for (std::size_t k = 1; k < 12; ++k) values[8'000 + k] = values[8'000];

@@ -49,6 +49,20 @@ TEST(SlowRecord, AFreeRunningOneHasItsDrivesTone) {
   EXPECT_THAT(analysis.remarks.back(), ::testing::HasSubstr("seen as an alias"));
 }
 
+TEST(SlowRecord, AGatedDriveIsFittedWhereItIsOn) {
+  trial::Record record = Slow();
+  Noise noise(3);
+  for (std::size_t k = 0; k < record.rows; ++k) {
+    if (k < 300 || k >= 900) record.channels[0].values[k] = 0.03 + 2e-7 * noise();
+  }
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.known_tone);
+  const SineFit& fit = analysis.known_tone->fit;
+  EXPECT_ABS(fit.amplitude, 1e-5, 3 * fit.amplitude_uncertainty, "noise; 5 um over all of it");
+  EXPECT_THAT(analysis.remarks,
+              ::testing::Contains(::testing::HasSubstr("Hz pauses: it is fitted")));
+}
+
 TEST(SlowRecord, TheQuestionsDriveComesBeforeTheFiles) {
   BandQuestion question;
   question.drive_frequency_hz = 40;

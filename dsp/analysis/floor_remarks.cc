@@ -1,0 +1,58 @@
+#include "dsp/analysis/floor_remarks.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kUmPerM = 1e6;
+constexpr double kSameRate = 0.01;       // relative
+constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
+
+// what the drive-off trial itself lets doubt
+void RemarkDriveOff(const NoiseFloor& floor, const BandNumbers& numbers, BandAnalysis* analysis) {
+  for (const std::string& doubt : floor.doubts) {
+    analysis->remarks.push_back(fmt::format("the floor {}: {}", floor.source, doubt));
+  }
+  if (std::abs(floor.rate_hz - analysis->record.rate_hz) > kSameRate * analysis->record.rate_hz) {
+    analysis->remarks.push_back(fmt::format(
+        "the floor {} has {:.4g} readings a second and this trial {:.4g}: a sensor's noise in the "
+        "band depends on its rate; take one of the same settings",
+        floor.source, floor.rate_hz, analysis->record.rate_hz));
+  }
+  if (!floor.tone_hz) return;
+  const bool is_same = numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
+                                           kSameFrequency * numbers.tone->fit.frequency_hz;
+  analysis->remarks.push_back(
+      fmt::format("the floor {} holds a tone, {:.3g} um at {:.4g} Hz{}: it is taken off as noise; "
+                  "was the drive "
+                  "off?",
+                  floor.source, floor.tone_amplitude_m * kUmPerM, *floor.tone_hz,
+                  is_same ? ", as this trial does" : ""));
+}
+
+}  // namespace
+
+void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
+  if (!numbers.floor) {
+    analysis->remarks.emplace_back(
+        "noise floor not known: no settled quiet part of 0.1 s beside the window; --floor FILE "
+        "takes a drive-off trial");
+    return;
+  }
+  if (numbers.floor->rate_hz > 0) RemarkDriveOff(*numbers.floor, numbers, analysis);
+  const double floor_um = *numbers.rms.floor_m * kUmPerM;
+  if (numbers.rms.floor_contradicts) {
+    analysis->reasons.push_back(fmt::format(
+        "the floor of {:.3g} um ({}) is above the {:.3g} um that were measured: take one of the "
+        "same sensor, settings and rate, drive off",
+        floor_um, numbers.floor->source, numbers.rms.as_measured_m * kUmPerM));
+  } else if (numbers.rms.below_floor) {
+    analysis->remarks.push_back(fmt::format("below the floor of {:.3g} um: at most {:.3g} um",
+                                            floor_um, numbers.rms.at_most_m * kUmPerM));
+  }
+}
+
+}  // namespace haptometer::dsp

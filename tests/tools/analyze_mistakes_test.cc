@@ -1,0 +1,148 @@
+// What `analyze` says to the mistakes that are made on a first day.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "tests/tools/captured.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using Json = nlohmann::json;
+
+double Sine(double frequency_hz, double t_s) {
+  return std::sin(2 * std::numbers::pi * frequency_hz * t_s);
+}
+
+class AnalyzeMistakes : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  // 3 s of x(t) in um about 30 mm, in steps of 10 nm
+  std::string Write(const std::string& name, double rate_hz,
+                    const std::function<double(double)>& x_um,
+                    const std::string& header = "time_s,displacement_m") const {
+    std::string text = header + "\n";
+    for (int k = 0; k < 3 * rate_hz; ++k) {
+      fmt::format_to(std::back_inserter(text), "{:.6f},{:.8f}\n", k / rate_hz,
+                     0.03 + 1e-6 * x_um(k / rate_hz));
+    }
+    std::ofstream(directory_ / name) << text;
+    return directory_ / name;
+  }
+
+  [[nodiscard]] std::string Burst() const {
+    return Write("burst.csv", 4000,
+                 [](double t_s) { return t_s > 1 && t_s < 2 ? 20 * Sine(225, t_s) : 0; });
+  }
+
+  static Outcome Analyze(const std::vector<std::string>& words) {
+    return Captured(RunAnalyze, "analyze", words);
+  }
+
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("analyze_mistakes_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(AnalyzeMistakes, TheTransientsOfADriveOutsideOfTheBandAreNoDrive) {
+  const Outcome outcome = Analyze({"--band", "300-500Hz", Burst()});
+  EXPECT_THAT(outcome.out, HasSubstr("taken for transients, not for a drive in this band"));
+  EXPECT_THAT(outcome.out, HasSubstr("all that has settled"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("steady part of the drive")));
+}
+
+TEST_F(AnalyzeMistakes, AWindowAcrossAnOnsetMixes) {
+  const std::string burst = Burst();
+  EXPECT_THAT(Analyze({"--window", "0.5s:1.5s", burst}).out, HasSubstr("the window mixes: in 0.5"));
+  EXPECT_THAT(Analyze({"--window", "1.1s:1.9s", burst}).out, Not(HasSubstr("the window mixes")));
+  EXPECT_THAT(Analyze({"--window", "0.3s:0.7s", burst}).out,
+              HasSubstr("the drive is off in the whole window"));
+}
+
+TEST_F(AnalyzeMistakes, AFloorOfAnotherRateOrWithAToneIsNamed) {
+  const auto tone = [](double t_s) { return 20 * Sine(225, t_s); };
+  const std::string trial = Write("trial.csv", 4000, tone);
+  const auto hum = [](double t_s) { return 3 * Sine(100, t_s); };
+  EXPECT_THAT(Analyze({"--floor", Write("hum.csv", 4000, hum), trial}).out,
+              HasSubstr("holds a tone, 3 um at 100 Hz: it is taken off as noise"));
+  EXPECT_THAT(Analyze({"--floor", Write("other.csv", 2000, hum), trial}).out,
+              HasSubstr("has 2000 readings a second and this trial 4000"));
+  const Outcome slow = Analyze({"--floor", Write("slow.csv", 1000, hum), trial});
+  EXPECT_EQ(slow.status, 3);
+  EXPECT_THAT(slow.err, HasSubstr("as long and as fast as the trials"));
+  const Outcome on = Analyze({"--floor", Write("on.csv", 4000, tone), trial});
+  EXPECT_THAT(on.out, HasSubstr("20 um at 225 Hz, as this trial does"));
+}
+
+TEST_F(AnalyzeMistakes, AClippedRecordHasALowerLimitAndNoInterval) {
+  const std::string path = Write("clipped.csv", 4000, [](double t_s) {
+    return std::min(15.0, std::max(-15.0, 20 * Sine(223.7, t_s)));
+  });
+  const Outcome outcome = Analyze({path});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("estimate           at least 12."));
+  EXPECT_THAT(outcome.out, HasSubstr("amplitude at least 17."));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("95 %")));
+  EXPECT_THAT(Analyze({"--all", path}).out, Not(HasSubstr("95 %")));
+  const Json trial = Json::parse(Analyze({"--json", path}).out)["trials"][0];
+  EXPECT_TRUE(trial["band_rms_interval_95_m"].is_null());
+  EXPECT_TRUE(trial["tone_amplitude_interval_95_m"].is_null());
+  EXPECT_NEAR(trial["band_rms_at_least_m"].get<double>(), 12.1e-6, 0.1e-6);
+}
+
+TEST_F(AnalyzeMistakes, SwappedAndRenamedColumnsAreNamed) {
+  const auto tone = [](double t_s) { return 20 * Sine(225, t_s); };
+  const std::string swapped = Write("swapped.csv", 4000, tone, "displacement_m,time_s");
+  const Outcome outcome = Analyze({swapped});
+  EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("column 1 grows in even steps as times do"));
+  EXPECT_EQ(Analyze({"--columns", "time_s,displacement_m", swapped}).status, 0);
+  const std::string path = Write("a.csv", 4000, tone);
+  const char* const overridden = "column 2 holds units of 1 m by the file and of 0.001 m by";
+  EXPECT_THAT(Analyze({"--columns", "time_s,displacement_mm", path}).out, HasSubstr(overridden));
+  EXPECT_THAT(Analyze({"--scale", "1mm", path}).out, HasSubstr(overridden));
+  EXPECT_THAT(Analyze({"--columns", "time_s,displacement_m", path}).out,
+              Not(HasSubstr("by the file")));
+}
+
+TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
+  // 100 Hz to 400 Hz in 3 s: 10 Hz a block of 0.1 s
+  const std::string sweep =
+      Write("sweep.csv", 4000, [](double t_s) { return 5 * Sine(100 + 50 * t_s, t_s); });
+  EXPECT_THAT(Analyze({"--sweep", sweep}).out,
+              HasSubstr("try another --band, a --resolution above"));
+  EXPECT_THAT(Analyze({"--sweep", "--resolution", "20Hz", sweep}).out,
+              HasSubstr("resolution 20 Hz"));
+  const Outcome alone = Analyze({"--resolution", "5Hz", sweep});
+  EXPECT_EQ(alone.status, 2);
+  EXPECT_THAT(alone.err, HasSubstr("--resolution: is of a spectrum or a sweep"));
+}
+
+TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {
+  const std::string sweep = Write("high.csv", 4000, [](double t_s) {
+    const double u = (400 + 40 * t_s) / 600;  // resonant at 600 Hz, swept to 520 Hz
+    return 5 / std::hypot(1 - u * u, u / 10) * Sine(400 + 20 * t_s, t_s);
+  });
+  EXPECT_THAT(Analyze({"--sweep", sweep}).out,
+              HasSubstr("the resonance may be above it; sweep and look further with --band"));
+}
+
+}  // namespace
+}  // namespace haptometer::tools
