@@ -96,7 +96,7 @@ TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
 }
 
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
-  EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"), HasSubstr("no column is a time; name one time_s"));
+  EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"), HasSubstr("no column is a time and no line above states the sample interval"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s"}}),
               HasSubstr("names 1 columns where f.csv has 2"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "voltage_v"}, .scale_m = 1.0}),

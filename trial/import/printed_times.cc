@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <numeric>
 #include <utility>
 
-#include "trial/import/csv_comment.h"
+#include "trial/import/printed_number.h"
 #include "trial/import/printed_grid.h"
 #include "trial/time_base.h"
 
@@ -30,27 +32,60 @@ PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
 }
 
 void PrintedTimes::Add(std::string_view printed, double time_s, double factor) {
+  if (!times_s_.empty() && time_s == times_s_.back()) ++repeated_;
   times_s_.push_back(time_s);
-  digits_.push_back(DigitsOf(printed));
+  const Digits digits = DigitsOf(printed);
+  most_.decimals = std::max(most_.decimals, digits.decimals);
+  most_.significant = std::max(most_.significant, digits.significant);
   factor_ = factor;
 }
 
-// half a unit of the last printed place, for each time: the file prints either a number of
-// decimals or a number of digits, and drops zeros at the end
+void PrintedTimes::AddCount(double time_s) {
+  if (!times_s_.empty() && time_s == times_s_.back()) ++repeated_;
+  times_s_.push_back(time_s);
+  is_count_ = true;
+}
+
+// half a unit of the last printed place of a time
+double PrintedTimes::HalfDigit(double time_s) const {
+  if (is_count_) return 0;
+  const double printed = std::abs(time_s / factor_);
+  const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most_.decimals;
+  const double place = std::max<double>(-most_.decimals, magnitude + 1 - most_.significant);
+  const double half = 0.5 * std::pow(10.0, place);
+  // eight or nine digits are those of a 32-bit float, which is rounded by 2^-24 of itself
+  const bool may_be_float = most_.significant == 8 || most_.significant == 9;
+  return (may_be_float ? std::max(half, 0x1p-24 * printed) : half) * factor_;
+}
+
 std::vector<double> PrintedTimes::HalfDigits() const {
-  Digits most;
-  for (const Digits& digits : digits_) {
-    most.decimals = std::max(most.decimals, digits.decimals);
-    most.significant = std::max(most.significant, digits.significant);
-  }
   std::vector<double> half;
-  for (const double time_s : times_s_) {
-    const double printed = std::abs(time_s / factor_);
-    const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most.decimals;
-    const double place = std::max<double>(-most.decimals, magnitude + 1 - most.significant);
-    half.push_back(0.5 * std::pow(10.0, place) * factor_);
-  }
+  half.reserve(times_s_.size());
+  for (const double time_s : times_s_) half.push_back(HalfDigit(time_s));
   return half;
+}
+
+std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
+  const std::vector<double> half = HalfDigits();
+  const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
+  double start_s = clock.start_s.value_or(0);
+  if (!clock.start_s) {
+    // the middle of the starts that the digits of all rows leave
+    double least_s = -std::numeric_limits<double>::infinity();
+    double most_s = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < half.size(); ++i) {
+      least_s = std::max(least_s, times_s_[i] - half[i] - at(i));
+      most_s = std::min(most_s, times_s_[i] + half[i] - at(i));
+    }
+    // but for the first row's own time where that will do
+    start_s = times_s_[0] >= least_s && times_s_[0] <= most_s ? times_s_[0]
+                                                              : std::midpoint(least_s, most_s);
+  }
+  for (std::size_t i = 0; i < half.size(); ++i) {
+    const double bound_s = 2 * half[i] + half[0] + 1e-6 * clock.interval_s;
+    if (!(std::abs(times_s_[i] - start_s - at(i)) <= bound_s)) return std::nullopt;
+  }
+  return Stretch{.rows = half.size(), .start_s = start_s, .rate_hz = 1 / clock.interval_s};
 }
 
 // whether `stretches` still describe the rows: somebody may have edited them
@@ -69,19 +104,20 @@ bool PrintedTimes::Describe(std::span<const Stretch> stretches, Timing timing) c
   return row == times_s_.size();
 }
 
-void PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* record) && {
+bool PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* record) && {
   const bool times_are_raw = timing != Timing::kUniform;
   record->timing = timing;
   if (Describe(stated, timing)) {
     record->stretches = std::move(stated);
     if (times_are_raw) record->raw_times_s = std::move(times_s_);
-    return;
+    return true;
   }
   if (!times_are_raw) {
     if (auto grid = PrintedGrid(times_s_, HalfDigits())) {
       record->stretches = std::move(*grid);
-      return;
+      return true;
     }
+    if (repeated_ > 0) return false;
   }
   // neither a grid nor explained: the mean line, beside the times as they stand
   std::vector<std::int64_t> time_ns;
@@ -98,6 +134,7 @@ void PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* 
                           ? FitArrivalTimes(time_ns, nominal_rate_hz)
                           : FitPolledTimes(time_ns, time_ns, nominal_rate_hz);
   record->raw_times_s = std::move(times_s_);
+  return true;
 }
 
 }  // namespace haptometer::trial
