@@ -25,7 +25,7 @@ struct FitLraOptions {
   std::optional<Quantity> resistance_ohm;
   std::optional<Quantity> inductance_h;
   std::vector<std::string> required;  ///< constants without which the status is 3
-  std::string actuator;  ///< built-in or file; beats headers, is beaten by the options above
+  std::string actuator;         ///< built-in or file; beats headers, is beaten by the options above
   trial::ImportOptions import;  ///< how to read tables of other programs
 };
 

@@ -126,9 +126,8 @@ class Parser {
               .segment_starts_s = std::move(table.segment_starts_s)};
     stated_rows_ = table.stated_rows;
     is_foreign_ = true;
-    BeginRows({.separator = table.separator,
-               .columns = std::move(table.columns),
-               .is_foreign = true});
+    BeginRows(
+        {.separator = table.separator, .columns = std::move(table.columns), .is_foreign = true});
   }
 
   void BeginRows(CsvRows::Layout layout) {
@@ -143,9 +142,9 @@ class Parser {
                           "put a line such as time_s,displacement_m above the numbers");
     }
     if (rows_.rows() < 2) {
-      return CannotAnswer(
-          name_, fmt::format("holds {} row{}", rows_.rows(), rows_.rows() == 1 ? "" : "s"),
-          "a measurement needs at least two");
+      return CannotAnswer(name_,
+                          fmt::format("holds {} row{}", rows_.rows(), rows_.rows() == 1 ? "" : "s"),
+                          "a measurement needs at least two");
     }
     record_.rows = rows_.rows();
     record_.channels = std::move(rows_.channels());
@@ -166,8 +165,8 @@ class Parser {
       return {};
     }
     if (stated_rows_ && *stated_rows_ != record_.rows) {
-      remarks_.push_back(fmt::format("the file states {} rows and holds {}", *stated_rows_,
-                                     record_.rows));
+      remarks_.push_back(
+          fmt::format("the file states {} rows and holds {}", *stated_rows_, record_.rows));
     }
     return SetForeignTimes(name_, words_, options_, &rows_, &record_, &remarks_);
   }

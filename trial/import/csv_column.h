@@ -21,8 +21,8 @@ struct CsvColumn {
   std::string unit{};                      ///< SI, as values are kept: "m", "V", "A", "s" or ""
   double factor = 1;                       ///< printed value * factor + offset = SI value
   double offset = 0;                       ///< SI; of times that count from elsewhere than 0
-  bool is_clock = false;   ///< kTime: a time on the wall's clock (ReadClock), counted from the first
-  bool is_count = false;   ///< kTime: whole numbers, of which no digit is rounded
+  bool is_clock = false;  ///< kTime: a time on the wall's clock (ReadClock), counted from the first
+  bool is_count = false;  ///< kTime: whole numbers, of which no digit is rounded
   std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
 };
 

@@ -96,10 +96,9 @@ Result<void> CsvRows::CheckWidth() {
     cells_.emplace_back();
   }
   if (cells_.size() == columns.size()) return {};
-  return CannotAnswer(Here(),
-                      fmt::format("has {} cells where the columns are {}", cells_.size(),
-                                  columns.size()),
-                      "complete or remove the line");
+  return CannotAnswer(
+      Here(), fmt::format("has {} cells where the columns are {}", cells_.size(), columns.size()),
+      "complete or remove the line");
 }
 
 // a row of empty cells is lost where nothing but its place tells the time

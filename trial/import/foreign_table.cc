@@ -134,8 +134,7 @@ class Finder {
     bool is_used = false;
     for (CsvColumn& column : table_.columns) {
       // the only channel there is, of which nothing says what it measures, is meant
-      const bool is_meant =
-          column.role == role || (is_alone && column.role == ChannelRole::kOther);
+      const bool is_meant = column.role == role || (is_alone && column.role == ChannelRole::kOther);
       if (!is_value(column) || !is_meant) continue;
       column.role = role;
       column.unit = role == ChannelRole::kVoltage ? "V" : "m";

@@ -27,8 +27,8 @@ struct ImportOptions {
   std::optional<double> scale_v{};
   /// The layout, in place of the one that the file's first lines speak of.
   std::optional<TableFormat> format{};
-  /// The one channel to read, by its name as the file prints it ("CH2", "Channel B"; upper and lower
-  /// case and blanks are alike). Empty: all.
+  /// The one channel to read, by its name as the file prints it ("CH2", "Channel B"; upper and
+  /// lower case and blanks are alike). Empty: all.
   std::string channel{};
   /// Which segment to read of a file whose times begin again, from 1.
   std::optional<std::size_t> segment{};

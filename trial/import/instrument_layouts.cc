@@ -137,9 +137,9 @@ Result<void> ReadSequence(const TableBeginning& beginning, const std::string& na
                           ? Cells{}
                           : SplitCells(beginning.above[beginning.above.size() - 2].text,
                                        beginning.rows[0].separator);
-  const Cells units = beginning.above.empty() ? Cells{}
-                                              : SplitCells(beginning.above.back().text,
-                                                           beginning.rows[0].separator);
+  const Cells units = beginning.above.empty()
+                          ? Cells{}
+                          : SplitCells(beginning.above.back().text, beginning.rows[0].separator);
   std::optional<double> start_s;
   std::optional<double> increment_s;
   table->columns.assign(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
@@ -238,8 +238,9 @@ Result<std::optional<std::string>> JoinHantekBlocks(std::string_view text,
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     const Block& block = blocks[b];
     if (block.values.size() != blocks[0].values.size() || block.clock != blocks[0].clock) {
-      return CannotAnswer(name, fmt::format("has blocks of {} and {} values, or of other clocks",
-                                            blocks[0].values.size(), block.values.size()),
+      return CannotAnswer(name,
+                          fmt::format("has blocks of {} and {} values, or of other clocks",
+                                      blocks[0].values.size(), block.values.size()),
                           "save the channels into files of their own");
     }
     if (b > 0) names += '\t';

@@ -91,8 +91,8 @@ class Head {
     named_.columns.reserve(Width());
     for (const std::string& word : options_.columns) {
       // with a scale the column needs no unit of its own
-      const bool is_scaled = (options_.scale_m && word == "displacement") ||
-                             (options_.scale_v && word == "voltage");
+      const bool is_scaled =
+          (options_.scale_m && word == "displacement") || (options_.scale_v && word == "voltage");
       auto column = ReadCsvColumn(
           is_scaled ? (word == "voltage" ? "voltage_v" : "displacement_m") : word, "--columns");
       if (!column) {
@@ -109,8 +109,9 @@ class Head {
   Result<void> FromHeader() {
     std::vector<std::string_view> names = beginning_.Above(1);
     std::vector<std::string_view> units;
-    if (IsLineOfUnits(names) && beginning_.Above(2).size() == names.size()) {
-      units = std::exchange(names, beginning_.Above(2));
+    auto names_above = beginning_.Above(2);
+    if (IsLineOfUnits(names) && names_above.size() == names.size() && !AreKeys(names_above)) {
+      units = std::exchange(names, std::move(names_above));
     }
     if (names.size() * 2 == Width() && beginning_.rows[0].separator == ',') {
       return CommaError(names);
@@ -135,9 +136,9 @@ class Head {
   [[nodiscard]] bool IsLineOfUnits(const std::vector<std::string_view>& cells) const {
     const bool is_wide = cells.size() == Width() || EndsEmpty(cells.size());
     return is_wide && !cells.empty() && std::ranges::all_of(cells, [&](std::string_view cell) {
-      return cell.empty() || FindUnit(UnitCell(cell)) || cell.starts_with('(') ||
-             (IsUnitOfTime(UnitCell(cells[0])) && IsOneOf(cell, {"value"}));
-    });
+             return cell.empty() || FindUnit(UnitCell(cell)) || cell.starts_with('(') ||
+                    (IsUnitOfTime(UnitCell(cells[0])) && IsOneOf(cell, {"value"}));
+           });
   }
 
   [[nodiscard]] bool EndsEmpty(std::size_t from) const {
@@ -153,9 +154,10 @@ class Head {
 
   // a line such as "Sample Interval:,1e-9" right above two columns names none of them
   [[nodiscard]] static bool AreKeys(const std::vector<std::string_view>& cells) {
-    return std::ranges::any_of(cells,
-                               [](std::string_view cell) { return ReadNumber(cell).has_value(); }) &&
-           !IsTimeName(cells[0]);
+    const auto is_of_key = [](std::string_view cell) {
+      return cell.ends_with(':') || ReadNumberWithComma(cell);
+    };
+    return std::ranges::any_of(cells, is_of_key) && !IsTimeName(cells[0]);
   }
 
   // twice as many cells as names: each may be half of a number with a decimal comma
@@ -217,8 +219,8 @@ class Head {
   }
 
   void SetTime(const PrintedUnit& unit, std::size_t number) {
-    named_.columns[number] = CsvColumn{
-        .kind = CsvColumnKind::kTime, .name = "time", .unit = "s", .factor = unit.factor};
+    named_.columns[number] =
+        CsvColumn{.kind = CsvColumnKind::kTime, .name = "time", .unit = "s", .factor = unit.factor};
   }
 
   Result<CsvColumn> ColumnOf(std::string_view cell, std::string_view unit_text,

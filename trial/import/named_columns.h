@@ -14,7 +14,7 @@ namespace haptometer::trial {
 /// The columns of a table as the lines above its numbers name them.
 struct NamedColumns {
   std::vector<CsvColumn> columns{};
-  std::size_t lines_used = 0;  ///< lines right above the numbers that name them: 0, 1 or 2
+  std::size_t lines_used = 0;          ///< lines right above the numbers that name them: 0, 1 or 2
   std::vector<std::string> remarks{};  ///< what was assumed, a sentence each
 };
 

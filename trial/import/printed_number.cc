@@ -45,14 +45,14 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
     return SampleStatus::kClipped;
   }
   if (word.find_first_not_of('-') == std::string::npos) return SampleStatus::kInvalid;
-  constexpr std::array<std::string_view, 8> kNone{"nan",    "-nan", "x",    "#num!",
+  constexpr std::array<std::string_view, 8> kNone{"nan",     "-nan", "x",   "#num!",
                                                   "#value!", "#n/a", "n/a", "invalid"};
   if (std::ranges::find(kNone, word) != kNone.end()) return SampleStatus::kInvalid;
   if (word == "under" || word == "underflow") return SampleStatus::kUnder;
   const bool is_negative = word.starts_with('-');
   if (is_negative || word.starts_with('+')) word.erase(0, 1);
-  constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf",  "infinity",
-                                                  "over",         "ol",   "overflow"};
+  constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf", "infinity",
+                                                  "over",         "ol",  "overflow"};
   if (std::ranges::find(kOver, word) == kOver.end()) return std::nullopt;
   return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
 }

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "trial/import/printed_number.h"
 #include "trial/import/printed_grid.h"
+#include "trial/import/printed_number.h"
 #include "trial/time_base.h"
 
 namespace haptometer::trial {
@@ -66,26 +66,30 @@ std::vector<double> PrintedTimes::HalfDigits() const {
 }
 
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
-  const std::vector<double> half = HalfDigits();
   const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
-  double start_s = clock.start_s.value_or(0);
-  if (!clock.start_s) {
-    // the middle of the starts that the digits of all rows leave
-    double least_s = -std::numeric_limits<double>::infinity();
-    double most_s = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < half.size(); ++i) {
-      least_s = std::max(least_s, times_s_[i] - half[i] - at(i));
-      most_s = std::min(most_s, times_s_[i] + half[i] - at(i));
+  // the starts that the digits of all rows leave; where some are cut off instead of rounded, that
+  // moves the start alone
+  double least_s = -std::numeric_limits<double>::infinity();
+  double most_s = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < times_s_.size(); ++i) {
+    const double bound_s = HalfDigit(times_s_[i]) + 1e-6 * clock.interval_s;
+    least_s = std::max(least_s, times_s_[i] - bound_s - at(i));
+    most_s = std::min(most_s, times_s_[i] + bound_s - at(i));
+  }
+  if (!(least_s <= most_s)) return std::nullopt;
+  Stretch stretch{.rows = times_s_.size(), .rate_hz = 1 / clock.interval_s};
+  const double slack_s = 2 * HalfDigit(times_s_[0]) + 1e-6 * clock.interval_s;
+  if (clock.start_s) {
+    if (*clock.start_s < least_s - slack_s || *clock.start_s > most_s + slack_s) {
+      return std::nullopt;
     }
-    // but for the first row's own time where that will do
-    start_s = times_s_[0] >= least_s && times_s_[0] <= most_s ? times_s_[0]
-                                                              : std::midpoint(least_s, most_s);
+    stretch.start_s = *clock.start_s;
+  } else {
+    // the first row's own time where that will do
+    const bool is_first = times_s_[0] >= least_s && times_s_[0] <= most_s;
+    stretch.start_s = is_first ? times_s_[0] : std::midpoint(least_s, most_s);
   }
-  for (std::size_t i = 0; i < half.size(); ++i) {
-    const double bound_s = 2 * half[i] + half[0] + 1e-6 * clock.interval_s;
-    if (!(std::abs(times_s_[i] - start_s - at(i)) <= bound_s)) return std::nullopt;
-  }
-  return Stretch{.rows = half.size(), .start_s = start_s, .rate_hz = 1 / clock.interval_s};
+  return stretch;
 }
 
 // whether `stretches` still describe the rows: somebody may have edited them

@@ -60,8 +60,10 @@ class TimeSetter {
       auto part = Read(std::move(segments[s]));
       if (!part) return std::unexpected(part.error());
       if (!times.Append(*part, words_.segment_starts_s[s])) {
-        return CannotAnswer(name_, fmt::format("says that segment {} begins before the one ahead "
-                                               "of it ends", s + 1),
+        return CannotAnswer(name_,
+                            fmt::format("says that segment {} begins before the one ahead "
+                                        "of it ends",
+                                        s + 1),
                             "read one of them: --segment 1");
       }
     }
@@ -80,9 +82,10 @@ class TimeSetter {
   std::unexpected<Error> WhichSegment(const std::vector<Segment>& segments) const {
     return CannotAnswer(
         name_,
-        fmt::format("its times begin again at line {}: either {} segments, of which it does not say "
-                    "when they were, or rows out of order",
-                    segments[1].line, segments.size()),
+        fmt::format(
+            "its times begin again at line {}: either {} segments, of which it does not say "
+            "when they were, or rows out of order",
+            segments[1].line, segments.size()),
         fmt::format("read one of them (--segment 1 to {}), or sort the rows", segments.size()));
   }
 
@@ -124,9 +127,8 @@ class TimeSetter {
     const double stated_hz = 1 / words_.clock->interval_s;
     const double rate_hz = RateOf(part);
     if (IsRate(rate_hz, stated_hz, 1e-3)) return part;
-    const std::string both =
-        fmt::format("its times say {:.6g} rows a second and '{}' says {:.6g}", rate_hz,
-                    words_.clock->from, stated_hz);
+    const std::string both = fmt::format("its times say {:.6g} rows a second and '{}' says {:.6g}",
+                                         rate_hz, words_.clock->from, stated_hz);
     if (!options_.rate_hz) return CannotAnswer(name_, both, "say which is right with --rate");
     remarks_.push_back(both + "; --rate decides");
     if (IsRate(rate_hz, *options_.rate_hz, 0.01)) return part;
@@ -162,9 +164,9 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
   TimeSetter setter(name, words, options, remarks);
   if (options.segment) {
     if (*options.segment < 1 || *options.segment > segments.size()) {
-      return CannotAnswer(name, fmt::format("has {} segment{}", segments.size(),
-                                            segments.size() == 1 ? "" : "s"),
-                          "say --segment with one of them, counted from 1");
+      return CannotAnswer(
+          name, fmt::format("has {} segment{}", segments.size(), segments.size() == 1 ? "" : "s"),
+          "say --segment with one of them, counted from 1");
     }
     if (rows->has_times()) {
       Segment wanted = std::move(segments[*options.segment - 1]);

@@ -26,8 +26,8 @@ bool SegmentedTimes::Append(const Record& part, double shift_s) {
   if (has_raw_) {
     raw_times_s_.reserve(before + part.rows);
     for (std::size_t row = 0; row < part.rows; ++row) {
-      raw_times_s_.push_back(shift_s + (part.raw_times_s.empty() ? TimeOf(part, row)
-                                                                 : part.raw_times_s[row]));
+      raw_times_s_.push_back(
+          shift_s + (part.raw_times_s.empty() ? TimeOf(part, row) : part.raw_times_s[row]));
     }
   }
   stretches_.reserve(stretches_.size() + part.stretches.size());

@@ -21,8 +21,8 @@ struct TableLine {
 
 /// What stands above a table's numbers, and its first two rows.
 struct TableBeginning {
-  std::vector<TableLine> above{};  ///< without blank lines and # lines
-  std::vector<TableKey> keys{};    ///< of all lines above, # lines too
+  std::vector<TableLine> above{};            ///< without blank lines and # lines
+  std::vector<TableKey> keys{};              ///< of all lines above, # lines too
   std::vector<std::string_view> comments{};  ///< the # lines
   std::array<TableCells, 2> rows{};
   std::size_t offset = 0;  ///< of the first row

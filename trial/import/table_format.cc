@@ -26,7 +26,7 @@ constexpr std::array<TableFormatFacts, 21> kFormats{{
     {kRigolUltrascope, "rigol-ultrascope", "Rigol UltraScope", "", ""},
     {kKeysightInfiniivision, "keysight-infiniivision", "Keysight InfiniiVision", "", ""},
     {kKeysightInfiniium, "keysight-infiniium", "Keysight Infiniium", "s", "V"},
-    {kSiglent, "siglent", "Siglent SDS", "", ""},
+    {kSiglent, "siglent", "Siglent SDS", "", "V"},
     {kLecroy, "lecroy", "LeCroy", "s", "V"},
     {kPicoscope, "picoscope", "PicoScope", "", ""},
     {kSaleae, "saleae", "Saleae Logic 2", "", ""},
@@ -51,6 +51,8 @@ std::vector<std::string> BareLines(std::string_view text) {
     std::string line = LowerCase(text.substr(0, std::min(end, kLongest)));
     text.remove_prefix(std::min(end + 1, text.size()));
     std::erase_if(line, [](char c) { return c == ' ' || c == '"' || c == '\r'; });
+    // where something else separates cells, a comma is a decimal one
+    if (line.find_first_of(";\t") != std::string::npos) std::ranges::replace(line, ',', '.');
     std::ranges::replace(line, '\t', ',');
     std::ranges::replace(line, ';', ',');
     lines.push_back(std::move(line));

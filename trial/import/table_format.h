@@ -49,8 +49,8 @@ struct TableFormatFacts {
 [[nodiscard]] std::optional<TableFormat> TableFormatFromName(std::string_view name);
 
 /// The layout that the first lines of `text` (UTF-8, no byte-order mark) speak of; the first that
-/// matches, from the most particular to the least; kPlain where none does. Separators may be commas,
-/// semicolons or tabs, as after a spreadsheet. Only the first 64 lines are looked at.
+/// matches, from the most particular to the least; kPlain where none does. Separators may be
+/// commas, semicolons or tabs, as after a spreadsheet. Only the first 64 lines are looked at.
 [[nodiscard]] TableFormat FindTableFormat(std::string_view text);
 
 }  // namespace haptometer::trial

@@ -55,9 +55,12 @@ std::string FromUtf16(std::string_view raw, bool is_big_endian) {
 // the bytes of the character at `at`, 0 where they are no UTF-8
 std::size_t CharacterSize(std::string_view text, std::size_t at) {
   const unsigned first = Byte(text[at]);
-  const std::size_t size = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3
-                           : first < 0xf5                                               ? 4
-                                                                                        : 0;
+  const std::size_t size = first < 0x80   ? 1
+                           : first < 0xc2 ? 0
+                           : first < 0xe0 ? 2
+                           : first < 0xf0 ? 3
+                           : first < 0xf5 ? 4
+                                          : 0;
   if (size == 0 || at + size > text.size()) return 0;
   for (std::size_t i = 1; i < size; ++i) {
     if ((Byte(text[at + i]) & 0xc0U) != 0x80) return 0;
@@ -111,8 +114,8 @@ std::string_view Utf8Text(std::string_view raw, std::string* storage) {
     text = *storage;
   }
   const bool has_nul = text.find('\0') != std::string_view::npos;
-  const bool ends_in_cr = text.find('\n') == std::string_view::npos &&
-                          text.find('\r') != std::string_view::npos;
+  const bool ends_in_cr =
+      text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
   if (!has_nul && !ends_in_cr) return text;
   std::string changed(text);
   std::erase(changed, '\0');
