@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
 #include <optional>
 #include <utility>
 
@@ -13,33 +14,6 @@
 
 namespace haptometer::trial {
 namespace {
-
-struct NameAndUnit {
-  std::string_view name;
-  std::string_view unit;
-};
-
-// "Time [ms]", "Voltage (V)", "t / s" or "C1 in V" split into name and unit
-NameAndUnit SplitUnit(std::string_view cell) {
-  const std::size_t open = cell.find_last_of("[(");
-  if (open != std::string_view::npos && (cell.ends_with(']') || cell.ends_with(')'))) {
-    return {Trimmed(cell.substr(0, open)), Trimmed(cell.substr(open + 1, cell.size() - open - 2))};
-  }
-  for (const std::string_view sign : {" / ", " in "}) {
-    const std::size_t at = cell.rfind(sign);
-    if (at == std::string_view::npos) continue;
-    return {Trimmed(cell.substr(0, at)), Trimmed(cell.substr(at + sign.size()))};
-  }
-  if (cell.starts_with("in ")) return {"", Trimmed(cell.substr(3))};
-  return {cell, ""};
-}
-
-// a cell that holds a unit alone: "V", "(ms)", "second"
-std::string_view UnitCell(std::string_view cell) {
-  const auto [before, inside] = SplitUnit(cell);
-  if (inside.empty()) return cell;
-  return before.empty() ? inside : "";
-}
 
 bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::ranges::find(words, LowerCase(word)) != words.end();
@@ -52,6 +26,38 @@ bool IsTimeName(std::string_view name) {
 bool IsUnitOfTime(std::string_view text) {
   const auto unit = FindUnit(text);
   return unit && unit->si_unit == "s";
+}
+
+struct NameAndUnit {
+  std::string_view name;
+  std::string_view unit;
+};
+
+// "Time [ms]", "Voltage (V)", "t / s", "C1 in V" or "t_s" split into name and unit
+NameAndUnit SplitUnit(std::string_view cell) {
+  const std::size_t open = cell.find_last_of("[(");
+  if (open != std::string_view::npos && (cell.ends_with(']') || cell.ends_with(')'))) {
+    return {Trimmed(cell.substr(0, open)), Trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+  }
+  for (const std::string_view sign : {" / ", " in "}) {
+    const std::size_t at = cell.rfind(sign);
+    if (at == std::string_view::npos) continue;
+    return {Trimmed(cell.substr(0, at)), Trimmed(cell.substr(at + sign.size()))};
+  }
+  if (cell.starts_with("in ")) return {"", Trimmed(cell.substr(3))};
+  const std::size_t bar = cell.rfind('_');
+  if (bar != std::string_view::npos && IsTimeName(cell.substr(0, bar)) &&
+      IsUnitOfTime(cell.substr(bar + 1))) {
+    return {cell.substr(0, bar), cell.substr(bar + 1)};
+  }
+  return {cell, ""};
+}
+
+// a cell that holds a unit alone: "V", "(ms)", "second"
+std::string_view UnitCell(std::string_view cell) {
+  const auto [before, inside] = SplitUnit(cell);
+  if (inside.empty()) return cell;
+  return before.empty() ? inside : "";
 }
 
 void SetUnit(const PrintedUnit& unit, CsvColumn* column) {
@@ -202,7 +208,11 @@ class Head {
         "or say --columns";
     const std::string what =
         fmt::format("no line names its {} column{}", Width(), Width() == 1 ? "" : "s");
-    const double step = filled.size() < 2 ? 0 : Step(filled[0]);
+    if (filled.size() == 1) {
+      return CannotAnswer(name_, "holds one column, without a name and without times",
+                          "say --rate 10kHz, and what it is: --scale, or --columns voltage_v");
+    }
+    const double step = filled.empty() ? 0 : Step(filled[0]);
     if (!(step > 0)) return CannotAnswer(name_, what, kRemedy);
     return CannotAnswer(
         name_,

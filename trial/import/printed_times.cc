@@ -68,11 +68,11 @@ std::vector<double> PrintedTimes::HalfDigits() const {
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
   const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
   // the starts that the digits of all rows leave; where some are cut off instead of rounded, that
-  // moves the start alone
+  // moves the start alone; a little more for the arithmetic on clock times
   double least_s = -std::numeric_limits<double>::infinity();
   double most_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < times_s_.size(); ++i) {
-    const double bound_s = HalfDigit(times_s_[i]) + 1e-6 * clock.interval_s;
+    const double bound_s = (1 + 1e-4) * HalfDigit(times_s_[i]) + 1e-6 * clock.interval_s;
     least_s = std::max(least_s, times_s_[i] - bound_s - at(i));
     most_s = std::min(most_s, times_s_[i] + bound_s - at(i));
   }
