@@ -108,6 +108,12 @@ TEST(ForeignTable, WhatIsMissingIsAskedFor) {
               HasSubstr("no column beside the time"));
 }
 
+TEST(ForeignTable, ColumnsThatAreSaidNeedATable) {
+  EXPECT_EQ(ErrorOf("a,b\nc,d\n", {.columns = {"time_s", "voltage_v"}}),
+            "f.csv: has no two lines of numbers for --columns to name; give a file with a row of "
+            "numbers a line");
+}
+
 TEST(ForeignTable, TimesAgainstAStatedRateAreRemarkedUpon) {
   for (const char* words : {"# nominal_rate_hz = 1000", "# sampling 1 kHz", "# rate = 1000 Hz",
                             "# sample_rate_hz = 1000"}) {

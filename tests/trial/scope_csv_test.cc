@@ -212,7 +212,8 @@ TEST(ScopeCsv, LabviewFilesWithAndWithoutAHeader) {
   EXPECT_EQ(bare->record.stretches.at(0).rate_hz, 1e4);
   const auto nothing_said = ReadRecording(PathOf("labview_bare.lvm"));
   ASSERT_FALSE(nothing_said);
-  EXPECT_THAT(nothing_said.error().Text(), HasSubstr("holds one column, without a name and without times; say --rate"));
+  EXPECT_THAT(nothing_said.error().Text(),
+              HasSubstr("holds one column, without a name and without times; say --rate"));
 }
 
 TEST(ScopeCsv, AToolsTableWithARowNumber) {

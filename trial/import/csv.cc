@@ -159,10 +159,12 @@ class Parser {
 
   Result<void> SetTimes() {
     if (!is_foreign_) {
-      // its times grow, so that a grid or a mean line is always found
-      (void)std::move(rows_.segments()[0].times)
-          .Complete(comments_.timing, std::move(comments_.stretches), &record_);
-      return {};
+      if (std::move(rows_.segments()[0].times)
+              .Complete(comments_.timing, std::move(comments_.stretches), &record_)) {
+        return {};
+      }
+      return CannotAnswer(name_, "has times that lie closer than a rate can say",
+                          "check the unit of its time column");
     }
     if (stated_rows_ && *stated_rows_ != record_.rows) {
       remarks_.push_back(

@@ -56,12 +56,7 @@ class Finder {
     constexpr std::size_t kSideColumns = 3;
     const auto beginning =
         is_beside ? FindSideTable(text_, kSideColumns) : FindTableBeginning(text_);
-    if (!beginning) {
-      if (!options_.format) return std::nullopt;
-      return CannotAnswer(
-          name_, fmt::format("is no table as --format {} says", FactsOf(*options_.format).name),
-          "leave --format out, or name another");
-    }
+    if (!beginning) return NoTable();
     table_.offset = beginning->offset;
     table_.line = beginning->line;
     table_.separator = beginning->rows[0].separator;
@@ -82,6 +77,18 @@ class Finder {
   }
 
  private:
+  // what was said about the table needs one
+  Result<std::optional<ForeignTable>> NoTable() const {
+    if (options_.format) {
+      return CannotAnswer(
+          name_, fmt::format("is no table as --format {} says", FactsOf(*options_.format).name),
+          "leave --format out, or name another");
+    }
+    if (options_.columns.empty()) return std::nullopt;
+    return CannotAnswer(name_, "has no two lines of numbers for --columns to name",
+                        "give a file with a row of numbers a line");
+  }
+
   // columns and clock; how many lines above were used for it
   Result<std::size_t> ReadColumns(const TableBeginning& beginning) {
     auto clock = FindStatedClock(beginning.keys, name_);

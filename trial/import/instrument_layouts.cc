@@ -90,7 +90,7 @@ Result<void> AddPxiClock(const TableBeginning& beginning, const std::string& nam
     const StatedClock clock{*interval_s, at(cells, "start time"), "Sample Interval"};
     const bool differs = table->clock && (table->clock->interval_s != clock.interval_s ||
                                           table->clock->start_s != clock.start_s);
-    if (!(*interval_s > 0) || differs) {
+    if (!(*interval_s > 0) || !std::isfinite(1 / *interval_s) || differs) {
       return CannotAnswer(name, "has channels of different clocks, or one without",
                           "write channels of one clock into one file");
     }

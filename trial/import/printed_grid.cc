@@ -118,6 +118,7 @@ std::optional<std::vector<Stretch>> PrintedGrid(std::span<const double> times_s,
       period_s = own_period_s(run);
       if (!Fits(run, period_s, times_s, half_digits_s)) return std::nullopt;
     }
+    if (!std::isfinite(1 / period_s)) return std::nullopt;
     stretches.push_back({.first_row = run.first,
                          .rows = run.rows,
                          .start_s = times_s[run.first],

@@ -12,6 +12,38 @@
 #include "trial/time_base.h"
 
 namespace haptometer::trial {
+namespace {
+
+// the fits of recorded times count nanoseconds; an oscilloscope prints closer ones
+constexpr double kShortestPeriodS = 1e-6;
+
+// The least-squares line through times that grow, and how far they lie from it (RMS).
+std::optional<Stretch> MeanLine(std::span<const double> times_s) {
+  const auto count = static_cast<double>(times_s.size());
+  const double middle = (count - 1) / 2;
+  double mean_s = 0;
+  for (const double t : times_s) mean_s += t / count;
+  double sum_xx = 0;
+  double sum_xt = 0;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    const double x = static_cast<double>(i) - middle;
+    sum_xx += x * x;
+    sum_xt += x * (times_s[i] - mean_s);
+  }
+  const double period_s = sum_xt / sum_xx;
+  if (!(period_s > 0) || !std::isfinite(1 / period_s)) return std::nullopt;
+  double sum_squares = 0;
+  for (std::size_t i = 0; i < times_s.size(); ++i) {
+    const double off_s = times_s[i] - mean_s - (static_cast<double>(i) - middle) * period_s;
+    sum_squares += off_s * off_s;
+  }
+  return Stretch{.rows = times_s.size(),
+                 .start_s = mean_s - middle * period_s,
+                 .rate_hz = 1 / period_s,
+                 .time_uncertainty_s = std::sqrt(sum_squares / count)};
+}
+
+}  // namespace
 
 PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
   Digits digits;
@@ -108,6 +140,23 @@ bool PrintedTimes::Describe(std::span<const Stretch> stretches, Timing timing) c
   return row == times_s_.size();
 }
 
+std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
+  const double span_s = times_s_.back() - times_s_.front();
+  const double shortest_s = kShortestPeriodS * static_cast<double>(times_s_.size() - 1);
+  if (record.times_are_known && span_s < shortest_s) {
+    const auto line = MeanLine(times_s_);
+    return line ? std::vector{*line} : std::vector<Stretch>{};
+  }
+  std::vector<std::int64_t> time_ns;
+  time_ns.reserve(times_s_.size());
+  for (const double t : times_s_) {
+    time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
+  }
+  const auto nominal_rate_hz = record.metadata.nominal_rate_hz;
+  return record.timing == Timing::kArrival ? FitArrivalTimes(time_ns, nominal_rate_hz)
+                                           : FitPolledTimes(time_ns, time_ns, nominal_rate_hz);
+}
+
 bool PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* record) && {
   const bool times_are_raw = timing != Timing::kUniform;
   record->timing = timing;
@@ -122,23 +171,15 @@ bool PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* 
       return true;
     }
     if (repeated_ > 0) return false;
-  }
-  // neither a grid nor explained: the mean line, beside the times as they stand
-  std::vector<std::int64_t> time_ns;
-  time_ns.reserve(times_s_.size());
-  for (const double t : times_s_) {
-    time_ns.push_back(static_cast<std::int64_t>(std::clamp(t * 1e9, -9e18, 9e18)));
-  }
-  if (!times_are_raw) {
     record->timing = Timing::kPolled;
     record->times_are_known = true;
   }
-  const auto nominal_rate_hz = record->metadata.nominal_rate_hz;
-  record->stretches = record->timing == Timing::kArrival
-                          ? FitArrivalTimes(time_ns, nominal_rate_hz)
-                          : FitPolledTimes(time_ns, time_ns, nominal_rate_hz);
+  // neither a grid nor explained: the mean line, beside the times as they stand
+  record->stretches = MeanLines(*record);
   record->raw_times_s = std::move(times_s_);
-  return true;
+  return std::ranges::all_of(record->stretches,
+                             [](const Stretch& s) { return std::isfinite(s.rate_hz); }) &&
+         !record->stretches.empty();
 }
 
 }  // namespace haptometer::trial

@@ -39,8 +39,8 @@ class PrintedTimes {
   /// `timing`: kUniform for times that a clock made, others for times as they came. `stated`: the
   /// stretches that the file itself gives, used where they still describe the rows. Otherwise a
   /// grid where the printed digits explain the times (trial/import/printed_grid.h), else the mean
-  /// line beside the times as they stand. False, and nothing is set: times repeat and no grid
-  /// explains it.
+  /// line beside the times as they stand. False, and `record` is not to be used: times repeat and
+  /// no grid explains it, or they lie closer than a rate can say.
   [[nodiscard]] bool Complete(Timing timing, std::vector<Stretch> stated, Record* record) &&;
 
  private:
@@ -51,6 +51,7 @@ class PrintedTimes {
   };
   [[nodiscard]] static Digits DigitsOf(std::string_view text);
   [[nodiscard]] bool Describe(std::span<const Stretch> stretches, Timing timing) const;
+  [[nodiscard]] std::vector<Stretch> MeanLines(const Record& record) const;
   [[nodiscard]] double HalfDigit(double time_s) const;
   [[nodiscard]] std::vector<double> HalfDigits() const;
 

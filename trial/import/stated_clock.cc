@@ -142,7 +142,7 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
     if (known == kIntervalKeys.end()) continue;
     for (const std::string_view value : key.values) {
       const auto interval_s = known->read(value);
-      if (!interval_s || !std::isfinite(*interval_s) || !(*interval_s > 0)) continue;
+      if (!interval_s || !(*interval_s > 0) || !std::isfinite(1 / *interval_s)) continue;
       if (clock && !Agree(clock->interval_s, *interval_s)) {
         return CannotAnswer(
             name,
