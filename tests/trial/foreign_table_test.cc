@@ -108,6 +108,21 @@ TEST(ForeignTable, WhatIsMissingIsAskedFor) {
               HasSubstr("no column beside the time"));
 }
 
+TEST(ForeignTable, LinesOfOurOwnMayStandAnywhereAboveTheTable) {
+  const Record record = Parsed(
+      "# case = held\nModel,TDS\n# load_ohm = 27\n\nTime (s),CH1 (V)\n0,1\n1,2\n# late = 1\n");
+  EXPECT_EQ(record.metadata.fields.at("case"), "held");
+  EXPECT_EQ(record.metadata.fields.at("load_ohm"), "27");
+  EXPECT_EQ(record.metadata.fields.at("late"), "1");
+  EXPECT_EQ(record.metadata.fields.at("table.Model"), "TDS");
+}
+
+TEST(ForeignTable, UnevenTimesCloserThanANanosecondKeepTheirRate) {
+  const Record record = Parsed("Time (ns),CH1 (V)\n0.00,1\n0.10,2\n0.25,3\n0.30,4\n");
+  EXPECT_EQ(record.raw_times_s.size(), 4);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 1 / 0.105e-9, 1e-12, "least squares by hand");
+}
+
 TEST(ForeignTable, ColumnsThatAreSaidNeedATable) {
   EXPECT_EQ(ErrorOf("a,b\nc,d\n", {.columns = {"time_s", "voltage_v"}}),
             "f.csv: has no two lines of numbers for --columns to name; give a file with a row of "

@@ -102,6 +102,7 @@ class Parser {
       auto table = FindForeignTable(whole_, name_, options_);
       if (!table) return std::unexpected(table.error());
       if (*table) {
+        if (auto done = ReadCommentsTo(**table); !done) return done;
         Begin(std::move(**table));
         return {};
       }
@@ -110,6 +111,15 @@ class Parser {
     if (!columns) return std::unexpected(columns.error());
     if (auto done = KeepChannel(options_, name_, &*columns); !done) return done;
     BeginRows({.separator = header.separator, .columns = std::move(*columns)});
+    return {};
+  }
+
+  // # lines between another program's words count as those at the top
+  Result<void> ReadCommentsTo(const ForeignTable& table) {
+    while (line_number_ < table.line && NextLine() && line_number_ <= table.line) {
+      if (!line_.starts_with('#')) continue;
+      if (auto done = ReadCsvComment(line_, Here(), &comments_); !done) return done;
+    }
     return {};
   }
 
