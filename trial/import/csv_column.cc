@@ -61,6 +61,16 @@ std::string ColumnName(const Channel& channel, std::size_t number, std::size_t o
 
 }  // namespace
 
+void SetUnit(const PrintedUnit& unit, CsvColumn* column) {
+  column->role = RoleOfUnit(unit.si_unit);
+  column->unit = unit.si_unit;
+  column->factor = unit.factor;
+}
+
+void SetPrintedUnit(std::string_view printed, CsvColumn* column) {
+  if (const auto unit = FindUnit(printed)) SetUnit(*unit, column);
+}
+
 Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where) {
   if (cell == "-") return CsvColumn{.kind = CsvColumnKind::kLeftOut};
   const std::string name = LowerCase(cell);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "trial/import/printed_unit.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -25,6 +26,11 @@ struct CsvColumn {
   bool is_count = false;  ///< kTime: whole numbers, of which no digit is rounded
   std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
 };
+
+/// Gives a value column a unit, its factor, and the role of what is measured in it.
+void SetUnit(const PrintedUnit& unit, CsvColumn* column);
+/// The same with a unit as printed; leaves the column as it is where the unit is not known.
+void SetPrintedUnit(std::string_view printed, CsvColumn* column);
 
 /// Reads one column's name, as below; "-" is a column to leave out.
 [[nodiscard]] Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where);

@@ -14,14 +14,6 @@ namespace {
 
 using Cells = std::vector<std::string_view>;
 
-void SetUnit(std::string_view printed, CsvColumn* column) {
-  const auto unit = FindUnit(printed);
-  if (!unit) return;
-  column->role = RoleOfUnit(unit->si_unit);
-  column->unit = unit->si_unit;
-  column->factor = unit->factor;
-}
-
 std::string_view FirstValue(const TableBeginning& beginning, std::string_view key) {
   const auto values = ValuesOf(beginning.keys, key);
   return values.empty() ? "" : values[0];
@@ -116,6 +108,47 @@ void AddElvisStarts(const TableBeginning& beginning, ForeignTable* table) {
   }
 }
 
+// one channel of a Hantek file: # lines, then values
+struct HantekBlock {
+  std::string head{};
+  std::string title{};
+  std::string unit{};
+  std::string clock{};
+  Cells values{};
+};
+
+void TakeHantekKey(std::string_view line, HantekBlock* block) {
+  block->head += line;
+  block->head += '\n';
+  const auto key = ReadTableKey(line, ',');
+  if (!key) return;
+  const std::string word = LowerCase(key->key);
+  if (word == "channel") block->title = key->values[0];
+  if (word == "units") block->unit = key->values[0];
+  if (word == "clock") block->clock = key->values[0];
+}
+
+// the blocks of `text`, or none where it is a table
+std::vector<HantekBlock> HantekBlocks(std::string_view text) {
+  std::vector<HantekBlock> blocks;
+  bool is_in_values = true;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = Trimmed(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (line.empty()) continue;
+    if (line.starts_with('#')) {
+      if (std::exchange(is_in_values, false)) blocks.emplace_back();
+      TakeHantekKey(line, &blocks.back());
+      continue;
+    }
+    if (blocks.empty() || CellsOf(line).cells.size() > 1) return {};
+    blocks.back().values.push_back(line);
+    is_in_values = true;
+  }
+  return blocks;
+}
+
 }  // namespace
 
 std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
@@ -127,7 +160,7 @@ std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
   }
   const std::string_view source = FirstValue(beginning, "Source");
   columns[4] = {.name = source.empty() ? "channel_1" : std::string(source)};
-  SetUnit(FirstValue(beginning, "Vertical Units"), &columns[4]);
+  SetPrintedUnit(FirstValue(beginning, "Vertical Units"), &columns[4]);
   return columns;
 }
 
@@ -149,7 +182,7 @@ Result<void> ReadSequence(const TableBeginning& beginning, const std::string& na
     if (title == "increment") increment_s = ReadNumberWithComma(units[i]);
     if (!title.starts_with("ch") || i >= beginning.width()) continue;
     table->columns[i] = {.name = std::string(names[i])};
-    SetUnit(units[i], &table->columns[i]);
+    SetPrintedUnit(units[i], &table->columns[i]);
   }
   if (!start_s || !increment_s || !std::isfinite(*start_s) || !std::isfinite(1 / *increment_s) ||
       !(*increment_s > 0)) {
@@ -202,56 +235,26 @@ Result<void> AddInstrumentWords(const TableBeginning& beginning, const std::stri
 
 Result<std::optional<std::string>> JoinHantekBlocks(std::string_view text,
                                                     const std::string& name) {
-  struct Block {
-    std::string head{};
-    std::string title{};
-    std::string unit{};
-    std::string clock{};
-    Cells values{};
-  };
-  std::vector<Block> blocks;
-  bool is_in_values = true;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    const std::string_view line = Trimmed(text.substr(0, end));
-    text.remove_prefix(std::min(end + 1, text.size()));
-    if (line.empty()) continue;
-    if (!line.starts_with('#')) {
-      if (blocks.empty() || CellsOf(line).cells.size() > 1) return std::nullopt;
-      blocks.back().values.push_back(line);
-      is_in_values = true;
-      continue;
-    }
-    if (std::exchange(is_in_values, false)) blocks.emplace_back();
-    Block& block = blocks.back();
-    block.head += std::string(line) + "\n";
-    const auto key = ReadTableKey(line, ',');
-    if (!key) continue;
-    const std::string word = LowerCase(key->key);
-    if (word == "channel") block.title = key->values[0];
-    if (word == "units") block.unit = key->values[0];
-    if (word == "clock") block.clock = key->values[0];
-  }
+  const auto blocks = HantekBlocks(text);
   if (blocks.empty()) return std::nullopt;
-  std::string joined = blocks[0].head;
-  std::string names;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    const Block& block = blocks[b];
-    if (block.values.size() != blocks[0].values.size() || block.clock != blocks[0].clock) {
-      return CannotAnswer(name,
-                          fmt::format("has blocks of {} and {} values, or of other clocks",
-                                      blocks[0].values.size(), block.values.size()),
-                          "save the channels into files of their own");
-    }
-    if (b > 0) names += '\t';
-    names += block.title.empty() ? fmt::format("CH{}", b + 1) : block.title;
-    if (!block.unit.empty()) names += fmt::format(" [{}]", block.unit);
+  for (const HantekBlock& block : blocks) {
+    if (block.values.size() == blocks[0].values.size() && block.clock == blocks[0].clock) continue;
+    return CannotAnswer(name,
+                        fmt::format("has blocks of {} and {} values, or of other clocks",
+                                    blocks[0].values.size(), block.values.size()),
+                        "save the channels into files of their own");
   }
-  joined += names;
+  std::string joined = blocks[0].head;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const HantekBlock& block = blocks[b];
+    if (b > 0) joined += '\t';
+    joined += block.title.empty() ? fmt::format("CH{}", b + 1) : block.title;
+    if (!block.unit.empty()) joined += fmt::format(" [{}]", block.unit);
+  }
   joined += '\n';
   for (std::size_t row = 0; row < blocks[0].values.size(); ++row) {
     for (std::size_t b = 0; b < blocks.size(); ++b) {
-      joined += b > 0 ? "\t" : "";
+      if (b > 0) joined += '\t';
       joined += blocks[b].values[row];
     }
     joined += '\n';

@@ -60,12 +60,6 @@ std::string_view UnitCell(std::string_view cell) {
   return before.empty() ? inside : "";
 }
 
-void SetUnit(const PrintedUnit& unit, CsvColumn* column) {
-  column->role = RoleOfUnit(unit.si_unit);
-  column->unit = unit.si_unit;
-  column->factor = unit.factor;
-}
-
 class Head {
  public:
   Head(const TableBeginning& beginning, TableFormat format, const std::string& name,
