@@ -1,4 +1,5 @@
 // What other programs write: oscilloscopes, DAQs, LabVIEW.
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -115,6 +116,17 @@ TEST(ForeignTable, LinesOfOurOwnMayStandAnywhereAboveTheTable) {
   EXPECT_EQ(record.metadata.fields.at("load_ohm"), "27");
   EXPECT_EQ(record.metadata.fields.at("late"), "1");
   EXPECT_EQ(record.metadata.fields.at("table.Model"), "TDS");
+}
+
+TEST(ForeignTable, FiveDigitsGiveTheRateToTwoPartsInAMillion) {
+  // 1.5 us steps under quanta of 10 ns to 10 us: the end points alone tell 33 parts in a million
+  constexpr int kRows = 100'000;
+  std::string text = "Time(s),CH1(V)\n";
+  for (int k = 0; k < kRows; ++k) text += fmt::format("{:.4e},1\n", k * 1.5e-6);
+  const Record record = Parsed(text);
+  ASSERT_EQ(record.stretches.size(), 1);
+  EXPECT_REL(record.stretches[0].rate_hz, 1 / 1.5e-6, 2e-6,
+             "ties, one time in twenty, may all round one way: 0.25 us over 0.15 s");
 }
 
 TEST(ForeignTable, UnevenTimesCloserThanANanosecondKeepTheirRate) {
