@@ -86,6 +86,15 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   if (voltage == nullptr) {
     return CannotAnswer(name, "has no voltage", "give a CSV with the columns time_s,voltage_v");
   }
+  std::string voltages;
+  for (const auto& channel : record.channels) {
+    if (channel.role != trial::ChannelRole::kVoltage) continue;
+    voltages += fmt::format("{}{}", voltages.empty() ? "" : ", ", channel.name);
+  }
+  if (voltages.find(',') != std::string::npos) {
+    return CannotAnswer(name, fmt::format("has several voltages: {}", voltages),
+                        "say which is the coil's: --channel NAME");
+  }
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
     return CannotAnswer(name, "has gaps or an uneven time base",
                         "export the whole oscilloscope record at its own sample interval");

@@ -52,8 +52,8 @@ struct ImpulseFile {
 /// no name says what it measures. Header keys, each an SI
 /// number or a text with unit and uncertainty ("1.40(3)g"): case (held | free), load_ohm (inf:
 /// open), drop_height_m, rebound, moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h.
-/// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel, gaps or an uneven time base,
-/// a key's value that does not parse or that is out of its range.
+/// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel or several, gaps or an uneven
+/// time base, a key's value that does not parse or that is out of its range.
 [[nodiscard]] Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record,
                                                     const std::string& name);
 

@@ -1,6 +1,8 @@
 // Any text as a CSV, of this program or another, with and without the user's word about its
-// columns: no crash, and what is read is written and read back as the same. The first byte chooses
-// the word.
+// columns, layout, channel and segment: no crash, the record keeps its promises, and what is read
+// is written and read back as the same. The first byte chooses the word about columns, the second
+// the layout, the third the rest.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -10,19 +12,52 @@
 #include "base/check.h"
 #include "trial/export/csv.h"
 #include "trial/import/csv.h"
+#include "trial/import/table_format.h"
+#include "trial/record.h"
+
+namespace {
+
+void CheckPromises(const haptometer::trial::Record& record) {
+  std::size_t covered = 0;
+  for (const auto& stretch : record.stretches) {
+    HAPTOMETER_CHECK(stretch.first_row == covered && stretch.rows > 0 && stretch.rate_hz > 0 &&
+                         std::isfinite(stretch.start_s) && std::isfinite(stretch.rate_hz),
+                     "stretch of {} rows at row {} of {}, from {} s at {} Hz", stretch.rows,
+                     stretch.first_row, covered, stretch.start_s, stretch.rate_hz);
+    covered += stretch.rows;
+  }
+  HAPTOMETER_CHECK(covered == record.rows, "{} of {} rows", covered, record.rows);
+  for (const auto& channel : record.channels) {
+    HAPTOMETER_CHECK(channel.values.size() == covered && channel.statuses.size() == covered,
+                     "{} values", channel.values.size());
+    for (std::size_t row = 0; row < covered; ++row) {
+      HAPTOMETER_CHECK(std::isfinite(channel.values[row]) ==
+                           haptometer::trial::IsMeasurement(channel.statuses[row]),
+                       "row {}: {}", row, channel.values[row]);
+    }
+  }
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;
-  if (size == 0) return 0;
+  if (size < 3) return 0;
   trial::ImportOptions options;
   if (data[0] % 4 == 1) options.columns = {"time_ms", "displacement"};
   if (data[0] % 4 == 2) options.columns = {"-", "voltage_v", "status"};
   if (data[0] % 4 >= 1) options.scale_m = 1e-3;
   if (data[0] % 4 >= 2) options.rate_hz = 1000;
+  const auto formats = trial::TableFormats();
+  if (data[1] % 4 == 1) options.format = formats[data[1] / 4 % formats.size()].format;
+  if (data[2] % 8 == 1) options.channel = "CH1";
+  if (data[2] % 8 == 2) options.segment = 1 + data[2] / 8 % 4;
+  if (data[2] % 8 == 3) options.scale_v = 10;
   std::vector<std::string> remarks;
-  const std::string_view input(reinterpret_cast<const char*>(data) + 1, size - 1);
+  const std::string_view input(reinterpret_cast<const char*>(data) + 3, size - 3);
   const auto record = trial::ParseCsv(input, "fuzz", options, &remarks);
   if (!record) return 0;
+  CheckPromises(*record);
   std::string text;
   const auto written = trial::WriteCsv(*record, [&](std::string_view piece) -> Result<void> {
     text += piece;

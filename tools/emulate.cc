@@ -15,6 +15,7 @@
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
 #include "sim/sensor_model.h"
+#include "tools/cli/import_words.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
@@ -63,6 +64,7 @@ struct Wanted {
   std::optional<Quantity> refresh_s;
   std::optional<std::int64_t> amplifiers;
   bool is_writable = false;
+  cli::ImportWords import;
 
   [[nodiscard]] bool stream() const { return protocol == kStream; }
   [[nodiscard]] bool modbus() const { return protocol == kModbus; }
@@ -106,6 +108,8 @@ void Declare(cli::Options& options, Wanted& wanted) {
                 "Number n (from 0) shows the motion divided by n + 1 (1)", cli::Shown::kHelpAll);
   options.Flag("--writable", &wanted.is_writable,
                "The unit's R/W switch stands on W: SW and AW are obeyed", cli::Shown::kHelpAll);
+  // --format is that of the lines it sends
+  cli::DeclareImport(&options, &wanted.import, cli::Scaled::kDisplacement, true);
 }
 
 // What cannot be asked for together.
@@ -170,8 +174,11 @@ Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
 }
 
 // The remark tells how long it plays.
-Result<std::string> PlayTrial(const std::string& path, emulator::MovingHead& head) {
-  const auto recording = trial::ReadRecording(path);
+Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& words,
+                              emulator::MovingHead& head) {
+  const auto import = cli::ImportOf(words);
+  if (!import) return std::unexpected(import.error());
+  const auto recording = trial::ReadRecording(path, *import);
   if (!recording) return std::unexpected(recording.error());
   auto motion = MotionOf(recording->record, path);
   if (!motion) return std::unexpected(motion.error());
@@ -296,7 +303,7 @@ Result<Played> MakeDevice(const Wanted& wanted) {
     if (auto played = PlayScene(wanted.scene, head); !played)
       return std::unexpected(played.error());
   } else {
-    auto played = PlayTrial(wanted.trial, head);
+    auto played = PlayTrial(wanted.trial, wanted.import, head);
     if (!played) return std::unexpected(played.error());
     source_remark = *played + "; ";
   }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 
 #include "fit/drop_test_fit.h"
 #include "fit/plausibility.h"
+#include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/fit_lra_input.h"
@@ -59,7 +61,8 @@ int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& 
   return status;
 }
 
-void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
+void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
+             std::string& plot) {
   options.Positionals("files", &wanted.files,
                       "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
@@ -80,6 +83,7 @@ void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
   options.Repeated("--require", &wanted.required, "Kv|Bv|Km",
                    "Status 3 where this constant is not determined; may be repeated");
   options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
+  cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
 }
 
 }  // namespace
@@ -87,9 +91,13 @@ void Declare(cli::Options& options, FitLraOptions& wanted, std::string& plot) {
 int RunFitLra(int argc, const char* const* argv) {
   cli::Options options(kText);
   FitLraOptions wanted;
+  cli::ImportWords import_words;
   std::string plot;
-  Declare(options, wanted, plot);
+  Declare(options, wanted, import_words, plot);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  auto import = cli::ImportOf(import_words);
+  if (!import) return cli::ReportError(kVerb, import.error());
+  wanted.import = std::move(*import);
   if (!plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
       return cli::ReportError(kVerb, drawable.error());

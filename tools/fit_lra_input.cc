@@ -118,7 +118,7 @@ void LayCondition(const FitLraOptions& options, fit::ImpulseRecord* record,
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& options,
                                     std::vector<std::string>* remarks) {
-  auto recording = trial::ReadRecording(source.path);
+  auto recording = trial::ReadRecording(source.path, options.import);
   if (!recording) return std::unexpected(recording.error());
   for (const std::string& remark : recording->report.remarks) {
     remarks->push_back(fmt::format("{}: {}", source.path, remark));

@@ -7,6 +7,7 @@
 #include "base/quantity.h"
 #include "base/result.h"
 #include "fit/impulse_record.h"
+#include "trial/import/import_options.h"
 
 namespace haptometer::tools {
 
@@ -24,7 +25,8 @@ struct FitLraOptions {
   std::optional<Quantity> resistance_ohm;
   std::optional<Quantity> inductance_h;
   std::vector<std::string> required;  ///< constants without which the status is 3
-  std::string actuator;  ///< built-in or file; beats headers, is beaten by the options above
+  std::string actuator;         ///< built-in or file; beats headers, is beaten by the options above
+  trial::ImportOptions import;  ///< how to read tables of other programs
 };
 
 /// The drops that can be fitted, what is known of the actuator, and what was left out.

@@ -49,6 +49,14 @@ Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions
   auto record =
       is_lvm ? ParseLvm(*text, path) : ParseCsv(*text, path, options, &recording.report.remarks);
   if (!record) return std::unexpected(record.error());
+  const bool is_told = !options.columns.empty() || options.rate_hz || options.scale_m ||
+                       options.scale_v || options.format || options.segment ||
+                       !options.channel.empty();
+  if (is_lvm && is_told) {
+    recording.report.remarks.emplace_back(
+        "a LabVIEW measurement names its columns and times itself; what the command line says of "
+        "tables is passed over");
+  }
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
   recording.report.closed = true;
   recording.report.rows = recording.report.next_row = record->rows;

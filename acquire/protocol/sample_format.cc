@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/check.h"
-#include "trial/import/csv_comment.h"
+#include "trial/import/printed_number.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -76,6 +76,17 @@ TEST(ImpulseRecord, AnAbsentKeyIsUnknownAndInfIsOpen) {
   EXPECT_TRUE(std::isinf(file->record.load_ohm->value));
 }
 
+TEST(ImpulseRecord, OfSeveralVoltagesNoneIsTaken) {
+  auto recording = MakeRecording();
+  recording.channels.push_back(*recording.Find(trial::ChannelRole::kVoltage));
+  recording.channels.back().name = "CH2";
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().Text().find("CH2; say which is the coil's: --channel NAME"),
+            std::string::npos)
+      << file.error().Text();
+}
+
 TEST(ImpulseRecord, AUnitIsNeverSwallowedByTheKeysUnit) {
   // "0.01 m" must not become 0.01 mm
   auto recording = MakeRecording();

@@ -119,6 +119,26 @@ TEST_F(FitLraFiles, GramsAsKilogramsAreDoubted) {
   EXPECT_THAT(FitLraJson({kOpenFile}).at("doubts"), IsEmpty());
 }
 
+TEST_F(FitLraFiles, AnOscilloscopesChannelIsChosenByNameAndScaled) {
+  // the fixture as a PicoScope writes it, in mV, with a trigger as the first voltage
+  const fs::path path = directory_ / "pico.csv";
+  std::ofstream out(path);
+  out << "Time,Channel A,Channel B\n(ms),(V),(mV)\n\n";
+  std::ifstream in(kOpenFile);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with('#') || line.starts_with("time")) continue;
+    const std::size_t comma = line.find(',');
+    out << fmt::format("{:.4f},0.5,{:.3f}\n", 1e3 * std::stod(line.substr(0, comma)),
+                       1e3 * std::stod(line.substr(comma + 1)));
+  }
+  out.close();
+  const std::vector<std::string> words{path, "--held", "--moving-mass", "1.4g"};
+  EXPECT_THAT(FitLra(words).err, HasSubstr("has several voltages: Channel A, Channel B"));
+  auto chosen = words;
+  chosen.insert(chosen.end(), {"--channel", "Channel B", "--scale", "1mV"});
+  ExpectParameter(FitLraJson(chosen), "Kv", 2800, 1e-3);
+}
+
 TEST_F(FitLraFiles, WithoutAHeightKmIsNullAndTheMessageHelps) {
   const auto path = Fixture(kOpenFile, "open.csv", {"drop_height_m", "rebound"});
   const json document = FitLraJson({path});

@@ -157,8 +157,9 @@ TEST(Csv, GapsBecomeStretches) {
 TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(
       ErrorOf("0,1\n1,2\n"),
-      "f.csv: no line names its 2 columns; put a line such as time_s,displacement_m above the "
-      "numbers (time_s,voltage_v for a coil), or say --columns");
+      "f.csv: no line names its 2 columns: the first may be a time (1 rows a second in s, 1000 in "
+      "ms) or a channel beside the others; say --columns time_s,voltage_v, or --columns "
+      "voltage_v,voltage_2_v with --rate");
   EXPECT_THAT(ErrorOf("name,age\nbob,3\n"), HasSubstr("no time column"));
   EXPECT_EQ(ErrorOf("time,voltage_v\n0,1\n"),
             "f.csv: column 'time' does not say its unit; name it time_s, time_ms or time_us");

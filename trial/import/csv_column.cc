@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "trial/import/printed_number.h"
 #include "trial/import/printed_unit.h"
 
 namespace haptometer::trial {
@@ -30,14 +31,6 @@ constexpr std::array<Quantity, 4> kQuantities{
 
 constexpr const char* kHeaderRemedy =
     "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil)";
-
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
 
 // whether `name` is `word` or begins with `word` and an underscore
 bool BeginsWithWord(std::string_view name, std::string_view word) {
@@ -63,14 +56,24 @@ std::string ColumnName(const Channel& channel, std::size_t number, std::size_t o
            q.si_unit == channel.unit;
   });
   if (quantity == kQuantities.end()) return fmt::format("channel_{}", number);
-  return fmt::format("{}{}_{}", quantity->name, count, Lower(quantity->si_unit));
+  return fmt::format("{}{}_{}", quantity->name, count, LowerCase(quantity->si_unit));
 }
 
 }  // namespace
 
+void SetUnit(const PrintedUnit& unit, CsvColumn* column) {
+  column->role = RoleOfUnit(unit.si_unit);
+  column->unit = unit.si_unit;
+  column->factor = unit.factor;
+}
+
+void SetPrintedUnit(std::string_view printed, CsvColumn* column) {
+  if (const auto unit = FindUnit(printed)) SetUnit(*unit, column);
+}
+
 Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where) {
   if (cell == "-") return CsvColumn{.kind = CsvColumnKind::kLeftOut};
-  const std::string name = Lower(cell);
+  const std::string name = LowerCase(cell);
   if (name == "status") return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = ""};
   if (const auto channel = NumberAfter(name, "status_")) {
     return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = "", .channel = *channel};

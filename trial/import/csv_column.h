@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/result.h"
+#include "trial/import/printed_unit.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -19,9 +20,17 @@ struct CsvColumn {
   ChannelRole role = ChannelRole::kOther;  ///< kValue
   std::string name{};                      ///< without its unit: "displacement", "displacement_2"
   std::string unit{};                      ///< SI, as values are kept: "m", "V", "A", "s" or ""
-  double factor = 1;                       ///< printed value * factor = SI value
+  double factor = 1;                       ///< printed value * factor + offset = SI value
+  double offset = 0;                       ///< SI; of times that count from elsewhere than 0
+  bool is_clock = false;  ///< kTime: a time on the wall's clock (ReadClock), counted from the first
+  bool is_count = false;  ///< kTime: whole numbers, of which no digit is rounded
   std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
 };
+
+/// Gives a value column a unit, its factor, and the role of what is measured in it.
+void SetUnit(const PrintedUnit& unit, CsvColumn* column);
+/// The same with a unit as printed; leaves the column as it is where the unit is not known.
+void SetPrintedUnit(std::string_view printed, CsvColumn* column);
 
 /// Reads one column's name, as below; "-" is a column to leave out.
 [[nodiscard]] Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where);

@@ -2,11 +2,11 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <optional>
+
+#include "trial/import/printed_number.h"
 
 namespace haptometer::trial {
 namespace {
@@ -103,28 +103,6 @@ bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comme
 }
 
 }  // namespace
-
-std::string_view Trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::optional<double> ReadNumber(std::string_view text) {
-  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
-  double number = 0;
-  const auto parsed = std::from_chars(text.begin(), text.end(), number);
-  if (parsed.ec != std::errc() || parsed.ptr != text.end()) return std::nullopt;
-  return number;
-}
-
-std::optional<double> ReadNumberWithComma(std::string_view text) {
-  if (text.find(',') == std::string_view::npos) return ReadNumber(text);
-  std::string with_point(text);
-  std::ranges::replace(with_point, ',', '.');
-  return ReadNumber(with_point);
-}
 
 Result<void> ReadCsvComment(std::string_view line, const std::string& where,
                             CsvComments* comments) {

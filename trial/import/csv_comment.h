@@ -36,13 +36,4 @@ struct CsvComments {
 /// One `# key = value` line; nothing for an empty value.
 [[nodiscard]] std::string CsvCommentLine(std::string_view key, std::string_view value);
 
-/// `text` without blanks at its ends.
-[[nodiscard]] std::string_view Trimmed(std::string_view text);
-
-/// The whole of `text` as a number; infinities and NaN count as numbers here.
-[[nodiscard]] std::optional<double> ReadNumber(std::string_view text);
-
-/// The same with a decimal comma or point.
-[[nodiscard]] std::optional<double> ReadNumberWithComma(std::string_view text);
-
 }  // namespace haptometer::trial

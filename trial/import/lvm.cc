@@ -11,10 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "trial/import/csv_comment.h"
-#include "trial/import/foreign_table.h"
+#include "trial/import/printed_number.h"
 #include "trial/import/printed_times.h"
 #include "trial/import/printed_unit.h"
+#include "trial/import/segmented_times.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {
@@ -34,28 +35,6 @@ struct Segment {
   std::size_t rows = 0;
 };
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  for (char& c : lower) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return lower;
-}
-
-// "hh:mm:ss.fff" (or with a decimal comma) as seconds, nothing where it is none
-std::optional<double> SecondsOfDay(std::string_view text) {
-  double seconds = 0;
-  for (int part = 0; part < 3; ++part) {
-    const std::size_t colon = text.find(':');
-    if ((colon == std::string_view::npos) != (part == 2)) return std::nullopt;
-    const auto number = ReadNumberWithComma(text.substr(0, colon));
-    if (!number || !(*number >= 0 && *number < 61)) return std::nullopt;
-    seconds = 60 * seconds + *number;
-    text = part == 2 ? "" : text.substr(colon + 1);
-  }
-  return seconds;
-}
-
 class Parser {
  public:
   Parser(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
@@ -63,7 +42,7 @@ class Parser {
   Result<Record> Parse() {
     if (auto done = ReadFileHeader(); !done) return std::unexpected(done.error());
     while (NextLine()) {
-      const bool begins_segment = Lower(Cells().front()) == "channels";
+      const bool begins_segment = LowerCase(Cells().front()) == "channels";
       const auto done = begins_segment ? ReadSegmentHeader() : ReadDataLine();
       if (!done) return std::unexpected(done.error());
     }
@@ -126,7 +105,7 @@ class Parser {
     if (auto done = ReadKeys(&file_keys_); !done) return done;
     const std::string decimal = First(file_keys_, "Decimal_Separator");
     decimal_comma_ = decimal.empty() ? separator_ != ',' : decimal == ",";
-    const std::string x_columns = Lower(First(file_keys_, "X_Columns"));
+    const std::string x_columns = LowerCase(First(file_keys_, "X_Columns"));
     if (x_columns == "no") x_columns_ = XColumns::kNone;
     if (x_columns == "multi") x_columns_ = XColumns::kMulti;
     for (const auto& [key, values] : file_keys_) {
@@ -149,7 +128,7 @@ class Parser {
   Result<void> ReadDataLine() {
     const auto cells = Cells();
     if (cells.front() == kHeaderEnd) return {};
-    if (!is_in_data_ && Lower(cells.front()) == "x_value") return ReadNames(cells);
+    if (!is_in_data_ && LowerCase(cells.front()) == "x_value") return ReadNames(cells);
     if (!is_in_data_) {
       // blank lines and special blocks between segments
       if (std::ranges::all_of(cells, &std::string_view::empty)) return {};
@@ -162,7 +141,7 @@ class Parser {
   Result<void> ReadNames(const std::vector<std::string_view>& cells) {
     is_in_data_ = true;
     for (std::size_t i = 1; i < cells.size(); ++i) {
-      const std::string lower = Lower(cells[i]);
+      const std::string lower = LowerCase(cells[i]);
       if (lower == "x_value") continue;
       if (lower == "comment") break;
       if (!cells[i].empty()) segment_.names.emplace_back(cells[i]);
@@ -275,49 +254,31 @@ class Parser {
     } else if (part.rows == 1) {
       return Wrong("ends a segment of one row, which has no rate");
     } else {
-      std::move(segment_.times).Complete(Timing::kUniform, {}, &part);
-    }
-    return Append(std::move(part));
-  }
-
-  Result<void> Append(Record part) {
-    const std::string time = First(segment_.keys, "Time");
-    const auto clock_s = SecondsOfDay(time.empty() ? First(file_keys_, "Time") : time);
-    double shift_s = 0;
-    if (record_.stretches.empty()) {
-      first_clock_s_ = clock_s;
-      first_date_ = First(segment_.keys, "Date");
-      first_start_s_ = part.stretches.front().start_s;
-    } else if (part.stretches.front().start_s <= EndOf(record_)) {
-      // X begins again: only the clock on the wall tells the pause
-      const bool is_told =
-          clock_s && first_clock_s_ && !time.empty() && First(segment_.keys, "Date") == first_date_;
-      shift_s = is_told
-                    ? *clock_s - *first_clock_s_ + first_start_s_ - part.stretches.front().start_s
-                    : 0;
-      if (!is_told || part.stretches.front().start_s + shift_s <= EndOf(record_)) {
-        return Wrong(
-            "ends a segment whose X begins again and whose Date and Time do not tell when");
+      // X values grow, but perhaps by less than a rate can say
+      if (!std::move(segment_.times).Complete(Timing::kUniform, {}, &part)) {
+        return Wrong("ends a segment whose X values lie too close to have a rate");
       }
     }
-    const std::size_t before = record_.rows - part.rows;
-    for (Stretch stretch : part.stretches) {
-      stretch.first_row += before;
-      stretch.start_s += shift_s;
-      record_.stretches.push_back(stretch);
-    }
-    // raw times for all rows or for none: a grid's rows are where the grid says
-    has_raw_ = has_raw_ || !part.raw_times_s.empty();
-    for (std::size_t row = 0; row < part.rows; ++row) {
-      const double raw_s = part.raw_times_s.empty() ? TimeOf(part, row) : part.raw_times_s[row];
-      raw_times_s_.push_back(raw_s + shift_s);
-    }
-    return {};
+    return Append(part);
   }
 
-  [[nodiscard]] static double EndOf(const Record& record) {
-    const Stretch& last = record.stretches.back();
-    return last.start_s + static_cast<double>(last.rows - 1) / last.rate_hz;
+  Result<void> Append(const Record& part) {
+    const std::string time = First(segment_.keys, "Time");
+    const auto clock_s = ReadClock(time.empty() ? First(file_keys_, "Time") : time);
+    const double start_s = part.stretches.front().start_s;
+    double shift_s = 0;
+    if (!has_first_) {
+      has_first_ = true;
+      first_clock_s_ = clock_s;
+      first_date_ = First(segment_.keys, "Date");
+      first_start_s_ = start_s;
+    } else if (!times_.IsBehind(start_s) && clock_s && first_clock_s_ && !time.empty() &&
+               First(segment_.keys, "Date") == first_date_) {
+      // X begins again: only the clock on the wall tells the pause
+      shift_s = *clock_s - *first_clock_s_ + first_start_s_ - start_s;
+    }
+    if (times_.Append(part, shift_s)) return {};
+    return Wrong("ends a segment whose X begins again and whose Date and Time do not tell when");
   }
 
   Result<Record> Complete() {
@@ -326,11 +287,7 @@ class Parser {
                           fmt::format("holds {} row{}", record_.rows, record_.rows == 1 ? "" : "s"),
                           "a measurement needs at least two");
     }
-    if (has_raw_) {
-      record_.timing = Timing::kPolled;
-      record_.times_are_known = true;
-      record_.raw_times_s = std::move(raw_times_s_);
-    }
+    std::move(times_).Complete(&record_);
     return std::move(record_);
   }
 
@@ -348,8 +305,8 @@ class Parser {
   std::optional<double> first_clock_s_;
   std::string first_date_;
   double first_start_s_ = 0;
-  bool has_raw_ = false;
-  std::vector<double> raw_times_s_;
+  bool has_first_ = false;
+  SegmentedTimes times_;
   Record record_;
 };
 

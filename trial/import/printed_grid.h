@@ -18,7 +18,11 @@ namespace haptometer::trial {
 /// (`half_digits_s`, half a unit of the last printed place) and of the end points', plus a
 /// millionth of a period for clocks that were summed up.
 ///
-/// `times_s`: at least two, growing; `half_digits_s`: one a time. Cost: O(rows).
+/// Times that repeat, because their digits are coarser than the period, are one stretch on the
+/// least-squares line, each time weighted by its digits, if that gives every time back within a
+/// unit of its last digit; rows that are missing cannot be seen there.
+///
+/// `times_s`: at least two, not falling; `half_digits_s`: one a time. Cost: O(rows).
 [[nodiscard]] std::optional<std::vector<Stretch>> PrintedGrid(
     std::span<const double> times_s, std::span<const double> half_digits_s);
 

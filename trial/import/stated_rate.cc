@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "trial/import/csv_comment.h"
+#include "trial/import/printed_number.h"
 
 namespace haptometer::trial {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tools/acquire/open_keyence.h"
 #include "tools/acquire/sensor_kind.h"
-#include "trial/import/csv_comment.h"
+#include "trial/import/printed_number.h"
 
 namespace haptometer::tools {
 namespace {

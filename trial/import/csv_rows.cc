@@ -1,0 +1,221 @@
+#include "trial/import/csv_rows.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "trial/import/printed_number.h"
+#include "trial/import/table_cells.h"
+
+namespace haptometer::trial {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kDayS = 86400;
+// more are unsorted rows
+constexpr std::size_t kMostSegments = 100'000;
+
+// a value that is not there is no measurement, and a number that is none is not kept
+void SetStatus(SampleStatus status, Channel* channel) {
+  if (IsMeasurement(status) && std::isnan(channel->values.back())) return;
+  channel->statuses.back() = status;
+  if (!IsMeasurement(status)) channel->values.back() = kNan;
+}
+
+// what else stands in a cell that should be a number
+std::string_view WhatElse(std::string_view cell) {
+  const auto points = std::ranges::count(cell, '.') + std::ranges::count(cell, ',');
+  if (points < 2) return "";
+  return ": a spreadsheet may have grouped its digits or made a date of it";
+}
+
+}  // namespace
+
+void CsvRows::Begin(Layout layout) {
+  layout_ = std::move(layout);
+  for (const CsvColumn& column : layout_.columns) {
+    if (column.kind == CsvColumnKind::kStatus) has_status_ = true;
+    if (column.kind == CsvColumnKind::kTime) has_times_ = true;
+    if (column.kind != CsvColumnKind::kValue) continue;
+    Channel channel;
+    channel.name = column.name;
+    channel.role = column.role;
+    channel.unit = column.unit;
+    channels_.push_back(std::move(channel));
+  }
+  segments_.emplace_back();
+}
+
+void CsvRows::Reserve(std::size_t rows) {
+  for (Channel& channel : channels_) {
+    channel.values.reserve(rows);
+    channel.statuses.reserve(rows);
+  }
+  if (has_times_) segments_.back().times.Reserve(rows);
+}
+
+std::string CsvRows::Here() const { return fmt::format("{}: line {}", name_, line_number_); }
+
+Result<void> CsvRows::Take(std::string_view line, std::size_t line_number) {
+  line_number_ = line_number;
+  SplitCells(line, layout_.separator, &cells_);
+  if (layout_.is_foreign && std::ranges::all_of(cells_, &std::string_view::empty)) {
+    empty_line_ = line_number;
+    return {};
+  }
+  if (auto done = CheckWidth(); !done) return done;
+  std::size_t channel = 0;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const CsvColumn& column = layout_.columns[i];
+    Result<void> done;
+    if (column.kind == CsvColumnKind::kTime) done = TakeTime(cells_[i], column);
+    if (column.kind == CsvColumnKind::kValue) {
+      done = TakeValue(cells_[i], column, &channels_[channel++]);
+    }
+    if (!done) return done;
+  }
+  Segment& segment = segments_.back();
+  if (segment.rows == 0) segment.line = line_number;
+  ++segment.rows;
+  ++rows_;
+  return has_status_ ? TakeStatuses() : Result<void>{};
+}
+
+Result<void> CsvRows::CheckWidth() {
+  if (auto done = CheckEmptyRow(); !done) return done;
+  const auto& columns = layout_.columns;
+  // some programs end every line with a separator, or only some
+  while (layout_.is_foreign && cells_.size() > columns.size() && cells_.back().empty()) {
+    cells_.pop_back();
+  }
+  while (layout_.is_foreign && cells_.size() < columns.size() &&
+         columns[cells_.size()].kind == CsvColumnKind::kLeftOut) {
+    cells_.emplace_back();
+  }
+  if (cells_.size() == columns.size()) return {};
+  return CannotAnswer(
+      Here(), fmt::format("has {} cells where the columns are {}", cells_.size(), columns.size()),
+      "complete or remove the line");
+}
+
+// a row of empty cells is lost where nothing but its place tells the time
+Result<void> CsvRows::CheckEmptyRow() {
+  const std::size_t line = std::exchange(empty_line_, 0);
+  if (line == 0 || has_times_ || rows_ == 0) return {};
+  return CannotAnswer(fmt::format("{}: line {}", name_, line),
+                      "has empty cells alone between rows that have no times",
+                      "write its values, or remove it where no row is missing");
+}
+
+// a comma is a decimal comma where it does not separate cells, unless points stand in other cells
+// and three digits behind it
+std::optional<double> CsvRows::CellNumber(std::string_view cell) {
+  const std::size_t comma = cell.find(',');
+  if (comma == std::string_view::npos) {
+    if (point_.empty() && cell.find('.') != std::string_view::npos) point_ = cell;
+    return ReadNumber(cell);
+  }
+  const std::size_t end = std::min(cell.find_first_not_of("0123456789", comma + 1), cell.size());
+  const bool may_group = end - comma == 4 && cell.find_first_of("123456789") < comma;
+  if (comma_.empty() && may_group) comma_ = fmt::format("line {}: '{}'", line_number_, cell);
+  return ReadNumberWithComma(cell);
+}
+
+// seconds since the first row's time on the clock, midnights between them counted
+double CsvRows::OnOneDay(double clock_s) {
+  if (!first_clock_s_) first_clock_s_ = clock_s;
+  const auto& times_s = segments_.back().times.times_s();
+  double time_s = clock_s - *first_clock_s_ + days_s_;
+  if (!times_s.empty() && time_s < times_s.back() - kDayS / 2) {
+    days_s_ += kDayS;
+    time_s += kDayS;
+  }
+  return time_s;
+}
+
+Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
+  const auto printed = column.is_clock ? ReadClock(cell) : CellNumber(cell);
+  const double time_s = !printed          ? kNan
+                        : column.is_clock ? OnOneDay(*printed)
+                                          : *printed * column.factor + column.offset;
+  if (!std::isfinite(time_s)) {
+    return CannotAnswer(Here(), fmt::format("'{}' is no time{}", cell, WhatElse(cell)),
+                        "every row needs a time; remove the line or write its time");
+  }
+  return PlaceTime(cell, time_s, column);
+}
+
+Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvColumn& column) {
+  const auto& times_s = segments_.back().times.times_s();
+  // lines that came in one burst have one arrival time, and too few digits give several rows one
+  const bool may_stand = layout_.times_may_stand || layout_.is_foreign;
+  if (!times_s.empty() && (may_stand ? time_s < times_s.back() : time_s <= times_s.back())) {
+    if (!layout_.is_foreign || segments_.size() == kMostSegments) {
+      return CannotAnswer(Here(),
+                          fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
+                                      times_s.back()),
+                          "sort the rows, or print the times with more digits");
+    }
+    segments_.push_back({.first_row = rows_, .line = line_number_});
+  }
+  PrintedTimes& times = segments_.back().times;
+  if (column.is_count) {
+    times.AddCount(time_s);
+  } else {
+    times.Add(cell, time_s, column.factor);
+  }
+  return {};
+}
+
+Result<void> CsvRows::TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
+  const auto number = cell.empty() ? std::nullopt : CellNumber(cell);
+  auto status = SampleStatus::kInvalid;
+  if (!cell.empty() && (!number || !std::isfinite(*number))) {
+    const auto word = layout_.is_foreign ? ReadNoNumber(cell) : std::nullopt;
+    if (!word && !number) {
+      return CannotAnswer(
+          Here(),
+          fmt::format("'{}' is no number (column '{}'){}", cell, column.name, WhatElse(cell)),
+          "leave the cell empty where there is no value, or remove the column");
+    }
+    status = word.value_or(status);
+  }
+  const double si_value = number.value_or(kNan) * column.factor;
+  const bool is_value = std::isfinite(si_value);
+  channel->values.push_back(is_value ? si_value : kNan);
+  channel->statuses.push_back(is_value ? SampleStatus::kOk : status);
+  return {};
+}
+
+// after the row's values: what their statuses say
+Result<void> CsvRows::TakeStatuses() {
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    const CsvColumn& column = layout_.columns[i];
+    if (column.kind != CsvColumnKind::kStatus) continue;
+    const auto status = SampleStatusFromName(cells_[i]);
+    if (!status) {
+      return CannotAnswer(Here(), fmt::format("'{}' is no status", cells_[i]),
+                          "the statuses are ok, repeated, over, under, invalid, device_error, "
+                          "late, clipped, bad_frame");
+    }
+    for (std::size_t c = 0; c < channels_.size(); ++c) {
+      if (column.channel != 0 && column.channel != c + 1) continue;
+      SetStatus(*status, &channels_[c]);
+    }
+  }
+  return {};
+}
+
+Result<void> CsvRows::CheckCommas() const {
+  if (comma_.empty() || point_.empty()) return {};
+  return CannotAnswer(
+      name_,
+      fmt::format("{} may be a decimal comma or group thousands, as '{}' has a point", comma_,
+                  point_),
+      "write all numbers with points and without grouping");
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "trial/import/csv_column.h"
+#include "trial/import/printed_times.h"
+#include "trial/record.h"
+
+namespace haptometer::trial {
+
+/// Turns the lines of a table into channels and times; errors name the line.
+class CsvRows {
+ public:
+  /// What the lines below the names look like.
+  struct Layout {
+    char separator = ',';
+    std::vector<CsvColumn> columns{};
+    /// A table of another program: rows may be padded with empty cells, values may be words such
+    /// as OVER (ReadNoNumber), times may repeat, and times that fall begin a new segment.
+    bool is_foreign = false;
+    bool times_may_stand = false;  ///< arrival times: a burst has one
+  };
+
+  /// Rows that follow each other with times that do not fall.
+  struct Segment {
+    std::size_t first_row = 0;
+    std::size_t rows = 0;
+    std::size_t line = 0;  ///< of its first row
+    PrintedTimes times{};
+  };
+
+  explicit CsvRows(std::string name) : name_(std::move(name)) {}
+
+  void Begin(Layout layout);
+  /// Room for `rows` rows.
+  void Reserve(std::size_t rows);
+  /// Takes one line, which is not blank.
+  [[nodiscard]] Result<void> Take(std::string_view line, std::size_t line_number);
+
+  [[nodiscard]] bool has_begun() const { return !layout_.columns.empty(); }
+  [[nodiscard]] bool has_times() const { return has_times_; }
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+  [[nodiscard]] std::vector<Channel>& channels() { return channels_; }
+  [[nodiscard]] std::vector<Segment>& segments() { return segments_; }
+  /// Whether commas are decimal ones all along. Errors (Cause::kCannotAnswer): one may group
+  /// thousands.
+  [[nodiscard]] Result<void> CheckCommas() const;
+
+ private:
+  [[nodiscard]] std::string Here() const;
+  [[nodiscard]] std::optional<double> CellNumber(std::string_view cell);
+  [[nodiscard]] Result<void> CheckWidth();
+  [[nodiscard]] Result<void> CheckEmptyRow();
+  [[nodiscard]] Result<void> TakeTime(std::string_view cell, const CsvColumn& column);
+  [[nodiscard]] double OnOneDay(double clock_s);
+  [[nodiscard]] Result<void> PlaceTime(std::string_view cell, double time_s,
+                                       const CsvColumn& column);
+  [[nodiscard]] Result<void> TakeValue(std::string_view cell, const CsvColumn& column,
+                                       Channel* channel);
+  [[nodiscard]] Result<void> TakeStatuses();
+
+  std::string name_;
+  Layout layout_;
+  std::vector<std::string_view> cells_;
+  std::size_t line_number_ = 0;
+  std::size_t empty_line_ = 0;  // of empty cells, behind which no row has come; 0: none
+  std::size_t rows_ = 0;
+  bool has_status_ = false;
+  bool has_times_ = false;
+  std::vector<Channel> channels_;
+  std::vector<Segment> segments_;
+  std::optional<double> first_clock_s_;
+  double days_s_ = 0;
+  std::string comma_;  // the first number whose comma may group thousands, and where
+  std::string point_;  // the first number with a point
+};
+
+}  // namespace haptometer::trial

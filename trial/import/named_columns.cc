@@ -1,0 +1,334 @@
+#include "trial/import/named_columns.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <initializer_list>
+#include <optional>
+#include <utility>
+
+#include "trial/import/printed_number.h"
+#include "trial/import/printed_unit.h"
+
+namespace haptometer::trial {
+namespace {
+
+bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::ranges::find(words, LowerCase(word)) != words.end();
+}
+
+bool IsTimeName(std::string_view name) {
+  return IsOneOf(name, {"time", "t", "x-axis", "x", "second", "seconds", "zeit", "x_value"});
+}
+
+bool IsUnitOfTime(std::string_view text) {
+  const auto unit = FindUnit(text);
+  return unit && unit->si_unit == "s";
+}
+
+struct NameAndUnit {
+  std::string_view name;
+  std::string_view unit;
+};
+
+// "Time [ms]", "Voltage (V)", "t / s", "C1 in V" or "t_s" split into name and unit
+NameAndUnit SplitUnit(std::string_view cell) {
+  const std::size_t open = cell.find_last_of("[(");
+  if (open != std::string_view::npos && (cell.ends_with(']') || cell.ends_with(')'))) {
+    return {Trimmed(cell.substr(0, open)), Trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+  }
+  for (const std::string_view sign : {" / ", " in "}) {
+    const std::size_t at = cell.rfind(sign);
+    if (at == std::string_view::npos) continue;
+    return {Trimmed(cell.substr(0, at)), Trimmed(cell.substr(at + sign.size()))};
+  }
+  if (cell.starts_with("in ")) return {"", Trimmed(cell.substr(3))};
+  const std::size_t bar = cell.rfind('_');
+  if (bar != std::string_view::npos && IsTimeName(cell.substr(0, bar)) &&
+      IsUnitOfTime(cell.substr(bar + 1))) {
+    return {cell.substr(0, bar), cell.substr(bar + 1)};
+  }
+  return {cell, ""};
+}
+
+// a cell that holds a unit alone: "V", "(ms)", "second"
+std::string_view UnitCell(std::string_view cell) {
+  const auto [before, inside] = SplitUnit(cell);
+  if (inside.empty()) return cell;
+  return before.empty() ? inside : "";
+}
+
+class Head {
+ public:
+  Head(const TableBeginning& beginning, TableFormat format, const std::string& name,
+       const ImportOptions& options)
+      : beginning_(beginning), facts_(FactsOf(format)), name_(name), options_(options) {}
+
+  Result<NamedColumns> Read() {
+    if (auto done = options_.columns.empty() ? FromHeader() : FromOptions(); !done) {
+      return std::unexpected(done.error());
+    }
+    return std::move(named_);
+  }
+
+ private:
+  [[nodiscard]] std::size_t Width() const { return beginning_.width(); }
+
+  Result<void> FromOptions() {
+    std::size_t width = Width();
+    // separators at the ends of rows make columns that nobody sees
+    while (width > options_.columns.size() && IsEmptyBelow(width - 1)) --width;
+    if (options_.columns.size() != width) {
+      return Usage(
+          "--columns",
+          fmt::format("names {} columns where {} has {}", options_.columns.size(), name_, width),
+          "name each from the left, - for one to leave out");
+    }
+    // the line above is the header that the options replace
+    named_.lines_used = beginning_.Above(1).size() == Width() ? 1 : 0;
+    named_.columns.reserve(Width());
+    for (const std::string& word : options_.columns) {
+      // with a scale the column needs no unit of its own
+      const bool is_scaled =
+          (options_.scale_m && word == "displacement") || (options_.scale_v && word == "voltage");
+      auto column = ReadCsvColumn(
+          is_scaled ? (word == "voltage" ? "voltage_v" : "displacement_m") : word, "--columns");
+      if (!column) {
+        Error error = column.error();
+        error.cause = Cause::kUsage;
+        return std::unexpected(std::move(error));
+      }
+      named_.columns.push_back(std::move(*column));
+    }
+    named_.columns.resize(Width(), CsvColumn{.kind = CsvColumnKind::kLeftOut});
+    return {};
+  }
+
+  Result<void> FromHeader() {
+    std::vector<std::string_view> names = beginning_.Above(1);
+    std::vector<std::string_view> units;
+    auto names_above = beginning_.Above(2);
+    if (IsLineOfUnits(names) && names_above.size() == names.size() && !AreKeys(names_above)) {
+      units = std::exchange(names, std::move(names_above));
+    }
+    if (names.size() * 2 == Width() && beginning_.rows[0].separator == ',') {
+      return CommaError(names);
+    }
+    // rows that end with separators have cells without names
+    while (!names.empty() && names.size() < Width() && IsEmptyBelow(names.size())) {
+      names.emplace_back();
+    }
+    if (names.size() != Width() || AreKeys(names)) return WithoutNames();
+    units.resize(Width());
+    named_.lines_used = units[0].empty() ? 1 : 2;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      auto column = ColumnOf(names[i], UnitCell(units[i]), i);
+      if (!column) return std::unexpected(column.error());
+      named_.columns.push_back(std::move(*column));
+    }
+    FillUnits();
+    return {};
+  }
+
+  // "second,Volt", "(ms),(V)"; Siglent's "Second,Value" too
+  [[nodiscard]] bool IsLineOfUnits(const std::vector<std::string_view>& cells) const {
+    const bool is_wide = cells.size() == Width() || EndsEmpty(cells.size());
+    return is_wide && !cells.empty() && std::ranges::all_of(cells, [&](std::string_view cell) {
+             return cell.empty() || FindUnit(UnitCell(cell)) || cell.starts_with('(') ||
+                    (IsUnitOfTime(UnitCell(cells[0])) && IsOneOf(cell, {"value"}));
+           });
+  }
+
+  [[nodiscard]] bool EndsEmpty(std::size_t from) const {
+    for (std::size_t i = from; i < Width(); ++i) {
+      if (!IsEmptyBelow(i)) return false;
+    }
+    return from <= Width();
+  }
+
+  [[nodiscard]] bool IsEmptyBelow(std::size_t column) const {
+    return beginning_.rows[0].cells[column].empty() && beginning_.rows[1].cells[column].empty();
+  }
+
+  // a line such as "Sample Interval:,1e-9" right above two columns names none of them
+  [[nodiscard]] static bool AreKeys(const std::vector<std::string_view>& cells) {
+    const auto is_of_key = [](std::string_view cell) {
+      return cell.ends_with(':') || ReadNumberWithComma(cell);
+    };
+    return std::ranges::any_of(cells, is_of_key) && !IsTimeName(cells[0]);
+  }
+
+  // twice as many cells as names: each may be half of a number with a decimal comma
+  std::unexpected<Error> CommaError(const std::vector<std::string_view>& names) const {
+    const auto& cells = beginning_.rows[0].cells;
+    return CannotAnswer(
+        fmt::format("{}: line {}", name_, beginning_.line + 1),
+        fmt::format("has {} cells under {} names: either cells '{}' and '{}', or one number {},{}",
+                    Width(), names.size(), cells[0], cells[1], cells[0], cells[1]),
+        "separate cells with semicolons, or write decimal points");
+  }
+
+  // no line names the columns: one column needs no name where the rate is known; of several, the
+  // first may be the time
+  Result<void> WithoutNames() {
+    std::size_t width = Width();
+    while (width > 1 && IsEmptyBelow(width - 1)) --width;
+    std::vector<std::size_t> filled;
+    for (std::size_t i = 0; i < width; ++i) {
+      if (!IsEmptyBelow(i)) filled.push_back(i);
+    }
+    const bool is_infiniium = facts_.format == TableFormat::kKeysightInfiniium;
+    const bool is_timeless = options_.rate_hz || facts_.format == TableFormat::kHantek;
+    if (is_infiniium && filled.size() <= 2) {
+      named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
+      if (filled.size() == 2) SetTime(PrintedUnit{"s", 1}, filled[0]);
+      named_.columns[filled.back()] = CsvColumn{.name = "channel_1"};
+      FillUnits();
+      return {};
+    }
+    if (filled.size() == 1 && (is_timeless || is_infiniium || !beginning_.keys.empty())) {
+      named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
+      named_.columns[filled[0]] = CsvColumn{.name = "channel_1"};
+      return {};
+    }
+    return NoNames(filled);
+  }
+
+  std::unexpected<Error> NoNames(const std::vector<std::size_t>& filled) const {
+    constexpr const char* kRemedy =
+        "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil), "
+        "or say --columns";
+    const std::string what =
+        fmt::format("no line names its {} column{}", Width(), Width() == 1 ? "" : "s");
+    if (filled.size() == 1) {
+      return CannotAnswer(name_, "holds one column, without a name and without times",
+                          "say --rate 10kHz, and what it is: --scale, or --columns voltage_v");
+    }
+    const double step = filled.empty() ? 0 : Step(filled[0]);
+    if (!(step > 0)) return CannotAnswer(name_, what, kRemedy);
+    return CannotAnswer(
+        name_,
+        fmt::format("{}: the first may be a time ({:.4g} rows a second in s, {:.4g} in ms) or a "
+                    "channel beside the others",
+                    what, 1 / step, 1000 / step),
+        "say --columns time_s,voltage_v, or --columns voltage_v,voltage_2_v with --rate");
+  }
+
+  // by how much the first two rows differ
+  [[nodiscard]] double Step(std::size_t column) const {
+    return ReadNumberWithComma(beginning_.rows[1].cells[column]).value_or(0) -
+           ReadNumberWithComma(beginning_.rows[0].cells[column]).value_or(0);
+  }
+
+  void SetTime(const PrintedUnit& unit, std::size_t number) {
+    named_.columns[number] =
+        CsvColumn{.kind = CsvColumnKind::kTime, .name = "time", .unit = "s", .factor = unit.factor};
+  }
+
+  Result<CsvColumn> ColumnOf(std::string_view cell, std::string_view unit_text,
+                             std::size_t number) {
+    // a name of our own says its unit
+    if (unit_text.empty()) {
+      auto own = ReadCsvColumn(cell, name_);
+      if (own && (own->kind != CsvColumnKind::kValue || own->role != ChannelRole::kOther)) {
+        return own;
+      }
+    }
+    auto [title, bracket] = SplitUnit(cell);
+    const std::string_view printed = unit_text.empty() ? bracket : unit_text;
+    if (IsOneOf(printed, {"hz", "khz", "db", "dbv"})) is_spectrum_ = true;
+    const bool is_number = number == 0 && IsOneOf(cell, {"nr", "sample", "index", "#"});
+    if ((cell.empty() && unit_text.empty()) || is_spectrum_ || is_number) {
+      return CsvColumn{.kind = CsvColumnKind::kLeftOut};
+    }
+    const auto unit = FindUnit(printed);
+    const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed));
+    if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
+    CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell)};
+    if (unit) SetUnit(*unit, &column);
+    return column;
+  }
+
+  Result<CsvColumn> TimeOfColumn(std::string_view cell, std::optional<PrintedUnit> unit,
+                                 std::size_t number) {
+    CsvColumn column{.kind = CsvColumnKind::kTime, .name = "time", .unit = "s"};
+    if (ReadClock(beginning_.rows[0].cells[number])) {
+      column.is_clock = true;
+      return column;
+    }
+    if (!unit && facts_.assumed_time_unit == "s") {
+      const auto stated = ValuesOf(beginning_.keys, "Horizontal Units");
+      if (!stated.empty()) unit = FindUnit(stated[0]);
+      if (!unit && facts_.format == TableFormat::kLecroy) {
+        unit = PrintedUnit{"s", 1};
+        named_.remarks.emplace_back("the times' unit is not in the file; LeCroy writes seconds");
+      }
+      if (!unit && facts_.format != TableFormat::kTektronixDpo) unit = PrintedUnit{"s", 1};
+    }
+    if (!unit && options_.rate_hz) unit = UnitByRate(Step(number));
+    if (!unit || unit->si_unit != "s") return TimeError(cell, number);
+    column.factor = unit->factor;
+    return column;
+  }
+
+  // the unit in which the rows come at the rate that was said
+  [[nodiscard]] std::optional<PrintedUnit> UnitByRate(double step) const {
+    for (const double factor : {1.0, 1e-3, 1e-6, 1e-9}) {
+      if (std::abs(step * factor * *options_.rate_hz - 1) < 0.01) return PrintedUnit{"s", factor};
+    }
+    return std::nullopt;
+  }
+
+  // a time that may be seconds or milliseconds
+  std::unexpected<Error> TimeError(std::string_view cell, std::size_t number) const {
+    const double step = Step(number);
+    return CannotAnswer(
+        name_,
+        fmt::format("column '{}' does not say its unit: in s there are {:.4g} rows a second, in ms "
+                    "{:.4g}",
+                    cell, 1 / step, 1000 / step),
+        "name it time_s, time_ms or time_us, or say --columns");
+  }
+
+  // units of values that stand elsewhere than beside their names
+  void FillUnits() {
+    auto stated = ValuesOf(beginning_.keys, "Vertical Units");
+    if (stated.empty()) stated = ValuesOf(beginning_.keys, "YUnits");
+    std::size_t channel = 0;
+    bool is_assumed = false;
+    for (CsvColumn& column : named_.columns) {
+      if (column.kind != CsvColumnKind::kValue) continue;
+      const std::size_t at = stated.size() == 1 ? 0 : channel;
+      ++channel;
+      if (!column.unit.empty() || column.role != ChannelRole::kOther) continue;
+      if (at < stated.size()) {
+        if (const auto unit = FindUnit(stated[at])) SetUnit(*unit, &column);
+      } else if (const auto unit = FindUnit(facts_.assumed_value_unit)) {
+        SetUnit(*unit, &column);
+        is_assumed = true;
+      }
+    }
+    if (is_assumed) {
+      named_.remarks.push_back(fmt::format("the values' unit is not in the file; {} writes {}",
+                                           facts_.title, facts_.assumed_value_unit));
+    }
+  }
+
+  const TableBeginning& beginning_;
+  const TableFormatFacts& facts_;
+  const std::string& name_;
+  const ImportOptions& options_;
+  NamedColumns named_;
+  bool is_spectrum_ = false;
+};
+
+}  // namespace
+
+Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning, TableFormat format,
+                                      const std::string& name, const ImportOptions& options) {
+  return Head(beginning, format, name, options).Read();
+}
+
+}  // namespace haptometer::trial

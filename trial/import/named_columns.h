@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+#include "trial/import/csv_column.h"
+#include "trial/import/import_options.h"
+#include "trial/import/table_beginning.h"
+
+namespace haptometer::trial {
+
+/// The columns of a table as the lines above its numbers name them.
+struct NamedColumns {
+  std::vector<CsvColumn> columns{};
+  std::size_t lines_used = 0;          ///< lines right above the numbers that name them: 0, 1 or 2
+  std::vector<std::string> remarks{};  ///< what was assumed, a sentence each
+};
+
+/// Reads names and units: "Time [ms]", "Laser (mm)", "t / s", "C1 in V", or a line of units below
+/// the names ("(ms),(V)", "second,Volt"); else the keys above (Tektronix's "Vertical Units"); else
+/// what the format is known for, which is remarked upon. A column of a unit of time is the time; a
+/// spectrum beside the table (Hz and what follows) and a row number ("nr", "sample") are left out;
+/// a unit of length makes a displacement, one of voltage or current a voltage or current.
+/// options.columns replaces all this.
+///
+/// Errors (Cause::kCannotAnswer), naming `name`: a time without a unit and columns without names
+/// (both readings are named), decimal commas that cannot be told from separators.
+/// Cause::kUsage: options.columns names more or fewer columns than there are.
+[[nodiscard]] Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning,
+                                                    TableFormat format, const std::string& name,
+                                                    const ImportOptions& options);
+
+}  // namespace haptometer::trial

@@ -1,0 +1,176 @@
+#include "trial/import/stated_clock.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "trial/import/printed_number.h"
+#include "trial/import/printed_unit.h"
+#include "trial/import/table_cells.h"
+
+namespace haptometer::trial {
+namespace {
+
+// letters and digits alone, in lower case
+std::string Bare(std::string_view text) {
+  std::string bare = LowerCase(text);
+  std::erase_if(bare, [](char c) {
+    return !(c >= 'a' && c <= 'z') && !(c >= '0' && c <= '9') && static_cast<signed char>(c) >= 0;
+  });
+  return bare;
+}
+
+// "CH1:0.05" without the channel
+std::string_view WithoutChannel(std::string_view value) {
+  const std::size_t colon = value.find(':');
+  if (colon == std::string_view::npos || !value.starts_with("CH")) return value;
+  if (value.substr(2, colon - 2).find_first_not_of("0123456789") != std::string_view::npos) {
+    return value;
+  }
+  return Trimmed(value.substr(colon + 1));
+}
+
+struct Measured {
+  double number = 0;
+  std::string_view unit{};
+};
+
+std::optional<Measured> ReadMeasured(std::string_view text) {
+  const std::size_t end = std::min(text.find_last_of("0123456789."), text.size() - 1);
+  if (text.empty() || end == std::string_view::npos) return std::nullopt;
+  const auto number = ReadNumberWithComma(Trimmed(text.substr(0, end + 1)));
+  if (!number || !std::isfinite(*number)) return std::nullopt;
+  return Measured{*number, Trimmed(text.substr(end + 1))};
+}
+
+std::optional<double> IntervalOf(std::string_view text) {
+  const auto measured = ReadMeasured(text);
+  if (!measured) return std::nullopt;
+  const auto unit = FindUnit(measured->unit.empty() ? "s" : measured->unit);
+  if (!unit || unit->si_unit != "s" || !(measured->number > 0)) return std::nullopt;
+  return measured->number * unit->factor;
+}
+
+// the interval of a rate: "100000Hz", "1 MSa/s", "5e8"
+std::optional<double> IntervalOfRate(std::string_view text) {
+  const auto measured = ReadMeasured(text);
+  if (!measured || !(measured->number > 0)) return std::nullopt;
+  std::string_view unit = measured->unit;
+  double factor = 1;
+  constexpr std::array<std::pair<char, double>, 4> kPrefixes{
+      {{'k', 1e3}, {'K', 1e3}, {'M', 1e6}, {'G', 1e9}}};
+  for (const auto& [letter, times] : kPrefixes) {
+    if (!unit.starts_with(letter)) continue;
+    factor = times;
+    unit.remove_prefix(1);
+    break;
+  }
+  const std::string bare = Bare(unit);
+  if (!bare.empty() && bare != "hz" && bare != "sas" && bare != "ss") return std::nullopt;
+  return 1 / (measured->number * factor);
+}
+
+struct IntervalKey {
+  std::string_view name;  // Bare()
+  std::optional<double> (*read)(std::string_view);
+};
+
+constexpr std::array<IntervalKey, 10> kIntervalKeys{{{"sampleinterval", IntervalOf},
+                                                     {"samplinginterval", IntervalOf},
+                                                     {"deltat", IntervalOf},
+                                                     {"xinc", IntervalOf},
+                                                     {"increment", IntervalOf},
+                                                     {"clock", IntervalOf},
+                                                     {"samplerate", IntervalOfRate},
+                                                     {"samplingrate", IntervalOfRate},
+                                                     {"samplingfrequencyhz", IntervalOfRate},
+                                                     {"samplingfrequency", IntervalOfRate}}};
+
+bool Agree(double a, double b) { return std::abs(a - b) <= 1e-6 * std::abs(a); }
+
+// the start by a key that counts intervals or seconds
+std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval_s) {
+  const auto number = [&](std::string_view name) -> std::optional<double> {
+    const auto values = ValuesOf(keys, name);
+    if (values.empty()) return std::nullopt;
+    const auto read = ReadNumberWithComma(values[0]);
+    return read && std::isfinite(*read) ? read : std::nullopt;
+  };
+  for (const char* key : {"Trigger Point", "Zero Index"}) {
+    if (const auto index = number(key)) return -*index * interval_s;
+  }
+  return number("XOrg");
+}
+
+}  // namespace
+
+std::optional<TableKey> ReadTableKey(std::string_view line, char separator) {
+  line = Trimmed(line);
+  if (line.starts_with('#')) line = Trimmed(line.substr(1));
+  auto cells = SplitCells(line, separator);
+  while (cells.size() > 1 && cells.back().empty()) cells.pop_back();
+  TableKey key{.key = cells[0]};
+  if (cells.size() == 1) {
+    // "#CLOCK=20.0uS", "XInc: 1e-9"
+    const std::size_t sign = line.find_first_of(":=");
+    if (sign == std::string_view::npos) return std::nullopt;
+    key.key = Trimmed(line.substr(0, sign));
+    cells.push_back(Trimmed(line.substr(sign + 1)));
+  }
+  while (key.key.ends_with(':') || key.key.ends_with('=') || key.key.ends_with(' ')) {
+    key.key.remove_suffix(1);
+  }
+  if (key.key.empty() || cells.size() < 2 || cells[1].empty()) return std::nullopt;
+  for (std::size_t i = 1; i < cells.size(); ++i) key.values.push_back(WithoutChannel(cells[i]));
+  return key;
+}
+
+std::vector<std::string_view> ValuesOf(const std::vector<TableKey>& keys, std::string_view name) {
+  const std::string wanted = Bare(name);
+  const auto found =
+      std::ranges::find_if(keys, [&](const TableKey& key) { return Bare(key.key) == wanted; });
+  return found == keys.end() ? std::vector<std::string_view>{} : found->values;
+}
+
+Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& keys,
+                                                   const std::string& name) {
+  std::optional<StatedClock> clock;
+  for (const TableKey& key : keys) {
+    const auto known = std::ranges::find(kIntervalKeys, Bare(key.key), &IntervalKey::name);
+    if (known == kIntervalKeys.end()) continue;
+    for (const std::string_view value : key.values) {
+      const auto interval_s = known->read(value);
+      if (!interval_s || !(*interval_s > 0) || !std::isfinite(1 / *interval_s)) continue;
+      if (clock && !Agree(clock->interval_s, *interval_s)) {
+        return CannotAnswer(
+            name,
+            fmt::format("states two sample intervals: {:.6g} s by '{}' and {:.6g} s by '{}'",
+                        clock->interval_s, clock->from, *interval_s, key.key),
+            "remove the wrong line, or say --rate and leave the times out with --columns");
+      }
+      if (!clock) clock = StatedClock{.interval_s = *interval_s, .from = std::string(key.key)};
+    }
+  }
+  if (clock) clock->start_s = StartOf(keys, clock->interval_s);
+  return clock;
+}
+
+std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys) {
+  constexpr double kMost = 1e15;
+  for (const char* key :
+       {"Record Length", "Number of Data points", "Samples", "SIZE", "Points", "Sample Count"}) {
+    const auto values = ValuesOf(keys, key);
+    if (values.empty()) continue;
+    std::string_view value = values[0];
+    if (LowerCase(value).starts_with("analog:")) value.remove_prefix(7);
+    const auto rows = ReadNumber(value);
+    if (rows && *rows >= 1 && *rows < kMost && *rows == std::floor(*rows)) {
+      return static_cast<std::size_t>(*rows);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace haptometer::trial

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/result.h"
+
+namespace haptometer::trial {
+
+/// One "key, value, value ..." line above a table, or "#key: value", "key = value", "key:,value".
+struct TableKey {
+  std::string_view key;  ///< as printed, without #, quotes, ':' and '=' at its end
+  std::vector<std::string_view> values{};
+  std::size_t line = 0;  ///< from 1
+};
+
+/// The line as a key with values; nothing where it has no value. Siglent's "CH1:" before a value is
+/// taken off.
+[[nodiscard]] std::optional<TableKey> ReadTableKey(std::string_view line, char separator);
+
+/// The values of the first key that is `name` but for case, blanks and signs; empty where none is.
+[[nodiscard]] std::vector<std::string_view> ValuesOf(const std::vector<TableKey>& keys,
+                                                     std::string_view name);
+
+/// The clock of a table as the lines above it state it.
+struct StatedClock {
+  double interval_s = 0;
+  std::optional<double> start_s{};  ///< time of the first row
+  std::string from{};               ///< the key: "Sample Interval"
+};
+
+/// The sample interval that `keys` state: "Sample Interval", "delta t", "XInc", "Increment",
+/// "CLOCK" as a time, or "Sample Rate", "Sampling Frequency (Hz)" as a rate, each with a unit or in
+/// SI; and the start: "XOrg", or minus "Trigger Point" or "Zero Index" intervals (which may be
+/// fractional).
+///
+/// Nothing where none is stated. Errors (Cause::kCannotAnswer), naming `name`: values of one line
+/// or of two lines that contradict each other.
+[[nodiscard]] Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& keys,
+                                                                 const std::string& name);
+
+/// How many rows the lines above a table say it has ("Record Length", "Samples", "SIZE",
+/// "Number of Data points", "Points"); nothing where they do not.
+[[nodiscard]] std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys);
+
+}  // namespace haptometer::trial

@@ -1,0 +1,74 @@
+#include "trial/import/table_cells.h"
+
+#include "trial/import/printed_number.h"
+
+namespace haptometer::trial {
+namespace {
+
+// where the cell at the beginning of `line` ends: at a separator outside of quotes
+std::size_t CellEnd(std::string_view line, char separator) {
+  const std::size_t end = line.find(separator);
+  if (end == std::string_view::npos) return end;
+  const std::size_t open = line.find_first_not_of(" \t");
+  if (open >= end || line[open] != '"') return end;
+  const std::size_t close = line.find('"', open + 1);
+  // a quote that nothing closes is a character like others
+  return close == std::string_view::npos ? end : line.find(separator, close + 1);
+}
+
+bool HasOutsideQuotes(std::string_view line, char wanted) {
+  bool is_quoted = false;
+  for (const char c : line) {
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == wanted && !is_quoted) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string_view LineWithTabs(std::string_view line) {
+  constexpr std::string_view kBlanks = " \r";
+  const std::size_t first = line.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return line.substr(first, line.find_last_not_of(kBlanks) - first + 1);
+}
+
+void SplitCells(std::string_view line, char separator, std::vector<std::string_view>* cells) {
+  cells->clear();
+  for (;;) {
+    const std::size_t end = CellEnd(line, separator);
+    std::string_view cell = Trimmed(line.substr(0, end));
+    if (cell.size() >= 2 && cell.starts_with('"') && cell.ends_with('"')) {
+      cell = Trimmed(cell.substr(1, cell.size() - 2));
+    }
+    cells->push_back(cell);
+    if (end == std::string_view::npos) return;
+    line.remove_prefix(end + 1);
+  }
+}
+
+std::vector<std::string_view> SplitCells(std::string_view line, char separator) {
+  std::vector<std::string_view> cells;
+  SplitCells(line, separator, &cells);
+  return cells;
+}
+
+TableCells CellsOf(std::string_view line) {
+  char separator = ',';
+  if (HasOutsideQuotes(line, '\t')) separator = '\t';
+  if (HasOutsideQuotes(line, ';')) separator = ';';
+  return {separator, SplitCells(line, separator)};
+}
+
+bool IsNumbers(const std::vector<std::string_view>& cells) {
+  bool has_number = false;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const bool is_number = ReadNumberWithComma(cells[i]) || (i == 0 && ReadClock(cells[i]));
+    if (!is_number && !ReadNoNumber(cells[i])) return false;
+    has_number = has_number || is_number;
+  }
+  return has_number;
+}
+
+}  // namespace haptometer::trial
