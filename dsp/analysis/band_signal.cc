@@ -157,13 +157,15 @@ void BandSignal::FindSettled(const EndDependence& dependence) {
       .first = GreatestInCells(dependence.first, 0, cell_samples_),
       .last = GreatestInCells(dependence.last, (size() - dependence.last.size()) % cell_samples_,
                               cell_samples_)};
-  const SampleRange settled =
-      SettledRange(cells_.size(), of_cells, [this](const SampleRange& cells) {
+  const SampleRange settled = SettledRange(
+      cells_.size(), of_cells,
+      [this](const SampleRange& cells) {
         const std::size_t samples =
             std::min(cells.end() * cell_samples_, size()) - cells.first * cell_samples_;
         const double square_sum = SquareSumOf(std::span(cells_).subspan(cells.first, cells.count));
         return std::sqrt(square_sum / static_cast<double>(samples));
-      });
+      },
+      LeastRmsSamples(design_) / cell_samples_);
   settled_begin_ = std::min(settled.first * cell_samples_, size());
   settled_end_ = std::min(settled.end() * cell_samples_, size());
 }

@@ -4,49 +4,15 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "dsp/filter/expected_motion.h"
+#include "dsp/filter/end_continuations.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {
 
-// of the slow motion that is looked at and expected, in time constants of the slowest pole
-constexpr double kSeenTimeConstants = 12;
-constexpr double kExpectedTimeConstants = 8;
-
-// `count` samples beyond the end of `signal`, nearest first: other continuations less the odd one
-struct Differences {
-  std::vector<double> constant;
-  std::vector<double> expected;  // empty: nothing is expected
-  std::vector<double> fast;      // as `constant`, of what is left without the slow motion
-};
-
-Differences BeyondEnd(const FilterDesign& design, std::span<const double> signal,
-                      std::size_t count) {
-  const double time_constant = design.rate_hz / SlowestDecayPerS(design);
-  const auto seen =
-      std::min(static_cast<std::size_t>(kSeenTimeConstants * time_constant), signal.size());
-  const auto ahead = static_cast<std::size_t>(kExpectedTimeConstants * time_constant);
-  Differences differences;
-  differences.constant.reserve(count);
-  for (std::size_t k = 1; k <= count; ++k) {
-    differences.constant.push_back(signal[signal.size() - 1 - std::min(k, signal.size() - 1)] -
-                                   signal.back());
-  }
-  if (seen < kLeastExpectedMotionSamples) return differences;
-  const ExpectedMotion motion = FitExpectedMotion(signal.last(seen));
-  const auto last = static_cast<double>(seen - 1);
-  differences.expected = differences.constant;
-  differences.fast.assign(count, 0);
-  for (std::size_t k = 1; k <= std::min({ahead, count, seen - 1}); ++k) {
-    const auto away = static_cast<double>(k);
-    differences.expected[k - 1] += motion.At(last + away) - motion.At(last);
-    differences.fast[k - 1] =
-        differences.constant[k - 1] - motion.At(last - away) + motion.At(last);
-  }
-  return differences;
-}
+// what lies two time constants beyond a settled part is wrong by e^2 / 1e4: enough for an RMS
+constexpr double kRmsTimeConstants = 4;
 
 // what the filter makes, in `inner` samples, of `before` (nearest first) ahead of them and `after`
 // behind them
@@ -64,25 +30,32 @@ std::vector<double> Inside(const FilterDesign& design, std::span<const double> b
   return inside;
 }
 
-// the dependence of `inner` samples on either end; an end that is far away has no differences
-std::vector<double> DependenceOf(const FilterDesign& design, const Differences& before,
-                                 std::size_t inner, const Differences& after,
+// the dependence of `inner` samples on either end; an end that is far away has no continuations
+std::vector<double> DependenceOf(const FilterDesign& design, const EndContinuations& before,
+                                 std::size_t inner, const EndContinuations& after,
                                  ZeroPhaseBlocks::Scratch& scratch) {
+  const auto inside = [&](std::span<const double> first, std::span<const double> last) {
+    return Inside(design, first, inner, last, scratch);
+  };
   std::vector<double> dependence(inner);
-  const auto add = [&](std::span<const double> first, std::span<const double> last,
-                       double tolerance) {
-    const std::vector<double> filtered = Inside(design, first, inner, last, scratch);
+  const auto add = [&](std::span<const double> filtered, double tolerance) {
     for (std::size_t k = 0; k < inner; ++k) {
       dependence[k] = std::max(dependence[k], std::abs(filtered[k]) / tolerance);
     }
   };
   if (before.expected.empty() && after.expected.empty()) {
-    add(before.constant, after.constant, kFastTolerance);
-  } else {
-    add(before.constant, after.constant, kConstantTolerance);
-    add(before.expected, after.expected, kExpectedTolerance);
-    add(before.fast, after.fast, kFastTolerance);
+    add(inside(before.constant, after.constant), kFastTolerance);
+    return dependence;
   }
+  std::vector<double> expected = inside(before.expected, after.expected);
+  for (double& value : expected) value = std::abs(value);
+  for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
+    const auto filtered = inside(before.doubts[doubt], after.doubts[doubt]);
+    for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(filtered[k]);
+  }
+  add(expected, kExpectedTolerance);
+  add(inside(before.constant, after.constant), kConstantTolerance);
+  add(inside(before.fast, after.fast), kFastTolerance);
   return dependence;
 }
 
@@ -114,6 +87,15 @@ SampleRange LongestWithin(std::size_t size, const EndDependence& dependence, dou
   return stretch.longest();
 }
 
+// a range of `least` values or more of `size` about the same middle
+SampleRange Widened(const SampleRange& range, std::size_t size, std::size_t least) {
+  if (range.count >= least) return range;
+  const std::size_t count = std::min(least, size);
+  const std::size_t middle = range.first + range.count / 2;
+  const std::size_t first = middle - std::min(middle, count / 2);
+  return {std::min(first, size - count), count};
+}
+
 }  // namespace
 
 Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const ReadSamples& read,
@@ -130,8 +112,8 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   if (auto done = read(0, first); !done) return std::unexpected(done.error());
   if (auto done = read(size - seen, last); !done) return std::unexpected(done.error());
   std::ranges::reverse(first);  // so that its end is the signal's begin
-  const Differences before = BeyondEnd(design, first, lead_in);
-  const Differences after = BeyondEnd(design, last, lead_in);
+  const EndContinuations before = ContinueEnd(design, first, lead_in);
+  const EndContinuations after = ContinueEnd(design, last, lead_in);
   if (is_short) {
     dependence.first = DependenceOf(design, before, size, after, scratch);
   } else {
@@ -141,14 +123,19 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   return dependence;
 }
 
-SampleRange SettledRange(std::size_t size, const EndDependence& dependence, const RangeRms& rms) {
+SampleRange SettledRange(std::size_t size, const EndDependence& dependence, const RangeRms& rms,
+                         std::size_t least) {
   // the limit hangs on the RMS of what has settled: begin with everything and shrink
   SampleRange settled{0, size};
   for (std::size_t before = size + 1; settled.count > 0 && settled.count < before;) {
     before = settled.count;
-    settled = LongestWithin(size, dependence, rms(settled));
+    settled = LongestWithin(size, dependence, rms(Widened(settled, size, least)));
   }
   return settled;
+}
+
+std::size_t LeastRmsSamples(const FilterDesign& design) {
+  return static_cast<std::size_t>(kRmsTimeConstants * design.rate_hz / SlowestDecayPerS(design));
 }
 
 SettledSignal FilterSettled(const FilterDesign& design, std::span<const double> signal,
@@ -160,9 +147,10 @@ SettledSignal FilterSettled(const FilterDesign& design, std::span<const double> 
       MeasureEndDependence(ZeroPhaseBlocks(design, signal.size()), ReadFrom(signal), scratch);
   HAPTOMETER_CHECK(dependence, "memory cannot fail");
   const std::span<const double> filtered = settled.filtered;
-  const SampleRange range = SettledRange(signal.size(), *dependence, [&](const SampleRange& part) {
-    return Rms(filtered.subspan(part.first, part.count));
-  });
+  const SampleRange range = SettledRange(
+      signal.size(), *dependence,
+      [&](const SampleRange& part) { return Rms(filtered.subspan(part.first, part.count)); },
+      LeastRmsSamples(design));
   settled.begin = range.first;
   settled.end = range.end();
   return settled;

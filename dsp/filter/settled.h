@@ -11,25 +11,26 @@
 namespace haptometer::dsp {
 
 /// Samples count as settled where the odd continuation's result agrees with that of the expected
-/// one to this part of the band RMS.
-inline constexpr double kExpectedTolerance = 7e-5;
+/// one to this part of the band RMS, what other expectations differ by from that one added.
+inline constexpr double kExpectedTolerance = 9.4e-5;
 /// The same with the constant continuation: a guard against a wrong expectation.
 inline constexpr double kConstantTolerance = 5e-4;
-/// The same with the constant continuation of the fast part alone: vibration, whose phase beyond
-/// the end nobody expects.
+/// The same with the constant continuation of the fast part alone: vibration, which may end where
+/// the signal does.
 inline constexpr double kFastTolerance = 2.5e-5;
 /// What a settled sample may be wrong by, as a part of the band RMS: the bar that these three hold
-/// (docs/hard_cases.md; 8.6e-5 at worst of 4000 cuts).
+/// (docs/hard_cases.md; 9.8e-5 at worst of 8000 cuts).
 inline constexpr double kSettledError = 1e-4;
 
 /// How far the filtered signal hangs on what lay beyond its ends: the results of other
-/// continuations less that of the odd one, in units of what each may differ by (the larger of
+/// continuations less that of the odd one, in units of what each may differ by (the largest of
 /// |difference|/tolerance). Settled: at most the band RMS. Between the parts it is below rounding.
 ///
-/// The constant continuation stays at the end value. The expected one goes on as the last tenths of
-/// a second moved slowly (dsp/filter/expected_motion.h): it is within some percent of the truth for
-/// a hand's tremor, where the constant one can be far off. Signals of fewer than
-/// kLeastExpectedMotionSamples, or filters as short, have the constant one only, to kFastTolerance.
+/// The continuations are those of dsp/filter/end_continuations.h. The expected one is within some
+/// percent of the truth for a hand's tremor, where the constant one can be far off; where the
+/// tremor is not one sine, expectations that saw more or less of it disagree, and less settles.
+/// Signals of fewer than kLeastExpectedMotionSamples, or filters as short, have the constant one
+/// only, to kFastTolerance.
 struct EndDependence {
   std::vector<double> first;  ///< of the first samples; of all, where the signal is short
   std::vector<double> last;   ///< of the last samples; empty where the signal is short
@@ -50,9 +51,14 @@ using RangeRms = std::function<double(const SampleRange& range)>;
 ///
 /// The longest stretch in which the dependence is at most the RMS over that stretch itself
 /// (repeated until that holds). Large motion below the band, such as a hand's tremor, so takes more
-/// from the ends than a clean tone does. Nothing settled: count 0.
+/// from the ends than a clean tone does. A stretch shorter than `least` is widened to that for the
+/// RMS, which a part of a period would say wrongly. Nothing settled: count 0.
 [[nodiscard]] SampleRange SettledRange(std::size_t size, const EndDependence& dependence,
-                                       const RangeRms& rms);
+                                       const RangeRms& rms, std::size_t least);
+
+/// `least` for samples: four time constants of the slowest pole, 2.8 periods of the lower corner
+/// for a band-pass of order 6.
+[[nodiscard]] std::size_t LeastRmsSamples(const FilterDesign& design);
 
 /// A filtered signal and the part of it that does not depend on what lay beyond its ends.
 struct SettledSignal {

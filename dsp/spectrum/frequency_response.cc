@@ -8,25 +8,62 @@
 
 #include "base/check.h"
 #include "dsp/spectrum/envelope.h"
-#include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr double kLeastDrive = 1e-10;  // of the greatest density
 
-// amplitude and mean frequency of a block of the analytic signal
-SweptPoint PointOf(std::span<const std::complex<double>> block, double rate_hz) {
-  double advance = 0;
-  std::vector<double> magnitudes(block.size());
+// A phase over a block: mean + slope tau + bend (tau^2 - mean_square), tau from -1 to 1 and
+// mean_square the mean of its squares: three terms that are orthogonal over the samples.
+struct BlockPhase {
+  double mean = 0;
+  double slope = 0;
+  double bend = 0;
+  double mean_square = 0;
+
+  [[nodiscard]] double At(double tau) const {
+    return mean + slope * tau + bend * (tau * tau - mean_square);
+  }
+};
+
+// least squares, of the phase that goes on from sample to sample
+BlockPhase FitPhase(std::span<const std::complex<double>> block, double half) {
+  const auto size = static_cast<double>(block.size());
+  BlockPhase fit;
+  fit.mean_square = (size + 1) / (3 * (size - 1));
+  double slope_square = 0;
+  double bend_square = 0;
+  double phase = std::arg(block[0]);
   for (std::size_t k = 0; k < block.size(); ++k) {
-    magnitudes[k] = std::abs(block[k]);
-    if (k > 0) advance += std::arg(block[k] * std::conj(block[k - 1]));
+    if (k > 0) phase += std::arg(block[k] * std::conj(block[k - 1]));
+    const double tau = static_cast<double>(k) / half - 1;
+    const double square = tau * tau - fit.mean_square;
+    fit.mean += phase;
+    fit.slope += phase * tau;
+    fit.bend += phase * square;
+    slope_square += tau * tau;
+    bend_square += square * square;
+  }
+  fit.mean /= size;
+  fit.slope /= slope_square;
+  // two samples have no bend
+  fit.bend = block.size() > 2 ? fit.bend / bend_square : 0;
+  return fit;
+}
+
+// Amplitude and mean frequency of a block of the analytic signal: what turns with its phase, so
+// that noise beside it, whose phase does not, averages out.
+SweptPoint PointOf(std::span<const std::complex<double>> block, double rate_hz) {
+  const double half = 0.5 * static_cast<double>(block.size() - 1);
+  const BlockPhase phase = FitPhase(block, half);
+  std::complex<double> sum;
+  for (std::size_t k = 0; k < block.size(); ++k) {
+    sum += block[k] * std::polar(1.0, -phase.At(static_cast<double>(k) / half - 1));
   }
   SweptPoint point;
-  point.amplitude = Rms(magnitudes);
-  point.frequency_hz =
-      advance / static_cast<double>(block.size() - 1) * rate_hz / (2 * std::numbers::pi);
+  point.amplitude = std::abs(sum) / static_cast<double>(block.size());
+  point.frequency_hz = phase.slope / half * rate_hz / (2 * std::numbers::pi);
   return point;
 }
 

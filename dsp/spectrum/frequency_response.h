@@ -39,10 +39,10 @@ struct SweptPoint {
 /// Amplitude over frequency of a sweep whose drive was not recorded, from the analytic signal of
 /// the band-passed displacement, in blocks of `periods` periods of `lower_hz`.
 ///
-/// Frequency: the phase's advance over the block; amplitude: sqrt(2) the block's RMS. Blocks at the
-/// ends and outside of the two frequencies are left out. Taken for a constant drive the points are
-/// a response; a sweep of a hertz per second shows a resonance late by up to a Q / (pi f0) hertz
-/// (the two directions' mean does not). Ordered by time.
+/// Frequency and amplitude: those of the sine that turns with a parabola fitted to the block's
+/// phase. Blocks at the ends and outside of the two frequencies are left out. Taken for a constant
+/// drive the points are a response; a sweep of a hertz per second shows a resonance late by up to a
+/// Q / (pi f0) hertz (the two directions' mean does not). Ordered by time.
 [[nodiscard]] std::vector<SweptPoint> SweptAmplitude(std::span<const double> displacement,
                                                      double rate_hz, double lower_hz,
                                                      double upper_hz, double periods = 2);

@@ -14,6 +14,9 @@ namespace {
 
 constexpr double kSqrt2 = std::numbers::sqrt2;
 constexpr double kLow = 0.1;
+// of the window, to either side of a crossing
+constexpr double kSlopeReach = 0.125;
+constexpr double kTopSlopeReach = 0.5;
 constexpr double kHalf = 0.5;
 constexpr double kHigh = 0.9;
 constexpr double kNoisesBelowLow = 3;
@@ -91,9 +94,8 @@ std::optional<Crossings> FindCrossings(const Levels& levels, std::size_t begin, 
   return Crossings{*low, *half, *high};
 }
 
-// levels per step about `at`, over an eighth of the window on either side
-double SlopeAt(const Levels& levels, double at, double window_steps) {
-  const double reach = std::max(1.0, window_steps / 8);
+// levels per step about `at`, over `reach` steps on either side
+double SlopeAt(const Levels& levels, double at, double reach) {
   const auto last = static_cast<double>(levels.size() - 1);
   const auto before = static_cast<std::size_t>(std::max(0.0, std::floor(at - reach)));
   const auto after = static_cast<std::size_t>(std::min(last, std::ceil(at + reach)));
@@ -107,20 +109,26 @@ double WithoutOwnRise(double interval_s, double measured_s, double own_rise_s) {
   return interval_s * std::sqrt(1 - own * own);
 }
 
+// standard uncertainty of a crossing of these levels, in seconds
+// whose slope is taken over a part of the window on either side
+double NoiseOfCrossing(const Levels& levels, double at, double noise, double part,
+                       const Envelope& envelope) {
+  const double slope =
+      SlopeAt(levels, at, std::max(1.0, part * envelope.support_s / envelope.step_s));
+  return slope > 0 ? noise / slope * envelope.step_s : envelope.support_s;
+}
+
 // rise_s, or why it is not known; `measured` is from low to high
 void DescribeRise(double measured_s, double noise_s, double own_rise_s, Edge& edge) {
   const double square = measured_s * measured_s - own_rise_s * own_rise_s;
   const double rise_s = std::sqrt(std::max(0.0, square));
   if (edge.low_level > kLow) return;
-  // both crossings are as uncertain as the first
-  const double noise_of_two_s = kSqrt2 * noise_s;
   if (rise_s < kLeastResolvedRise * own_rise_s) {
-    edge.rise_at_most_s = kLeastResolvedRise * own_rise_s + 2 * noise_of_two_s;
+    edge.rise_at_most_s = kLeastResolvedRise * own_rise_s + 2 * noise_s;
     return;
   }
   edge.rise_s = rise_s;
-  edge.rise_uncertainty_s =
-      std::hypot(noise_of_two_s * measured_s / rise_s, kRiseBias * own_rise_s);
+  edge.rise_uncertainty_s = std::hypot(noise_s * measured_s / rise_s, kRiseBias * own_rise_s);
 }
 
 }  // namespace
@@ -147,20 +155,22 @@ std::optional<Edge> FindOnset(const Envelope& envelope, const EdgeSearch& search
   if (!found) return std::nullopt;
 
   // one of the two parts of the quiet amplitude lies along the tone
-  const double slope = SlopeAt(levels, found->low, envelope.support_s / envelope.step_s);
   const double noise = edge.quiet_amplitude / edge.steady_amplitude / kSqrt2;
-  const double noise_s = slope > 0 ? noise / slope * envelope.step_s : envelope.support_s;
+  const double noise_s = NoiseOfCrossing(levels, found->low, noise, kSlopeReach, envelope);
+  // most rises are flatter at the top, where noise shows in the slope
+  const double noise_of_two_s =
+      std::hypot(noise_s, NoiseOfCrossing(levels, found->high, noise, kTopSlopeReach, envelope));
   const double measured_s = (found->high - found->low) * envelope.step_s;
   const double half_s = envelope.start_s + found->half * envelope.step_s;
   const double low_s = (found->half - found->low) * envelope.step_s;  // before the half level
   edge.time_s = half_s - WithoutOwnRise(low_s, measured_s, envelope.own_rise_s);
   const double early_s =
-      WithoutOwnRise(low_s + noise_s, measured_s + kSqrt2 * noise_s, envelope.own_rise_s);
+      WithoutOwnRise(low_s + noise_s, measured_s + noise_of_two_s, envelope.own_rise_s);
   const double late_s =
-      WithoutOwnRise(low_s - noise_s, measured_s - kSqrt2 * noise_s, envelope.own_rise_s);
+      WithoutOwnRise(low_s - noise_s, measured_s - noise_of_two_s, envelope.own_rise_s);
   edge.time_uncertainty_s =
       std::hypot(noise_s, 0.5 * (early_s - late_s), kTimeBias * envelope.own_rise_s);
-  DescribeRise(measured_s, noise_s, envelope.own_rise_s, edge);
+  DescribeRise(measured_s, noise_of_two_s, envelope.own_rise_s, edge);
   return edge;
 }
 

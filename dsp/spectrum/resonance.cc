@@ -5,11 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
+
+#include "dsp/statistics/robust.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -24,6 +29,9 @@ constexpr double kLeastRelativeUncertainty = 1e-3;
 constexpr int kMostSteps = 200;
 constexpr double kAtRest = 1e-9;  // relative change of f0 and of Q
 constexpr double kLargestDamping = 1e12;
+constexpr std::size_t kMostTops = 32;
+constexpr std::size_t kNeighbours = 4;  // on either side, whose deviations are alike
+constexpr double kUnlike = 10;
 
 // A point to fit: its value (a magnitude where only that is known) and one over its deviation.
 struct Point {
@@ -103,28 +111,63 @@ Linear Linearise(const Problem& problem, const VectorXd& at) {
   return linear;
 }
 
-// f0 at the highest point, Q from where the magnitude is 1/sqrt(2) of it (a width `widening` times
-// as large), the gain from both
-VectorXd StartOf(const Problem& problem, double widening) {
-  const auto& points = problem.points;
-  const auto highest = std::ranges::max_element(
-      points, {}, [](const Point& point) { return std::abs(point.value); });
-  const double half_power = std::abs(highest->value) / std::numbers::sqrt2;
-  double nearest_hz = highest->frequency_hz;  // distance to a point below half the power
-  for (const Point& point : points) {
+// f0 at `top`, Q from where the magnitude is 1/sqrt(2) of it (a width `widening` times as large),
+// the gain from both
+VectorXd StartAt(const Problem& problem, const Point& top, double widening) {
+  const double half_power = std::abs(top.value) / std::numbers::sqrt2;
+  double nearest_hz = top.frequency_hz;  // distance to a point below half the power
+  for (const Point& point : problem.points) {
     if (std::abs(point.value) > half_power) continue;
-    nearest_hz = std::min(nearest_hz, std::abs(point.frequency_hz - highest->frequency_hz));
+    nearest_hz = std::min(nearest_hz, std::abs(point.frequency_hz - top.frequency_hz));
   }
-  const double quality = highest->frequency_hz / std::max(2 * nearest_hz, 1e-6) / widening;
+  const double quality = top.frequency_hz / std::max(2 * nearest_hz, 1e-6) / widening;
   VectorXd start(problem.parameters());
   // at resonance H = gain Q / j
-  const Complex gain = highest->value * Complex(0, 1) / quality;
+  const Complex gain = top.value * Complex(0, 1) / quality;
   if (problem.magnitudes) {
-    start << std::abs(gain), highest->frequency_hz, std::log(quality);
+    start << std::abs(gain), top.frequency_hz, std::log(quality);
   } else {
-    start << gain.real(), gain.imag(), highest->frequency_hz, std::log(quality);
+    start << gain.real(), gain.imag(), top.frequency_hz, std::log(quality);
   }
   return start;
+}
+
+// what the curve leaves, weighted
+double SquareSum(const Problem& problem, const VectorXd& at) {
+  const Index f0 = at.size() - 2;
+  double sum = 0;
+  for (const Point& point : problem.points) {
+    const Complex curve = CurveAt(point.frequency_hz, at[f0], std::exp(at[f0 + 1])).value;
+    const Complex left = problem.magnitudes ? point.value - at[0] * std::abs(curve)
+                                            : point.value - Complex(at[0], at[1]) * curve;
+    sum += point.weight * point.weight * std::norm(left);
+  }
+  return sum;
+}
+
+// the highest points first, kMostTops of them
+std::vector<Point> Highest(std::vector<Point> points) {
+  std::ranges::sort(points, std::ranges::greater{},
+                    [](const Point& point) { return std::abs(point.value); });
+  points.resize(std::min(points.size(), kMostTops));
+  return points;
+}
+
+// The start that leaves least, of one at each of the highest points: beyond the drive's frequencies
+// a ratio of noise to next to nothing may stand above the resonance, and weighs nothing. Nothing
+// where no start leaves a number.
+std::optional<VectorXd> BestStart(const Problem& problem, std::span<const Point> highest,
+                                  double widening) {
+  std::optional<VectorXd> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Point& top : highest) {
+    VectorXd start = StartAt(problem, top, widening);
+    const double left = SquareSum(problem, start);
+    if (!start.allFinite() || !(left < least)) continue;
+    least = left;
+    best = std::move(start);
+  }
+  return best;
 }
 
 // Levenberg and Marquardt's steps, damped by the columns' own lengths; whether they came to rest
@@ -164,9 +207,12 @@ struct Minimum {
 // the lowest of the minima from three widths: a noisy point beside the peak makes it look narrow
 std::optional<Minimum> LowestMinimum(const Problem& problem) {
   std::optional<Minimum> lowest;
+  const std::vector<Point> highest = Highest(problem.points);
   for (const double widening : {1.0, 4.0, 16.0}) {
-    Minimum found{StartOf(problem, widening), {}};
-    if (!found.at.allFinite() || !Minimise(problem, found.at, found.linear)) continue;
+    auto start = BestStart(problem, highest, widening);
+    if (!start) continue;
+    Minimum found{std::move(*start), {}};
+    if (!Minimise(problem, found.at, found.linear)) continue;
     if (lowest && lowest->linear.residuals.squaredNorm() <= found.linear.residuals.squaredNorm()) {
       continue;
     }
@@ -214,15 +260,39 @@ Resonance Fit(const Problem& problem) {
   return found;
 }
 
+double DeviationOf(const ResponsePoint& point) {
+  return point.relative_uncertainty * std::abs(point.response);
+}
+
+// Each point's deviation: the median of its own and its neighbours', because one from few segments
+// is itself an estimate, and a fit that believes the least of them leans to where it is wrong. Its
+// own where that is far larger: there the drive is not what it is beside it.
+std::vector<double> Deviations(std::span<const ResponsePoint> points) {
+  std::vector<double> deviations;
+  deviations.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::size_t begin = k - std::min(k, kNeighbours);
+    const auto near = points.subspan(begin, std::min(k + kNeighbours + 1, points.size()) - begin);
+    std::vector<double> all;
+    all.reserve(near.size());
+    for (const ResponsePoint& point : near) all.push_back(DeviationOf(point));
+    const double own = DeviationOf(points[k]);
+    const double median = Median(std::move(all));
+    deviations.push_back(own > kUnlike * median ? own : median);
+  }
+  return deviations;
+}
+
 }  // namespace
 
 Resonance FitResonance(std::span<const ResponsePoint> points) {
+  const std::vector<double> deviations = Deviations(points);
   Problem problem;
   problem.points.reserve(points.size());
-  for (const ResponsePoint& point : points) {
-    const double relative = std::max(kLeastRelativeUncertainty, point.relative_uncertainty);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double least = kLeastRelativeUncertainty * std::abs(points[k].response);
     problem.points.push_back(
-        {point.frequency_hz, point.response, 1 / (relative * std::abs(point.response))});
+        {points[k].frequency_hz, points[k].response, 1 / std::max(least, deviations[k])});
   }
   return Fit(problem);
 }

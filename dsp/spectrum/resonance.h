@@ -24,12 +24,14 @@ struct Resonance {
   bool converged = false;
 };
 
-/// Fits the complex response, weighted by the points' uncertainties (never below 1e-3 of the
-/// value, so that a few bins without noise do not decide): a gain of any phase, f0 and Q.
+/// Fits the complex response, points by frequency: a gain of any phase, f0 and Q. A point weighs by
+/// the median deviation of its own and four neighbours on either side, or by its own where that is
+/// ten times as large; never below 1e-3 of its value, so that a few bins without noise do not
+/// decide.
 ///
-/// Levenberg and Marquardt's steps from the highest point and its half-power width, and 4 and 16
-/// times that; the lowest minimum counts. A constant
-/// delay beside the resonance is not in the model and shows in `residual_share`.
+/// Levenberg and Marquardt's steps from one of the 32 highest points and its half-power width, and
+/// 4 and 16 times that, each time from the point whose curve leaves least; the lowest minimum
+/// counts. A constant delay beside the resonance is not in the model and shows in `residual_share`.
 [[nodiscard]] Resonance FitResonance(std::span<const ResponsePoint> points);
 
 /// The same from amplitudes alone, of a drive that was constant; every point counts alike.

@@ -17,7 +17,9 @@ struct SlowMotion {
   double drift_uncertainty_per_s = 0;  ///< standard, with 6 degrees of freedom
   /// RMS between 3 and 13 Hz; nothing where the record is shorter than 1 s or its rate below 52 Hz.
   std::optional<double> tremor_rms;
-  double tremor_rms_uncertainty = 0;  ///< standard, of a random tremor with this spectrum
+  /// Standard, of a random tremor with this spectrum; with (rms/uncertainty)^2 / 2 degrees of
+  /// freedom.
+  double tremor_rms_uncertainty = 0;
   double tremor_frequency_hz = 0;     ///< the power's centre between 3 and 13 Hz
   /// The tone that holds more than half of that power, where one stands out; otherwise the tremor
   /// is a band, and its RMS is what to state.

@@ -49,7 +49,7 @@ double SettledSeconds(const Cut& cut) {
 TEST(BelowBandModel, OneSecondOfStrongTremorIsTheFilteredLongRecord) {
   for (const double phase : {0.0, 0.7, 1.9, 3.3, 4.8}) {
     const Cut cut = CutOut(Samples(kRateHz, 50'000, 0.03, {{1e-6, 100, 0.2}, {5e-4, 8.3, phase}}));
-    EXPECT_ABS(cut.worst, 0, 1e-4, "the bar; the two continuations may differ by 2.5e-5");
+    EXPECT_ABS(cut.worst, 0, 1e-4, "the bar of what has settled");
     EXPECT_GT(SettledSeconds(cut), 0.45);
   }
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 
 #include "dsp/analysis/band_analysis.h"
 #include "tests/dsp/records.h"
+#include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
@@ -27,16 +29,16 @@ double Turn(double t_s, double phase) {
   return std::sin(2 * std::numbers::pi * kToneHz * t_s + phase);
 }
 
-// 10 um (1 - exp(-(t - on) / tau)) on 30 mm and 50 um of tremor, with 0.05 um of noise
-trial::Record Rising(double phase) {
+// 10 um (1 - exp(-(t - on) / tau)) on 30 mm and 50 um of tremor, with noise
+trial::Record Rising(double phase, double noise_m = 5e-8, std::uint64_t seed = 5) {
   std::vector<double> values = Samples(kRateHz, kRows, 0.03, {{5e-5, 8.3, 0.7}});
-  Noise noise(5);
+  Noise noise(seed);
   for (std::size_t k = 0; k < kRows; ++k) {
     const double t_s = static_cast<double>(k) / kRateHz;
     if (t_s >= kOnS && t_s < kOffS) {
       values[k] += 1e-5 * (1 - std::exp(-(t_s - kOnS) / kRiseTauS)) * Turn(t_s, phase);
     }
-    values[k] += 5e-8 * noise();
+    values[k] += noise_m * noise();
   }
   return RecordOf(std::move(values), kRateHz);
 }
@@ -74,6 +76,39 @@ TEST(DriveOnset, ARiseAfterAVoltageHasItsLatencyWithinWhatIsStated) {
     EXPECT_LT(onset.latency_uncertainty_s, 2e-3);
     EXPECT_REL(*onset.edge.rise_s, kRiseTauS * std::log(9), 0.05, "the window's own rise");
   }
+}
+
+// 0.5 um of noise, any phase of the tone; all but that of the rise contain bounds
+TEST(DriveOnset, IntervalsUnderNoiseHoldTheTruth) {
+  const int repetitions = Repetitions(12);
+  int onset_held = 0;
+  int drive_held = 0;
+  int latency_held = 0;
+  int rise_held = 0;
+  for (int k = 1; k <= repetitions; ++k) {
+    const double phase = 0.7 * k;
+    const auto seed = static_cast<std::uint64_t>(k);
+    trial::Record record = Rising(phase, 5e-7, seed);
+    Noise noise(seed + 1'000'000);
+    AddChannel(record, trial::ChannelRole::kVoltage, "V", [&](double t_s, bool on) {
+      return 0.2 + 0.01 * noise() + (on ? 2 * Turn(t_s, phase + 1) : 0);
+    });
+    const auto analysis = AnalyzeBand(record, {});
+    ASSERT_TRUE(analysis && analysis->answered && analysis->numbers->onset) << k;
+    const OnsetNumbers& onset = *analysis->numbers->onset;
+    ASSERT_TRUE(onset.drive_s && onset.latency_s && onset.edge.rise_s) << k;
+    const auto holds = [](double value, double truth, double uncertainty) {
+      return std::abs(value - truth) <= 1.96 * uncertainty ? 1 : 0;
+    };
+    onset_held += holds(onset.edge.time_s, kOnS + kTenthS, onset.edge.time_uncertainty_s);
+    drive_held += holds(*onset.drive_s, kOnS, onset.drive_uncertainty_s);
+    latency_held += holds(*onset.latency_s, kTenthS, onset.latency_uncertainty_s);
+    rise_held += holds(*onset.edge.rise_s, kRiseTauS * std::log(9), onset.edge.rise_uncertainty_s);
+  }
+  ExpectCoverage("onset", onset_held, repetitions, 100);
+  ExpectCoverage("drive's begin", drive_held, repetitions, 100);
+  ExpectCoverage("latency", latency_held, repetitions, 100);
+  ExpectCoverage("rise", rise_held, repetitions);
 }
 
 TEST(DriveOnset, ATriggerIsKnownToARow) {

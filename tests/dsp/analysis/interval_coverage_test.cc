@@ -3,12 +3,11 @@
 
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
 #include "tests/dsp/records.h"
+#include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
 
 namespace haptometer::dsp {
@@ -17,12 +16,6 @@ namespace {
 constexpr double kRateHz = 2e3;
 constexpr double kToneHz = 150.37;
 constexpr double kNoiseM = 1e-6;
-
-// 2000 in the long run (tests/long/README.md)
-int Repetitions() {
-  const char* text = std::getenv("HAPTOMETER_REPETITIONS");
-  return text == nullptr ? 40 : std::atoi(text);
-}
 
 bool Holds(double lower, double value, double upper) { return lower <= value && value <= upper; }
 
@@ -36,25 +29,17 @@ double NoiseShare(const FilterDesign& design) {
   return share;
 }
 
-void ExpectCoverage(const char* name, int covered) {
-  const int repetitions = Repetitions();
-  const double rate = 100.0 * covered / repetitions;
-  std::printf("[coverage] %s: %.1f %%\n", name, rate);
-  // 40 repetitions know 95 % to 3.4, the long run to 0.5
-  EXPECT_GE(rate, repetitions >= 1000 ? 93 : 82) << name;
-  EXPECT_LE(rate, repetitions >= 1000 ? 97 : 100) << name;
-}
-
 TEST(IntervalCoverage, OfAToneInNoise) {
   const FilterDesign design = Designed({}, kRateHz);
   const double noise_square = kNoiseM * kNoiseM * NoiseShare(design);
+  const int repetitions = Repetitions(40);
   for (const double amplitude_m : {0.5e-6, 4e-6}) {
     const double passed = amplitude_m * std::norm(Response(design, kToneHz));
     const double rms_m = std::sqrt(passed * passed / 2 + noise_square);
     int amplitudes = 0;
     int frequencies = 0;
     int sizes = 0;
-    for (int seed = 1; seed <= Repetitions(); ++seed) {
+    for (int seed = 1; seed <= repetitions; ++seed) {
       Noise noise(static_cast<std::uint64_t>(seed));
       std::vector<double> values =
           Samples(kRateHz, 3000, 0.03, {{amplitude_m, kToneHz, 0.37 * seed}});
@@ -69,9 +54,9 @@ TEST(IntervalCoverage, OfAToneInNoise) {
       frequencies += Holds(tone.frequency_lower_hz, kToneHz, tone.frequency_upper_hz) ? 1 : 0;
       sizes += Holds(rms.lower_m, rms_m, rms.upper_m) ? 1 : 0;
     }
-    ExpectCoverage("amplitude", amplitudes);
-    ExpectCoverage("frequency", frequencies);
-    ExpectCoverage("band RMS", sizes);
+    ExpectCoverage("amplitude", amplitudes, repetitions);
+    ExpectCoverage("frequency", frequencies, repetitions);
+    ExpectCoverage("band RMS", sizes, repetitions);
   }
 }
 

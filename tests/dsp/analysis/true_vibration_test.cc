@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
 #include "tests/dsp/records.h"
+#include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 #include "trial/sensor_head.h"
@@ -19,12 +19,6 @@ namespace {
 
 constexpr double kRateHz = 1 / 0.33e-3;
 constexpr double kFloorM = 5.9e-6;
-
-// how often each case is repeated; 2000 in the long run (tests/long/README.md)
-int Repetitions() {
-  const char* text = std::getenv("HAPTOMETER_REPETITIONS");
-  return text == nullptr ? 25 : std::atoi(text);
-}
 
 struct Trial {
   double rms_m = 0;
@@ -84,7 +78,7 @@ class TrueVibration : public ::testing::TestWithParam<Trial> {};
 
 TEST_P(TrueVibration, LiesInTheStatedIntervalAndWithinTwoPercent) {
   const Trial& trial = GetParam();
-  const int repetitions = Repetitions();
+  const int repetitions = Repetitions(25);
   int covered = 0;
   int answered = 0;
   double square = 0;

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <utility>
 #include <vector>
 
+#include "dsp/statistics/distributions.h"
+#include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
@@ -62,6 +66,79 @@ TEST(SlowMotion, TheDriftsIntervalHoldsTheTruth) {
     held += std::abs(motion->drift_per_s - 0.6) <= kT6 * motion->drift_uncertainty_per_s ? 1 : 0;
   }
   EXPECT_NEAR(held, 1900, 40) << "95 % +- 2 % of 2000";
+}
+
+// the 95 % interval that its standard uncertainty states
+bool HoldsTremor(const SlowMotion& motion, double truth) {
+  const double ratio = *motion.tremor_rms / motion.tremor_rms_uncertainty;
+  return std::abs(*motion.tremor_rms - truth) <=
+         StudentCritical(0.5 * ratio * ratio) * motion.tremor_rms_uncertainty;
+}
+
+// white noise: 10 Hz of its density 2 s^2/rate lie in the tremor's band
+TEST(SlowMotion, ABroadTremorsIntervalHoldsTheTruth) {
+  const double truth = std::sqrt(2 * 10 / kRateHz);
+  const int repetitions = Repetitions(200);
+  Noise noise(29);
+  int held = 0;
+  std::vector<double> signal(1600);
+  for (int r = 0; r < repetitions; ++r) {
+    for (double& x : signal) x = noise();
+    const auto motion = DescribeSlowMotion(signal, kRateHz);
+    ASSERT_TRUE(motion && motion->tremor_rms);
+    held += HoldsTremor(*motion, truth) ? 1 : 0;
+  }
+  ExpectCoverage("RMS of a broad tremor", held, repetitions);
+}
+
+// noise of RMS 1 through a resonance at 8 Hz, some 1 Hz wide
+TEST(SlowMotion, ANarrowTremorsIntervalHoldsTheTruth) {
+  const double radius = std::exp(-std::numbers::pi * 1 / kRateHz);
+  const double a1 = 2 * radius * std::cos(2 * std::numbers::pi * 8 / kRateHz);
+  const double a2 = -radius * radius;
+  double square = 0;  // by the density, within the band
+  constexpr int kSteps = 20'000;
+  for (int k = 0; k < kSteps; ++k) {
+    const double f = kTremorLower_hz + (kTremorUpper_hz - kTremorLower_hz) * (k + 0.5) / kSteps;
+    const std::complex<double> z = std::polar(1.0, -2 * std::numbers::pi * f / kRateHz);
+    square += 2 / kRateHz / std::norm(1.0 - a1 * z - a2 * z * z) *
+              (kTremorUpper_hz - kTremorLower_hz) / kSteps;
+  }
+  const int repetitions = Repetitions(200);
+  Noise noise(31);
+  int held = 0;
+  std::vector<double> signal(4000);
+  double x1 = 0;
+  double x2 = 0;
+  for (int r = -1; r < repetitions; ++r) {
+    for (double& x : signal) {
+      x = a1 * x1 + a2 * x2 + noise();
+      x2 = std::exchange(x1, x);
+    }
+    if (r < 0) continue;  // it begins at rest
+    const auto motion = DescribeSlowMotion(signal, kRateHz);
+    ASSERT_TRUE(motion && motion->tremor_rms);
+    held += HoldsTremor(*motion, std::sqrt(square)) ? 1 : 0;
+  }
+  ExpectCoverage("RMS of a narrow tremor", held, repetitions);
+}
+
+TEST(SlowMotion, ATremorTonesIntervalsHoldTheTruth) {
+  const int repetitions = Repetitions(100);
+  Noise noise(37);
+  int amplitude = 0;
+  int frequency = 0;
+  for (int r = 0; r < repetitions; ++r) {
+    std::vector<double> signal = Samples(kRateHz, 1600, 0.03, {{0.5e-3, 8.3, 0.7 * r}});
+    for (double& x : signal) x += 5e-5 * noise();
+    const auto motion = DescribeSlowMotion(signal, kRateHz);
+    ASSERT_TRUE(motion && motion->tremor_tone);
+    const SineFit& tone = *motion->tremor_tone;
+    amplitude += std::abs(tone.amplitude - 0.5e-3) <= 1.96 * tone.amplitude_uncertainty ? 1 : 0;
+    frequency += std::abs(tone.frequency_hz - 8.3) <= 1.96 * tone.frequency_uncertainty_hz ? 1 : 0;
+  }
+  ExpectCoverage("amplitude of a steady tremor", amplitude, repetitions);
+  ExpectCoverage("frequency of a steady tremor", frequency, repetitions);
 }
 
 TEST(SlowMotion, IsNotMadeUp) {

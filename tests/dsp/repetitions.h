@@ -1,0 +1,30 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace haptometer::dsp {
+
+/// How often a seeded case is repeated: `quick` times, HAPTOMETER_REPETITIONS times in the long run
+/// (tests/long/README.md).
+inline int Repetitions(int quick) {
+  const char* text = std::getenv("HAPTOMETER_REPETITIONS");
+  return text == nullptr ? quick : std::atoi(text);
+}
+
+/// Prints how many of `repetitions` 95 % intervals held the truth, and expects 93 % or more, of few
+/// repetitions three standard deviations less. `most_percent`: 97 of an interval for a population
+/// value, 100 of one that contains a bound.
+inline void ExpectCoverage(const char* name, int held, int repetitions, double most_percent = 97) {
+  const double percent = 100.0 * held / repetitions;
+  std::printf("[coverage] %s: %.2f %%\n", name, percent);
+  // 1000 repetitions know 95 % to 0.7
+  const bool long_run = repetitions >= 1000;
+  const double least_percent = most_percent < 100 ? 93 : 95;
+  EXPECT_GE(percent, long_run ? least_percent : 82) << name;
+  EXPECT_LE(percent, long_run ? most_percent : 100) << name;
+}
+
+}  // namespace haptometer::dsp
