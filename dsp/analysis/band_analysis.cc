@@ -22,8 +22,6 @@
 namespace haptometer::dsp {
 namespace {
 
-using trial::SampleStatus;
-
 constexpr double kUmPerM = 1e6;
 // farther than any target, and small enough for squares and their products
 constexpr double kFarthestM = 1e30;
@@ -56,10 +54,11 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   FaultScanner scanner({displacement.range_min, displacement.range_max, displacement.resolution});
   auto segments = SplitIntoSegments(
       source, channel, question.band.upper_hz,
-      [&](std::size_t first_row, std::span<const double> values,
-          std::span<const SampleStatus> statuses) {
-        summarizer.Feed(values, statuses);
-        scanner.Feed(first_row, values, statuses);
+      [&](const RowBlock& block) -> Finish {
+        return [&, block, summed = summarizer.LookAt(block), looked = scanner.Look(block)] {
+          summarizer.Feed(block, summed);
+          scanner.Feed(block, looked);
+        };
       },
       threads);
   if (!segments) return std::unexpected(segments.error());
