@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -253,11 +254,12 @@ Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) cons
                    out.size(), size());
   // in pieces, because the statuses only pass by
   constexpr std::size_t kPiece = std::size_t{1} << 14U;
-  std::vector<trial::SampleStatus> statuses(std::min(kPiece, out.size()));
+  const std::size_t most = std::min(kPiece, out.size());
+  const auto statuses = std::make_unique_for_overwrite<trial::SampleStatus[]>(most);
   for (std::size_t at = 0; at < out.size(); at += kPiece) {
     const std::span<double> piece = out.subspan(at, std::min(kPiece, out.size() - at));
     if (auto read = source_->Read(channel_, segment_->first_row + first + at, piece,
-                                  std::span(statuses).first(piece.size()));
+                                  std::span(statuses.get(), piece.size()));
         !read) {
       return read;
     }
