@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/displacement_channel.h"
@@ -138,6 +140,13 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
 }
 
+// of all rows, where they are evenly spaced
+std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSummary& summary) {
+  if (head.stretches.size() != 1) return std::nullopt;
+  const auto cell_rows = static_cast<double>(summary.cell_rows);
+  return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
+}
+
 // the answer for rows as they are; `why_not`, where there is one, is a reason against the band
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
                                  int threads, const std::string& why_not) {
@@ -154,19 +163,23 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
     return std::unexpected(checked.error());
   }
   RemarkFaults(head, &analysis);
-  if (head.stretches.size() == 1) {
-    const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
-    analysis.slow_motion =
-        DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
-  }
-
   if (!why_not.empty()) analysis.reasons.push_back(why_not);
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
-  const auto done = analysis.reasons.empty()
-                        ? AnswerBand(displacement, pass->segments, question, &analysis)
-                        : FitKnownTone(displacement, question, &analysis);
+  std::optional<SlowMotion> slow_motion;
+  const auto done = RunBeside(threads, {[&]() -> Result<void> {
+                                          slow_motion = SlowMotionOf(head, pass->summary);
+                                          return {};
+                                        },
+                                        [&] {
+                                          return analysis.reasons.empty()
+                                                     ? AnswerBand(displacement, pass->segments,
+                                                                  question, &analysis)
+                                                     : FitKnownTone(displacement, question,
+                                                                    &analysis);
+                                        }});
   if (!done) return std::unexpected(done.error());
+  analysis.slow_motion = slow_motion;
   return analysis;
 }
 

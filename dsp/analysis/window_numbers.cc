@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_onset.h"
@@ -395,34 +396,44 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
   KeepEnough(std::move(*samples), window);
-  const auto tone =
-      StrongestTone(window.samples, {window.sampled_rate_hz, analysis->band.lower_hz,
-                                     analysis->band.upper_hz, window.bandwidth_hz()});
-  window.rows = WholePeriods(window, tone);
-  DescribePart(window);
-  if (tone) {
-    window.numbers.tone.emplace();
-    window.numbers.tone->fit = *tone;
-  }
-  if (auto measured = MeasurePower(window); !measured) return measured;
+  const auto describe_window = [&]() -> Result<void> {
+    const auto tone =
+        StrongestTone(window.samples, {window.sampled_rate_hz, analysis->band.lower_hz,
+                                       analysis->band.upper_hz, window.bandwidth_hz()});
+    window.rows = WholePeriods(window, tone);
+    DescribePart(window);
+    if (tone) {
+      window.numbers.tone.emplace();
+      window.numbers.tone->fit = *tone;
+    }
+    return MeasurePower(window);
+  };
+  const auto describe_below = [&]() -> Result<void> {
+    const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
+    if (!below_band) return std::unexpected(below_band.error());
+    window.numbers.below_band = *below_band;
+    return {};
+  };
+  const int threads = displacement.threads;
+  if (auto done = RunBeside(threads, {describe_window, describe_below}); !done) return done;
   window.numbers.whole_rms_m = WholeRms(all);
   window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
                                            static_cast<double>(window.rows));
-  const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
-  if (!below_band) return std::unexpected(below_band.error());
-  window.numbers.below_band = *below_band;
   DescribeSensor(window);
   if (auto taken = TakeFloor(window); !taken) return taken;
   JudgeClipping(window);
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
-  if (window.numbers.tone) {
-    FinishTone(window);
-    if (auto described = DescribeHarmonics(window); !described) return described;
-    if (auto described = DescribeDrive(displacement.source, window); !described) return described;
-  }
-  if (auto described = DescribeMotion(window); !described) return described;
+  const bool has_tone = window.numbers.tone.has_value();
+  if (has_tone) FinishTone(window);
+  const auto described = RunBeside(
+      threads, {[&] { return has_tone ? DescribeHarmonics(window) : Result<void>(); },
+                [&] { return DescribeMotion(window); },
+                [&] {
+                  return has_tone ? DescribeDrive(displacement.source, window) : Result<void>();
+                }});
+  if (!described) return described;
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);
   return {};
