@@ -92,8 +92,7 @@ Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker(
   return first_error.result();
 }
 
-Result<void> RunBeside(int threads,
-                       std::initializer_list<std::function<Result<void>()>> tasks) {
+Result<void> RunBeside(int threads, std::initializer_list<std::function<Result<void>()>> tasks) {
   return RunJobs(tasks.size(), threads, [&]() -> Worker {
     return [&](std::size_t task) { return tasks.begin()[task](); };
   });

@@ -27,8 +27,7 @@ class OwnedRows final : public RowSource {
 
 }  // namespace
 
-Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options,
-                            int threads) {
+Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options, int threads) {
   // what is no trial, or none that can be read, is left to ReadRecording and its messages
   if (auto reader = TrialReader::Open(path); reader && TrialRows::CanRead(reader->header())) {
     auto rows = TrialRows::From(std::move(*reader), path, threads);

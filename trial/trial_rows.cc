@@ -77,7 +77,7 @@ TrialRows::TrialRows(const TrialHeader& header, std::string name)
 }
 
 Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::string name,
-                                                    int threads) {
+                                                   int threads) {
   HAPTOMETER_CHECK(CanRead(reader.header()), "timing {}", trial::Name(reader.header().timing));
   std::unique_ptr<TrialRows> rows(new TrialRows(reader.header(), std::move(name)));
   if (auto checked = reader.CheckRows(threads); !checked) {
@@ -135,7 +135,8 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
   const auto bytes = std::make_unique_for_overwrite<std::byte[]>(most_bytes);
   while (!values.empty()) {
     const std::size_t count = std::min(rows_at_once, values.size());
-    const std::span<std::byte> piece = std::span(bytes.get(), most_bytes).first(count * layout.row_bytes);
+    const std::span<std::byte> piece =
+        std::span(bytes.get(), most_bytes).first(count * layout.row_bytes);
     const auto got = source_->ReadAt(offset, piece);
     if (!got) return std::unexpected(got.error());
     if (*got < piece.size()) {

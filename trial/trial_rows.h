@@ -28,8 +28,7 @@ class TrialRows final : public RowSource {
   /// CRC is checked, on `threads` threads, and losses, events and time base come out as ReadRecord
   /// gives them. `name` stands for the file in messages.
   /// Errors: as TrialReader::Next.
-  [[nodiscard]] static Result<std::unique_ptr<TrialRows>> From(TrialReader reader,
-                                                               std::string name,
+  [[nodiscard]] static Result<std::unique_ptr<TrialRows>> From(TrialReader reader, std::string name,
                                                                int threads = 1);
 
   [[nodiscard]] const Record& head() const override { return head_; }

@@ -167,17 +167,16 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
   std::optional<SlowMotion> slow_motion;
-  const auto done = RunBeside(threads, {[&]() -> Result<void> {
-                                          slow_motion = SlowMotionOf(head, pass->summary);
-                                          return {};
-                                        },
-                                        [&] {
-                                          return analysis.reasons.empty()
-                                                     ? AnswerBand(displacement, pass->segments,
-                                                                  question, &analysis)
-                                                     : FitKnownTone(displacement, question,
-                                                                    &analysis);
-                                        }});
+  const auto done = RunBeside(
+      threads, {[&]() -> Result<void> {
+                  slow_motion = SlowMotionOf(head, pass->summary);
+                  return {};
+                },
+                [&] {
+                  return analysis.reasons.empty()
+                             ? AnswerBand(displacement, pass->segments, question, &analysis)
+                             : FitKnownTone(displacement, question, &analysis);
+                }});
   if (!done) return std::unexpected(done.error());
   analysis.slow_motion = slow_motion;
   return analysis;

@@ -183,7 +183,8 @@ struct BandAnalysis {
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
 /// displacement channel in metres, no measurement in it or one beyond 1e30 m
 /// (Cause::kCannotAnswer).
-/// `threads` changes no number; drift and tremor are found on a thread beside them. Further errors: as RowSource::Read.
+/// `threads` changes no number; drift and tremor are found on a thread beside them. Further errors:
+/// as RowSource::Read.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
                                                const BandQuestion& question, int threads = 1);
 /// The same of a record in memory.

@@ -194,8 +194,8 @@ std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal
   return model;
 }
 
-// From every n-th sample to all of them: sines without the decimator's gain and their phase from the
-// longer signal's middle, the same cubic over all of it.
+// From every n-th sample to all of them: sines without the decimator's gain and their phase from
+// the longer signal's middle, the same cubic over all of it.
 void BelowBandModel::Refer(const Decimator& decimator, std::size_t size) {
   const auto every = static_cast<double>(decimator.factor());
   const double slow_half = 0.5 * static_cast<double>(size_ - 1);
@@ -229,9 +229,8 @@ void BelowBandModel::Refer(const Decimator& decimator, std::size_t size) {
   size_ = size;
 }
 
-std::optional<BelowBandModel> BelowBandModel::FitAll(std::span<const double> signal,
-                                                     double rate_hz, double lower_hz,
-                                                     double upper_hz) {
+std::optional<BelowBandModel> BelowBandModel::FitAll(std::span<const double> signal, double rate_hz,
+                                                     double lower_hz, double upper_hz) {
   if (signal.size() < 8) return std::nullopt;
   const Frame frame{0.5 * static_cast<double>(signal.size() - 1), rate_hz};
   const double least_hz = 2 * rate_hz / static_cast<double>(signal.size());

@@ -156,7 +156,7 @@ class FaultScanner {
   bool any_extreme_ = false;
   Fault clipped_{FaultKind::kClipped, 0, 0, 0};  // the stretch at hand
 
-  std::size_t scanned_ = 0;     // rows before this one are judged
+  std::size_t scanned_ = 0;  // rows before this one are judged
   // of the block that is judged: values of rows from window_first_ on; NaN: no measurement
   std::vector<double> window_;
   std::size_t window_first_ = 0;

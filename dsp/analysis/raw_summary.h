@@ -54,14 +54,14 @@ class RawSummarizer {
   void CloseCell();
 
   RawSummary summary_;
-  std::size_t fed_ = 0;              // rows
-  double reference_ = 0;             // the first measurement
-  double sum_ = 0;                   // of deviations from it in closed cells
-  double lost_ = 0;                  // what rounding took from it
-  double cell_first_ = 0;            // the open cell's first measurement
-  double cell_sums_[kRowLanes] = {}; // of deviations from it, row n in lane n mod kRowLanes
-  std::size_t cell_count_ = 0;       // measurements in it
-  std::size_t cell_filled_ = 0;      // rows in it
+  std::size_t fed_ = 0;               // rows
+  double reference_ = 0;              // the first measurement
+  double sum_ = 0;                    // of deviations from it in closed cells
+  double lost_ = 0;                   // what rounding took from it
+  double cell_first_ = 0;             // the open cell's first measurement
+  double cell_sums_[kRowLanes] = {};  // of deviations from it, row n in lane n mod kRowLanes
+  std::size_t cell_count_ = 0;        // measurements in it
+  std::size_t cell_filled_ = 0;       // rows in it
 };
 
 }  // namespace haptometer::dsp

@@ -192,6 +192,6 @@ double LeastChange(const double* rows, std::size_t count) {
 }  // namespace
 
 const RowKernel HAPTOMETER_KERNEL = {AllFinite, SumFrom,      SumSquares,
-                                         Repeats,   LargestError, LeastChange};
+                                     Repeats,   LargestError, LeastChange};
 
 }  // namespace haptometer::dsp

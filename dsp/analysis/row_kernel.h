@@ -10,8 +10,8 @@ namespace haptometer::dsp {
 /// instruction sets give the same bytes.
 inline constexpr std::size_t kRowLanes = 8;
 
-/// The lanes' values added in pairs. Unnamed on purpose: a file compiled for one instruction set must
-/// never hand its copy of a function to a file compiled for another.
+/// The lanes' values added in pairs. Unnamed on purpose: a file compiled for one instruction set
+/// must never hand its copy of a function to a file compiled for another.
 namespace {
 [[nodiscard]] inline double SumOfLanes(const double (&lanes)[kRowLanes]) {
   return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +

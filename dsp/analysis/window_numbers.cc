@@ -39,14 +39,16 @@ struct Window {
   BandAnalysis& analysis;
   BandNumbers numbers{};
   std::vector<double> samples{};  // of the chosen part, or of its middle; every n-th, as the band
-  double sampled_rate_hz = 0;   // leaves nothing beyond half of this
-  std::size_t rows = 0;         // of the window
+  double sampled_rate_hz = 0;     // leaves nothing beyond half of this
+  std::size_t rows = 0;           // of the window
   BandPower power{};
 
   [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
   [[nodiscard]] double rate_hz() const { return signal().rate_hz(); }
   [[nodiscard]] double duration_s() const { return static_cast<double>(rows) / rate_hz(); }
-  [[nodiscard]] double sampled_s() const { return static_cast<double>(samples.size()) / sampled_rate_hz; }
+  [[nodiscard]] double sampled_s() const {
+    return static_cast<double>(samples.size()) / sampled_rate_hz;
+  }
   [[nodiscard]] const BandPass& band() const { return analysis.band; }
   [[nodiscard]] double bandwidth_hz() const { return band().upper_hz - band().lower_hz; }
 };
@@ -428,11 +430,10 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
   const bool has_tone = window.numbers.tone.has_value();
   if (has_tone) FinishTone(window);
   const auto described = RunBeside(
-      threads, {[&] { return has_tone ? DescribeHarmonics(window) : Result<void>(); },
-                [&] { return DescribeMotion(window); },
-                [&] {
-                  return has_tone ? DescribeDrive(displacement.source, window) : Result<void>();
-                }});
+      threads,
+      {[&] { return has_tone ? DescribeHarmonics(window) : Result<void>(); },
+       [&] { return DescribeMotion(window); },
+       [&] { return has_tone ? DescribeDrive(displacement.source, window) : Result<void>(); }});
   if (!described) return described;
   RemarkFloor(window);
   analysis->numbers = std::move(window.numbers);

@@ -59,8 +59,7 @@ double Decimator::GainAt(double frequency_hz) const {
   const double turn = std::numbers::pi * frequency_hz / rate_hz_;
   if (turn == 0) return 1;
   const auto factor = static_cast<double>(factor_);
-  return std::pow(std::sin(turn * factor) / (factor * std::sin(turn)),
-                  static_cast<double>(kOrder));
+  return std::pow(std::sin(turn * factor) / (factor * std::sin(turn)), static_cast<double>(kOrder));
 }
 
 std::vector<double> Decimator::Decimate(std::span<const double> signal) const {
