@@ -145,7 +145,7 @@ TEST(Faults, RowsThatTheSourceCallsRepeatedAreNoHold) {
     values[k] = values[k - k % 5];
     statuses[k] = SampleStatus::kRepeated;
   }
-  EXPECT_EQ(Scan(values, {}, 1'000, statuses).Count(FaultKind::kHeld), 0U);
+  EXPECT_EQ(Scan(values, {}, kFaultBlockRows, statuses).Count(FaultKind::kHeld), 0U);
 }
 
 TEST(Faults, ClippedAtTheRangeAtAStatusOrAtARepeatedExtreme) {
