@@ -287,6 +287,26 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   return bounds;
 }
 
+// What leaks from below the band is no noise: a line of amplitude a, D = 2 pi times as far from the
+// tone, moves its fit over the duration T by 2 a / (T D) at most, and its frequency by
+// 12 a / (A T^2 D) (the fit's linear weights against a sine); so does its mirror at negative
+// frequencies. Of unknown phase, each adds 1 / sqrt(2) of that (GUM 4.3.5).
+void AddLeakedLine(const Window& window, SineFit& fit) {
+  if (!window.numbers.below_band) return;
+  const BelowBand& below = *window.numbers.below_band;
+  const double apart = 1 / (kTwoPi * (fit.frequency_hz - below.frequency_hz)) +
+                       1 / (kTwoPi * (fit.frequency_hz + below.frequency_hz));
+  const double seconds = window.sampled_s();
+  const double leaked_m = below.leaked_rms_m;  // amplitude / sqrt(2)
+  const double moved_m = 2 * leaked_m / seconds * apart;
+  const double turned_hz = 12 * leaked_m / (fit.amplitude * seconds * seconds) * apart / kTwoPi;
+  fit.amplitude_uncertainty = std::hypot(fit.amplitude_uncertainty, moved_m);
+  fit.frequency_uncertainty_hz = std::hypot(fit.frequency_uncertainty_hz, turned_hz);
+  // stated at the first sample, half the duration from the middle
+  fit.phase_uncertainty_rad = std::hypot(fit.phase_uncertainty_rad, moved_m / fit.amplitude,
+                                         std::numbers::pi * seconds * turned_hz);
+}
+
 // the tone before the filter and before the sensor, with uncertainties from the noise about it
 void FinishTone(Window& window) {
   ToneNumbers& tone = *window.numbers.tone;
@@ -301,6 +321,7 @@ void FinishTone(Window& window) {
     fit.frequency_uncertainty_hz *= shape;
     fit.phase_uncertainty_rad *= shape;
   }
+  AddLeakedLine(window, fit);
   fit.amplitude /= gain;
   fit.amplitude_uncertainty /= gain;
   // the rate is a line through times: each of its ends may be off by their uncertainty
