@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <condition_variable>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -33,6 +35,37 @@ class FirstError {
   std::optional<Error> error_;
 };
 
+// lets jobs pass one at a time, in their order
+class Turns {
+ public:
+  // waits for the turn of `job`; false where an earlier one has failed
+  [[nodiscard]] bool Await(std::size_t job) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return next_ == job || failed_ < job; });
+    return next_ == job;
+  }
+  void Pass() {
+    {
+      const std::scoped_lock lock(mutex_);
+      ++next_;
+    }
+    changed_.notify_all();
+  }
+  void Fail(std::size_t job) {
+    {
+      const std::scoped_lock lock(mutex_);
+      failed_ = std::min(failed_, job);
+    }
+    changed_.notify_all();
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::size_t next_ = 0;
+  std::size_t failed_ = std::numeric_limits<std::size_t>::max();
+};
+
 }  // namespace
 
 Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker()>& make_worker) {
@@ -57,6 +90,30 @@ Result<void> RunJobs(std::size_t count, int threads, const std::function<Worker(
     work();
   }
   return first_error.result();
+}
+
+Result<void> RunBeside(int threads, std::initializer_list<std::function<Result<void>()>> tasks) {
+  return RunJobs(tasks.size(), threads, [&]() -> Worker {
+    return [&](std::size_t task) { return tasks.begin()[task](); };
+  });
+}
+
+Result<void> RunJobsInOrder(std::size_t count, int threads,
+                            const std::function<OrderedWorker()>& make_worker) {
+  Turns turns;
+  return RunJobs(count, threads, [&]() -> Worker {
+    return [&turns, worker = make_worker()](std::size_t job) -> Result<void> {
+      auto finish = worker(job);
+      if (!finish) {
+        turns.Fail(job);
+        return std::unexpected(std::move(finish.error()));
+      }
+      if (!turns.Await(job)) return {};
+      if (*finish) (*finish)();
+      turns.Pass();
+      return {};
+    };
+  });
 }
 
 }  // namespace haptometer

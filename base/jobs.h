@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <initializer_list>
 
 #include "base/result.h"
 
@@ -17,5 +18,20 @@ using Worker = std::function<Result<void>(std::size_t job)>;
 /// it may be left undone.
 [[nodiscard]] Result<void> RunJobs(std::size_t count, int threads,
                                    const std::function<Worker()>& make_worker);
+
+/// Does each of `tasks` once, as RunJobs does jobs. Errors: that of the first task that failed.
+[[nodiscard]] Result<void> RunBeside(int threads,
+                                     std::initializer_list<std::function<Result<void>()>> tasks);
+
+/// Ends a job, in the order of jobs; empty: nothing to do.
+using Finish = std::move_only_function<void()>;
+/// Does one job by its number, up to where the order matters.
+using OrderedWorker = std::function<Result<Finish>(std::size_t job)>;
+
+/// As RunJobs; what the workers return is called one at a time, that of job 0 first.
+///
+/// Finishes behind the first job that failed are not called.
+[[nodiscard]] Result<void> RunJobsInOrder(std::size_t count, int threads,
+                                          const std::function<OrderedWorker()>& make_worker);
 
 }  // namespace haptometer

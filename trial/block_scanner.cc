@@ -92,6 +92,11 @@ Result<std::uint64_t> BlockScanner::FindHead(std::uint64_t from) {
 
 Result<bool> BlockScanner::LoadPayload(const BlockHead& head, std::vector<std::byte>* payload) {
   if (source_->size() - offset_ < kBlockHeadBytes + head.payload_bytes) return false;
+  if (head.kind == BlockKind::kRows &&
+      offset_ + kBlockHeadBytes + head.payload_bytes <= trusted_end_) {
+    payload->clear();
+    return true;
+  }
   payload->resize(head.payload_bytes);
   const auto got = source_->ReadAt(offset_ + kBlockHeadBytes, *payload);
   if (!got) return std::unexpected(got.error());

@@ -31,6 +31,11 @@ class BlockScanner {
   /// The next sound block, its payload in `*payload`; nothing at the end of the file.
   [[nodiscard]] Result<std::optional<FoundBlock>> Next(std::vector<std::byte>* payload);
 
+  /// Where blocks of rows were found to be sound up to byte `end` (trial/checked_blocks.h): their
+  /// payloads are neither read nor checked again, and Next() leaves `*payload` empty.
+  void Trust(std::uint64_t end) { trusted_end_ = end; }
+  [[nodiscard]] std::uint64_t offset() const { return offset_; }
+
   /// Counts a block that Next() gave as lost after all: "block N " + `why`.
   void Reject(const FoundBlock& block, const std::string& why);
 
@@ -50,6 +55,7 @@ class BlockScanner {
 
   const ByteSource* source_;
   std::uint64_t offset_;
+  std::uint64_t trusted_end_ = 0;
   std::uint32_t next_sequence_ = 0;
   std::uint64_t next_row_ = 0;
   std::optional<std::size_t> open_loss_;  // the loss whose blocks and rows are not known yet

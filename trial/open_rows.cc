@@ -27,10 +27,10 @@ class OwnedRows final : public RowSource {
 
 }  // namespace
 
-Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options) {
+Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options, int threads) {
   // what is no trial, or none that can be read, is left to ReadRecording and its messages
   if (auto reader = TrialReader::Open(path); reader && TrialRows::CanRead(reader->header())) {
-    auto rows = TrialRows::From(std::move(*reader), path);
+    auto rows = TrialRows::From(std::move(*reader), path, threads);
     if (!rows) return std::unexpected(rows.error());
     OpenedRows opened{.rows = nullptr, .report = (*rows)->report()};
     opened.rows = std::move(*rows);

@@ -19,8 +19,9 @@ struct OpenedRows {
 /// The rows of a recording of any kind that ReadRecording knows, the same as it gives.
 ///
 /// A trial.bin of uniform timing stays in its file (trial/trial_rows.h), however long it is;
-/// everything else is read into memory. Errors: as ReadRecording.
+/// everything else is read into memory. `threads` check it and change nothing. Errors: as
+/// ReadRecording.
 [[nodiscard]] Result<OpenedRows> OpenRows(const std::string& path,
-                                          const ImportOptions& options = {});
+                                          const ImportOptions& options = {}, int threads = 1);
 
 }  // namespace haptometer::trial

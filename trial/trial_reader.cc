@@ -11,6 +11,7 @@
 #include "base/check.h"
 #include "trial/block.h"
 #include "trial/block_scanner.h"
+#include "trial/checked_blocks.h"
 #include "trial/trial_json.h"
 
 namespace haptometer::trial {
@@ -253,6 +254,14 @@ Result<const Chunk*> TrialReader::Next() {
     if (state.TakeRows(**block)) return &state.chunk;
     state.scanner->Reject(**block, "does not fit the header");
   }
+}
+
+Result<void> TrialReader::CheckRows(int threads) {
+  BlockScanner& scanner = *state_->scanner;
+  const auto end = SoundUntil(*state_->source, scanner.offset(), threads);
+  if (!end) return std::unexpected(end.error());
+  scanner.Trust(*end);
+  return {};
 }
 
 const ReadReport& TrialReader::report() const { return state_->report; }

@@ -112,6 +112,10 @@ class TrialReader {
   /// Errors (Cause::kCannotAnswer): the disk cannot be read.
   [[nodiscard]] Result<const Chunk*> Next();
 
+  /// Checks ahead, on `threads` threads, the rows that Next() will give; it does not load them any
+  /// more: chunks say where their rows lie, and have none to give. Errors: as Next.
+  [[nodiscard]] Result<void> CheckRows(int threads);
+
   /// Complete once Next() has returned nullptr.
   [[nodiscard]] const ReadReport& report() const;
 

@@ -76,9 +76,13 @@ TrialRows::TrialRows(const TrialHeader& header, std::string name)
   for (const ChannelFormat& format : header.channels) head_.channels.push_back(ChannelOf(format));
 }
 
-Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::string name) {
+Result<std::unique_ptr<TrialRows>> TrialRows::From(TrialReader reader, std::string name,
+                                                   int threads) {
   HAPTOMETER_CHECK(CanRead(reader.header()), "timing {}", trial::Name(reader.header().timing));
   std::unique_ptr<TrialRows> rows(new TrialRows(reader.header(), std::move(name)));
+  if (auto checked = reader.CheckRows(threads); !checked) {
+    return std::unexpected(checked.error());
+  }
   UniformGrid grid(reader.header().rate_hz);
   for (;;) {
     const auto chunk = reader.Next();
@@ -126,10 +130,13 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
   const Column column{layout.row_bytes, layout.value_offsets[channel],
                       layout.status_offset + channel, format.scale, format.offset};
   const std::size_t rows_at_once = std::max(std::size_t{1}, kPieceBytes / layout.row_bytes);
-  std::vector<std::byte> bytes(std::min(rows_at_once, values.size()) * layout.row_bytes);
+  // for overwriting: clearing it would cost as much as decoding it
+  const std::size_t most_bytes = std::min(rows_at_once, values.size()) * layout.row_bytes;
+  const auto bytes = std::make_unique_for_overwrite<std::byte[]>(most_bytes);
   while (!values.empty()) {
     const std::size_t count = std::min(rows_at_once, values.size());
-    const std::span<std::byte> piece = std::span(bytes).first(count * layout.row_bytes);
+    const std::span<std::byte> piece =
+        std::span(bytes.get(), most_bytes).first(count * layout.row_bytes);
     const auto got = source_->ReadAt(offset, piece);
     if (!got) return std::unexpected(got.error());
     if (*got < piece.size()) {

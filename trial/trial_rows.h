@@ -25,11 +25,11 @@ class TrialRows final : public RowSource {
   }
 
   /// Goes once through what `reader` (fresh, of a header that CanRead) has to give: every block's
-  /// CRC is checked, and losses, events and time base come out as ReadRecord gives them. `name`
-  /// stands for the file in messages.
+  /// CRC is checked, on `threads` threads, and losses, events and time base come out as ReadRecord
+  /// gives them. `name` stands for the file in messages.
   /// Errors: as TrialReader::Next.
-  [[nodiscard]] static Result<std::unique_ptr<TrialRows>> From(TrialReader reader,
-                                                               std::string name);
+  [[nodiscard]] static Result<std::unique_ptr<TrialRows>> From(TrialReader reader, std::string name,
+                                                               int threads = 1);
 
   [[nodiscard]] const Record& head() const override { return head_; }
   [[nodiscard]] const ReadReport& report() const { return report_; }

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/displacement_channel.h"
@@ -22,8 +24,6 @@
 
 namespace haptometer::dsp {
 namespace {
-
-using trial::SampleStatus;
 
 constexpr double kUmPerM = 1e6;
 // farther than any target, and small enough for squares and their products
@@ -57,10 +57,11 @@ Result<Pass> PassOver(const trial::RowSource& source, std::size_t channel,
   FaultScanner scanner({displacement.range_min, displacement.range_max, displacement.resolution});
   auto segments = SplitIntoSegments(
       source, channel, question.band.upper_hz,
-      [&](std::size_t first_row, std::span<const double> values,
-          std::span<const SampleStatus> statuses) {
-        summarizer.Feed(values, statuses);
-        scanner.Feed(first_row, values, statuses);
+      [&](const RowBlock& block) -> Finish {
+        return [&, block, summed = summarizer.LookAt(block), looked = scanner.Look(block)] {
+          summarizer.Feed(block, summed);
+          scanner.Feed(block, looked);
+        };
       },
       threads);
   if (!segments) return std::unexpected(segments.error());
@@ -147,6 +148,13 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
 }
 
+// of all rows, where they are evenly spaced
+std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSummary& summary) {
+  if (head.stretches.size() != 1) return std::nullopt;
+  const auto cell_rows = static_cast<double>(summary.cell_rows);
+  return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
+}
+
 // the answer for rows as they are; `why_not`, where there is one, is a reason against the band
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
                                  int threads, const std::string& why_not) {
@@ -168,19 +176,22 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
     analysis.reasons.push_back(std::move(stuck));
     return analysis;
   }
-  if (head.stretches.size() == 1) {
-    const auto cell_rows = static_cast<double>(pass->summary.cell_rows);
-    analysis.slow_motion =
-        DescribeSlowMotion(pass->summary.cell_means, head.stretches.front().rate_hz / cell_rows);
-  }
-
   if (!why_not.empty()) analysis.reasons.push_back(why_not);
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
-  const auto done = analysis.reasons.empty()
-                        ? AnswerBand(displacement, pass->segments, question, &analysis)
-                        : FitKnownTone(displacement, question, &analysis);
+  std::optional<SlowMotion> slow_motion;
+  const auto done = RunBeside(
+      threads, {[&]() -> Result<void> {
+                  slow_motion = SlowMotionOf(head, pass->summary);
+                  return {};
+                },
+                [&] {
+                  return analysis.reasons.empty()
+                             ? AnswerBand(displacement, pass->segments, question, &analysis)
+                             : FitKnownTone(displacement, question, &analysis);
+                }});
   if (!done) return std::unexpected(done.error());
+  analysis.slow_motion = slow_motion;
   return analysis;
 }
 

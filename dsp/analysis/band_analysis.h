@@ -61,7 +61,7 @@ struct BelowBand {
 /// The strongest tone in the band.
 struct ToneNumbers {
   /// As it was before the filter; its amplitude as the sensor handed it out. Uncertainties are from
-  /// the noise about it.
+  /// the noise about it and from what leaks from below the band.
   SineFit fit;
   double amplitude_m = 0;  ///< with the sensor's gain divided out, where that is known
   double amplitude_uncertainty_m = 0;
@@ -115,7 +115,8 @@ struct BandNumbers {
   std::optional<ToneNumbers> tone;
   /// Of unfiltered samples, without what dsp/analysis/below_band_model.h explains below the band
   /// (20 s at most), up to the tenth and record.observable_upper_hz, as the sensor handed them out;
-  /// nothing where no second one is observable. At most 2^21 samples.
+  /// nothing where no second one is observable. Of a window of more than 2^21 samples the middle
+  /// 2^19.
   std::optional<Harmonics> harmonics;
   /// Nothing without a quiet part before the drive's, or where the noise is above a sixth of it.
   std::optional<OnsetNumbers> onset;
@@ -190,7 +191,8 @@ struct BandAnalysis {
 /// than 0.1 % of the window clipped. Errors: a wrong band or window (Cause::kUsage), no
 /// displacement channel in metres, no measurement in it or one beyond 1e30 m
 /// (Cause::kCannotAnswer).
-/// `threads` changes no number. Further errors: as RowSource::Read.
+/// `threads` changes no number; drift and tremor are found on a thread beside them. Further errors:
+/// as RowSource::Read.
 [[nodiscard]] Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source,
                                                const BandQuestion& question, int threads = 1);
 /// The same of a record in memory.

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
@@ -117,11 +118,16 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
   if (auto read = signal.samples().Read((signal.size() - size) / 2, samples); !read) {
     return std::unexpected(read.error());
   }
-  const auto tone = StrongestTone(samples, {signal.rate_hz(), least_hz, lower_hz, 0});
+  const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(), lower_hz),
+                            signal.rate_hz());
+  const std::vector<double> slow = decimator.Decimate(samples);
+  const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow.size());
+  const auto tone = StrongestTone(slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
   if (!tone) return std::nullopt;
   const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
-  return BelowBand{tone->frequency_hz, tone->amplitude,
-                   tone->amplitude * gain / std::numbers::sqrt2, signal.model().has_value()};
+  const double amplitude_m = tone->amplitude / decimator.GainAt(tone->frequency_hz);
+  return BelowBand{tone->frequency_hz, amplitude_m, amplitude_m * gain / std::numbers::sqrt2,
+                   signal.model().has_value()};
 }
 
 Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displacement,

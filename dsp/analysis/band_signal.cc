@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "base/jobs.h"
+#include "dsp/analysis/row_kernel.h"
 #include "dsp/filter/settled.h"
 
 namespace haptometer::dsp {
@@ -26,26 +27,9 @@ std::size_t CellSamples(std::size_t size, double rate_hz) {
   return samples;
 }
 
-// four running sums, so that no step waits for the one before it
 BandCell CellOf(std::span<const double> samples) {
-  constexpr std::size_t kLanes = 4;
-  std::array<double, kLanes> sums{};
-  std::array<double, kLanes> least;
-  std::array<double, kLanes> most;
-  least.fill(samples.front());
-  most.fill(samples.front());
-  const auto take = [&](std::size_t lane, double sample) {
-    sums[lane] += sample * sample;
-    least[lane] = sample < least[lane] ? sample : least[lane];
-    most[lane] = sample > most[lane] ? sample : most[lane];
-  };
-  std::size_t k = 0;
-  for (; k + kLanes <= samples.size(); k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) take(lane, samples[k + lane]);
-  }
-  for (; k < samples.size(); ++k) take(k % kLanes, samples[k]);
-  return {(sums[0] + sums[1]) + (sums[2] + sums[3]), std::ranges::min(least),
-          std::ranges::max(most)};
+  const RowSum squares = WidestRowKernel().sum_squares(samples.data(), samples.size());
+  return {squares.sum, squares.least, squares.most};
 }
 
 // Neumaier's compensated sum of terms that are not negative (ZAMM 54, 1974)

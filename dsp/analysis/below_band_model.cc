@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,6 +11,8 @@
 #include <utility>
 
 #include "base/check.h"
+#include "dsp/spectrum/decimated.h"
+#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 
@@ -57,6 +60,30 @@ double ValueAt(const Frame& frame, const Parts& parts, std::size_t n) {
     value += sine.cosine * std::cos(angle) + sine.sine * std::sin(angle);
   }
   return value;
+}
+
+// adds `factor` times the parts to samples from `first` on
+void AddParts(const Frame& frame, const Parts& parts, std::size_t first, double factor,
+              std::span<double> samples) {
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const auto p = Legendre(frame.Tau(first + k));
+    double value = 0;
+    for (std::size_t term = 0; term < kDriftTerms; ++term) value += parts.drift[term] * p[term];
+    samples[k] += factor * value;
+  }
+  std::array<double, PhasorBlocks::kBlock> cosines;
+  std::array<double, PhasorBlocks::kBlock> sines;
+  for (const Sine& sine : parts.sines) {
+    const PhasorBlocks phasors(kTwoPi * sine.frequency_hz / frame.rate_hz);
+    for (std::size_t begin = 0; begin < samples.size(); begin += PhasorBlocks::kBlock) {
+      const std::size_t count = std::min(PhasorBlocks::kBlock, samples.size() - begin);
+      phasors.Fill(static_cast<double>(first + begin) - frame.middle,
+                   std::span(cosines).first(count), std::span(sines).first(count));
+      for (std::size_t k = 0; k < count; ++k) {
+        samples[begin + k] += factor * (sine.cosine * cosines[k] + sine.sine * sines[k]);
+      }
+    }
+  }
 }
 
 // derivatives by the drift's terms, then by cosine, sine and w T/2 of each sine
@@ -142,8 +169,8 @@ bool Refine(const Frame& frame, std::span<const double> signal, Parts& parts) {
 }
 
 std::vector<double> Rest(const Frame& frame, std::span<const double> signal, const Parts& parts) {
-  std::vector<double> rest(signal.size());
-  for (std::size_t n = 0; n < signal.size(); ++n) rest[n] = signal[n] - ValueAt(frame, parts, n);
+  std::vector<double> rest(signal.begin(), signal.end());
+  AddParts(frame, parts, 0, -1, rest);
   return rest;
 }
 
@@ -159,6 +186,51 @@ double BelowBandModel::Sine::amplitude() const { return std::hypot(cosine, sine)
 
 std::optional<BelowBandModel> BelowBandModel::Fit(std::span<const double> signal, double rate_hz,
                                                   double lower_hz, double upper_hz) {
+  const Decimator decimator(Decimator::FactorFor(signal.size(), rate_hz, upper_hz), rate_hz);
+  if (decimator.factor() == 1) return FitAll(signal, rate_hz, lower_hz, upper_hz);
+  const std::vector<double> slow = decimator.Decimate(signal);
+  auto model = FitAll(slow, decimator.rate_hz(), lower_hz, upper_hz);
+  if (model) model->Refer(decimator, signal.size());
+  return model;
+}
+
+// From every n-th sample to all of them: sines without the decimator's gain and their phase from
+// the longer signal's middle, the same cubic over all of it.
+void BelowBandModel::Refer(const Decimator& decimator, std::size_t size) {
+  const auto every = static_cast<double>(decimator.factor());
+  const double slow_half = 0.5 * static_cast<double>(size_ - 1);
+  const double half = 0.5 * static_cast<double>(size - 1);
+  const double middle = slow_half * every + 0.5 * static_cast<double>(decimator.taps() - 1);
+  for (Sine& sine : sines_) {
+    const double gain = decimator.GainAt(sine.frequency_hz);
+    const double turn = kTwoPi * sine.frequency_hz * (middle - half) / (rate_hz_ * every);
+    const double c = sine.cosine / gain;
+    const double s = sine.sine / gain;
+    sine.cosine = c * std::cos(turn) - s * std::sin(turn);
+    sine.sine = c * std::sin(turn) + s * std::cos(turn);
+  }
+  Eigen::Matrix4d terms;
+  Eigen::Vector4d values;
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const double tau = -1 + 2.0 * static_cast<double>(k) / 3;
+    const auto at_all = Legendre(tau);
+    const auto at_slow = Legendre((half + tau * half - middle) / (slow_half * every));
+    values[k] = 0;
+    for (std::size_t term = 0; term < kDriftTerms; ++term) {
+      terms(k, static_cast<Eigen::Index>(term)) = at_all[term];
+      values[k] += drift_[term] * at_slow[term];
+    }
+  }
+  const Eigen::Vector4d drift = terms.partialPivLu().solve(values);
+  for (std::size_t term = 0; term < kDriftTerms; ++term) {
+    drift_[term] = drift[static_cast<Eigen::Index>(term)];
+  }
+  rate_hz_ *= every;
+  size_ = size;
+}
+
+std::optional<BelowBandModel> BelowBandModel::FitAll(std::span<const double> signal, double rate_hz,
+                                                     double lower_hz, double upper_hz) {
   if (signal.size() < 8) return std::nullopt;
   const Frame frame{0.5 * static_cast<double>(signal.size() - 1), rate_hz};
   const double least_hz = 2 * rate_hz / static_cast<double>(signal.size());
@@ -198,7 +270,7 @@ void BelowBandModel::Subtract(std::size_t first, std::span<double> samples) cons
   HAPTOMETER_CHECK(first + samples.size() <= size_, "{} + {} of {}", first, samples.size(), size_);
   const Frame frame{0.5 * static_cast<double>(size_ - 1), rate_hz_};
   const Parts parts{drift_, sines_};
-  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] -= ValueAt(frame, parts, first + k);
+  AddParts(frame, parts, first, -1, samples);
 }
 
 void BelowBandModel::AddFiltered(const FilterDesign& design, std::size_t first,
@@ -212,7 +284,7 @@ void BelowBandModel::AddFiltered(const FilterDesign& design, std::size_t first,
     sine.cosine *= gain;
     sine.sine *= gain;
   }
-  for (std::size_t k = 0; k < filtered.size(); ++k) filtered[k] += ValueAt(frame, parts, first + k);
+  AddParts(frame, parts, first, 1, filtered);
 }
 
 }  // namespace haptometer::dsp

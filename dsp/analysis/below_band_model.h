@@ -10,6 +10,8 @@
 
 namespace haptometer::dsp {
 
+class Decimator;
+
 /// A hand's tremor and drift as a sum that goes on beyond a record's ends:
 ///
 ///   m(tau) = sum over k = 0..3 of drift[k] P_k(tau) + sum over the sines of
@@ -36,8 +38,9 @@ class BelowBandModel {
   /// Fits the cubic and up to three sines below `lower_hz`, together with up to two in-band tones
   /// (up to `upper_hz`) that are then let go, by Gauss and Newton's method; each sine starts at the
   /// strongest tone of what is left. Nothing where no tone below the band stands out, which is so
-  /// for fewer than two of its periods. Cost: 100 flops a sample, sine and step. Memory: two
-  /// copies.
+  /// for fewer than two of its periods. Of 2^17 samples and more at 32 `upper_hz` and more every
+  /// n-th is fitted, behind a low-pass whose gain is divided out (dsp/spectrum/decimated.h). Cost:
+  /// 100 flops a sample, sine and step. Memory: two copies.
   [[nodiscard]] static std::optional<BelowBandModel> Fit(std::span<const double> signal,
                                                          double rate_hz, double lower_hz,
                                                          double upper_hz);
@@ -53,6 +56,11 @@ class BelowBandModel {
   void AddFiltered(const FilterDesign& design, std::size_t first, std::span<double> filtered) const;
 
  private:
+  [[nodiscard]] static std::optional<BelowBandModel> FitAll(std::span<const double> signal,
+                                                            double rate_hz, double lower_hz,
+                                                            double upper_hz);
+  void Refer(const Decimator& decimator, std::size_t size);
+
   std::array<double, 4> drift_{};
   std::vector<Sine> sines_;
   double rate_hz_ = 0;

@@ -12,9 +12,6 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::size_t kBlock = 4096;
-// rows about a block that its judgement reads: the local median's and the template's
-constexpr std::size_t kMargin = 48;
 constexpr std::size_t kLocalReach = 32;
 constexpr std::size_t kMedianStride = 8;
 constexpr double kDeviations = 8;
@@ -26,49 +23,26 @@ constexpr std::size_t kLeastAtExtreme = 3;
 constexpr std::size_t kLeastExtremeRuns = 2;
 constexpr double kFalseHolds = 0.01;
 constexpr std::size_t kMostCandidates = 65'536;
+// rows that are plain or not as one
+constexpr std::size_t kPieceRows = 256;
+static_assert(kFaultBlockRows % kPieceRows == 0);
 // the first rows of a plain piece, which say how its runs begin
 constexpr std::size_t kRunRows = 2;
 
-// what a piece of a channel says without a look at each row
-struct PlainLook {
-  std::size_t equal = 0;    // rows from the third on that repeat the one before
-  std::size_t triples = 0;  // of these, those whose row before repeats, too
-  bool finite = false;
-  double least = 0;
-  double most = 0;
-};
+// where the block that begins at `begin` ends: the last one takes what no block begins with
+std::size_t BlockEnd(std::size_t begin, std::size_t record_rows) {
+  if (record_rows - begin <= kFaultBlockRows + kFaultMarginRows) return record_rows;
+  return begin + kFaultBlockRows;
+}
 
-// several results of each kind are kept apart, so that no step waits for the one before it
-template <std::size_t kRows>
-PlainLook LookAt(std::span<const double, kRows> x) {
-  constexpr std::size_t kLanes = 4;
-  static_assert((kRows - kRunRows) % kLanes == 0);
-  std::array<double, kLanes> equal{};
-  std::array<double, kLanes> triples{};
-  std::array<double, kLanes> strange{};
-  std::array<double, kLanes> least;
-  std::array<double, kLanes> most;
-  least.fill(std::min(x[0], x[1]));
-  most.fill(std::max(x[0], x[1]));
-  for (std::size_t k = kRunRows; k < kRows; k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const double value = x[k + lane];
-      const double repeats = value == x[k + lane - 1] ? 1 : 0;
-      const double before_repeats = x[k + lane - 1] == x[k + lane - 2] ? 1 : 0;
-      equal[lane] += repeats;
-      triples[lane] += repeats * before_repeats;
-      // x - x is 0, or NaN where x is none or infinite
-      strange[lane] += value - value;
-      least[lane] = value < least[lane] ? value : least[lane];
-      most[lane] = value > most[lane] ? value : most[lane];
-    }
-  }
-  const auto count = [](const std::array<double, kLanes>& lanes) {
-    return static_cast<std::size_t>((lanes[0] + lanes[1]) + (lanes[2] + lanes[3]));
-  };
-  return {count(equal), count(triples),
-          AllFinite(strange) && std::isfinite(x[0]) && std::isfinite(x[1]), std::ranges::min(least),
-          std::ranges::max(most)};
+// the largest |e| of rows [begin, end) that have two neighbours on either side
+double LargestError(const RowBlock& block, std::size_t begin, std::size_t end) {
+  begin = std::max<std::size_t>(begin, 2);
+  end = std::min(end, block.record_rows - std::min<std::size_t>(block.record_rows, 2));
+  if (begin >= end) return 0;
+  if (!block.AllOkWithin(begin - 2, end + 2)) return std::numeric_limits<double>::infinity();
+  return WidestRowKernel().largest_error(block.held_values.data() + (begin - block.held_first),
+                                         end - begin);
 }
 
 double MedianOf(std::vector<double>& values) {
@@ -94,8 +68,26 @@ std::string_view Words(FaultKind kind, std::size_t count) {
   return (count == 1 ? kOne : kMany)[static_cast<std::size_t>(kind)];
 }
 
-FaultScanner::FaultScanner(const FaultScale& scale) : scale_(scale) {
-  window_.reserve(2 * kBlock + 2 * kMargin);
+FaultScanner::FaultScanner(const FaultScale& scale) : scale_(scale) {}
+
+FaultLook FaultScanner::Look(const RowBlock& block) const {
+  const RowKernel& kernel = WidestRowKernel();
+  FaultLook look;
+  look.pieces.reserve(block.rows() / kPieceRows + 1);
+  if (scale_.resolution <= 0) look.least_changes.reserve(look.pieces.capacity());
+  for (std::size_t row = block.first_row; row < block.end_row; row += kPieceRows) {
+    const std::size_t end = std::min(row + kPieceRows, block.end_row);
+    const double* rows = block.held_values.data() + (row - block.held_first);
+    const bool known = end - row > kRunRows && block.AllOkWithin(row, end);
+    look.pieces.push_back(known ? kernel.repeats(rows, end - row) : RowRepeats{.triples = 1});
+    if (scale_.resolution > 0) continue;
+    look.least_changes.push_back(known ? kernel.least_change(rows, end - row) : 0);
+  }
+  look.largest_errors.reserve(block.rows() / kFaultBlockRows + 1);
+  for (std::size_t row = block.first_row; row < block.end_row; row += kFaultBlockRows) {
+    look.largest_errors.push_back(LargestError(block, row, BlockEnd(row, block.record_rows)));
+  }
+  return look;
 }
 
 void FaultScanner::Add(const Fault& fault) {
@@ -110,33 +102,34 @@ double FaultScanner::Step() const {
   return std::isfinite(least_change_) ? least_change_ : 0;
 }
 
-void FaultScanner::Feed(std::size_t first_row, std::span<const double> values,
-                        std::span<const trial::SampleStatus> statuses) {
-  HAPTOMETER_CHECK(first_row == fed_ && values.size() == statuses.size(),
-                   "row {} after {}, {} values and {} statuses", first_row, fed_, values.size(),
-                   statuses.size());
-  while (!values.empty()) {
-    const std::size_t block_end = scanned_ + kBlock + kMargin;
-    const std::size_t count = std::min(values.size(), block_end - fed_);
-    FeedPiece(values.first(count), statuses.first(count));
-    if (fed_ == block_end) ScanBlock(scanned_ + kBlock);
-    values = values.subspan(count);
-    statuses = statuses.subspan(count);
+void FaultScanner::Feed(const RowBlock& block, const FaultLook& look) {
+  HAPTOMETER_CHECK(block.first_row == fed_ && fed_ % kFaultBlockRows == 0, "row {} after {}",
+                   block.first_row, fed_);
+  HAPTOMETER_CHECK(
+      block.held_first + std::min(block.first_row, kFaultMarginRows) <= block.first_row &&
+          block.held_end() >= std::min(block.end_row + kFaultMarginRows, block.record_rows),
+      "rows {} to {} with {} to {}", block.first_row, block.end_row, block.held_first,
+      block.held_end());
+  const auto values = block.values();
+  const auto statuses = block.statuses();
+  for (std::size_t at = 0; at < values.size(); at += kPieceRows) {
+    const std::size_t count = std::min(kPieceRows, values.size() - at);
+    const std::size_t piece = at / kPieceRows;
+    const bool plain = look.pieces[piece].triples == 0 &&
+                       FeedPlain(values.subspan(at, count), look.pieces[piece],
+                                 look.least_changes.empty() ? 0 : look.least_changes[piece]);
+    if (!plain) FeedRows(values.subspan(at, count), statuses.subspan(at, count));
+    const std::size_t begin = block.first_row + at / kFaultBlockRows * kFaultBlockRows;
+    if (fed_ < std::min(begin + kFaultBlockRows, block.end_row) || scanned_ >= fed_) continue;
+    const std::size_t end = BlockEnd(begin, block.record_rows);
+    if (look.largest_errors[at / kFaultBlockRows] > kLeastSteps * Step()) Judge(block, end);
+    scanned_ = std::max(scanned_, end);
   }
 }
 
-// rows that end a block at most
-void FaultScanner::FeedPiece(std::span<const double> values,
-                             std::span<const trial::SampleStatus> statuses) {
-  const bool may_be_plain = AllOk(statuses);
-  while (!values.empty()) {
-    const std::size_t count = std::min(values.size(), kPlainRows);
-    if (!may_be_plain || count < kPlainRows || !FeedPlain(values.first<kPlainRows>())) {
-      for (std::size_t k = 0; k < count; ++k) FeedRow(values[k], statuses[k]);
-    }
-    values = values.subspan(count);
-    statuses = statuses.subspan(count);
-  }
+void FaultScanner::FeedRows(std::span<const double> values,
+                            std::span<const trial::SampleStatus> statuses) {
+  for (std::size_t k = 0; k < values.size(); ++k) FeedRow(values[k], statuses[k]);
 }
 
 void FaultScanner::FeedRow(double value, trial::SampleStatus status) {
@@ -148,50 +141,40 @@ void FaultScanner::FeedRow(double value, trial::SampleStatus status) {
   } else if (status != trial::SampleStatus::kRepeated) {
     FeedRun(fed_, value);
   }
-  window_.push_back(measured ? value : kNaN);
   ++fed_;
 }
 
-// What FeedRow does, for rows of status kOk of which none is clipped and no three are equal in a
-// line; false, and nothing done, elsewhere.
-bool FaultScanner::FeedPlain(std::span<const double, kPlainRows> values) {
-  const PlainLook look = LookAt(values);
+// What FeedRow does, for measured rows of status kOk of which no three are equal in a
+// line, none is clipped; false, and nothing done, elsewhere.
+bool FaultScanner::FeedPlain(std::span<const double> values, const RowRepeats& repeats,
+                             double least_change) {
   const bool starts_equal = values[1] == values[0];
   const bool goes_on = run_.rows > 0 && starts_equal && values[0] == run_.value;
-  if (!any_extreme_ || goes_on || look.triples > 0 || !look.finite ||
-      look.least <= scale_.range_min || look.most >= scale_.range_max) {
+  if (!any_extreme_ || goes_on || repeats.least <= scale_.range_min ||
+      repeats.most >= scale_.range_max) {
     return false;
   }
   FeedClipped(fed_, false);
   const std::size_t first_row = fed_;
   for (; fed_ < first_row + kRunRows; ++fed_) FeedRun(fed_, values[fed_ - first_row]);
-  if (scale_.resolution <= 0) TakeChanges(values);
+  if (scale_.resolution <= 0) least_change_ = std::min(least_change_, least_change);
   // of runs that end within: each is of one row or two
-  constexpr std::size_t kLast = kPlainRows - 1;
-  const bool ends_equal = values[kLast] == values[kLast - 1];
-  runs_ += kPlainRows - kRunRows - look.equal;
-  longer_runs_ += look.equal + (starts_equal ? 1U : 0U) - (ends_equal ? 1U : 0U);
-  if (look.least < extremes_[0].value) extremes_[0] = {look.least, {}};
-  if (look.most > extremes_[1].value) extremes_[1] = {look.most, {}};
-  const std::size_t begin = ends_equal ? kLast - 1 : kLast;
+  const std::size_t last = values.size() - 1;
+  const bool ends_equal = values[last] == values[last - 1];
+  runs_ += values.size() - kRunRows - repeats.equal;
+  longer_runs_ += repeats.equal + (starts_equal ? 1U : 0U) - (ends_equal ? 1U : 0U);
+  if (repeats.least < extremes_[0].value) extremes_[0] = {repeats.least, {}};
+  if (repeats.most > extremes_[1].value) extremes_[1] = {repeats.most, {}};
+  const std::size_t begin = ends_equal ? last - 1 : last;
   run_ = {first_row + begin, ends_equal ? 2U : 1U, values[begin],
           std::abs(values[begin] - values[begin - 1])};
-  window_.insert(window_.end(), values.begin(), values.end());
-  fed_ = first_row + kPlainRows;
+  fed_ = first_row + values.size();
   return true;
-}
-
-void FaultScanner::TakeChanges(std::span<const double, kPlainRows> values) {
-  for (std::size_t k = 1; k < kPlainRows; ++k) {
-    const double jump = std::abs(values[k] - values[k - 1]);
-    if (jump > 0) least_change_ = std::min(least_change_, jump);
-  }
 }
 
 Faults FaultScanner::Finish() {
   EndRun(0);
   FeedClipped(fed_, false);
-  if (scanned_ < fed_) ScanBlock(fed_);
   FinishExtremes();
   FinishHeld();
   faults_.runs = runs_;
@@ -238,7 +221,7 @@ void FaultScanner::EndRun(double jump_after) {
   // where the resolution is not known, a step is known only once some changes were seen
   const Fault run{FaultKind::kHeld, run_.first_row, run_.rows,
                   std::max(run_.jump_before, jump_after)};
-  const bool candidate = fed_ < kBlock || IsSteep(run);
+  const bool candidate = fed_ < kFaultBlockRows || IsSteep(run);
   if (run_.value <= extremes_[0].value) TakeExtreme(run, run_.value, false);
   if (run_.value >= extremes_[1].value) TakeExtreme(run, run_.value, true);
   if (candidate && run.rows >= kLeastHeld && held_.size() < kMostCandidates) held_.push_back(run);
@@ -311,7 +294,7 @@ double FaultScanner::LocalMedian(std::size_t row) const {
 }
 
 // looks for the shape about `row`; returns the first row after what it takes
-std::size_t FaultScanner::Judge(std::size_t row, double limit) {
+std::size_t FaultScanner::JudgeRow(std::size_t row, double limit) {
   // the largest error of those that follow closely
   std::size_t center = row;
   for (std::size_t k = row; k < std::min(row + 5, window_first_ + off_.size()); ++k) {
@@ -331,52 +314,27 @@ std::size_t FaultScanner::Judge(std::size_t row, double limit) {
   return std::max(center + 3, fault.first_row + fault.rows + 2);
 }
 
-// the sizes of the errors of all rows at hand
-void FaultScanner::FillOff() {
-  constexpr std::size_t kLanes = 4;
+// takes the rows that rows [scanned_, end) are judged by
+void FaultScanner::Hold(const RowBlock& block, std::size_t end) {
+  window_first_ = scanned_ - std::min(scanned_, kFaultMarginRows);
+  const std::size_t window_end = std::min(end + kFaultMarginRows, block.record_rows);
+  window_.resize(window_end - window_first_);
+  for (std::size_t k = 0; k < window_.size(); ++k) {
+    const std::size_t at = window_first_ + k - block.held_first;
+    const double value = block.held_values[at];
+    window_[k] = IsMeasured(value, block.held_statuses[at]) ? value : kNaN;
+  }
   off_.assign(window_.size(), kNaN);
-  std::size_t k = 2;
-  for (; k + kLanes + 2 <= window_.size(); k += kLanes) {
-    std::array<double, kLanes> off;
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      off[lane] = std::abs(CubicError(window_.data(), k + lane));
-    }
-    std::ranges::copy(off, off_.begin() + static_cast<std::ptrdiff_t>(k));
-  }
-  for (; k + 2 < window_.size(); ++k) off_[k] = std::abs(CubicError(window_, k));
+  for (std::size_t k = 2; k + 2 < window_.size(); ++k) off_[k] = std::abs(CubicError(window_, k));
 }
 
-// whether any row of [scanned_, end) may be a candidate: told without the median's value
-bool FaultScanner::AnyBeyond(std::size_t end) const {
-  constexpr std::size_t kLanes = 4;
-  const std::span off = std::span(off_).subspan(scanned_ - window_first_, end - scanned_);
-  std::array<double, kLanes> most{};
-  std::size_t k = 0;
-  for (; k + kLanes <= off.size(); k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      most[lane] = off[k + lane] > most[lane] ? off[k + lane] : most[lane];
-    }
-  }
-  for (; k < off.size(); ++k) most[0] = off[k] > most[0] ? off[k] : most[0];
-  return std::ranges::max(most) > kLeastSteps * Step();
-}
-
-// judges rows [scanned_, end), then lets go of what no later block reads
-void FaultScanner::ScanBlock(std::size_t end) {
-  FillOff();
-  if (AnyBeyond(end)) {
-    const double limit =
-        std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
-    while (scanned_ < end) {
-      scanned_ = off_[scanned_ - window_first_] > limit ? Judge(scanned_, limit) : scanned_ + 1;
-    }
-  } else {
-    scanned_ = end;
-  }
-  if (end > window_first_ + kMargin) {
-    const std::size_t gone = end - kMargin - window_first_;
-    window_.erase(window_.begin(), window_.begin() + static_cast<std::ptrdiff_t>(gone));
-    window_first_ += gone;
+// judges rows [scanned_, end)
+void FaultScanner::Judge(const RowBlock& block, std::size_t end) {
+  Hold(block, end);
+  const double limit =
+      std::max(kDeviations * kMadToDeviation * BlockMedian(scanned_, end), kLeastSteps * Step());
+  while (scanned_ < end) {
+    scanned_ = off_[scanned_ - window_first_] > limit ? JudgeRow(scanned_, limit) : scanned_ + 1;
   }
 }
 

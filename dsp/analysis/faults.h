@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "dsp/analysis/row_block.h"
+#include "dsp/analysis/row_kernel.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {
@@ -60,7 +62,19 @@ struct FaultScale {
   double resolution = 0;  ///< one step; 0: the least change that is seen counts as one
 };
 
-/// Finds faults in one pass over a channel, in memory of two blocks.
+inline constexpr std::size_t kFaultBlockRows = 4096;
+/// Rows about a block that its judgement reads: the local median's and the template's.
+inline constexpr std::size_t kFaultMarginRows = 48;
+
+/// What rows side by side say of faults, whatever came before them.
+struct FaultLook {
+  /// Of 256 rows each, the last piece of what is left; with a triple where some are no measurement.
+  std::vector<RowRepeats> pieces;
+  std::vector<double> least_changes;   ///< of each piece, where the resolution is not known
+  std::vector<double> largest_errors;  ///< of kFaultBlockRows each; infinite: not known
+};
+
+/// Finds faults in one pass over a channel.
 ///
 /// Clipped: a status of kClipped, a value at or beyond an end of the range, or a run of three equal
 /// values and more at the record's highest or lowest value, entered or left by more than 2.5 steps,
@@ -81,15 +95,20 @@ struct FaultScale {
 /// the height no more than three times the largest such change on that side. Rows without a
 /// measurement end a run and are nobody's neighbours.
 ///
-/// The result depends on the rows alone, not on how they were fed. Cost: one pass, 6 flops
+/// The result depends on the rows alone, not on how they were fed. Where nothing may be a fault,
+/// which Look tells on any thread, Feed does next to nothing. Cost: one pass, 6 flops
 /// and a comparison a row; a median of 512 values a block and of 64 a candidate.
 class FaultScanner {
  public:
   explicit FaultScanner(const FaultScale& scale);
 
-  /// The next rows: `first_row` must be where the last call ended (0 at first).
-  void Feed(std::size_t first_row, std::span<const double> values,
-            std::span<const trial::SampleStatus> statuses);
+  /// A look at a block as Feed takes it; blocks in any order, on any threads.
+  [[nodiscard]] FaultLook Look(const RowBlock& block) const;
+
+  /// The next rows, with the look at them. A block begins where the last one ended, is a multiple
+  /// of kFaultBlockRows long (the record's last one may be shorter) and holds kFaultMarginRows more
+  /// on either side, as far as there are any.
+  void Feed(const RowBlock& block, const FaultLook& look);
 
   /// What was found; nothing may be fed after it.
   [[nodiscard]] Faults Finish();
@@ -108,25 +127,22 @@ class FaultScanner {
     std::vector<Fault> runs;
   };
 
-  static constexpr std::size_t kPlainRows = 130;
-
-  void FeedPiece(std::span<const double> values, std::span<const trial::SampleStatus> statuses);
+  void FeedRows(std::span<const double> values, std::span<const trial::SampleStatus> statuses);
   void FeedRow(double value, trial::SampleStatus status);
-  [[nodiscard]] bool FeedPlain(std::span<const double, kPlainRows> values);
-  void TakeChanges(std::span<const double, kPlainRows> values);
+  [[nodiscard]] bool FeedPlain(std::span<const double> values, const RowRepeats& repeats,
+                               double least_change);
   void FeedRun(std::size_t row, double value);
   void EndRun(double jump_after);
   void TakeExtreme(const Fault& run, double value, bool highest);
   void FeedClipped(std::size_t row, bool clipped);
   void FinishExtremes();
   void FinishHeld();
-  void ScanBlock(std::size_t end);
-  void FillOff();
-  [[nodiscard]] bool AnyBeyond(std::size_t end) const;
+  void Judge(const RowBlock& block, std::size_t end);
+  void Hold(const RowBlock& block, std::size_t end);
   [[nodiscard]] double ErrorAt(std::size_t row) const;
   [[nodiscard]] double BlockMedian(std::size_t begin, std::size_t end) const;
   [[nodiscard]] double LocalMedian(std::size_t row) const;
-  [[nodiscard]] std::size_t Judge(std::size_t row, double limit);
+  [[nodiscard]] std::size_t JudgeRow(std::size_t row, double limit);
   void Add(const Fault& fault);
   [[nodiscard]] double Step() const;
   [[nodiscard]] bool IsSteep(const Fault& run) const;
@@ -143,9 +159,10 @@ class FaultScanner {
   bool any_extreme_ = false;
   Fault clipped_{FaultKind::kClipped, 0, 0, 0};  // the stretch at hand
 
-  std::vector<double> window_;  // values of rows from window_first_ on; NaN: no measurement
-  std::size_t window_first_ = 0;
   std::size_t scanned_ = 0;  // rows before this one are judged
+  // of the block that is judged: values of rows from window_first_ on; NaN: no measurement
+  std::vector<double> window_;
+  std::size_t window_first_ = 0;
   std::vector<double> off_;  // |e| of the rows of window_
   Faults faults_;
 };

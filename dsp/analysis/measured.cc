@@ -4,10 +4,11 @@
 #include <cstdint>
 #include <cstring>
 
+#include "dsp/analysis/row_kernel.h"
+
 namespace haptometer::dsp {
 
-// both loops keep several results apart, so that no step waits for the one before it
-
+// several results are kept apart, so that no step waits for the one before it
 bool AllOk(std::span<const trial::SampleStatus> statuses) {
   static_assert(static_cast<int>(trial::SampleStatus::kOk) == 0);
   std::array<std::uint64_t, 4> seen{};
@@ -22,17 +23,7 @@ bool AllOk(std::span<const trial::SampleStatus> statuses) {
 }
 
 bool AllFinite(std::span<const double> values) {
-  // x - x is 0, or NaN where x is none or infinite
-  std::array<double, 8> sums{};
-  while (values.size() >= sums.size()) {
-    for (std::size_t lane = 0; lane < sums.size(); ++lane)
-      sums[lane] += values[lane] - values[lane];
-    values = values.subspan(sums.size());
-  }
-  for (const double value : values) sums[0] += value - value;
-  double sum = 0;
-  for (const double lane : sums) sum += lane;
-  return sum == 0;
+  return WidestRowKernel().all_finite(values.data(), values.size());
 }
 
 }  // namespace haptometer::dsp

@@ -28,82 +28,78 @@ RawSummarizer::RawSummarizer(const trial::Record& head) {
   summary_.cell_means.reserve((head.rows + summary_.cell_rows - 1) / summary_.cell_rows);
 }
 
-void RawSummarizer::Feed(std::span<const double> values,
-                         std::span<const trial::SampleStatus> statuses) {
-  HAPTOMETER_CHECK(values.size() == statuses.size(), "{} values, {} statuses", values.size(),
-                   statuses.size());
-  while (!values.empty()) {
-    const std::size_t count = std::min(values.size(), summary_.cell_rows - cell_filled_);
-    FeedCell(values.first(count), statuses.first(count));
-    if (cell_filled_ == summary_.cell_rows) CloseCell();
-    values = values.subspan(count);
-    statuses = statuses.subspan(count);
+RawSummarizer::Look RawSummarizer::LookAt(const RowBlock& block) const {
+  const std::size_t cell = summary_.cell_rows;
+  Look look;
+  look.reserve(block.rows() / cell + 1);
+  std::size_t row = (block.first_row + cell - 1) / cell * cell;
+  for (; row + cell <= block.end_row; row += cell) {
+    const double* rows = block.held_values.data() + (row - block.held_first);
+    look.push_back(block.AllOkWithin(row, row + cell)
+                       ? WidestRowKernel().sum_from(rows, cell, rows[0])
+                       : RowSum{.sum = std::numeric_limits<double>::quiet_NaN()});
   }
+  return look;
 }
 
-void RawSummarizer::FeedCell(std::span<const double> values,
-                             std::span<const trial::SampleStatus> statuses) {
-  std::size_t k = 0;
-  const auto feed_rows = [&](std::size_t end) {
-    for (; k < end; ++k) FeedRow(values[k], statuses[k]);
-  };
-  // the first of all rows gives the reference
-  const bool is_first = summary_.measured == 0 && cell_count_ == 0;
-  if (!is_first && AllOk(statuses)) {
-    feed_rows(std::min(values.size(), (kLanes - cell_filled_ % kLanes) % kLanes));
-    const auto lanes = values.subspan(k, (values.size() - k) / kLanes * kLanes);
-    if (FeedLanes(lanes)) k += lanes.size();
+void RawSummarizer::Feed(const RowBlock& block, const Look& look) {
+  HAPTOMETER_CHECK(block.first_row == fed_, "row {} after {}", block.first_row, fed_);
+  const std::size_t cell = summary_.cell_rows;
+  const auto values = block.values();
+  const auto statuses = block.statuses();
+  std::size_t cells = 0;
+  for (std::size_t k = 0; k < values.size();) {
+    if (cell_filled_ == 0 && cells < look.size()) {
+      const RowSum& sum = look[cells++];
+      if (std::isfinite(sum.sum)) {
+        FeedCell(values[k], sum);
+        k += cell;
+        continue;
+      }
+    }
+    FeedRow(values[k], statuses[k]);
+    ++k;
   }
-  feed_rows(values.size());
+  fed_ = block.end_row;
+}
+
+void RawSummarizer::FeedCell(double first, const RowSum& sum) {
+  if (summary_.measured == 0) reference_ = summary_.least = summary_.most = first;
+  summary_.least = std::min(summary_.least, sum.least);
+  summary_.most = std::max(summary_.most, sum.most);
+  AddCell(first, sum.sum, summary_.cell_rows);
 }
 
 void RawSummarizer::FeedRow(double value, trial::SampleStatus status) {
-  const std::size_t lane = cell_filled_++ % kLanes;
-  if (!IsMeasured(value, status)) return;
-  if (summary_.measured == 0 && cell_count_ == 0) {
-    reference_ = summary_.least = summary_.most = value;
+  const std::size_t lane = cell_filled_ % kRowLanes;
+  if (IsMeasured(value, status)) {
+    if (cell_count_ == 0) cell_first_ = value;
+    if (summary_.measured == 0 && cell_count_ == 0) {
+      reference_ = summary_.least = summary_.most = value;
+    }
+    cell_sums_[lane] += value - cell_first_;
+    summary_.least = std::min(summary_.least, value);
+    summary_.most = std::max(summary_.most, value);
+    ++cell_count_;
   }
-  cell_sums_[lane] += value - reference_;
-  summary_.least = std::min(summary_.least, value);
-  summary_.most = std::max(summary_.most, value);
-  ++cell_count_;
+  if (++cell_filled_ == summary_.cell_rows) CloseCell();
 }
 
-bool RawSummarizer::FeedLanes(std::span<const double> values) {
-  Lanes sums = cell_sums_;
-  Lanes least;
-  Lanes most;
-  least.fill(summary_.least);
-  most.fill(summary_.most);
-  const double reference = reference_;
-  for (std::size_t k = 0; k < values.size(); k += kLanes) {
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const double value = values[k + lane];
-      sums[lane] += value - reference;
-      least[lane] = value < least[lane] ? value : least[lane];
-      most[lane] = value > most[lane] ? value : most[lane];
-    }
-  }
-  // a value that is infinite or none makes its sum so
-  if (!AllFinite(sums)) return false;
-  cell_sums_ = sums;
-  summary_.least = std::ranges::min(least);
-  summary_.most = std::ranges::max(most);
-  cell_count_ += values.size();
-  cell_filled_ += values.size();
-  return true;
+void RawSummarizer::AddCell(double first, double sum, std::size_t measured) {
+  const auto count = static_cast<double>(measured);
+  summary_.cell_means.push_back(measured > 0 ? first + sum / count
+                                             : std::numeric_limits<double>::quiet_NaN());
+  if (measured == 0) return;
+  const double term = (first - reference_) * count + sum;
+  const double next = sum_ + term;
+  lost_ += std::abs(sum_) >= std::abs(term) ? (sum_ - next) + term : (term - next) + sum_;
+  sum_ = next;
+  summary_.measured += measured;
 }
 
 void RawSummarizer::CloseCell() {
-  const double cell_sum = (cell_sums_[0] + cell_sums_[1]) + (cell_sums_[2] + cell_sums_[3]);
-  const double mean = cell_count_ > 0 ? reference_ + cell_sum / static_cast<double>(cell_count_)
-                                      : std::numeric_limits<double>::quiet_NaN();
-  summary_.cell_means.push_back(mean);
-  const double sum = sum_ + cell_sum;
-  lost_ += std::abs(sum_) >= std::abs(cell_sum) ? (sum_ - sum) + cell_sum : (cell_sum - sum) + sum_;
-  sum_ = sum;
-  summary_.measured += cell_count_;
-  cell_sums_ = {};
+  AddCell(cell_first_, SumOfLanes(cell_sums_), cell_count_);
+  std::ranges::fill(cell_sums_, 0.0);
   cell_count_ = cell_filled_ = 0;
 }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
+#include <memory>
 #include <optional>
 #include <utility>
 
 #include "base/check.h"
+#include "dsp/analysis/faults.h"
 #include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {
@@ -16,11 +17,11 @@ namespace {
 constexpr double kBridgeRatePerUpperCorner = 5;
 // measured samples that the cubic takes on each side of a hole
 constexpr std::size_t kSide = 2;
-// rows looked at in one go
-constexpr std::size_t kBlockRows = std::size_t{1} << 17U;
 // rows before and after a block that decide on a hole within it: a hole, what its bridge is tried
-// on, and one to see that the hole has ended
-constexpr std::size_t kMarginRows = 2 * kLongestBridge + 2 * kSide + 1;
+// on, and one to see that the hole has ended; and those that a visitor may need
+constexpr std::size_t kMarginRows =
+    std::max(2 * kLongestBridge + 2 * kSide + 1, kFaultMarginRows + 2);
+static_assert(kPassRows % kFaultBlockRows == 0);
 
 // rows [begin, end)
 struct Rows {
@@ -34,6 +35,7 @@ class Window {
   // reads the block [block.begin, block.end) of `rows` rows with its margins
   Result<void> Load(const trial::RowSource& source, std::size_t channel, Rows block,
                     std::size_t rows) {
+    record_rows_ = rows;
     block_ = block;
     held_.begin = block.begin - std::min(block.begin, kMarginRows);
     held_.end = block.end + std::min(rows - block.end, kMarginRows);
@@ -48,11 +50,8 @@ class Window {
   [[nodiscard]] bool all_ok() const { return all_ok_; }
 
   [[nodiscard]] Rows block() const { return block_; }
-  [[nodiscard]] std::span<const double> block_values() const {
-    return std::span(values_).subspan(block_.begin - held_.begin, block_.end - block_.begin);
-  }
-  [[nodiscard]] std::span<const trial::SampleStatus> block_statuses() const {
-    return std::span(statuses_).subspan(block_.begin - held_.begin, block_.end - block_.begin);
+  [[nodiscard]] RowBlock AsBlock() const {
+    return {block_.begin, block_.end, record_rows_, held_.begin, values_, statuses_, all_ok_};
   }
 
   [[nodiscard]] bool At(std::size_t row) const {
@@ -78,6 +77,7 @@ class Window {
   }
 
  private:
+  std::size_t record_rows_ = 0;
   Rows block_;
   Rows held_;
   bool all_ok_ = false;
@@ -210,8 +210,8 @@ class Splitter {
 };
 
 void Count(const Window& window, Segments& segments) {
-  const auto values = window.block_values();
-  const auto statuses = window.block_statuses();
+  const auto values = window.AsBlock().values();
+  const auto statuses = window.AsBlock().statuses();
   if (window.all_ok()) {
     segments.by_status[0] += values.size();
     segments.measured += values.size();
@@ -228,27 +228,24 @@ void Count(const Window& window, Segments& segments) {
 Result<Segments> SplitIntoSegments(const trial::RowSource& source, std::size_t channel,
                                    double upper_hz, const RowVisitor& visit, int threads) {
   const trial::Record& head = source.head();
-  const auto load = [&](Window& window, std::size_t row) -> Result<void> {
-    if (row >= head.rows) return {};
-    return window.Load(source, channel, {row, row + std::min(kBlockRows, head.rows - row)},
-                       head.rows);
-  };
   Segments segments;
   Splitter splitter(head, upper_hz, segments);
-  Window window;
-  Window next;
-  Result<void> loaded = load(window, 0);
-  for (std::size_t row = 0; loaded && row < head.rows; row += kBlockRows) {
-    std::future<Result<void>> loading =
-        std::async(threads > 1 ? std::launch::async : std::launch::deferred, load, std::ref(next),
-                   row + kBlockRows);
-    Count(window, segments);
-    splitter.Take(window);
-    if (visit) visit(row, window.block_values(), window.block_statuses());
-    loaded = loading.get();
-    std::swap(window, next);
-  }
-  if (!loaded) return std::unexpected(loaded.error());
+  const std::size_t blocks = (head.rows + kPassRows - 1) / kPassRows;
+  const auto done = RunJobsInOrder(blocks, threads, [&]() -> OrderedWorker {
+    return [&, window = Window()](std::size_t job) mutable -> Result<Finish> {
+      const std::size_t row = job * kPassRows;
+      const Rows block{row, row + std::min(kPassRows, head.rows - row)};
+      if (auto loaded = window.Load(source, channel, block, head.rows); !loaded) {
+        return std::unexpected(loaded.error());
+      }
+      return [&, visited = visit ? visit(window.AsBlock()) : Finish()]() mutable {
+        Count(window, segments);
+        splitter.Take(window);
+        if (visited) visited();
+      };
+    };
+  });
+  if (!done) return std::unexpected(done.error());
   return segments;
 }
 
@@ -257,11 +254,12 @@ Result<void> SegmentSamples::Read(std::size_t first, std::span<double> out) cons
                    out.size(), size());
   // in pieces, because the statuses only pass by
   constexpr std::size_t kPiece = std::size_t{1} << 14U;
-  std::vector<trial::SampleStatus> statuses(std::min(kPiece, out.size()));
+  const std::size_t most = std::min(kPiece, out.size());
+  const auto statuses = std::make_unique_for_overwrite<trial::SampleStatus[]>(most);
   for (std::size_t at = 0; at < out.size(); at += kPiece) {
     const std::span<double> piece = out.subspan(at, std::min(kPiece, out.size() - at));
     if (auto read = source_->Read(channel_, segment_->first_row + first + at, piece,
-                                  std::span(statuses).first(piece.size()));
+                                  std::span(statuses.get(), piece.size()));
         !read) {
       return read;
     }

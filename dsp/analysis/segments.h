@@ -6,7 +6,9 @@
 #include <span>
 #include <vector>
 
+#include "base/jobs.h"
 #include "base/result.h"
+#include "dsp/analysis/row_block.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -41,9 +43,11 @@ struct Segments {
 
 inline constexpr std::size_t kLongestBridge = 3;
 
-/// Sees rows first_row, first_row + 1, ... of a channel; called block by block, in order.
-using RowVisitor = std::function<void(std::size_t first_row, std::span<const double> values,
-                                      std::span<const trial::SampleStatus> statuses)>;
+/// Rows of a channel that are looked at in one go: a multiple of kFaultBlockRows.
+inline constexpr std::size_t kPassRows = std::size_t{1} << 16U;
+
+/// Sees a block of a channel, on any thread; what it returns is called block by block, in order.
+using RowVisitor = std::function<Finish(const RowBlock& block)>;
 
 /// Splits channel number `channel` where a stretch ends and at every hole that may not be bridged;
 /// `visit`, where given, sees every row on the way.
@@ -53,8 +57,8 @@ using RowVisitor = std::function<void(std::size_t first_row, std::span<const dou
 /// samples on each side, where the rate is at least 5 times `upper_hz` and those samples exist; the
 /// error is measured by bridging known samples beside the hole in the same way, which needs six to
 /// eight measured rows in a line on one side.
-/// With two `threads` or more the next block is read while one is looked at; they change nothing.
-/// Errors: as RowSource::Read. Cost: one pass; memory of two blocks and of what is returned.
+/// `threads` blocks are read and looked at at a time; they change nothing.
+/// Errors: as RowSource::Read. Cost: one pass; memory of a block a thread and of what is returned.
 [[nodiscard]] Result<Segments> SplitIntoSegments(const trial::RowSource& source,
                                                  std::size_t channel, double upper_hz,
                                                  const RowVisitor& visit = {}, int threads = 1);

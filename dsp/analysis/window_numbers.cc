@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
 
+#include "base/jobs.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_onset.h"
@@ -14,6 +16,8 @@
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/settled.h"
+#include "dsp/spectrum/decimated.h"
+#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
@@ -34,18 +38,42 @@ struct Window {
   const ChosenPart& chosen;
   const BandQuestion& question;
   BandAnalysis& analysis;
-  BandNumbers numbers;
-  std::vector<double> samples;  // of the chosen part, or of its middle
-  std::size_t rows = 0;         // of the window
-  BandPower power;
+  BandNumbers numbers{};
+  std::vector<double> samples{};  // of the chosen part, or of its middle; every n-th, as the band
+  double sampled_rate_hz = 0;     // leaves nothing beyond half of this
+  std::size_t rows = 0;           // of the window
+  BandPower power{};
 
   [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
   [[nodiscard]] double rate_hz() const { return signal().rate_hz(); }
   [[nodiscard]] double duration_s() const { return static_cast<double>(rows) / rate_hz(); }
-  [[nodiscard]] double sampled_s() const { return static_cast<double>(samples.size()) / rate_hz(); }
+  [[nodiscard]] double sampled_s() const {
+    return static_cast<double>(samples.size()) / sampled_rate_hz;
+  }
   [[nodiscard]] const BandPass& band() const { return analysis.band; }
   [[nodiscard]] double bandwidth_hz() const { return band().upper_hz - band().lower_hz; }
 };
+
+// Of filtered samples, every n-th, n as far as what folds into the band is 1e-9 of what was there
+// before the filter; all of fewer than 2^17, which cost little.
+void KeepEnough(std::vector<double> samples, Window& window) {
+  constexpr double kFolded = 1e-9;
+  constexpr std::size_t kLeastSamples = std::size_t{1} << 17U;
+  constexpr double kRatePerUpper = 5;
+  std::size_t every = 1;
+  const auto rate_of = [&](std::size_t n) { return window.rate_hz() / static_cast<double>(n); };
+  while (samples.size() >= kLeastSamples &&
+         rate_of(2 * every) >= kRatePerUpper * window.band().upper_hz &&
+         std::norm(Response(window.signal().design(),
+                            rate_of(2 * every) - 1.5 * window.band().upper_hz)) <= kFolded) {
+    every *= 2;
+  }
+  window.sampled_rate_hz = rate_of(every);
+  const std::size_t kept = (samples.size() + every - 1) / every;
+  for (std::size_t k = 0; k < kept; ++k) samples[k] = samples[k * every];
+  samples.resize(kept);
+  window.samples = std::move(samples);
+}
 
 // rows of the part that hold whole periods of the tone
 std::size_t WholePeriods(const Window& window, const std::optional<SineFit>& tone) {
@@ -67,11 +95,27 @@ void DescribePart(Window& window) {
   part.window = {begin_s, begin_s + window.duration_s()};
 }
 
+// takes a line from evenly spaced samples
+void TakeLine(const Harmonic& line, double rate_hz, std::vector<double>& rest) {
+  const PhasorBlocks phasors(kTwoPi * line.frequency_hz / rate_hz);
+  const double c = line.amplitude * std::cos(line.phase_rad);
+  const double s = line.amplitude * std::sin(line.phase_rad);
+  std::array<double, PhasorBlocks::kBlock> cosines;
+  std::array<double, PhasorBlocks::kBlock> sines;
+  for (std::size_t begin = 0; begin < rest.size(); begin += PhasorBlocks::kBlock) {
+    const std::size_t count = std::min(PhasorBlocks::kBlock, rest.size() - begin);
+    phasors.Fill(static_cast<double>(begin), std::span(cosines).first(count),
+                 std::span(sines).first(count));
+    for (std::size_t k = 0; k < count; ++k) rest[begin + k] -= c * cosines[k] - s * sines[k];
+  }
+}
+
 // takes the tone and what harmonics of it stand out from the samples; their power into
-// `window.power`
-void TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
-  const Harmonics lines = FitHarmonics(window.samples, {window.rate_hz(), window.bandwidth_hz(), 0},
-                                       tone.frequency_hz, window.band().upper_hz);
+// `window.power`, and the noise of the rest
+BandNoise TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
+  const Harmonics lines =
+      FitHarmonics(window.samples, {window.sampled_rate_hz, window.bandwidth_hz(), 0},
+                   tone.frequency_hz, window.band().upper_hz);
   std::vector<Harmonic> taken;
   if (lines.converged) taken = lines.harmonics;
   std::erase_if(taken, [](const Harmonic& line) { return line.order > 1 && !line.stands_out; });
@@ -79,13 +123,8 @@ void TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
     taken.push_back({1, tone.frequency_hz, tone.amplitude, tone.amplitude_uncertainty,
                      tone.phase_rad, tone.phase_uncertainty_rad, true});
   }
-  for (const Harmonic& line : taken) {
-    const double turn = kTwoPi * line.frequency_hz / window.rate_hz();
-    for (std::size_t k = 0; k < rest.size(); ++k) {
-      rest[k] -= line.amplitude * std::cos(turn * static_cast<double>(k) + line.phase_rad);
-    }
-  }
-  const BandNoise noise = MeasureNoise(rest, window.rate_hz(), 1.5 * window.band().upper_hz);
+  for (const Harmonic& line : taken) TakeLine(line, window.sampled_rate_hz, rest);
+  BandNoise noise = MeasureNoise(rest, window.sampled_rate_hz, 1.5 * window.band().upper_hz);
   for (const Harmonic& line : taken) {
     const double square =
         noise.DensityNear(line.frequency_hz, window.band().lower_hz, window.band().upper_hz) /
@@ -94,6 +133,7 @@ void TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
     window.power.tone_mean_square += 0.5 * line.amplitude * line.amplitude - square;
     window.power.tone_variance += line.amplitude * line.amplitude * square;
   }
+  return noise;
 }
 
 // the window's power as tone and rest
@@ -103,12 +143,12 @@ Result<void> MeasurePower(Window& window) {
   if (!square_sum) return std::unexpected(square_sum.error());
   const double mean_square = *square_sum / static_cast<double>(window.rows);
   const BandNoise whole =
-      MeasureNoise(window.samples, window.rate_hz(), 1.5 * window.band().upper_hz);
+      MeasureNoise(window.samples, window.sampled_rate_hz, 1.5 * window.band().upper_hz);
   const double longer = window.sampled_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
   std::vector<double> rest = window.samples;
-  if (window.numbers.tone) TakeLines(window.numbers.tone->fit, window, rest);
-  const BandNoise noise = MeasureNoise(rest, window.rate_hz(), 1.5 * window.band().upper_hz);
+  const BandNoise noise =
+      window.numbers.tone ? TakeLines(window.numbers.tone->fit, window, rest) : whole;
   window.numbers.residual_rms_m = std::sqrt(noise.power.mean_square);
   window.power.tone_mean_square = std::clamp(window.power.tone_mean_square, 0.0, mean_square);
   window.power.rest = {mean_square - window.power.tone_mean_square, noise.power.variance * longer};
@@ -249,6 +289,26 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   return bounds;
 }
 
+// What leaks from below the band is no noise: a line of amplitude a, D = 2 pi times as far from the
+// tone, moves its fit over the duration T by 2 a / (T D) at most, and its frequency by
+// 12 a / (A T^2 D) (the fit's linear weights against a sine); so does its mirror at negative
+// frequencies. Of unknown phase, each adds 1 / sqrt(2) of that (GUM 4.3.5).
+void AddLeakedLine(const Window& window, SineFit& fit) {
+  if (!window.numbers.below_band) return;
+  const BelowBand& below = *window.numbers.below_band;
+  const double apart = 1 / (kTwoPi * (fit.frequency_hz - below.frequency_hz)) +
+                       1 / (kTwoPi * (fit.frequency_hz + below.frequency_hz));
+  const double seconds = window.sampled_s();
+  const double leaked_m = below.leaked_rms_m;  // amplitude / sqrt(2)
+  const double moved_m = 2 * leaked_m / seconds * apart;
+  const double turned_hz = 12 * leaked_m / (fit.amplitude * seconds * seconds) * apart / kTwoPi;
+  fit.amplitude_uncertainty = std::hypot(fit.amplitude_uncertainty, moved_m);
+  fit.frequency_uncertainty_hz = std::hypot(fit.frequency_uncertainty_hz, turned_hz);
+  // stated at the first sample, half the duration from the middle
+  fit.phase_uncertainty_rad = std::hypot(fit.phase_uncertainty_rad, moved_m / fit.amplitude,
+                                         std::numbers::pi * seconds * turned_hz);
+}
+
 // the tone before the filter and before the sensor, with uncertainties from the noise about it
 void FinishTone(Window& window) {
   ToneNumbers& tone = *window.numbers.tone;
@@ -263,6 +323,7 @@ void FinishTone(Window& window) {
     fit.frequency_uncertainty_hz *= shape;
     fit.phase_uncertainty_rad *= shape;
   }
+  AddLeakedLine(window, fit);
   fit.amplitude /= gain;
   fit.amplitude_uncertainty /= gain;
   // the rate is a line through times: each of its ends may be off by their uncertainty
@@ -332,42 +393,53 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
                            const ChosenPart& chosen, const BandQuestion& question,
                            BandAnalysis* analysis) {
   const trial::Record& head = displacement.source.head();
-  Window window{
-      head, head.channels[displacement.channel].resolution, chosen, question, *analysis, {}, {}, 0,
-      {}};
+  Window window{.head = head,
+                .step_m = head.channels[displacement.channel].resolution,
+                .chosen = chosen,
+                .question = question,
+                .analysis = *analysis};
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
-  window.samples = std::move(*samples);
-  std::optional<SineFit> tone;
-  if (!analysis->frequency_move) {
-    tone = StrongestTone(window.samples, {window.rate_hz(), analysis->band.lower_hz,
-                                          analysis->band.upper_hz, window.bandwidth_hz()});
-  }
-  window.rows = WholePeriods(window, tone);
-  DescribePart(window);
-  if (tone) {
-    window.numbers.tone.emplace();
-    window.numbers.tone->fit = *tone;
-  }
-  if (auto measured = MeasurePower(window); !measured) return measured;
+  KeepEnough(std::move(*samples), window);
+  const auto describe_window = [&]() -> Result<void> {
+    std::optional<SineFit> tone;
+    if (!analysis->frequency_move) {
+      tone = StrongestTone(window.samples, {window.sampled_rate_hz, analysis->band.lower_hz,
+                                            analysis->band.upper_hz, window.bandwidth_hz()});
+    }
+    window.rows = WholePeriods(window, tone);
+    DescribePart(window);
+    if (tone) {
+      window.numbers.tone.emplace();
+      window.numbers.tone->fit = *tone;
+    }
+    return MeasurePower(window);
+  };
+  const auto describe_below = [&]() -> Result<void> {
+    const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
+    if (!below_band) return std::unexpected(below_band.error());
+    window.numbers.below_band = *below_band;
+    return {};
+  };
+  const int threads = displacement.threads;
+  if (auto done = RunBeside(threads, {describe_window, describe_below}); !done) return done;
   window.numbers.whole_rms_m = WholeRms(all);
   window.numbers.bridged_rms_m = std::sqrt(chosen.signal->segment().bridged_error_square_sum /
                                            static_cast<double>(window.rows));
-  const auto below_band = FindBelowBand(*chosen.signal, analysis->band.lower_hz);
-  if (!below_band) return std::unexpected(below_band.error());
-  window.numbers.below_band = *below_band;
   DescribeSensor(window);
   if (auto taken = TakeFloor(window); !taken) return taken;
   JudgeClipping(window);
   const auto edges = EdgeBound(window);
   if (!edges) return std::unexpected(edges.error());
   window.numbers.rms = EstimateRms(window.power, BoundsOf(window, *edges));
-  if (window.numbers.tone) {
-    FinishTone(window);
-    if (auto described = DescribeHarmonics(window); !described) return described;
-    if (auto described = DescribeDrive(displacement.source, window); !described) return described;
-  }
-  if (auto described = DescribeMotion(window); !described) return described;
+  const bool has_tone = window.numbers.tone.has_value();
+  if (has_tone) FinishTone(window);
+  const auto described = RunBeside(
+      threads,
+      {[&] { return has_tone ? DescribeHarmonics(window) : Result<void>(); },
+       [&] { return DescribeMotion(window); },
+       [&] { return has_tone ? DescribeDrive(displacement.source, window) : Result<void>(); }});
+  if (!described) return described;
   RemarkFloor(window.numbers, analysis);
   analysis->numbers = std::move(window.numbers);
   return {};

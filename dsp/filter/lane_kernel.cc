@@ -230,6 +230,6 @@ void Scatter(const double* rows, double* tile) {
 
 }  // namespace
 
-const LaneKernel HAPTOMETER_LANE_KERNEL = {Gather, Scatter, Filter, Weigh, HandOver};
+const LaneKernel HAPTOMETER_KERNEL = {Gather, Scatter, Filter, Weigh, HandOver};
 
 }  // namespace haptometer::dsp

@@ -36,7 +36,7 @@ struct RealFft::Plans {
   std::size_t size = 0;
   std::unique_ptr<double, FreeFftw> buffer;
   Plan forward;
-  Plan inverse;
+  Plan inverse;  // made when it is first asked for: making one costs as much as executing it
 
   [[nodiscard]] std::size_t bins() const { return size / 2 + 1; }
 };
@@ -48,11 +48,10 @@ RealFft::RealFft(std::size_t size) : plans_(std::make_unique<Plans>()) {
   double* const values = plans_->buffer.get();
   HAPTOMETER_CHECK(values != nullptr, "no memory for {} samples", size);
   auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
-  const auto n = static_cast<int>(size);
   const std::scoped_lock lock(PlannerMutex());
-  plans_->forward.reset(fftw_plan_dft_r2c_1d(n, values, spectrum, FFTW_ESTIMATE));
-  plans_->inverse.reset(fftw_plan_dft_c2r_1d(n, spectrum, values, FFTW_ESTIMATE));
-  HAPTOMETER_CHECK(plans_->forward && plans_->inverse, "no plan for {} samples", size);
+  plans_->forward.reset(
+      fftw_plan_dft_r2c_1d(static_cast<int>(size), values, spectrum, FFTW_ESTIMATE));
+  HAPTOMETER_CHECK(plans_->forward, "no plan for {} samples", size);
 }
 
 RealFft::~RealFft() = default;
@@ -75,6 +74,13 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
   HAPTOMETER_CHECK(in.size() == bins() && out.size() == size(), "{} bins, {} samples for size {}",
                    in.size(), out.size(), size());
   double* const values = plans_->buffer.get();
+  if (!plans_->inverse) {
+    auto* const spectrum = reinterpret_cast<fftw_complex*>(values);
+    const std::scoped_lock lock(PlannerMutex());
+    plans_->inverse.reset(
+        fftw_plan_dft_c2r_1d(static_cast<int>(size()), spectrum, values, FFTW_ESTIMATE));
+    HAPTOMETER_CHECK(plans_->inverse, "no plan for {} samples", size());
+  }
   for (std::size_t k = 0; k < in.size(); ++k) {
     values[2 * k] = in[k].real();
     values[2 * k + 1] = in[k].imag();

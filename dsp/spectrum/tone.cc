@@ -1,6 +1,7 @@
 #include "dsp/spectrum/tone.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -8,6 +9,7 @@
 
 #include "base/check.h"
 #include "dsp/spectrum/fft.h"
+#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
@@ -25,14 +27,35 @@ std::vector<double> HannPower(std::span<const double> signal) {
   const std::size_t n = signal.size();
   const double mean = Mean(signal);
   std::vector<double> windowed(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const double phase = 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n);
-    windowed[k] = (signal[k] - mean) * (0.5 - 0.5 * std::cos(phase));
+  const PhasorBlocks phasors(2 * std::numbers::pi / static_cast<double>(n));
+  std::array<double, PhasorBlocks::kBlock> cosines;
+  std::array<double, PhasorBlocks::kBlock> sines;
+  for (std::size_t begin = 0; begin < n; begin += PhasorBlocks::kBlock) {
+    const std::size_t count = std::min(PhasorBlocks::kBlock, n - begin);
+    phasors.Fill(static_cast<double>(begin), std::span(cosines).first(count),
+                 std::span(sines).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      windowed[begin + k] = (signal[begin + k] - mean) * (0.5 - 0.5 * cosines[k]);
+    }
   }
   const std::vector<std::complex<double>> bins = RealSpectrum(windowed);
   std::vector<double> power(bins.size());
   for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
   return power;
+}
+
+// the most of `size` samples that transform fast: a product of 2, 3, 5 and 7 only; all of a short
+// signal, which costs little whatever its length
+std::size_t TransformSize(std::size_t size) {
+  constexpr std::size_t kShort = std::size_t{1} << 16U;
+  if (size <= kShort) return size;
+  for (;; --size) {
+    std::size_t rest = size;
+    for (const std::size_t factor : {2U, 3U, 5U, 7U}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1) return size;
+  }
 }
 
 // the highest local maximum whose bin lies within half a bin of the band; a shoulder of something
@@ -110,11 +133,12 @@ bool StandsOutOfResidual(const SineFit& fit, double bins, double false_alarm) {
 std::optional<SineFit> StrongestTone(std::span<const double> signal, const ToneSearch& search) {
   HAPTOMETER_CHECK(search.rate_hz > 0 && search.lower_hz > 0, "rate_hz = {}, lower_hz = {}",
                    search.rate_hz, search.lower_hz);
-  const auto n = static_cast<double>(signal.size());
-  const double duration_s = n / search.rate_hz;
-  if (duration_s * search.lower_hz < 2 || signal.size() > kLongestTransform) return std::nullopt;
+  const auto seen = signal.first(TransformSize(signal.size()));
+  const double duration_s = static_cast<double>(seen.size()) / search.rate_hz;
+  const double whole_s = static_cast<double>(signal.size()) / search.rate_hz;
+  if (whole_s * search.lower_hz < 2 || signal.size() > kLongestTransform) return std::nullopt;
 
-  const std::vector<double> power = HannPower(signal);
+  const std::vector<double> power = HannPower(seen);
   const std::optional<std::size_t> peak =
       HighestPeak(power, search.lower_hz * duration_s, search.upper_hz * duration_s);
   if (!peak) return std::nullopt;

@@ -21,10 +21,10 @@
 namespace haptometer::trial {
 namespace {
 
-Result<std::unique_ptr<TrialRows>> RowsOf(const std::string& bytes) {
+Result<std::unique_ptr<TrialRows>> RowsOf(const std::string& bytes, int threads = 2) {
   auto reader = TrialReader::OpenFrom(MakeMemorySource(bytes), "t.bin");
   if (!reader) return std::unexpected(reader.error());
-  return TrialRows::From(std::move(*reader), "t.bin");
+  return TrialRows::From(std::move(*reader), "t.bin", threads);
 }
 
 ChannelFormat Channel(Encoding encoding, double scale, double offset) {

@@ -56,7 +56,7 @@ std::vector<std::string> LossesOf(const trial::ReadReport& report) {
 }
 
 Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const Job& job) {
-  const auto opened = trial::OpenRows(path, job.import);
+  const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return std::unexpected(opened.error());
   dsp::BandQuestion question = job.question;
   question.choice = dsp::WindowChoice::kAll;
@@ -122,7 +122,7 @@ ReportedFile Analyze(const std::string& path, const Job& job) {
     file.error = std::move(error);
     return reported;
   };
-  const auto opened = trial::OpenRows(path, job.import);
+  const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return fail(opened.error());
   file.source = opened->rows->head().metadata.source;
   file.remarks = LossesOf(opened->report);
@@ -183,7 +183,7 @@ Result<Job> JobOf(const AnalyzeWords& words) {
 // one sweep, with its points and its drawing; its status
 Result<int> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job,
                         nlohmann::ordered_json* trials) {
-  const auto opened = trial::OpenRows(path, job.import);
+  const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return std::unexpected(opened.error());
   dsp::SweepQuestion question{job.question.band.lower_hz, job.question.band.upper_hz, {}};
   question.resolution_hz = job.spectrum.resolution_hz;

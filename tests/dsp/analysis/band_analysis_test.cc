@@ -396,5 +396,22 @@ TEST(BandAnalysis, RecordsThatCannotBeReadAreErrors) {
   EXPECT_EQ(error(record).Text(), "holds no displacement channel; name one displacement_m");
 }
 
+// what leaks of tremor bends a fit by more than noise that is not there
+TEST(BandAnalysis, WhatLeaksFromBelowIsInTheTonesUncertainty) {
+  for (const double phase : {0.0, 0.7, 1.9}) {
+    const trial::Record record =
+        RecordOf(Samples(10e3, 47'000, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3, phase}}), 10e3);
+    const auto analysis = AnalyzeBand(record, {});
+    ASSERT_TRUE(analysis && analysis->numbers && analysis->numbers->tone);
+    const ToneNumbers& tone = *analysis->numbers->tone;
+    EXPECT_GT(std::abs(tone.fit.frequency_hz - 100), 1e-8) << "else nothing is shown";
+    EXPECT_LT(tone.frequency_lower_hz, 100);
+    EXPECT_GT(tone.frequency_upper_hz, 100);
+    EXPECT_LT(tone.amplitude_lower_m, 1e-6);
+    EXPECT_GT(tone.amplitude_upper_m, 1e-6);
+    EXPECT_LT(tone.fit.frequency_uncertainty_hz, 1e-4) << "a bound, not a shrug";
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

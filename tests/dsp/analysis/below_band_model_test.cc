@@ -99,5 +99,21 @@ TEST(BelowBandModel, NothingBelowTheBandIsNothing) {
       << "half a period";
 }
 
+// A record that is fitted at a lower rate: oracle is the motion it was made of.
+TEST(BelowBandModel, OfAFastRecordIsTheMotionItself) {
+  constexpr double kFastHz = 392e3;
+  constexpr std::size_t kSize = std::size_t{1} << 19U;
+  const std::vector<double> motion = Samples(kFastHz, kSize, 0.03, {{5e-4, 8.3, 1}});
+  std::vector<double> samples = Samples(kFastHz, kSize, 0.03, {{5e-4, 8.3, 1}, {1e-6, 100, 0.3}});
+  const auto model = BelowBandModel::Fit(samples, kFastHz, 20, 500);
+  ASSERT_TRUE(model);
+  ASSERT_EQ(model->sines().size(), 1U);
+  EXPECT_ABS(model->sines()[0].frequency_hz, 8.3, 1e-9, "the tone in the band is fitted, too");
+  EXPECT_ABS(model->sines()[0].amplitude(), 5e-4, 1e-12, "the low-pass is divided out");
+  std::vector<double> rest = motion;
+  model->Subtract(0, rest);
+  EXPECT_ABS(Rms(rest), 0, 1e-13, "of 0.5 mm, at all samples and both ends");
+}
+
 }  // namespace
 }  // namespace haptometer::dsp

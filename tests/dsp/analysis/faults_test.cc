@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "dsp/analysis/window_faults.h"
+#include "tests/dsp/row_blocks.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
@@ -18,15 +20,36 @@ using trial::SampleStatus;
 
 constexpr double kRateHz = 10e3;
 
+// a look that tells nothing, so that every row is looked at on its own
+FaultLook BlindLook(FaultLook look) {
+  for (RowRepeats& piece : look.pieces) piece = {.triples = 1};
+  std::ranges::fill(look.largest_errors, std::numeric_limits<double>::infinity());
+  return look;
+}
+
+enum class Looking : bool { kBlindly, kAhead };
+
 Faults Scan(const std::vector<double>& values, const FaultScale& scale = {},
-            std::size_t chunk = 1'000'000, std::vector<SampleStatus> statuses = {}) {
+            std::size_t block_rows = 245 * kFaultBlockRows, std::vector<SampleStatus> statuses = {},
+            Looking looking = Looking::kAhead) {
   statuses.resize(values.size(), SampleStatus::kOk);
   FaultScanner scanner(scale);
-  for (std::size_t k = 0; k < values.size(); k += chunk) {
-    const std::size_t size = std::min(chunk, values.size() - k);
-    scanner.Feed(k, std::span(values).subspan(k, size), std::span(statuses).subspan(k, size));
-  }
+  ForEachBlock(values, statuses, block_rows, kFaultMarginRows + 2, [&](const RowBlock& block) {
+    const FaultLook look = scanner.Look(block);
+    scanner.Feed(block, looking == Looking::kAhead ? look : BlindLook(look));
+  });
   return scanner.Finish();
+}
+
+void ExpectSame(const Faults& faults, const Faults& others) {
+  EXPECT_EQ(faults.count, others.count);
+  EXPECT_EQ(faults.rows, others.rows);
+  ASSERT_EQ(faults.list.size(), others.list.size());
+  for (std::size_t k = 0; k < others.list.size(); ++k) {
+    EXPECT_EQ(faults.list[k].kind, others.list[k].kind);
+    EXPECT_EQ(faults.list[k].first_row, others.list[k].first_row);
+    EXPECT_EQ(faults.list[k].size, others.list[k].size);
+  }
 }
 
 // 0.2 mm at 225 Hz over 0.5 mm of tremor, with 0.5 um of noise in steps of 0.1 um
@@ -139,7 +162,7 @@ TEST(Faults, RowsThatTheSourceCallsRepeatedAreNoHold) {
     values[k] = values[k - k % 5];
     statuses[k] = SampleStatus::kRepeated;
   }
-  EXPECT_EQ(Scan(values, {}, 1'000, statuses).Count(FaultKind::kHeld), 0U);
+  EXPECT_EQ(Scan(values, {}, kFaultBlockRows, statuses).Count(FaultKind::kHeld), 0U);
 }
 
 TEST(Faults, ClippedAtTheRangeAtAStatusOrAtARepeatedExtreme) {
@@ -158,7 +181,7 @@ TEST(Faults, ClippedAtTheRangeAtAStatusOrAtARepeatedExtreme) {
   }
   std::vector<SampleStatus> statuses(values.size(), SampleStatus::kOk);
   std::fill_n(statuses.begin() + 100, 7, SampleStatus::kClipped);
-  const Faults faults = Scan(truth, {}, 64, statuses);
+  const Faults faults = Scan(truth, {}, kFaultBlockRows, statuses);
   ASSERT_EQ(faults.Count(FaultKind::kClipped), 1U);
   EXPECT_EQ(faults.list[0].first_row, 100U);
   EXPECT_EQ(faults.list[0].rows, 7U);
@@ -170,13 +193,13 @@ TEST(Faults, HowRowsAreFedChangesNothing) {
   for (std::size_t k = 1; k < 20; ++k) values[9'000 + k] = values[9'000];
   const Faults whole = Scan(values);
   EXPECT_GT(whole.list.size(), 19U);
-  for (const std::size_t chunk : {1U, 7U, 4096U}) {
-    const Faults parts = Scan(values, {}, chunk);
-    ASSERT_EQ(parts.list.size(), whole.list.size());
-    for (std::size_t k = 0; k < whole.list.size(); ++k) {
-      EXPECT_EQ(parts.list[k].first_row, whole.list[k].first_row);
-      EXPECT_EQ(parts.list[k].size, whole.list[k].size);
-    }
+  for (const std::size_t blocks : {1U, 2U, 3U}) {
+    ExpectSame(Scan(values, {}, blocks * kFaultBlockRows), whole);
+  }
+  // a last block that is shorter than the margin, or a little longer
+  for (const std::size_t rows : {8'192U, 8'193U, 8'240U, 8'241U}) {
+    const std::vector<double> some(values.begin(), values.begin() + rows);
+    ExpectSame(Scan(some, {}, kFaultBlockRows), Scan(some));
   }
 }
 
@@ -185,7 +208,9 @@ TEST(WindowFaults, ClippedRowsBeyondTheListCountAsIfInside) {
   std::vector<double> values(12'000);
   for (std::size_t k = 0; k < values.size(); ++k)
     values[k] = k % 6 == 0 ? 2 : 0.001 * static_cast<double>(k % 7);
-  scanner.Feed(0, values, std::vector<trial::SampleStatus>(values.size()));
+  const std::vector<SampleStatus> statuses(values.size());
+  ForEachBlock(values, statuses, 3 * kFaultBlockRows, 0,
+               [&](const RowBlock& block) { scanner.Feed(block, scanner.Look(block)); });
   const Faults faults = scanner.Finish();
   EXPECT_EQ(faults.Rows(FaultKind::kClipped), 2000U);
   EXPECT_EQ(ClippedRows(faults, 0, 6000), 2000U) << "1000 listed, 1000 that may be anywhere";
@@ -193,7 +218,7 @@ TEST(WindowFaults, ClippedRowsBeyondTheListCountAsIfInside) {
   EXPECT_EQ(ClippedRows(faults, 9000, 300), 300U);
 }
 
-// rows fed one by one are each looked at, long pieces only where they are not plain
+// what is told of rows side by side is what a look at each row tells, holes or none
 TEST(Faults, PlainPiecesSayWhatTheirRowsSay) {
   for (const double swing_steps : {0.7, 3.0, 40.0, 4000.0}) {
     std::vector<double> values(9'000);
@@ -202,15 +227,13 @@ TEST(Faults, PlainPiecesSayWhatTheirRowsSay) {
     }
     for (std::size_t k = 50; k < values.size(); k += 531) values[k] += 3e-7;
     for (std::size_t k = 1; k < 9; ++k) values[5'000 + k] = values[5'000];
+    std::vector<SampleStatus> statuses(values.size());
+    for (std::size_t k = 6'000; k < 8'000; k += 301) statuses[k] = SampleStatus::kOver;
     for (const FaultScale& scale : {FaultScale{}, FaultScale{-2.9e-8, 1, 1e-8}}) {
-      const Faults whole = Scan(values, scale);
-      const Faults rows = Scan(values, scale, 1);
-      EXPECT_EQ(rows.count, whole.count) << swing_steps;
-      EXPECT_EQ(rows.rows, whole.rows) << swing_steps;
-      ASSERT_EQ(rows.list.size(), whole.list.size());
-      for (std::size_t k = 0; k < whole.list.size(); ++k) {
-        EXPECT_EQ(rows.list[k].first_row, whole.list[k].first_row);
-        EXPECT_EQ(rows.list[k].size, whole.list[k].size);
+      SCOPED_TRACE(swing_steps);
+      for (const auto& some : {std::vector<SampleStatus>(), statuses}) {
+        ExpectSame(Scan(values, scale, 3 * kFaultBlockRows, some, Looking::kAhead),
+                   Scan(values, scale, 3 * kFaultBlockRows, some, Looking::kBlindly));
       }
     }
   }

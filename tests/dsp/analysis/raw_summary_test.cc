@@ -9,6 +9,7 @@
 
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/records.h"
+#include "tests/dsp/row_blocks.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
@@ -21,11 +22,8 @@ using trial::SampleStatus;
 RawSummary Summarized(const trial::Record& record, std::size_t rows_at_once) {
   RawSummarizer summarizer(record);
   const trial::Channel& channel = record.channels[0];
-  for (std::size_t row = 0; row < record.rows; row += rows_at_once) {
-    const std::size_t count = std::min(rows_at_once, record.rows - row);
-    summarizer.Feed(std::span(channel.values).subspan(row, count),
-                    std::span(channel.statuses).subspan(row, count));
-  }
+  ForEachBlock(channel.values, channel.statuses, rows_at_once, 0,
+               [&](const RowBlock& block) { summarizer.Feed(block, summarizer.LookAt(block)); });
   return summarizer.Finish();
 }
 

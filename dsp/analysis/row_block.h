@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "dsp/analysis/measured.h"
+#include "trial/record.h"
+
+namespace haptometer::dsp {
+
+/// Rows [first_row, end_row) of a channel, and some on either side that help to judge them.
+struct RowBlock {
+  std::size_t first_row = 0;
+  std::size_t end_row = 0;
+  std::size_t record_rows = 0;  ///< of the whole record
+  std::size_t held_first = 0;   ///< the row of held_values[0]
+  std::span<const double> held_values;
+  std::span<const trial::SampleStatus> held_statuses;
+  bool all_ok = false;  ///< every row held is measured and says kOk
+
+  [[nodiscard]] std::size_t rows() const { return end_row - first_row; }
+  [[nodiscard]] std::size_t held_end() const { return held_first + held_values.size(); }
+  /// The block's own rows.
+  [[nodiscard]] std::span<const double> values() const {
+    return held_values.subspan(first_row - held_first, rows());
+  }
+  [[nodiscard]] std::span<const trial::SampleStatus> statuses() const {
+    return held_statuses.subspan(first_row - held_first, rows());
+  }
+  /// Whether rows [begin, end), held, are all measured and say kOk.
+  [[nodiscard]] bool AllOkWithin(std::size_t begin, std::size_t end) const {
+    return all_ok || (AllOk(held_statuses.subspan(begin - held_first, end - begin)) &&
+                      AllFinite(held_values.subspan(begin - held_first, end - begin)));
+  }
+};
+
+}  // namespace haptometer::dsp
