@@ -4,6 +4,7 @@
 
 namespace haptometer::tests {
 
+/// Whether the address sanitizer, which costs a factor of ten, watches.
 #if defined(__SANITIZE_ADDRESS__)
 inline constexpr bool kIsSanitized = true;
 #elif defined(__has_feature)
@@ -12,11 +13,11 @@ inline constexpr bool kIsSanitized = __has_feature(address_sanitizer);
 inline constexpr bool kIsSanitized = false;
 #endif
 
-/// How often a seeded experiment is repeated: `often`, a tenth of it under a sanitizer,
-/// or what HAPTOMETER_REPETITIONS says.
-inline int Repetitions(int often) {
+/// How often a seeded case is repeated: `quick` times, HAPTOMETER_REPETITIONS times in the long run
+/// (tests/long/README.md).
+inline int Repetitions(int quick) {
   const char* text = std::getenv("HAPTOMETER_REPETITIONS");
-  return text != nullptr ? std::atoi(text) : kIsSanitized ? often / 10 : often;
+  return text == nullptr ? quick : std::atoi(text);
 }
 
 }  // namespace haptometer::tests

@@ -3,16 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
-#include <cstdlib>
+
+#include "tests/repetitions.h"
 
 namespace haptometer::dsp {
 
-/// How often a seeded case is repeated: `quick` times, HAPTOMETER_REPETITIONS times in the long run
-/// (tests/long/README.md).
-inline int Repetitions(int quick) {
-  const char* text = std::getenv("HAPTOMETER_REPETITIONS");
-  return text == nullptr ? quick : std::atoi(text);
-}
+using tests::Repetitions;
 
 /// Prints how many of `repetitions` 95 % intervals held the truth, and expects 93 % or more, of few
 /// repetitions three standard deviations less. `most_percent`: 97 of an interval for a population

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "trial/import/column_doubts.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/csv_comment.h"
 #include "trial/import/csv_rows.h"
@@ -54,7 +55,7 @@ class Parser {
     if (auto done = JoinBlocks(); !done) return std::unexpected(done.error());
     while (NextLine()) {
       const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
-                        : rows_.has_begun()    ? rows_.Take(line_, line_number_)
+                        : rows_.has_begun()    ? TakeRow()
                                                : ReadHeaderLine();
       if (!done) return std::unexpected(done.error());
     }
@@ -103,6 +104,7 @@ class Parser {
       if (!table) return std::unexpected(table.error());
       if (*table) {
         if (auto done = ReadCommentsTo(**table); !done) return done;
+        NoteOverridden((*table)->columns);
         Begin(std::move(**table));
         return {};
       }
@@ -112,6 +114,32 @@ class Parser {
     if (auto done = KeepChannel(options_, name_, &*columns); !done) return done;
     BeginRows({.separator = header.separator, .columns = std::move(*columns)});
     return {};
+  }
+
+  // remarks where --columns or --scale reads a column otherwise than the file names it
+  void NoteOverridden(const std::vector<CsvColumn>& columns) {
+    if (options_.columns.empty() && !options_.scale_m && !options_.scale_v) return;
+    ImportOptions own_words = options_;
+    own_words.columns.clear();
+    own_words.scale_m.reset();
+    own_words.scale_v.reset();
+    const auto own = FindForeignTable(whole_, name_, own_words);
+    if (!own || !*own) return;
+    for (std::string& remark : OverriddenUnits((*own)->columns, columns)) {
+      remarks_.push_back(std::move(remark));
+    }
+  }
+
+  // a row; where its time does not grow, a column of the rows below may look like the times
+  Result<void> TakeRow() {
+    auto done = rows_.Take(line_, line_number_);
+    if (done || !done.error().what.contains("does not grow")) return done;
+    const std::size_t even = EvenColumn(rest_, separator_, time_column_);
+    if (even == 0) return done;
+    return CannotAnswer(done.error().where, done.error().what,
+                        fmt::format("column {} grows in even steps as times do: if the columns are "
+                                    "swapped, name them from the left with --columns",
+                                    even));
   }
 
   // # lines between another program's words count as those at the top
@@ -141,6 +169,9 @@ class Parser {
   }
 
   void BeginRows(CsvRows::Layout layout) {
+    separator_ = layout.separator;
+    const auto time = std::ranges::find(layout.columns, CsvColumnKind::kTime, &CsvColumn::kind);
+    time_column_ = static_cast<std::size_t>(time - layout.columns.begin()) + 1;
     layout.times_may_stand = comments_.timing == Timing::kArrival;
     rows_.Begin(std::move(layout));
     rows_.Reserve(1 + static_cast<std::size_t>(std::ranges::count(rest_, '\n')));
@@ -228,6 +259,8 @@ class Parser {
   std::string_view line_;
   std::size_t line_number_ = 0;
   bool is_foreign_ = false;
+  char separator_ = ',';
+  std::size_t time_column_ = 0;  // from 1 on
   TimeWords words_;
   std::optional<std::size_t> stated_rows_;
   CsvComments comments_;
