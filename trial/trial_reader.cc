@@ -98,6 +98,14 @@ std::optional<std::uint64_t> ReadReport::RowsLost() const {
   return sum;
 }
 
+std::vector<std::string> ReadReport::WhatIsMissing() const {
+  std::vector<std::string> sentences;
+  sentences.reserve(losses.size() + 1);
+  for (const Loss& loss : losses) sentences.push_back(Describe(loss));
+  if (!closed) sentences.emplace_back("the file was not finished by its writer");
+  return sentences;
+}
+
 const std::byte* Chunk::RowAt(std::size_t row) const {
   HAPTOMETER_CHECK(row < rows_, "row {} of {}", row, rows_);
   return payload_.data() + row * layout_->row_bytes;

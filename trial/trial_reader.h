@@ -57,6 +57,8 @@ struct ReadReport {
 
   /// Rows known to be lost; empty where a loss does not say how many.
   [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
+  /// A sentence for each loss, and one where the writer did not finish the file.
+  [[nodiscard]] std::vector<std::string> WhatIsMissing() const;
 };
 
 /// A rectangle of rows that follow each other without a loss. Views into the reader's one buffer:

@@ -4,6 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "dsp/filter/butterworth.h"
+
 namespace haptometer::dsp {
 
 /// A mean square that noise made, and how far it scatters.
@@ -35,6 +37,10 @@ struct BandNoise {
   /// (integral of S)^2 / integral of S^2, in Hz; 0 for silence.
   [[nodiscard]] double EquivalentBandwidthHz() const;
 };
+
+/// The frequency to which noise behind a band's filter is looked at: beyond 1.5 times the upper
+/// corner the default filter leaves 2e-4 of its power in both passes.
+[[nodiscard]] constexpr double NoiseReachHz(const BandPass& band) { return 1.5 * band.upper_hz; }
 
 /// Measures `samples` (2 at least) taken at `rate_hz`. Cost: one transform; memory three times the
 /// samples. Frequencies above `upper_hz` are left out of the bins, not of the mean square.

@@ -1,6 +1,7 @@
 #include "dsp/analysis/frequency_move.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <span>
@@ -22,6 +23,9 @@ constexpr double kLargestStep = 0.25;  // of the span
 constexpr double kSmallSteps = 0.75;   // share of them
 constexpr double kScatter = 0.01;      // of the span: a step that is none
 constexpr std::size_t kLeastSteps = 5;
+// places that no repeated sweep passes in step
+constexpr std::array kGlances{0.03, 0.21, 0.47, 0.68, 0.95};
+constexpr double kStays = 1.01;  // upper over lower tone of those
 constexpr double kOneWay = 0.8;  // share of steps that go on as the one before
 
 // how the tone of a block is found
@@ -42,15 +46,17 @@ Blocks BlocksOf(const BandSignal& signal, std::size_t size, const BandPass& band
   return blocks;
 }
 
-// frequencies of the tones that stand out, by time
-Result<std::vector<double>> TonesOf(const BandSignal& signal, std::size_t begin, std::size_t size,
-                                    const Blocks& blocks, const BandPass& band) {
+// frequencies of the tones that stand out of the blocks at these shares of the part, by time
+Result<std::vector<double>> TonesAt(std::span<const double> shares, const BandSignal& signal,
+                                    std::size_t begin, std::size_t size, const Blocks& blocks,
+                                    const BandPass& band) {
   std::vector<double> samples(blocks.samples);
   std::vector<double> kept;
   std::vector<double> tones;
-  tones.reserve(blocks.count);
-  for (std::size_t k = 0; k < blocks.count; ++k) {
-    const std::size_t at = begin + k * (size - blocks.samples) / (blocks.count - 1);
+  tones.reserve(shares.size());
+  for (const double share : shares) {
+    const std::size_t at =
+        begin + static_cast<std::size_t>(share * static_cast<double>(size - blocks.samples));
     if (auto read = signal.Read(at, samples); !read) return std::unexpected(read.error());
     kept.clear();
     for (std::size_t n = 0; n < samples.size(); n += blocks.stride) kept.push_back(samples[n]);
@@ -60,6 +66,21 @@ Result<std::vector<double>> TonesOf(const BandSignal& signal, std::size_t begin,
     if (tone) tones.push_back(tone->frequency_hz);
   }
   return tones;
+}
+
+std::vector<double> EvenShares(std::size_t count) {
+  std::vector<double> shares(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    shares[k] = static_cast<double>(k) / static_cast<double>(count - 1);
+  }
+  return shares;
+}
+
+// whether the tones at a few places are all there and one
+bool StayAtAGlance(std::span<const double> tones) {
+  if (tones.size() < kGlances.size()) return false;
+  const auto [least, most] = std::ranges::minmax(tones);
+  return most <= kStays * least;
 }
 
 // steps from block to block that are more than a tone's own scatter
@@ -116,7 +137,10 @@ Result<std::optional<FrequencyMove>> FindFrequencyMove(const BandSignal& signal,
                                                        std::size_t end, const BandPass& band) {
   const Blocks blocks = BlocksOf(signal, end - begin, band);
   if (blocks.count < kLeastBlocks) return std::nullopt;
-  const auto tones = TonesOf(signal, begin, end - begin, blocks, band);
+  const auto glances = TonesAt(kGlances, signal, begin, end - begin, blocks, band);
+  if (!glances) return std::unexpected(glances.error());
+  if (StayAtAGlance(*glances)) return std::nullopt;
+  const auto tones = TonesAt(EvenShares(blocks.count), signal, begin, end - begin, blocks, band);
   if (!tones) return std::unexpected(tones.error());
   if (tones->size() < kLeastBlocks) return std::nullopt;
   std::vector<double> sorted = *tones;

@@ -17,10 +17,10 @@ struct FrequencyMove {
 
 /// Whether the strongest tone moves over samples [begin, end) of a signal, all settled.
 ///
-/// Of at most 48 blocks of two periods of the lower corner, evenly spread (they overlap by half in
-/// a short part), the tone that stands out
-/// of each (dsp/spectrum/tone.h). It moves where at least 8 blocks have one and, with the span from
-/// the 10th to the 90th percentile of their frequencies:
+/// Looked at are blocks of two periods of the lower corner, and the tone that stands out of each
+/// (dsp/spectrum/tone.h). Where five unevenly spread ones agree to 1 %, it stays. Else, of at most
+/// 48 blocks evenly spread (they overlap by half in a short part), it moves where at least 8 blocks
+/// have one and, with the span from the 10th to the 90th percentile of their frequencies:
 /// - the span is a tenth of its lower end or more;
 /// - a fifth of the blocks or more lie in the span's middle 60 %: no hop from one tone to another;
 /// - of the steps from block to block that are more than a hundredth of it, three quarters or more

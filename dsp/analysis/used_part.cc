@@ -157,13 +157,16 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
         FindDriveParts({*drive, cells.course.start_s, cells.course.cell_s}, cells.course, search);
     if (parts.course == DriveCourse::kGated) return FoundParts{std::move(parts), true};
   }
-  const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
-  if (!move) return std::unexpected(move.error());
-  if (*move) return FoundParts{};
   auto by_tone = ToneParts(signal, cells, band, search);
   if (!by_tone) return std::unexpected(by_tone.error());
-  if (by_tone->course == DriveCourse::kGated) return FoundParts{std::move(*by_tone), false};
-  DriveParts by_power = FindDriveParts(cells.course, search);
+  const bool pauses = by_tone->course == DriveCourse::kGated;
+  DriveParts by_power = pauses ? DriveParts{} : FindDriveParts(cells.course, search);
+  if (pauses || by_power.course == DriveCourse::kGated) {
+    const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
+    if (!move) return std::unexpected(move.error());
+    if (*move) return FoundParts{};
+  }
+  if (pauses) return FoundParts{std::move(*by_tone), false};
   if (by_power.course == DriveCourse::kGated && !by_tone->why.empty()) {
     return FoundParts{
         std::move(*by_tone), false,

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -13,17 +12,17 @@
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/drive_onset.h"
 #include "dsp/analysis/floor_remarks.h"
+#include "dsp/analysis/thinned_samples.h"
+#include "dsp/analysis/tone_power.h"
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
 #include "dsp/filter/settled.h"
 #include "dsp/spectrum/decimated.h"
-#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kUmPerM = 1e6;
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kLeastFloorS = 0.1;
 constexpr double kMostClipped = 1e-3;
@@ -39,41 +38,16 @@ struct Window {
   const BandQuestion& question;
   BandAnalysis& analysis;
   BandNumbers numbers{};
-  std::vector<double> samples{};  // of the chosen part, or of its middle; every n-th, as the band
-  double sampled_rate_hz = 0;     // leaves nothing beyond half of this
-  std::size_t rows = 0;           // of the window
+  ThinnedSamples samples{};  // filtered, of the chosen part, or of its middle
+  std::size_t rows = 0;      // of the window
   BandPower power{};
 
   [[nodiscard]] const BandSignal& signal() const { return *chosen.signal; }
   [[nodiscard]] double rate_hz() const { return signal().rate_hz(); }
   [[nodiscard]] double duration_s() const { return static_cast<double>(rows) / rate_hz(); }
-  [[nodiscard]] double sampled_s() const {
-    return static_cast<double>(samples.size()) / sampled_rate_hz;
-  }
   [[nodiscard]] const BandPass& band() const { return analysis.band; }
   [[nodiscard]] double bandwidth_hz() const { return band().upper_hz - band().lower_hz; }
 };
-
-// Of filtered samples, every n-th, n as far as what folds into the band is 1e-9 of what was there
-// before the filter; all of fewer than 2^17, which cost little.
-void KeepEnough(std::vector<double> samples, Window& window) {
-  constexpr double kFolded = 1e-9;
-  constexpr std::size_t kLeastSamples = std::size_t{1} << 17U;
-  constexpr double kRatePerUpper = 5;
-  std::size_t every = 1;
-  const auto rate_of = [&](std::size_t n) { return window.rate_hz() / static_cast<double>(n); };
-  while (samples.size() >= kLeastSamples &&
-         rate_of(2 * every) >= kRatePerUpper * window.band().upper_hz &&
-         std::norm(Response(window.signal().design(),
-                            rate_of(2 * every) - 1.5 * window.band().upper_hz)) <= kFolded) {
-    every *= 2;
-  }
-  window.sampled_rate_hz = rate_of(every);
-  const std::size_t kept = (samples.size() + every - 1) / every;
-  for (std::size_t k = 0; k < kept; ++k) samples[k] = samples[k * every];
-  samples.resize(kept);
-  window.samples = std::move(samples);
-}
 
 // rows of the part that hold whole periods of the tone
 std::size_t WholePeriods(const Window& window, const std::optional<SineFit>& tone) {
@@ -95,47 +69,6 @@ void DescribePart(Window& window) {
   part.window = {begin_s, begin_s + window.duration_s()};
 }
 
-// takes a line from evenly spaced samples
-void TakeLine(const Harmonic& line, double rate_hz, std::vector<double>& rest) {
-  const PhasorBlocks phasors(kTwoPi * line.frequency_hz / rate_hz);
-  const double c = line.amplitude * std::cos(line.phase_rad);
-  const double s = line.amplitude * std::sin(line.phase_rad);
-  std::array<double, PhasorBlocks::kBlock> cosines;
-  std::array<double, PhasorBlocks::kBlock> sines;
-  for (std::size_t begin = 0; begin < rest.size(); begin += PhasorBlocks::kBlock) {
-    const std::size_t count = std::min(PhasorBlocks::kBlock, rest.size() - begin);
-    phasors.Fill(static_cast<double>(begin), std::span(cosines).first(count),
-                 std::span(sines).first(count));
-    for (std::size_t k = 0; k < count; ++k) rest[begin + k] -= c * cosines[k] - s * sines[k];
-  }
-}
-
-// takes the tone and what harmonics of it stand out from the samples; their power into
-// `window.power`, and the noise of the rest
-BandNoise TakeLines(const SineFit& tone, Window& window, std::vector<double>& rest) {
-  const Harmonics lines =
-      FitHarmonics(window.samples, {window.sampled_rate_hz, window.bandwidth_hz(), 0},
-                   tone.frequency_hz, window.band().upper_hz);
-  std::vector<Harmonic> taken;
-  if (lines.converged) taken = lines.harmonics;
-  std::erase_if(taken, [](const Harmonic& line) { return line.order > 1 && !line.stands_out; });
-  if (taken.empty()) {
-    taken.push_back({1, tone.frequency_hz, tone.amplitude, tone.amplitude_uncertainty,
-                     tone.phase_rad, tone.phase_uncertainty_rad, true});
-  }
-  for (const Harmonic& line : taken) TakeLine(line, window.sampled_rate_hz, rest);
-  BandNoise noise = MeasureNoise(rest, window.sampled_rate_hz, 1.5 * window.band().upper_hz);
-  for (const Harmonic& line : taken) {
-    const double square =
-        noise.DensityNear(line.frequency_hz, window.band().lower_hz, window.band().upper_hz) /
-        window.duration_s();
-    // of amplitude^2 / 2, noise adds u^2 on average
-    window.power.tone_mean_square += 0.5 * line.amplitude * line.amplitude - square;
-    window.power.tone_variance += line.amplitude * line.amplitude * square;
-  }
-  return noise;
-}
-
 // the window's power as tone and rest
 Result<void> MeasurePower(Window& window) {
   const std::size_t begin = window.chosen.begin;
@@ -143,15 +76,17 @@ Result<void> MeasurePower(Window& window) {
   if (!square_sum) return std::unexpected(square_sum.error());
   const double mean_square = *square_sum / static_cast<double>(window.rows);
   const BandNoise whole =
-      MeasureNoise(window.samples, window.sampled_rate_hz, 1.5 * window.band().upper_hz);
-  const double longer = window.sampled_s() / window.duration_s();
+      MeasureNoise(window.samples.values_m, window.samples.rate_hz, NoiseReachHz(window.band()));
+  const double longer = window.samples.duration_s() / window.duration_s();
   window.numbers.power = {mean_square, whole.power.variance * longer};
-  std::vector<double> rest = window.samples;
-  const BandNoise noise =
-      window.numbers.tone ? TakeLines(window.numbers.tone->fit, window, rest) : whole;
-  window.numbers.residual_rms_m = std::sqrt(noise.power.mean_square);
-  window.power.tone_mean_square = std::clamp(window.power.tone_mean_square, 0.0, mean_square);
-  window.power.rest = {mean_square - window.power.tone_mean_square, noise.power.variance * longer};
+  TonePower split{.rest = whole.power};
+  if (window.numbers.tone) {
+    split = SplitTone(window.samples, window.numbers.tone->fit, window.band(), window.duration_s());
+  }
+  window.numbers.residual_rms_m = std::sqrt(split.rest.mean_square);
+  window.power.tone_mean_square = std::clamp(split.mean_square, 0.0, mean_square);
+  window.power.tone_variance = split.variance;
+  window.power.rest = {mean_square - window.power.tone_mean_square, split.rest.variance * longer};
   const auto extremes = window.signal().ExtremesOf(begin, begin + window.rows);
   if (!extremes) return std::unexpected(extremes.error());
   window.numbers.peak_to_peak_m = extremes->most - extremes->least;
@@ -211,8 +146,7 @@ Result<void> TakeFloor(Window& window) {
       if (part_s < kLeastFloorS / 2) continue;
       const auto samples = ReadMiddle(window.signal(), begin, end);
       if (!samples) return std::unexpected(samples.error());
-      const BandNoise noise =
-          MeasureNoise(*samples, window.rate_hz(), 1.5 * window.band().upper_hz);
+      const BandNoise noise = MeasureNoise(*samples, window.rate_hz(), NoiseReachHz(window.band()));
       parts.push_back({noise.power, part_s});
       source +=
           fmt::format("{}{:.3f} s to {:.3f} s", source.empty() ? "" : ", ",
@@ -298,7 +232,7 @@ void AddLeakedLine(const Window& window, SineFit& fit) {
   const BelowBand& below = *window.numbers.below_band;
   const double apart = 1 / (kTwoPi * (fit.frequency_hz - below.frequency_hz)) +
                        1 / (kTwoPi * (fit.frequency_hz + below.frequency_hz));
-  const double seconds = window.sampled_s();
+  const double seconds = window.samples.duration_s();
   const double leaked_m = below.leaked_rms_m;  // amplitude / sqrt(2)
   const double moved_m = 2 * leaked_m / seconds * apart;
   const double turned_hz = 12 * leaked_m / (fit.amplitude * seconds * seconds) * apart / kTwoPi;
@@ -353,7 +287,7 @@ Result<void> DescribeHarmonics(Window& window) {
   std::vector<double> samples(FittedOf(window.rows));
   const std::size_t first = window.chosen.begin + (window.rows - samples.size()) / 2;
   if (auto read = window.signal().samples().Read(first, samples); !read) return read;
-  if (window.sampled_s() <= kLongestModelledS) {
+  if (window.samples.duration_s() <= kLongestModelledS) {
     const auto model = BelowBandModel::Fit(samples, window.rate_hz(), window.band().lower_hz,
                                            window.band().upper_hz);
     if (model) model->Subtract(0, samples);
@@ -400,12 +334,14 @@ Result<void> MeasureWindow(const Displacement& displacement, const std::vector<B
                 .analysis = *analysis};
   auto samples = ReadMiddle(*chosen.signal, chosen.begin, chosen.end);
   if (!samples) return std::unexpected(samples.error());
-  KeepEnough(std::move(*samples), window);
+  window.samples =
+      Thinned(std::move(*samples), window.rate_hz(), window.signal().design(), window.band());
   const auto describe_window = [&]() -> Result<void> {
     std::optional<SineFit> tone;
     if (!analysis->frequency_move) {
-      tone = StrongestTone(window.samples, {window.sampled_rate_hz, analysis->band.lower_hz,
-                                            analysis->band.upper_hz, window.bandwidth_hz()});
+      tone =
+          StrongestTone(window.samples.values_m, {window.samples.rate_hz, analysis->band.lower_hz,
+                                                  analysis->band.upper_hz, window.bandwidth_hz()});
     }
     window.rows = WholePeriods(window, tone);
     DescribePart(window);

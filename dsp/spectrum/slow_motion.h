@@ -20,7 +20,7 @@ struct SlowMotion {
   /// Standard, of a random tremor with this spectrum; with (rms/uncertainty)^2 / 2 degrees of
   /// freedom.
   double tremor_rms_uncertainty = 0;
-  double tremor_frequency_hz = 0;     ///< the power's centre between 3 and 13 Hz
+  double tremor_frequency_hz = 0;  ///< the power's centre between 3 and 13 Hz
   /// The tone that holds more than half of that power, where one stands out; otherwise the tremor
   /// is a band, and its RMS is what to state.
   std::optional<SineFit> tremor_tone;

@@ -45,13 +45,10 @@ struct Job {
   SpectrumQuestion spectrum{};
 };
 
-// what could not be read of the file
+// what could not be read of the file, and what was assumed in reading it
 std::vector<std::string> LossesOf(const trial::ReadReport& report) {
-  std::vector<std::string> remarks;
-  remarks.reserve(report.losses.size() + 1);
-  for (const trial::Loss& loss : report.losses) remarks.push_back(Describe(loss));
-  for (const std::string& remark : report.remarks) remarks.push_back(remark);
-  if (!report.closed) remarks.emplace_back("the file was not finished by its writer");
+  std::vector<std::string> remarks = report.WhatIsMissing();
+  remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
   return remarks;
 }
 
@@ -139,7 +136,7 @@ ReportedFile Analyze(const std::string& path, const Job& job) {
 }
 
 void PrintLines(const std::vector<AnalysisLine>& lines) {
-  for (const AnalysisLine& line : lines) fmt::print("  {:<19}{}\n", line.label, line.text);
+  for (const AnalysisLine& line : lines) fmt::print("  {:<18} {}\n", line.label, line.text);
 }
 
 void Print(const AnalyzedFile& file, bool all) {

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -39,6 +41,16 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
       return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
                    "give one file, or --report FILE.html for several");
     }
+  }
+  // one file each: the next trial would take the place of the one before
+  const std::array<std::pair<std::string_view, const std::string*>, 3> tables{
+      {{"--spectrum", &words.spectrum.spectrum},
+       {"--spectrogram", &words.spectrum.spectrogram},
+       {"--response", &words.response}}};
+  for (const auto& [option, path] : tables) {
+    if (path->empty() || words.files.size() < 2) continue;
+    return Usage(std::string(option), fmt::format("is of one trial, not {}", words.files.size()),
+                 "give one file");
   }
   if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
     return Usage("--sweep", "goes without --window, --floor and --report",

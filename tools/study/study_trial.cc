@@ -74,10 +74,14 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   trial.repeat = LabelOf(file, metadata, "repeat");
   trial.utc_start = metadata.utc_start;
   trial.drive_v = metadata.drive_amplitude_v;
-  const auto analysis = dsp::AnalyzeBand(recording->record, question);
+  dsp::BandQuestion numbers_alone = question;
+  numbers_alone.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(recording->record, numbers_alone);
   if (!analysis) return fail(analysis.error());
   TakeAnalysis(*analysis, question, trial);
-  if (!recording->report.closed) trial.deviations.emplace_back("the file was cut short");
+  for (std::string& missing : recording->report.WhatIsMissing()) {
+    trial.deviations.push_back(std::move(missing));
+  }
   return trial;
 }
 
