@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <vector>
@@ -198,7 +200,8 @@ TEST(Faults, HowRowsAreFedChangesNothing) {
   }
   // a last block that is shorter than the margin, or a little longer
   for (const std::size_t rows : {8'192U, 8'193U, 8'240U, 8'241U}) {
-    const std::vector<double> some(values.begin(), values.begin() + rows);
+    const std::vector<double> some(values.begin(),
+                                   std::next(values.begin(), static_cast<std::ptrdiff_t>(rows)));
     ExpectSame(Scan(some, {}, kFaultBlockRows), Scan(some));
   }
 }
