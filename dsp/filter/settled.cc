@@ -14,29 +14,37 @@ namespace {
 // what lies two time constants beyond a settled part is wrong by e^2 / 1e4: enough for an RMS
 constexpr double kRmsTimeConstants = 4;
 
-// what the filter makes, in `inner` samples, of `before` (nearest first) ahead of them and `after`
-// behind them
-std::vector<double> Inside(const FilterDesign& design, std::span<const double> before,
-                           std::size_t inner, std::span<const double> after,
-                           ZeroPhaseBlocks::Scratch& scratch) {
-  std::vector<double> around(before.size() + inner + after.size());
-  std::ranges::reverse_copy(before, around.begin());
-  std::ranges::copy_backward(after, around.end());
-  std::vector<double> inside(inner);
-  const auto done = ZeroPhaseBlocks(design, around.size())
-                        .Filter(SampleRange{before.size(), inner}, ReadFrom(around),
-                                Continuation::kConstant, inside, scratch);
-  HAPTOMETER_CHECK(done, "memory cannot fail");
-  return inside;
-}
+// what the filter makes, in the `inner` samples of a signal, of what lies beyond them
+class Inside {
+ public:
+  Inside(const FilterDesign& design, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
+      : design_(design), filtered_(inner), scratch_(scratch) {}
+
+  // of `before` (nearest first) ahead of them and `after` behind them; valid until the next call
+  std::span<const double> Of(std::span<const double> before, std::span<const double> after) {
+    const std::size_t inner = filtered_.size();
+    around_.assign(before.size() + inner + after.size(), 0.0);
+    std::ranges::reverse_copy(before, around_.begin());
+    std::ranges::copy_backward(after, around_.end());
+    const auto done = ZeroPhaseBlocks(design_, around_.size())
+                          .Filter(SampleRange{before.size(), inner}, ReadFrom(around_),
+                                  Continuation::kConstant, filtered_, scratch_);
+    HAPTOMETER_CHECK(done, "memory cannot fail");
+    return filtered_;
+  }
+
+ private:
+  const FilterDesign& design_;
+  std::vector<double> around_;
+  std::vector<double> filtered_;
+  ZeroPhaseBlocks::Scratch& scratch_;
+};
 
 // the dependence of `inner` samples on either end; an end that is far away has no continuations
 std::vector<double> DependenceOf(const FilterDesign& design, const EndContinuations& before,
                                  std::size_t inner, const EndContinuations& after,
                                  ZeroPhaseBlocks::Scratch& scratch) {
-  const auto inside = [&](std::span<const double> first, std::span<const double> last) {
-    return Inside(design, first, inner, last, scratch);
-  };
+  Inside inside(design, inner, scratch);
   std::vector<double> dependence(inner);
   const auto add = [&](std::span<const double> filtered, double tolerance) {
     for (std::size_t k = 0; k < inner; ++k) {
@@ -44,18 +52,20 @@ std::vector<double> DependenceOf(const FilterDesign& design, const EndContinuati
     }
   };
   if (before.expected.empty() && after.expected.empty()) {
-    add(inside(before.constant, after.constant), kFastTolerance);
+    add(inside.Of(before.constant, after.constant), kFastTolerance);
     return dependence;
   }
-  std::vector<double> expected = inside(before.expected, after.expected);
-  for (double& value : expected) value = std::abs(value);
-  for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
-    const auto filtered = inside(before.doubts[doubt], after.doubts[doubt]);
+  std::vector<double> expected(inner);
+  const auto add_expected = [&](std::span<const double> filtered) {
     for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(filtered[k]);
+  };
+  add_expected(inside.Of(before.expected, after.expected));
+  for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
+    add_expected(inside.Of(before.doubts[doubt], after.doubts[doubt]));
   }
   add(expected, kExpectedTolerance);
-  add(inside(before.constant, after.constant), kConstantTolerance);
-  add(inside(before.fast, after.fast), kFastTolerance);
+  add(inside.Of(before.constant, after.constant), kConstantTolerance);
+  add(inside.Of(before.fast, after.fast), kFastTolerance);
   return dependence;
 }
 
