@@ -17,7 +17,7 @@ constexpr double kOpen = std::numeric_limits<double>::infinity();
 sim::RingDown<double> Circuit(double load_ohm) {
   return sim::RingDown<double>({.stiffness_n_per_m = 2800,
                                 .damping_n_s_per_m = 0.0322,
-                                .force_constant_n_per_a = 1,
+                                .force_constant_squared_n2_per_a2 = 1,
                                 .mass_kg = 1.4e-3,
                                 .coil_resistance_ohm = 27,
                                 .inductance_h = 130e-6,
@@ -35,7 +35,7 @@ fit::ImpulseRecord Record(double load_ohm, std::size_t samples) {
   std::normal_distribution<double> noise(0, 2e-3);
   for (std::size_t n = 0; n < samples; ++n) {
     const double t = static_cast<double>(n + 1) * record.step_s;
-    record.voltage_v.push_back(-0.443 * circuit.VoltagePerSpeed(t) + noise(engine));
+    record.voltage_v.push_back(-0.443 * circuit.VoltageRatio(t) + noise(engine));
   }
   return record;
 }
@@ -54,7 +54,7 @@ void VoltageOfALoadedCircuit(benchmark::State& state) {
   double time_s = 0;
   while (state.KeepRunning()) {
     time_s = time_s > 0.25 ? 0 : time_s + 1e-4;
-    benchmark::DoNotOptimize(circuit.VoltagePerSpeed(time_s));
+    benchmark::DoNotOptimize(circuit.VoltageRatio(time_s));
   }
 }
 BENCHMARK(VoltageOfALoadedCircuit);

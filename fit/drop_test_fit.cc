@@ -11,6 +11,7 @@
 
 #include "fit/drop_test_model.h"
 #include "fit/drop_test_road.h"
+#include "fit/force_constant.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -18,19 +19,12 @@ namespace {
 
 using Kind = DropTestInput::Kind;
 
-// from here on the interval of Km is noticeably lopsided: the data speak of its square
-constexpr double kLopsidedUncertainty = 0.05;
-
-FittedValue ForceConstant(const DropTestRoad& road, const DropTestModel& model) {
-  return Evaluate(road, model, {{Shared::kForceConstant, 1}}, 1, "N/A");
-}
-
 // the better of the two roads to Km
 DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_loads,
                     const DropTestModel& model, std::vector<std::string>& assumptions) {
   if (!by_heights) return by_loads;
-  const auto heights = ForceConstant(*by_heights, model);
-  const auto loads = ForceConstant(by_loads, model);
+  const auto heights = EvaluateForceConstant(*by_heights, model);
+  const auto loads = EvaluateForceConstant(by_loads, model);
   const bool prefer_loads =
       loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
                                                       heights.combined_standard_uncertainty);
@@ -86,15 +80,13 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
                     " too{}",
                     2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
   }
-  if (fit.force_constant.determined) return;
-  auto product = Weights(road, {{Shared::kForceConstant, 1}});
-  product[Column(0, Own::kSpeed)] = 1;
-  if (!some_loaded && IsSeen(road, product)) {
+  if (fit.force_constant.determined || fit.force_constant.at_most) return;
+  if (!some_loaded) {
     fit.undetermined.push_back(
         fmt::format("Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the "
                     "drop height, or"
                     " record again with 27 to 50 ohm across the terminals",
-                    std::exp(LogarithmAt(road, product)), fit.records[0].name));
+                    std::exp(road.point.own[0][Index(Own::kAmplitude)]), fit.records[0].name));
   } else if (fit.damping_over_mass.determined) {
     fit.undetermined.emplace_back(
         "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass "
@@ -104,7 +96,7 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
 }
 
 FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& road,
-                            std::size_t r) {
+                            const FittedValue& force_constant, std::size_t r) {
   const auto& [record, start, part] = prepared;
   const auto& samples = road.problem.records()[r];
   const auto& own = road.point.own[r];
@@ -112,7 +104,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   const sim::RingDown<double> circuit(
       {.stiffness_n_per_m = std::exp(shared[Index(Shared::kStiffness)]),
        .damping_n_s_per_m = std::exp(shared[Index(Shared::kDamping)]),
-       .force_constant_n_per_a = std::exp(shared[Index(Shared::kForceConstant)]),
+       .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
        .mass_kg = samples.mass_ratio * std::exp(shared[Index(Shared::kMass)]),
        .coil_resistance_ohm = std::exp(shared[Index(Shared::kResistance)]),
        .inductance_h = road.problem.inductance_h(),
@@ -132,10 +124,12 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.found = part.found;
   fitted.density = road.densities[r];
 
-  std::vector<double> speed(road.jacobian.columns, 0.0);
-  speed[Column(r, Own::kSpeed)] = 1;
-  fitted.speed_determined = IsSeen(road, speed);
-  fitted.impact_speed_m_per_s = std::exp(own[Index(Own::kSpeed)]);
+  fitted.speed_determined = samples.speed_m_per_s > 0 || force_constant.determined;
+  if (fitted.speed_determined) {
+    fitted.impact_speed_m_per_s =
+        samples.speed_m_per_s > 0 ? samples.speed_m_per_s
+                                  : std::exp(own[Index(Own::kAmplitude)]) / force_constant.value;
+  }
 
   // the model at every sample, measured or not; the residual at the measured ones
   std::vector<double> times;
@@ -155,7 +149,10 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
 }
 
 void DescribeInfluences(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
-  constexpr std::array kOf{Shared::kStiffness, Shared::kDamping, Shared::kForceConstant};
+  // Km^2 may be 0, of which nothing has a relative change
+  const double square = road.point.shared[Index(Shared::kForceConstantSquared)];
+  const std::array share_per_change{1.0, 1.0, square > 0 ? 1 / (2 * square) : 0.0};
+  constexpr std::array kOf{Shared::kStiffness, Shared::kDamping, Shared::kForceConstantSquared};
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const auto& input = model.inputs[k];
     if (!DependsOn(road, input)) continue;
@@ -164,7 +161,7 @@ void DescribeInfluences(const DropTestRoad& road, const DropTestModel& model, Dr
                              .standard_uncertainty = input.quantity.standard_uncertainty,
                              .unit = input.unit};
     for (std::size_t p = 0; p < kOf.size(); ++p) {
-      influence.percent_per_percent[p] = road.input_changes[k][Index(kOf[p])];
+      influence.percent_per_percent[p] = share_per_change[p] * road.input_changes[k][Index(kOf[p])];
     }
     fit.influences.push_back(influence);
   }
@@ -200,7 +197,7 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.mass_symbol = model->all_free ? "Mv Mc/(Mv+Mc)" : "Mv";
   fit.stiffness = Evaluate(road, *model, {{Shared::kStiffness, 1}}, 1, "N/m");
   fit.damping = Evaluate(road, *model, {{Shared::kDamping, 1}}, 1, "N s/m");
-  fit.force_constant = ForceConstant(road, *model);
+  fit.force_constant = EvaluateForceConstant(road, *model);
   fit.stiffness_over_mass =
       Evaluate(road, *model, {{Shared::kStiffness, 1}, {Shared::kMass, -1}}, 1, "1/s^2");
   fit.damping_over_mass =
@@ -211,16 +208,10 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
       Evaluate(road, *model,
                {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
   for (std::size_t r = 0; r < records.size(); ++r) {
-    fit.records.push_back(DescribeRecord(model->records[r], road, r));
+    fit.records.push_back(DescribeRecord(model->records[r], road, fit.force_constant, r));
   }
   DescribeInfluences(road, *model, fit);
   DescribeUndetermined(road, *model, fit);
-  if (fit.force_constant.determined &&
-      fit.force_constant.standard_uncertainty > kLopsidedUncertainty * fit.force_constant.value) {
-    fit.assumptions.emplace_back(
-        "Km is uncertain by more than 5 %: its interval is lopsided, because the data speak of "
-        "Km^2");
-  }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;
   fit.iterations = road.solver.iterations;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,20 @@
 
 namespace haptometer::fit {
 
-/// A constant from the fit. Nothing but `unit` means anything where `determined` is false.
+/// The coverage factor of the 95 % intervals: a normal distribution's, because records hold
+/// thousands of samples.
+inline constexpr double kCoverage95 = 1.96;
+
+/// A constant from the fit. Nothing but `unit` and `at_most` means anything where `determined` is
+/// false.
 struct FittedValue {
   double value = 0;
   double standard_uncertainty = 0;  ///< statistical: from the records' noise alone (type A)
   double combined_standard_uncertainty =
-      0;  ///< with masses, ohms, height and rebound (type A and B)
+      0;             ///< with masses, ohms, height and rebound (type A and B)
+  double lower = 0;  ///< 95 % interval, of both; not always about the value
+  double upper = 0;
+  std::optional<double> at_most;  ///< one-sided 95 % limit of what is too faint to be determined
   std::string unit;
   bool determined = false;
 };
@@ -82,12 +91,12 @@ struct DropTestFit {
 /// standard uncertainty 0.3/sqrt(3) of a uniform ignorance between 0 and 0.3. Where Km follows from
 /// both the heights and the loads, the road with the smaller combined uncertainty is taken.
 ///
-/// Ceres minimises the residuals in units of each record's noise, with logarithms as parameters, to
-/// rounding; the noise is what the residuals show at the resonance (solved twice;
-/// residual_density.h). Before any number is given, the singular values of the column-scaled
-/// Jacobian say what the records determine (fit/rank.h). Type A: covariance with that noise. Type
-/// B: first-order propagation of the inputs' standard uncertainties through the same Jacobian; the
-/// two add as squares (JCGM 100:2008, 5.1.2).
+/// Ceres minimises the residuals in units of each record's noise, to rounding, with logarithms as
+/// parameters but for Km^2, to which the loads' damping is proportional; the noise is what the
+/// residuals show at the resonance (solved twice; residual_density.h). Before any number is given,
+/// the singular values of the column-scaled Jacobian say what the records determine (fit/rank.h).
+/// Type A: covariance with that noise. Type B: first-order propagation of the inputs' standard
+/// uncertainties through the same Jacobian; the two add as squares (JCGM 100:2008, 5.1.2).
 ///
 /// Errors (Cause::kCannotAnswer): no records; no ring-down found in one (nothing above the noise,
 /// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and

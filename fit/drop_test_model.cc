@@ -168,9 +168,8 @@ PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem
     summary.dampings.push_back(2 * start.poles.decay_per_s * record.mass_ratio);
     summary.stiffness_over_mass += start.poles.stiffness_per_s2 * record.mass_ratio /
                                    static_cast<double>(model.records.size());
-    const double speed = std::exp(point.own[r][Index(Own::kSpeed)]);
-    if (std::isnan(speed)) continue;
-    sum += std::abs(start.impact_voltage_v) / (speed * Divider(record, point));
+    if (record.speed_m_per_s == 0) continue;
+    sum += std::abs(start.impact_voltage_v) / (record.speed_m_per_s * Divider(record, point));
     ++heights;
   }
   if (heights > 0) summary.force_constant = sum / heights;
@@ -247,24 +246,21 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
   // v0 = (1 + e) sqrt(2 g h)
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
-      double& speed = point->own[r][Index(Own::kSpeed)];
-      if (input.kind == Kind::kHeight) {
-        speed = 0.5 * std::log(2 * kGravityMPerS2 * input.quantity.value);
-      }
+      if (input.kind != Kind::kHeight) continue;
+      problem->records()[r].speed_m_per_s = std::sqrt(2 * kGravityMPerS2 * input.quantity.value);
     }
   }
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
-      if (input.kind == Kind::kRebound) {
-        point->own[r][Index(Own::kSpeed)] += std::log1p(input.quantity.value);
-      }
+      if (input.kind != Kind::kRebound) continue;
+      problem->records()[r].speed_m_per_s *= 1 + input.quantity.value;
     }
   }
 }
 
 RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownProblem* problem) {
   RingDownPoint point;
-  point.own.assign(model.records.size(), {std::numeric_limits<double>::quiet_NaN()});
+  point.own.resize(model.records.size());
   // an unknown coil resistance starts as large as a load
   for (const auto& input : model.inputs) {
     if (input.kind == Kind::kLoad && std::isfinite(input.quantity.value)) {
@@ -290,21 +286,18 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
     line.foot = std::max(poles.dampings[0] - electric, 0.05 * poles.dampings[0]);
   }
   point.shared[Index(Shared::kDamping)] = std::log(line.foot * start_mass);
-  point.shared[Index(Shared::kForceConstant)] = std::log(km);
+  point.shared[Index(Shared::kForceConstantSquared)] = km * km;
   for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
     own[Index(Own::kImpact)] = model.records[r].start.impact_s;
     own[Index(Own::kOffset)] = model.records[r].start.offset_v;
-    if (std::isnan(own[Index(Own::kSpeed)])) {
-      own[Index(Own::kSpeed)] = std::log(std::abs(model.records[r].start.impact_voltage_v) /
-                                         (km * Divider(problem->records()[r], point)));
-    }
+    own[Index(Own::kAmplitude)] = std::log(std::abs(model.records[r].start.impact_voltage_v) /
+                                           Divider(problem->records()[r], point));
   }
   return point;
 }
 
-std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
-                                 const RingDownProblem& problem) {
+std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProblem& problem) {
   std::vector<bool> unknown(kSharedCount + kOwnCount * problem.records().size(), true);
   unknown[Index(Shared::kMass)] = !model.knows_mass;
   unknown[Index(Shared::kResistance)] = !model.knows_resistance;
@@ -313,11 +306,7 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
     unknown[Column(r, Own::kDrift)] = record.drifts;
     unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
     unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
-  }
-  if (!use_heights) return unknown;
-  for (const auto& input : model.inputs) {
-    if (input.kind != Kind::kHeight) continue;
-    for (const std::size_t r : input.records) unknown[Column(r, Own::kSpeed)] = false;
+    unknown[Column(r, Own::kAmplitude)] = record.speed_m_per_s == 0;
   }
   return unknown;
 }

@@ -57,8 +57,8 @@ struct DropTestModel {
 /// The problem with the samples of each record's part; the noise is that of the start's fit.
 [[nodiscard]] RingDownProblem MakeProblem(const DropTestModel& model);
 
-/// Writes the inputs into the problem and into the point's given components: loads, mass ratios,
-/// inductance, mass, resistance, and the impact speeds where `use_heights`.
+/// Writes the inputs into the problem (loads, mass ratios, inductance, the impact speeds where
+/// `use_heights`) and into the point's given components (mass, resistance).
 void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
                  bool use_heights, RingDownProblem* problem, RingDownPoint* point);
 
@@ -69,7 +69,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
                                        RingDownProblem* problem);
 
 /// Which parameters are unknown in principle, over the Jacobian's columns.
-[[nodiscard]] std::vector<bool> UnknownColumns(const DropTestModel& model, bool use_heights,
+[[nodiscard]] std::vector<bool> UnknownColumns(const DropTestModel& model,
                                                const RingDownProblem& problem);
 
 }  // namespace haptometer::fit

@@ -10,8 +10,10 @@ namespace {
 
 using Kind = DropTestInput::Kind;
 
-constexpr double kMostBlur = 1e-3;
+constexpr std::ptrdiff_t kLeastLeft = 32;  // samples of a record
 constexpr double kMostRelativeUncertainty = 0.25;
+constexpr double kOneSided95 =
+    1.645;  // of a normal distribution: records hold thousands of samples
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -22,7 +24,8 @@ double Dot(const std::vector<double>& a, const std::vector<double>& b) {
 std::vector<bool> LogarithmColumns(std::size_t records) {
   std::vector<bool> logarithm(kSharedCount + kOwnCount * records, false);
   std::fill_n(logarithm.begin(), kSharedCount, true);
-  for (std::size_t r = 0; r < records; ++r) logarithm[Column(r, Own::kSpeed)] = true;
+  logarithm[Index(Shared::kForceConstantSquared)] = false;
+  for (std::size_t r = 0; r < records; ++r) logarithm[Column(r, Own::kAmplitude)] = true;
   return logarithm;
 }
 
@@ -31,7 +34,8 @@ std::vector<bool> FindFreedom(const DropTestRoad& road, std::vector<bool> is_fre
   const std::size_t records = road.problem.records().size();
   const auto logarithm = LogarithmColumns(records);
   std::size_t nullity = FindIdentifiability(road.jacobian, is_free, logarithm).nullity;
-  for (const Shared parameter : {Shared::kMass, Shared::kResistance, Shared::kForceConstant}) {
+  for (const Shared parameter :
+       {Shared::kMass, Shared::kResistance, Shared::kForceConstantSquared}) {
     if (nullity == 0 || !is_free[Index(parameter)]) continue;
     auto fewer = is_free;
     fewer[Index(parameter)] = false;
@@ -52,6 +56,19 @@ std::vector<double> OnGrid(const RingDownSamples& record, std::span<const double
     grid[static_cast<std::size_t>(std::lround(since_s / record.step_s))] = residuals[n];
   }
   return grid;
+}
+
+// samples that turn out to lie before the impact
+void LeaveOutSilence(DropTestRoad& road) {
+  for (std::size_t r = 0; r < road.point.own.size(); ++r) {
+    RingDownSamples& record = road.problem.records()[r];
+    const auto behind =
+        std::ranges::lower_bound(record.times_s, road.point.own[r][Index(Own::kImpact)]);
+    const auto silent = behind - record.times_s.begin();
+    if (std::ssize(record.times_s) - silent < kLeastLeft) continue;
+    record.times_s.erase(record.times_s.begin(), behind);
+    record.voltages_v.erase(record.voltages_v.begin(), record.voltages_v.begin() + silent);
+  }
 }
 
 double ResonanceHz(const RingDownSamples& record, const RingDownPoint& point) {
@@ -123,12 +140,21 @@ bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
 std::vector<double> Weights(const DropTestRoad& road,
                             std::initializer_list<std::pair<Shared, double>> powers) {
   std::vector<double> weights(road.jacobian.columns, 0.0);
-  for (const auto& [parameter, weight] : powers) weights[Index(parameter)] = weight;
+  for (const auto& [parameter, power] : powers) {
+    const bool is_logarithm = parameter != Shared::kForceConstantSquared;
+    weights[Index(parameter)] = is_logarithm ? power : power / road.point.shared[Index(parameter)];
+  }
   return weights;
 }
 
-double LogarithmAt(const DropTestRoad& road, const std::vector<double>& weights) {
-  return Dot(weights, ToColumns(road.point));
+double ProductAt(const DropTestRoad& road,
+                 std::initializer_list<std::pair<Shared, double>> powers) {
+  double logarithm = 0;
+  for (const auto& [parameter, power] : powers) {
+    const double value = road.point.shared[Index(parameter)];
+    logarithm += power * (parameter == Shared::kForceConstantSquared ? std::log(value) : value);
+  }
+  return std::exp(logarithm);
 }
 
 bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
@@ -140,9 +166,10 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   road.point = StartPoint(model, uses_heights, &road.problem);
 
   // what can be told from where we stand; then solve, weigh by the residuals, solve again
-  const auto unknown = UnknownColumns(model, uses_heights, road.problem);
+  const auto unknown = UnknownColumns(model, road.problem);
   road.jacobian = road.problem.Linearise(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
+  LeaveOutSilence(road);
   Reweight(road);
   road.jacobian = road.problem.Linearise(road.point);
   road.solver = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
@@ -162,29 +189,42 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   return road;
 }
 
-FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
-                     std::initializer_list<std::pair<Shared, double>> powers, double factor,
-                     std::string unit) {
-  const auto weights = Weights(road, powers);
-  FittedValue value;
-  value.unit = std::move(unit);
-  const double blur = Blur(road.seen, weights);
-  const double statistical = std::sqrt(road.variance * Variance(road.seen, weights));
-  value.determined =
-      road.solver.converged && blur < kMostBlur && statistical < kMostRelativeUncertainty;
-  if (!value.determined) return value;
-
-  double square = statistical * statistical + blur * blur;
+Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
+                const std::vector<double>& weights) {
+  Spread spread;
+  spread.blur = Blur(road.seen, weights);
+  spread.statistical = std::sqrt(road.variance * Variance(road.seen, weights));
+  double square = 0;
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
-    const auto& input = model.inputs[k];
+    const DropTestInput& input = model.inputs[k];
     if (!DependsOn(road, input)) continue;
     const double change = Dot(weights, road.input_changes[k]) *
                           input.quantity.standard_uncertainty / InputBase(input);
     square += change * change;
   }
-  value.value = factor * std::exp(LogarithmAt(road, weights));
-  value.standard_uncertainty = value.value * statistical;
-  value.combined_standard_uncertainty = value.value * std::sqrt(square);
+  spread.given = std::sqrt(square);
+  spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
+  return spread;
+}
+
+void TakeRelative(const Spread& spread, FittedValue& value) {
+  value.standard_uncertainty = value.value * spread.statistical;
+  value.combined_standard_uncertainty = value.value * spread.combined;
+  value.lower = value.value * std::exp(-kCoverage95 * spread.combined);
+  value.upper = value.value * std::exp(kCoverage95 * spread.combined);
+}
+
+FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
+                     std::initializer_list<std::pair<Shared, double>> powers, double factor,
+                     std::string unit) {
+  const Spread spread = SpreadOf(road, model, Weights(road, powers));
+  FittedValue value;
+  value.unit = std::move(unit);
+  value.determined = road.solver.converged && spread.blur < kMostBlur &&
+                     spread.statistical < kMostRelativeUncertainty;
+  if (!value.determined) return value;
+  value.value = factor * ProductAt(road, powers);
+  TakeRelative(spread, value);
   return value;
 }
 

@@ -32,8 +32,8 @@ struct DropTestRoad {
 };
 
 /// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
-/// minimises, weighs every record by the noise that its residuals show (residual_density.h),
-/// minimises again, linearises.
+/// minimises, leaves out samples that lie before the impact then, weighs every record by the noise
+/// that its residuals show (residual_density.h), minimises again, linearises.
 [[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.
@@ -42,20 +42,39 @@ struct DropTestRoad {
 /// Whether the road's result depends on the input.
 [[nodiscard]] bool DependsOn(const DropTestRoad& road, const DropTestInput& input);
 
-/// Weights over the Jacobian's columns of a product of powers of the shared parameters.
+/// Weights over the Jacobian's columns that make the logarithm of a product of powers of the shared
+/// quantities (Kv, Bv, Km^2, M, R) move as it does at the solution.
 [[nodiscard]] std::vector<double> Weights(const DropTestRoad& road,
                                           std::initializer_list<std::pair<Shared, double>> powers);
 
-/// The logarithm of that product at the solution.
-[[nodiscard]] double LogarithmAt(const DropTestRoad& road, const std::vector<double>& weights);
+/// That product at the solution.
+[[nodiscard]] double ProductAt(const DropTestRoad& road,
+                               std::initializer_list<std::pair<Shared, double>> powers);
 
 /// Whether the records see the product: it moves by less than 1e-3 while an unseen combination
 /// passes through a factor e.
 [[nodiscard]] bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights);
 
-/// `factor` times the product with its uncertainties. Determined: converged, seen, and the
-/// statistical standard uncertainty below 25 %, beyond which a logarithm's interval says nothing.
-/// An unseen combination's last influence (see IsSeen) is added to the combined uncertainty.
+/// Standard deviations of a weighted sum of the Jacobian's columns' parameters.
+struct Spread {
+  double blur = 0;         ///< see Blur
+  double statistical = 0;  ///< from the records' noise
+  double given = 0;        ///< from the given numbers
+  double combined = 0;     ///< all three
+};
+[[nodiscard]] Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
+                              const std::vector<double>& weights);
+
+/// A blur below which a combination counts as seen, and how an unseen one's e-fold would move it.
+inline constexpr double kMostBlur = 1e-3;
+
+/// Writes the uncertainties and the interval of `value.value`, of whose logarithm `spread` is.
+void TakeRelative(const Spread& spread, FittedValue& value);
+
+/// `factor` times the product, without Km^2, with its uncertainties; the interval is that of its
+/// logarithm. Determined: converged, seen, and the statistical standard uncertainty below 25 %,
+/// beyond which a logarithm's interval says nothing. An unseen combination's last influence (see
+/// IsSeen) is added to the combined uncertainty.
 [[nodiscard]] FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
                                    std::initializer_list<std::pair<Shared, double>> powers,
                                    double factor, std::string unit);

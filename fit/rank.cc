@@ -34,16 +34,22 @@ std::vector<double> ToRowMajor(const RowMajor& matrix) {
   return {matrix.data(), matrix.data() + matrix.size()};
 }
 
-// an orthonormal basis of the null directions' logarithmic parts
-RowMajor LogarithmicBasis(RowMajor directions, const std::vector<bool>& is_logarithm) {
+// a basis of the null directions that is orthonormal in its logarithms; what has none follows, of
+// unit length
+RowMajor LogarithmicBasis(const RowMajor& directions, const std::vector<bool>& is_logarithm) {
   if (directions.rows() == 0) return directions;
+  RowMajor logarithms = directions;
   for (Position k = 0; k < directions.cols(); ++k) {
-    if (!is_logarithm[static_cast<std::size_t>(k)]) directions.col(k).setZero();
+    if (!is_logarithm[static_cast<std::size_t>(k)]) logarithms.col(k).setZero();
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(directions, Eigen::ComputeThinV);
-  const Position rank =
-      (svd.singularValues().array() > kZeroShare * svd.singularValues()[0]).count();
-  return svd.matrixV().leftCols(rank).transpose();
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(logarithms, Eigen::ComputeFullU);
+  const Eigen::VectorXd& lengths = svd.singularValues();
+  RowMajor basis = svd.matrixU().transpose() * directions;
+  for (Position k = 0; k < basis.rows(); ++k) {
+    const bool has_logarithms = k < lengths.size() && lengths[k] > kZeroShare;
+    basis.row(k) /= has_logarithms ? lengths[k] : basis.row(k).norm();
+  }
+  return basis;
 }
 
 }  // namespace

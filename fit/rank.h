@@ -16,8 +16,8 @@ struct Identifiability {
   /// (columns x columns), row-major: the pseudo-inverse of J'J on the free columns. Times the
   /// residual variance it is the covariance of every determined combination.
   std::vector<double> covariance;
-  /// (nullity x columns), row-major: directions of the logarithmic parameters that no record sees,
-  /// orthonormal among the logarithms.
+  /// (nullity x columns), row-major: directions that no record sees, orthonormal in their
+  /// logarithms; those without any, of unit length.
   std::vector<double> null_directions;
 };
 

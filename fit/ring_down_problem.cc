@@ -18,23 +18,31 @@ namespace {
 template <typename T>
 sim::RingDown<T> Circuit(const RingDownSamples& record, double inductance_h, const T* shared) {
   using std::exp;
-  return sim::RingDown<T>({.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)]),
-                           .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)]),
-                           .force_constant_n_per_a = exp(shared[Index(Shared::kForceConstant)]),
-                           .mass_kg = record.mass_ratio * exp(shared[Index(Shared::kMass)]),
-                           .coil_resistance_ohm = exp(shared[Index(Shared::kResistance)]),
-                           .inductance_h = inductance_h,
-                           .load_ohm = record.load_ohm});
+  return sim::RingDown<T>(
+      {.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)]),
+       .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)]),
+       .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
+       .mass_kg = record.mass_ratio * exp(shared[Index(Shared::kMass)]),
+       .coil_resistance_ohm = exp(shared[Index(Shared::kResistance)]),
+       .inductance_h = inductance_h,
+       .load_ohm = record.load_ohm});
+}
+
+// Km v0, not a number where a given speed meets an impossible Km^2
+template <typename T>
+T SpeedVoltage(const RingDownSamples& record, const T* shared, const T* own) {
+  using std::exp;
+  using std::sqrt;
+  if (record.speed_m_per_s == 0) return exp(own[Index(Own::kAmplitude)]);
+  return record.speed_m_per_s * sqrt(shared[Index(Shared::kForceConstantSquared)]);
 }
 
 // the ringing and the offset; the blow's direction is such that the first half period has
 // `polarity`
 template <typename T>
-T Ringing(const sim::RingDown<T>& circuit, double polarity, const T* own, double time_s) {
-  using std::exp;
+T Ringing(const sim::RingDown<T>& circuit, const T& signed_voltage, const T* own, double time_s) {
   const T since_impact_s = time_s - own[Index(Own::kImpact)];
-  return own[Index(Own::kOffset)] -
-         polarity * exp(own[Index(Own::kSpeed)]) * circuit.VoltagePerSpeed(since_impact_s);
+  return own[Index(Own::kOffset)] - signed_voltage * circuit.VoltageRatio(since_impact_s);
 }
 
 // what one volt (or volt per second) of each disturbance adds at a time
@@ -60,11 +68,12 @@ struct Disturbances {
 bool WriteResiduals(const RingDownSamples& record, double inductance_h, const double* shared,
                     const double* own, std::span<double> residuals) {
   const auto circuit = Circuit(record, inductance_h, shared);
+  const double signed_voltage = record.polarity * SpeedVoltage(record, shared, own);
   const Disturbances disturbances(record);
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     const double time_s = record.times_s[n];
     const double model_v =
-        Ringing(circuit, record.polarity, own, time_s) + disturbances.Sum(own, time_s);
+        Ringing(circuit, signed_voltage, own, time_s) + disturbances.Sum(own, time_s);
     residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
     if (!std::isfinite(residuals[n])) return false;
   }
@@ -97,11 +106,13 @@ void WriteDerivatives(const RingDownSamples& record, double inductance_h, const 
                       const double* own, std::size_t first, std::size_t columns, double* rows) {
   const Jets jets = MakeJets(shared, own);
   const auto circuit = Circuit(record, inductance_h, jets.shared.data());
+  const Jet signed_voltage =
+      record.polarity * SpeedVoltage(record, jets.shared.data(), jets.own.data());
   const Disturbances disturbances(record);
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     double* row = rows + n * columns;
     std::fill_n(row, columns, 0.0);
-    const Jet voltage = Ringing(circuit, record.polarity, jets.own.data(), record.times_s[n]);
+    const Jet voltage = Ringing(circuit, signed_voltage, jets.own.data(), record.times_s[n]);
     for (std::size_t k = 0; k < kSharedCount; ++k) {
       row[k] = voltage.v[static_cast<int>(k)] / record.noise_v;
     }
@@ -134,8 +145,8 @@ RingDownPoint FromColumns(const std::vector<double>& columns) {
   std::copy_n(columns.begin(), kSharedCount, point.shared.begin());
   point.own.resize((columns.size() - kSharedCount) / kOwnCount);
   for (std::size_t r = 0; r < point.own.size(); ++r) {
-    std::copy_n(columns.begin() + static_cast<std::ptrdiff_t>(Column(r, Own::kSpeed)), kOwnCount,
-                point.own[r].begin());
+    std::copy_n(columns.begin() + static_cast<std::ptrdiff_t>(Column(r, Own::kAmplitude)),
+                kOwnCount, point.own[r].begin());
   }
   return point;
 }
@@ -150,7 +161,7 @@ LeastSquares RingDownProblem::Whole() const {
     std::size_t row = 0;
     for (std::size_t r = 0; r < records_.size(); ++r) {
       const std::size_t rows = records_[r].times_s.size();
-      const std::size_t first = Column(r, Own::kSpeed);
+      const std::size_t first = Column(r, Own::kAmplitude);
       const double* own = point.data() + first;
       if (!WriteResiduals(records_[r], inductance_h_, point.data(), own,
                           residuals.subspan(row, rows))) {
@@ -192,10 +203,12 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
   const auto circuit = Circuit(records_[record], inductance_h_, point.shared.data());
   const Disturbances disturbances(records_[record]);
   const double* own = point.own[record].data();
+  const double signed_voltage =
+      records_[record].polarity * SpeedVoltage(records_[record], point.shared.data(), own);
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] = Ringing(circuit, records_[record].polarity, own, times_s[n]) +
-                  disturbances.Sum(own, times_s[n]);
+    voltages[n] =
+        Ringing(circuit, signed_voltage, own, times_s[n]) + disturbances.Sum(own, times_s[n]);
   }
   return voltages;
 }

@@ -10,21 +10,22 @@
 
 namespace haptometer::fit {
 
-/// The parameters that all records share, each as the logarithm of its SI value.
+/// The parameters that all records share: logarithms of SI values, but for Km^2. That is what a
+/// load shows, in proportion; where it is faint, noise may carry it through 0.
 enum class Shared : std::uint8_t {
-  kStiffness,      ///< ln Kv
-  kDamping,        ///< ln Bv
-  kForceConstant,  ///< ln |Km|
-  kMass,           ///< ln M
-  kResistance,     ///< ln R
+  kStiffness,             ///< ln Kv
+  kDamping,               ///< ln Bv
+  kForceConstantSquared,  ///< Km^2 in N^2/A^2
+  kMass,                  ///< ln M
+  kResistance,            ///< ln R
 };
 inline constexpr std::size_t kSharedCount = 5;
 
 /// The parameters of each record alone.
 enum class Own : std::uint8_t {
-  kSpeed,   ///< ln of the impact speed in m/s
-  kImpact,  ///< time of the impact in s
-  kOffset,  ///< in V
+  kAmplitude,  ///< ln of Km v0 in V; follows from Km^2 where the impact speed v0 is given
+  kImpact,     ///< time of the impact in s
+  kOffset,     ///< in V
   // disturbances of the recording, held at 0 where a record shows none
   kDrift,      ///< of the offset, in V/s, about the middle of the fitted samples
   kHumCosine,  ///< in V, at the record's `hum_hz`
@@ -43,13 +44,14 @@ inline constexpr std::size_t kOwnCount = 6;
 struct RingDownSamples {
   std::vector<double> times_s;
   std::vector<double> voltages_v;
-  double step_s = 0;      ///< between samples; some may be missing
-  double noise_v = 1;     ///< standard deviation; residuals are divided by it
-  double load_ohm = 0;    ///< infinite: open
-  double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M
-  double polarity = 1;    ///< +1 or -1: sign of the voltage's first half period
-  bool drifts = false;    ///< whether the drift is fitted
-  double hum_hz = 0;      ///< of the mains; 0: no hum is fitted
+  double step_s = 0;         ///< between samples; some may be missing
+  double noise_v = 1;        ///< standard deviation; residuals are divided by it
+  double load_ohm = 0;       ///< infinite: open
+  double mass_ratio = 1;     ///< the record's ringing mass is mass_ratio * M
+  double polarity = 1;       ///< +1 or -1: sign of the voltage's first half period
+  double speed_m_per_s = 0;  ///< of the impact; 0: not given
+  bool drifts = false;       ///< whether the drift is fitted
+  double hum_hz = 0;         ///< of the mains; 0: no hum is fitted
 };
 
 /// A point in parameter space, or a direction.
@@ -73,11 +75,11 @@ struct RingDownPoint {
 /// All records of a drop test as one least-squares problem over the circuit model of
 /// sim/ring_down.h:
 ///
-///     voltage = offset - polarity v0 u(t - impact) / v0 + drift (t - middle)
+///     voltage = offset - polarity Km v0 u(t - impact) + drift (t - middle)
 ///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
 ///
-/// so that the ringing begins with the sign of `polarity`. Derivatives are automatic for the
-/// circuit and written down for the rest.
+/// u being the voltage's ratio there, so that the ringing begins with the sign of `polarity`.
+/// Derivatives are automatic for the circuit and written down for the rest.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);

@@ -23,6 +23,9 @@ constexpr std::size_t kLeastQuietSamples = 16;
 constexpr double kLeastEnergy = 50;
 // of critical damping: from here on hardly a swing is seen
 constexpr double kHeavy = 0.7;
+// blocks that the poles of an oscillation are fitted to: enough for a period's shape
+constexpr double kBlocksPerPeriod = 16;
+constexpr std::size_t kLeastBlocks = 32;
 
 // the values with holes bridged by straight lines: for start values only
 std::vector<double> Filled(const std::vector<double>& values) {
@@ -96,6 +99,25 @@ LinearFit FitLinear(const std::vector<double>& values, double step_s, const Pole
       .energy_v2 = ringing.squaredNorm()};
 }
 
+// `poles` fitted to the record's blocks from `first` on
+PolePair Refined(const ImpulseRecord& record, std::size_t first, const PolePair& poles,
+                 std::size_t block) {
+  const auto samples = BlocksOf(record, first, record.voltage_v.size(), block);
+  if (samples.values_v.size() < kLeastSamples) return poles;
+  const RingFit fit = FitRing(samples, poles, {});
+  return fit.converged ? fit.poles : poles;
+}
+
+// The pencil's poles are up to three times as uncertain as they need be: of two noisy records they
+// may be so far apart that a joint fit loses the phase of one.
+PolePair BestOscillating(const ImpulseRecord& record, std::size_t first, const PolePair& seen) {
+  const double period_s = 2 * std::numbers::pi / std::sqrt(seen.stiffness_per_s2);
+  const auto block = static_cast<std::size_t>(period_s / (kBlocksPerPeriod * record.step_s));
+  const std::size_t most = std::max((record.voltage_v.size() - first) / kLeastBlocks, 1UZ);
+  const PolePair best = Refined(record, first, seen, std::clamp<std::size_t>(block, 1, most));
+  return best.decay_per_s > 0 && best.stiffness_per_s2 > 0 ? best : seen;
+}
+
 // Of motions without oscillation the pencil sees little: blocks of an eighth of their slow decay
 // average the fast one away. The best of a grid of natural frequencies and dampings, refined.
 PolePair BestHeavilyDamped(const ImpulseRecord& record, std::size_t first,
@@ -112,10 +134,7 @@ PolePair BestHeavilyDamped(const ImpulseRecord& record, std::size_t first,
       best = tried;
     }
   }
-  const auto samples = BlocksOf(record, first, record.voltage_v.size(), 1);
-  if (samples.values_v.size() < kLeastSamples) return best;
-  const RingFit fit = FitRing(samples, best, {});
-  return fit.converged ? fit.poles : best;
+  return Refined(record, first, best, 1);
 }
 
 bool IsHeavilyDamped(const PolePair& poles) {
@@ -240,9 +259,9 @@ Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const L
   if (energy < kLeastEnergy) {
     return Unfit(
         record,
-        fmt::format("the oscillation at {:.0f} Hz has only {:.1f} times the noise's energy",
-                    blow.frequency_hz, energy),
-        "record a stronger blow or a smaller voltage range (50 times is the least)");
+        fmt::format("the oscillation at {:.0f} Hz has only {:.1f} dB more energy than the noise",
+                    blow.frequency_hz, 10 * std::log10(energy)),
+        "record a stronger blow or a smaller voltage range (17 dB are the least)");
   }
   if (blow.period_samples < kLeastSamplesPerPeriod) {
     return Unfit(record, fmt::format("has only {:.1f} samples a period", blow.period_samples),
@@ -279,7 +298,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   }
   start.poles = IsHeavilyDamped(*poles)
                     ? BestHeavilyDamped(record, start.first_sample, ringing, *poles)
-                    : *poles;
+                    : BestOscillating(record, start.first_sample, *poles);
   const LinearFit fit = FitLinear(ringing, record.step_s, start.poles);
   if (auto good = CheckQuality(record, *blow, fit); !good) return std::unexpected(good.error());
   start.offset_v = blow->middle_v + fit.offset_v;

@@ -31,8 +31,10 @@ struct RingStart {
 /// settled) the poles are estimated (poles.h) and amplitude, phase and offset follow by linear
 /// least squares. The impact is the zero of the motion nearest to the blow.
 ///
-/// Beyond 0.7 of critical damping the poles come from a grid of natural frequencies and dampings,
-/// refined by ring_fit.h, because the pencil sees the slow decay alone.
+/// The poles are refined by ring_fit.h on blocks of a sixteenth of a period.
+///
+/// Beyond 0.7 of critical damping they come from a grid of natural frequencies and dampings,
+/// because the pencil sees the slow decay alone.
 ///
 /// Cost: a spectrum and two pencils, some ms; ten times that for the grid.
 /// Errors (Cause::kCannotAnswer, named by the record): fewer than 32 samples or 2 periods behind

@@ -8,9 +8,9 @@ namespace haptometer::sim {
 /// automatic-differentiation number.
 template <typename T>
 struct RingDownParameters {
-  T stiffness_n_per_m;       ///< Kv > 0
-  T damping_n_s_per_m;       ///< Bv >= 0, mechanical alone
-  T force_constant_n_per_a;  ///< Km, also V s/m; either sign
+  T stiffness_n_per_m;                 ///< Kv > 0
+  T damping_n_s_per_m;                 ///< Bv >= 0, mechanical alone
+  T force_constant_squared_n2_per_a2;  ///< Km^2; below 0 in a search at most
   T mass_kg;                ///< of the relative motion: Mv (case held) or Mv Mc/(Mv+Mc) (case free)
   T coil_resistance_ohm;    ///< R; not used with an open circuit
   double inductance_h = 0;  ///< L >= 0; not used with an open circuit
@@ -84,8 +84,8 @@ DampedPair<T> DampedFundamentals(const T& decay_per_s, const T& stiffness_per_s2
 /// found by Newton's iteration from 1, and without cancellation
 ///
 ///     2 d = 2 b + (G Km^2/M) y / (y^2 - 2 b T y + (w T)^2),    q = w^2 / y,
-///     u(t) = -Km v0 RL G (y/n) {e^(-d t) [C + (T q/y - d) S] - e^(-y t/T)},  n = y^2 - 2 d T y +
-///     T^2 q.
+///     u(t) / (Km v0) = -RL G (y/n) {e^(-d t) [C + (T q/y - d) S] - e^(-y t/T)},
+///     n = y^2 - 2 d T y + T^2 q.
 ///
 /// An open circuit is G = 0 and L = 0 is T = 0: nothing is special there. Holds while the
 /// electrical pole is the fastest one (b T < 1); its digits are lost as eps/n, and n > 0.99 for any
@@ -96,11 +96,13 @@ class RingDown {
   /// Solves for the poles: about 200 ns with doubles. No allocation.
   explicit RingDown(const RingDownParameters<T>& parameters);
 
-  /// Terminal voltage per unit of impact speed v0, in V s/m, `time_s` >= 0 after the blow.
+  /// Terminal voltage per volt of Km v0, the speed voltage of the blow, `time_s` after it. Before
+  /// the blow there is none; what is given for a search's sake is the ringing continued backwards,
+  /// without the current's build-up, which would grow beyond all numbers.
   ///
-  /// Its sign is that of the thesis (equation 2.1): at first -Km for a positive v0. Relative to the
-  /// largest voltage the error is below 1e-13 up to 100 cycles.
-  T VoltagePerSpeed(const T& time_s) const;
+  /// Its sign is that of the thesis (equation 2.1): at first -1 without inductance and load.
+  /// Relative to the largest voltage the error is below 1e-13 up to 100 cycles.
+  T VoltageRatio(const T& time_s) const;
 
   /// d: amplitudes fall as e^(-d t), in 1/s (underdamped).
   const T& decay_per_s() const { return decay_per_s_; }
@@ -110,7 +112,7 @@ class RingDown {
  private:
   T decay_per_s_;
   T stiffness_per_s2_;
-  T gain_v_s_per_m_;         // -Km RL G y / n
+  T gain_;                   // -RL G y / n
   T odd_rate_per_s_;         // T q / y - d
   T electrical_rate_per_s_;  // y / T; not used where T is 0
   bool has_electrical_pole_;
@@ -125,8 +127,7 @@ RingDown<T>::RingDown(const RingDownParameters<T>& parameters) {
   const T tau = parameters.inductance_h * conductance;
   const T twice_b = parameters.damping_n_s_per_m / parameters.mass_kg;
   const T w2 = parameters.stiffness_n_per_m / parameters.mass_kg;
-  const T g = parameters.force_constant_n_per_a * parameters.force_constant_n_per_a * conductance /
-              parameters.mass_kg;
+  const T g = parameters.force_constant_squared_n2_per_a2 * conductance / parameters.mass_kg;
 
   // Newton from y = 1 falls monotonically on the largest root; the step after convergence also
   // carries the derivatives of an automatic-differentiation number
@@ -146,19 +147,19 @@ RingDown<T>::RingDown(const RingDownParameters<T>& parameters) {
   decay_per_s_ = 0.5 * (twice_b + g * y / square);
   stiffness_per_s2_ = w2 / y;
   const T n = y * y - 2.0 * decay_per_s_ * tau * y + tau * tau * stiffness_per_s2_;
-  gain_v_s_per_m_ = -parameters.force_constant_n_per_a * divider * y / n;
+  gain_ = -divider * y / n;
   odd_rate_per_s_ = tau * stiffness_per_s2_ / y - decay_per_s_;
   has_electrical_pole_ = tau > 0.0;
   electrical_rate_per_s_ = has_electrical_pole_ ? T(y / tau) : T(0.0);
 }
 
 template <typename T>
-T RingDown<T>::VoltagePerSpeed(const T& time_s) const {
+T RingDown<T>::VoltageRatio(const T& time_s) const {
   using std::exp;
   const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
   T shape = pair.even + odd_rate_per_s_ * pair.odd;
-  if (has_electrical_pole_) shape -= exp(-electrical_rate_per_s_ * time_s);
-  return gain_v_s_per_m_ * shape;
+  if (has_electrical_pole_ && time_s >= 0.0) shape -= exp(-electrical_rate_per_s_ * time_s);
+  return gain_ * shape;
 }
 
 extern template class RingDown<double>;  // compiled once, in ring_down.cc

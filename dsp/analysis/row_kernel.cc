@@ -62,20 +62,20 @@ struct Extent {
   }
 };
 
-// x - x is 0, or no number where x is none or infinite
+// 0 x is 0, or no number where x is none or infinite
 bool AllFinite(const double* rows, std::size_t count) {
   Row sums(0);
   std::size_t k = 0;
   for (; k + kRowLanes <= count; k += kRowLanes) {
     for (std::size_t r = 0; r < kRegisters; ++r) {
       const Lanes value = Load(rows + k + r * Lanes::size());
-      sums.part[r] += value - value;
+      sums.part[r] += 0.0 * value;
     }
   }
   double lanes[kRowLanes];
   sums.Store(lanes);
   double sum = SumOfLanes(lanes);
-  for (; k < count; ++k) sum += rows[k] - rows[k];
+  for (; k < count; ++k) sum += 0.0 * rows[k];
   return sum == 0;
 }
 

@@ -101,7 +101,7 @@ double CoarseRad(const Means& means, std::vector<double> rad_per_sample, double 
   double best = kLeastRad / size;
   double least = std::numeric_limits<double>::infinity();
   rad_per_sample.push_back(0);
-  for (double rad = kLeastRad; rad < kFastestExpectedRad; ++rad) {
+  for (int rad = kLeastRad; rad < kFastestExpectedRad; ++rad) {
     if (!LiesApart(rad, std::span(rad_per_sample).first(rad_per_sample.size() - 1), size)) continue;
     rad_per_sample.back() = rad / size;
     const double residual = FitAt(means, rad_per_sample).residual;

@@ -23,16 +23,12 @@ using tests::SyntheticDrop;
 
 using Spoil = std::function<void(const SyntheticDrop&, ImpulseRecord&)>;
 
-double Amplitude(const SyntheticDrop& drop) {
-  return drop.force_constant_n_per_a * tests::ImpactSpeed(drop);
-}
-
 // adds f(t) volts, as a share of the first amplitude, from the impact on
 Spoil Add(const std::function<double(double)>& share) {
   return [share](const SyntheticDrop& drop, ImpulseRecord& record) {
     for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
       const double t = record.start_s + static_cast<double>(n) * record.step_s - drop.impact_s;
-      record.voltage_v[n] += Amplitude(drop) * share(t);
+      record.voltage_v[n] += tests::SpeedVoltage(drop) * share(t);
     }
   };
 }
@@ -42,17 +38,17 @@ Spoil SecondImpact(double share, double at_s) {
   SyntheticDrop second;
   const sim::RingDown<double> circuit({.stiffness_n_per_m = second.stiffness_n_per_m,
                                        .damping_n_s_per_m = second.damping_n_s_per_m,
-                                       .force_constant_n_per_a = 1,
+                                       .force_constant_squared_n2_per_a2 = 1,
                                        .mass_kg = second.moving_mass_kg,
                                        .coil_resistance_ohm = 27,
                                        .inductance_h = 0,
                                        .load_ohm = tests::kOpen});
-  return Add([=](double t) { return t > at_s ? share * circuit.VoltagePerSpeed(t - at_s) : 0.0; });
+  return Add([=](double t) { return t > at_s ? share * circuit.VoltageRatio(t - at_s) : 0.0; });
 }
 
 Spoil Clip(double share) {
   return [share](const SyntheticDrop& drop, ImpulseRecord& record) {
-    const double limit_v = share * Amplitude(drop);
+    const double limit_v = share * tests::SpeedVoltage(drop);
     for (double& v : record.voltage_v) {
       v = drop.offset_v + std::clamp(v - drop.offset_v, -limit_v, limit_v);
     }
@@ -75,7 +71,7 @@ Bias MeanBias(const Case& spoiled, double noise, int repetitions) {
   for (int seed = 1; seed <= repetitions; ++seed) {
     SyntheticDrop drop;
     drop.seed = static_cast<unsigned>(seed);
-    drop.noise_v = noise * Amplitude(drop);
+    drop.noise_v = noise * tests::SpeedVoltage(drop);
     auto record = MakeRecord(drop);
     spoiled.spoil(drop, record);
     const auto fit = FitDropTest({record}, tests::ThesisKnowns());

@@ -339,7 +339,7 @@ TEST(DropTestFit, UnfitRecordsAreNamed) {
   EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("drop.csv"));
   drop = {};
   drop.noise_v = 5;
-  EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("times the noise's energy"));
+  EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("dB more energy than the noise"));
   drop = {};
   drop.step_s = 1e-3;
   EXPECT_THAT(error_of(MakeRecord(drop)), HasSubstr("samples a period"));

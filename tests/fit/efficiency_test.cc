@@ -176,8 +176,9 @@ TEST_P(Efficiency, ErrorsAreAtTheBoundAndAsStated) {
 
 constexpr auto kHeld = CaseCondition::kHeld;
 constexpr auto kFree = CaseCondition::kFree;
-// where Km is known to 13 % at best, Bv is refused beside it now and then
-constexpr Bar kFaintKm{.most_refused = 0.03};
+// rounding to steps that the noise does not reach is no noise: it repeats itself where the ring
+// does, and may be less than step / sqrt(12) where the ring is slow against the samples, or all of
+// one sign
 constexpr Bar kCorrelatedRounding{
     .bound_factor = 1.6, .least_pull = 0, .most_pull = 1.1, .most_pull_mean = 1};
 
@@ -185,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
     Drops, Efficiency,
     ::testing::Values(
         Case{"HeldNoise0002", kHeld, 0.002, 0, {}}, Case{"HeldNoise002", kHeld, 0.02, 0, {}},
-        Case{"HeldNoise02", kHeld, 0.2, 0, kFaintKm}, Case{"FreeNoise0002", kFree, 0.002, 0, {}},
+        Case{"HeldNoise02", kHeld, 0.2, 0, {}}, Case{"FreeNoise0002", kFree, 0.002, 0, {}},
         Case{"FreeNoise002", kFree, 0.02, 0, {}}, Case{"FreeNoise02", kFree, 0.2, 0, {}},
         Case{"HeldEightBitsNoise0003", kHeld, 0.003, 8, {}},
         Case{"HeldEightBitsNoise002", kHeld, 0.02, 8, {}},

@@ -47,15 +47,22 @@ inline double ImpactSpeed(const SyntheticDrop& drop) {
   return (1 + drop.rebound) * std::sqrt(2 * 9.80665 * drop.height_m);
 }
 
+/// Km v0, the open terminals' first voltage.
+inline double SpeedVoltage(const SyntheticDrop& drop) {
+  return drop.force_constant_n_per_a * ImpactSpeed(drop);
+}
+
 /// The record; load and condition are stated, height and rebound are not.
 inline fit::ImpulseRecord MakeRecord(const SyntheticDrop& drop) {
-  const sim::RingDown<double> circuit({.stiffness_n_per_m = drop.stiffness_n_per_m,
-                                       .damping_n_s_per_m = drop.damping_n_s_per_m,
-                                       .force_constant_n_per_a = drop.force_constant_n_per_a,
-                                       .mass_kg = EffectiveMass(drop),
-                                       .coil_resistance_ohm = drop.resistance_ohm,
-                                       .inductance_h = drop.inductance_h,
-                                       .load_ohm = drop.load_ohm});
+  const sim::RingDown<double> circuit(
+      {.stiffness_n_per_m = drop.stiffness_n_per_m,
+       .damping_n_s_per_m = drop.damping_n_s_per_m,
+       .force_constant_squared_n2_per_a2 =
+           drop.force_constant_n_per_a * drop.force_constant_n_per_a,
+       .mass_kg = EffectiveMass(drop),
+       .coil_resistance_ohm = drop.resistance_ohm,
+       .inductance_h = drop.inductance_h,
+       .load_ohm = drop.load_ohm});
   fit::ImpulseRecord record;
   record.name = "drop.csv";
   record.step_s = drop.step_s;
@@ -68,7 +75,7 @@ inline fit::ImpulseRecord MakeRecord(const SyntheticDrop& drop) {
     const double t = record.start_s + n * drop.step_s - drop.impact_s;
     if (t >= drop.length_s) break;
     double v = drop.offset_v;
-    if (t > 0) v -= drop.polarity * ImpactSpeed(drop) * circuit.VoltagePerSpeed(t);
+    if (t > 0) v -= drop.polarity * SpeedVoltage(drop) * circuit.VoltageRatio(t);
     if (drop.noise_v > 0) v += drop.noise_v * noise(engine);
     if (drop.step_v > 0) v = std::round(v / drop.step_v) * drop.step_v;
     record.voltage_v.push_back(v);

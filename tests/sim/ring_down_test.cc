@@ -23,7 +23,7 @@ constexpr double kReduced = 1.4e-3 * 0.6e-3 / 2.0e-3;
 RingDownParameters<double> Thesis(double mass_kg, double load_ohm, double inductance_h = 130e-6) {
   return {.stiffness_n_per_m = 2800,
           .damping_n_s_per_m = 0.0322,
-          .force_constant_n_per_a = 1.0,
+          .force_constant_squared_n2_per_a2 = 1.0,
           .mass_kg = mass_kg,
           .coil_resistance_ohm = 27,
           .inductance_h = inductance_h,
@@ -89,7 +89,7 @@ void ExpectExponential(double case_mass_kg, double load_ohm, double tolerance) {
   double worst = 0;
   for (const double t : {0.0, 1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
     const double expected = -load_ohm * exact.StateAt(t)[LinearModel::kCurrent];
-    worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected) / peak);
+    worst = std::max(worst, std::abs(circuit.VoltageRatio(t) - expected) / peak);
   }
   EXPECT_ABS(worst, 0.0, tolerance, "rounding of the exponential's squarings");
 }
@@ -120,7 +120,7 @@ std::array<long double, 3> Extended(const RingDownParameters<double>& p, double 
   const auto l = static_cast<long double>(p.inductance_h);
   const auto r = static_cast<long double>(p.coil_resistance_ohm);
   const auto rl = static_cast<long double>(p.load_ohm);
-  const auto km = static_cast<long double>(p.force_constant_n_per_a);
+  const auto km = std::sqrt(static_cast<long double>(p.force_constant_squared_n2_per_a2));
   const auto kv = static_cast<long double>(p.stiffness_n_per_m);
   const auto bv = static_cast<long double>(p.damping_n_s_per_m);
   const Matrix a{{{-(r + rl) / l * step, 0, km / l * step},
@@ -155,20 +155,20 @@ TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
       double worst = 0;
       for (const double t : {1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
         const auto expected = -load_ohm * static_cast<double>(Extended(parameters, t)[0]);
-        worst = std::max(worst, std::abs(circuit.VoltagePerSpeed(t) - expected));
+        worst = std::max(worst, std::abs(circuit.VoltageRatio(t) - expected));
       }
       EXPECT_ABS(worst, 0.0, 1e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");
     }
   }
 }
 
-TEST(RingDown, OpenCircuitIsTheVelocityTimesTheForceConstant) {
+TEST(RingDown, OpenCircuitIsTheVelocity) {
   const RingDown<double> circuit(Thesis(kMover, kOpen));
   const double d = 11.5;
   const double w = std::sqrt(2e6 - d * d);
   for (const double t : {0.0, 1e-4, 1e-3, 0.0123, 0.2}) {
     const double velocity = std::exp(-d * t) * (std::cos(w * t) - d / w * std::sin(w * t));
-    EXPECT_ABS(circuit.VoltagePerSpeed(t), -velocity, 2e-15,
+    EXPECT_ABS(circuit.VoltageRatio(t), -velocity, 2e-15,
                "argument rounding at the decayed amplitude");
   }
 }
@@ -180,20 +180,21 @@ TEST(RingDown, LimitsAreContinuous) {
   const RingDown<double> without(Thesis(kMover, 33, 0));
   const RingDown<double> nearly_without(Thesis(kMover, 33, 1e-18));
   for (const double t : {1e-4, 1.7e-3, 0.09}) {
-    EXPECT_ABS(nearly_open.VoltagePerSpeed(t), open.VoltagePerSpeed(t), 1e-13, "27e-15 of divider");
-    EXPECT_ABS(nearly_without.VoltagePerSpeed(t), without.VoltagePerSpeed(t), 1e-13, "tau 2e-20 s");
+    EXPECT_ABS(nearly_open.VoltageRatio(t), open.VoltageRatio(t), 1e-13, "27e-15 of divider");
+    EXPECT_ABS(nearly_without.VoltageRatio(t), without.VoltageRatio(t), 1e-13, "tau 2e-20 s");
   }
   // with inductance the current and so the loaded voltage begin at zero
-  EXPECT_EQ(RingDown<double>(Thesis(kMover, 33)).VoltagePerSpeed(0.0), 0.0);
+  EXPECT_EQ(RingDown<double>(Thesis(kMover, 33)).VoltageRatio(0.0), 0.0);
 }
 
-TEST(RingDown, TheForceConstantsSignTurnsTheVoltageAlone) {
-  auto parameters = Thesis(kMover, 33);
-  const RingDown<double> plus(parameters);
-  parameters.force_constant_n_per_a = -1.0;
-  const RingDown<double> minus(parameters);
-  EXPECT_EQ(plus.VoltagePerSpeed(1e-3), -minus.VoltagePerSpeed(1e-3));
-  EXPECT_EQ(plus.decay_per_s(), minus.decay_per_s());
+TEST(RingDown, AFaintForceConstantDampsInProportionToItsSquare) {
+  // without inductance 2 d M = Bv + Km^2/(R+RL), through 0 and below it
+  for (const double square : {1.0, 1e-3, 0.0, -1e-3}) {
+    auto parameters = Thesis(kMover, 33, 0);
+    parameters.force_constant_squared_n2_per_a2 = square;
+    EXPECT_REL(RingDown<double>(parameters).decay_per_s(), (0.0322 + square / 60) / (2 * kMover),
+               1e-15, "rounding");
+  }
 }
 
 TEST(DampedFundamentals, CriticalDampingIsOrdinary) {
