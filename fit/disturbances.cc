@@ -27,7 +27,7 @@ constexpr int kMostRounds = 8;
 
 // A disturbance that the residual was tried for.
 struct Suspect {
-  enum class Kind : std::uint8_t { kNone, kDrift, kHum, kBlow };
+  enum class Kind : std::uint8_t { kNone, kDrift, kHum, kBlow, kNonlinear };
   Kind kind = Kind::kNone;
   double value = 0;  // frequency in Hz, or time in s
   double amplitude_v = 0;
@@ -89,6 +89,25 @@ Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hu
   Suspect suspect = remainder.Try(std::move(columns));
   suspect.kind = Suspect::Kind::kHum;
   suspect.value = hum_hz;
+  return suspect;
+}
+
+// A ringing whose frequency and decay change with its amplitude leaves, in first order, the ringing
+// itself times its amplitude squared (a spring that stiffens, damping that grows) or over its
+// amplitude (dry friction).
+Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Remainder& remainder,
+                     double power) {
+  const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
+  const double angular = std::sqrt(poles.stiffness_per_s2);
+  Eigen::MatrixXd columns(rows, 2);
+  for (Eigen::Index n = 0; n < rows; ++n) {
+    const double since_s = samples.times_s[static_cast<std::size_t>(n)] - samples.times_s.front();
+    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2, since_s);
+    columns.row(n) << pair.even, angular * pair.odd;
+    columns.row(n) *= std::exp(-power * poles.decay_per_s * since_s);
+  }
+  Suspect suspect = remainder.Try(std::move(columns));
+  suspect.kind = Suspect::Kind::kNonlinear;
   return suspect;
 }
 
@@ -164,6 +183,9 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
   const std::size_t middle = worst.first;
   for (std::size_t first = middle - half + 1; first < middle + half; ++first)
     consider(blow.At(first, remainder));
+  for (const double power : {2.0, -1.0}) {
+    consider(TryNonlinear(samples, fit.poles, remainder, power));
+  }
   return worst;
 }
 
@@ -256,6 +278,7 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
       part.found.push_back(
           fmt::format("a drift of {:.2g} V over the record: fitted along", worst.amplitude_v));
     } else {
+      // what changes with the amplitude is for consistency.h to judge
       CutQuantisedTail(record, fit, start.quiet_noise_v, &part);
       break;
     }

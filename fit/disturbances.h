@@ -25,7 +25,8 @@ struct Disturbances {
 ///
 /// The record is fitted by one free pole pair (ring_fit.h). Each disturbance that is still missing
 /// is then tried on the residual: a line; a sine of 50 or of 60 Hz; a free jump of the motion at
-/// one of the times half a period apart. The one that takes most away from the residual's power,
+/// one of the times half a period apart, against a ringing that changes with its own amplitude and
+/// is no blow (consistency.h). The one that takes most away from the residual's power,
 /// and more than 30 times the mean share of a degree of freedom (one false alarm in 10^5 records of
 /// white noise), is taken in, and the fit repeated until none is left:
 ///

@@ -31,13 +31,13 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   if (prefer_loads) {
     assumptions.push_back(fmt::format(
         "Km rests on the loads' damping; with the drop height it would be {:.4g} +- {:.2g} N/A",
-        heights.value, heights.combined_standard_uncertainty));
+        heights.value, kCoverage95 * heights.combined_standard_uncertainty));
     return by_loads;
   }
   if (loads.determined) {
     assumptions.push_back(fmt::format(
         "Km rests on the drop height and the loads; by the loads alone it is {:.4g} +- {:.2g} N/A",
-        loads.value, loads.combined_standard_uncertainty));
+        loads.value, kCoverage95 * loads.combined_standard_uncertainty));
   }
   return std::move(*by_heights);
 }
@@ -54,7 +54,12 @@ void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assum
                           kGravityMPerS2, input.quantity.value, input.quantity.standard_uncertainty,
                           input.name == "rebound" ? "" : " (not stated: 0 to 0.3)"));
   }
-  assumptions.emplace_back("the recorder's voltage scale is exact: 1 % of it moves Km by 1 %");
+  const bool knows_scale = std::ranges::any_of(
+      model.inputs, [](const DropTestInput& input) { return input.kind == Kind::kVoltageScale; });
+  if (knows_scale) return;
+  assumptions.emplace_back(
+      "the recorder's voltage scale is exact (--voltage-scale states it): 1 % of it moves Km by 1 "
+      "%");
 }
 
 // what is not determined, what is instead, and what would help
@@ -156,14 +161,30 @@ void DescribeInfluences(const DropTestRoad& road, const DropTestModel& model, Dr
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const auto& input = model.inputs[k];
     if (!DependsOn(road, input)) continue;
-    InputInfluence influence{.input = input.name,
-                             .value = input.quantity.value,
-                             .standard_uncertainty = input.quantity.standard_uncertainty,
-                             .unit = input.unit};
+    InputInfluence influence{
+        .input = input.name,
+        .value = input.quantity.value,
+        .standard_uncertainty = input.quantity.standard_uncertainty,
+        .relative_standard_uncertainty = input.quantity.standard_uncertainty / InputBase(input),
+        .unit = input.unit};
     for (std::size_t p = 0; p < kOf.size(); ++p) {
       influence.percent_per_percent[p] = share_per_change[p] * road.input_changes[k][Index(kOf[p])];
     }
     fit.influences.push_back(influence);
+  }
+}
+
+// of ln Kv, ln Bv, ln Km, where determined
+void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
+  const std::array<const FittedValue*, 3> values{&fit.stiffness, &fit.damping, &fit.force_constant};
+  const std::array weights{Weights(road, {{Shared::kStiffness, 1}}),
+                           Weights(road, {{Shared::kDamping, 1}}),
+                           Weights(road, {{Shared::kForceConstantSquared, 0.5}})};
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      if (!values[i]->determined || !values[j]->determined) continue;
+      fit.relative_covariance[i][j] = CovarianceOf(road, model, weights[i], weights[j]);
+    }
   }
 }
 
@@ -211,7 +232,11 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
     fit.records.push_back(DescribeRecord(model->records[r], road, fit.force_constant, r));
   }
   DescribeInfluences(road, *model, fit);
+  DescribeCovariance(road, *model, fit);
   DescribeUndetermined(road, *model, fit);
+  fit.frequency_birge_ratio = road.consistency.frequency_ratio;
+  fit.decay_birge_ratio = road.consistency.decay_ratio;
+  fit.doubts = road.consistency.doubts;
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;
   fit.iterations = road.solver.iterations;

@@ -32,10 +32,11 @@ struct FittedValue {
 
 /// What one given input does to the results.
 struct InputInfluence {
-  std::string input;                ///< "moving mass", "load", "drop height", ...
-  double value = 0;                 ///< in SI units
-  double standard_uncertainty = 0;  ///< in SI units; 0: stated as exact
-  std::string unit;                 ///< SI unit
+  std::string input;                         ///< "moving mass", "load", "time scale", ...
+  double value = 0;                          ///< in SI units
+  double standard_uncertainty = 0;           ///< in SI units; 0: stated as exact
+  double relative_standard_uncertainty = 0;  ///< of the value; of 1 + e for the rebound e
+  std::string unit;                          ///< SI unit
   /// Percent by which Kv, Bv and Km change when the input grows by 1 percent (of 1 + e for the
   /// rebound e).
   std::array<double, 3> percent_per_percent{};
@@ -71,10 +72,16 @@ struct DropTestFit {
   FittedValue damping_over_mass;    ///< Bv/M, 1/s
   FittedValue natural_frequency;    ///< sqrt(Kv/M)/2pi, Hz
   FittedValue quality_factor;       ///< sqrt(Kv M)/Bv with an open circuit
-  std::string mass_symbol;          ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
+  /// Combined relative covariance of Kv, Bv and Km: that of their logarithms. 0 in the rows and
+  /// columns of what is not determined.
+  std::array<std::array<double, 3>, 3> relative_covariance{};
+  std::string mass_symbol;  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
   std::vector<InputInfluence> influences;
   std::vector<std::string> assumptions;  ///< sentences
+  double frequency_birge_ratio = 1;      ///< of the drops (consistency.h); in the uncertainties
+  double decay_birge_ratio = 1;
+  std::vector<std::string> doubts;  ///< sentences: what in the records speaks against the model
   std::vector<std::string>
       undetermined;  ///< sentences: what is not determined, what is, what would help
   bool converged = false;

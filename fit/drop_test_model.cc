@@ -38,6 +38,12 @@ void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestMod
     model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
   }
   AddInput(model.inputs, Kind::kLoad, "load", "ohm", load, index);
+  if (record.time_scale) {
+    AddInput(model.inputs, Kind::kTimeScale, "time scale", "", *record.time_scale, index);
+  }
+  if (record.voltage_scale) {
+    AddInput(model.inputs, Kind::kVoltageScale, "voltage scale", "", *record.voltage_scale, index);
+  }
   if (!record.drop_height_m) return;
   model.knows_heights = true;
   AddInput(model.inputs, Kind::kHeight, "drop height", "m", *record.drop_height_m, index);
@@ -236,6 +242,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
     }
     for (const std::size_t r : input.records) {
       if (input.kind == Kind::kLoad) problem->records()[r].load_ohm = input.quantity.value;
+      if (input.kind == Kind::kTimeScale) problem->records()[r].time_scale = input.quantity.value;
     }
   }
   for (std::size_t r = 0; r < model.conditions.size(); ++r) {
@@ -252,8 +259,10 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
   }
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
-      if (input.kind != Kind::kRebound) continue;
-      problem->records()[r].speed_m_per_s *= 1 + input.quantity.value;
+      double& speed = problem->records()[r].speed_m_per_s;
+      if (input.kind == Kind::kRebound) speed *= 1 + input.quantity.value;
+      // a larger voltage is shown where the scale is larger, as after a faster impact
+      if (input.kind == Kind::kVoltageScale) speed *= input.quantity.value;
     }
   }
 }

@@ -27,12 +27,14 @@ struct DropTestInput {
     kLoad,
     kHeight,
     kRebound,
+    kVoltageScale,
+    kTimeScale,
   };
   Kind kind = Kind::kMovingMass;
   std::string name;
   std::string unit;
   Quantity quantity;
-  std::vector<std::size_t> records;  ///< for loads, heights and rebounds
+  std::vector<std::size_t> records;  ///< of what is said of records
 };
 
 /// The records of a drop test with their start values and everything that is given, as a
@@ -58,7 +60,7 @@ struct DropTestModel {
 [[nodiscard]] RingDownProblem MakeProblem(const DropTestModel& model);
 
 /// Writes the inputs into the problem (loads, mass ratios, inductance, the impact speeds where
-/// `use_heights`) and into the point's given components (mass, resistance).
+/// `use_heights`, the recorders' scales) and into the point's given components (mass, resistance).
 void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
                  bool use_heights, RingDownProblem* problem, RingDownPoint* point);
 

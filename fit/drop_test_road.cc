@@ -126,6 +126,27 @@ std::vector<double> ChangeByInput(const DropTestRoad& road, const DropTestModel&
   return change;
 }
 
+// weights whose statistical variance is as much larger as drops scatter by more than their noise
+std::vector<double> Widened(const DropTestRoad& road, std::vector<double> weights) {
+  weights[Index(Shared::kStiffness)] *= road.consistency.frequency_widening;
+  weights[Index(Shared::kDamping)] *= road.consistency.decay_widening;
+  weights[Index(Shared::kForceConstantSquared)] *= road.consistency.decay_widening;
+  return weights;
+}
+
+// what the given numbers' uncertainties make of two weighted sums
+double GivenCovariance(const DropTestRoad& road, const DropTestModel& model,
+                       const std::vector<double>& first, const std::vector<double>& second) {
+  double sum = 0;
+  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
+    const DropTestInput& input = model.inputs[k];
+    if (!DependsOn(road, input)) continue;
+    const double share = input.quantity.standard_uncertainty / InputBase(input);
+    sum += share * share * Dot(first, road.input_changes[k]) * Dot(second, road.input_changes[k]);
+  }
+  return sum;
+}
+
 }  // namespace
 
 double InputBase(const DropTestInput& input) {
@@ -133,7 +154,9 @@ double InputBase(const DropTestInput& input) {
 }
 
 bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
-  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound) return road.uses_heights;
+  const bool is_of_heights = input.kind == Kind::kHeight || input.kind == Kind::kRebound ||
+                             input.kind == Kind::kVoltageScale;
+  if (is_of_heights) return road.uses_heights;
   return std::isfinite(input.quantity.value) && input.quantity.value > 0;
 }
 
@@ -161,6 +184,20 @@ bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
   return Blur(road.seen, weights) < kMostBlur;
 }
 
+namespace {
+
+std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownProblem& problem) {
+  std::vector<ComparedDrop> drops;
+  drops.reserve(model.records.size());
+  for (std::size_t r = 0; r < model.records.size(); ++r) {
+    const RingDownSamples& record = problem.records()[r];
+    drops.push_back({&model.records[r], record.load_ohm, record.mass_ratio, record.noise_v});
+  }
+  return drops;
+}
+
+}  // namespace
+
 DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   DropTestRoad road(MakeProblem(model), uses_heights);
   road.point = StartPoint(model, uses_heights, &road.problem);
@@ -181,6 +218,7 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
   // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
   road.variance = static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
+  road.consistency = CheckConsistency(Compared(model, road.problem));
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const bool counts = DependsOn(road, model.inputs[k]);
     road.input_changes.push_back(counts ? ChangeByInput(road, model, k)
@@ -189,20 +227,18 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   return road;
 }
 
+double CovarianceOf(const DropTestRoad& road, const DropTestModel& model,
+                    const std::vector<double>& first, const std::vector<double>& second) {
+  return road.variance * Covariance(road.seen, Widened(road, first), Widened(road, second)) +
+         GivenCovariance(road, model, first, second);
+}
+
 Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
                 const std::vector<double>& weights) {
   Spread spread;
   spread.blur = Blur(road.seen, weights);
-  spread.statistical = std::sqrt(road.variance * Variance(road.seen, weights));
-  double square = 0;
-  for (std::size_t k = 0; k < model.inputs.size(); ++k) {
-    const DropTestInput& input = model.inputs[k];
-    if (!DependsOn(road, input)) continue;
-    const double change = Dot(weights, road.input_changes[k]) *
-                          input.quantity.standard_uncertainty / InputBase(input);
-    square += change * change;
-  }
-  spread.given = std::sqrt(square);
+  spread.statistical = std::sqrt(road.variance * Variance(road.seen, Widened(road, weights)));
+  spread.given = std::sqrt(GivenCovariance(road, model, weights, weights));
   spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
   return spread;
 }

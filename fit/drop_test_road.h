@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "fit/consistency.h"
 #include "fit/drop_test_fit.h"
 #include "fit/drop_test_model.h"
 #include "fit/rank.h"
@@ -25,6 +26,7 @@ struct DropTestRoad {
   Jacobian jacobian;                       ///< at the solution
   Identifiability seen;                    ///< at the solution, all unknowns free
   double variance = 1;                     ///< of the weighted residuals, per degree of freedom
+  Consistency consistency;                 ///< of the drops with each other
   std::vector<ResidualDensity> densities;  ///< of each record's residuals at its resonance
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
@@ -58,12 +60,17 @@ struct DropTestRoad {
 /// Standard deviations of a weighted sum of the Jacobian's columns' parameters.
 struct Spread {
   double blur = 0;         ///< see Blur
-  double statistical = 0;  ///< from the records' noise
+  double statistical = 0;  ///< from the records' noise, widened where drops scatter by more
   double given = 0;        ///< from the given numbers
   double combined = 0;     ///< all three
 };
 [[nodiscard]] Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
                               const std::vector<double>& weights);
+
+/// Covariance of two weighted sums, as Spread::combined without blur.
+[[nodiscard]] double CovarianceOf(const DropTestRoad& road, const DropTestModel& model,
+                                  const std::vector<double>& first,
+                                  const std::vector<double>& second);
 
 /// A blur below which a combination counts as seen, and how an unseen one's e-fold would move it.
 inline constexpr double kMostBlur = 1e-3;

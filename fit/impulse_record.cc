@@ -115,6 +115,8 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.load_ohm = header.Read("load_ohm", Dimension::kResistance, kSmallest, open);
   file.record.drop_height_m = header.Read("drop_height_m", Dimension::kLength, kSmallest, kLargest);
   file.record.rebound = header.Read("rebound", Dimension::kNone, 0, 1);
+  file.record.voltage_scale = header.Read("voltage_scale", Dimension::kNone, kSmallest, kLargest);
+  file.record.time_scale = header.Read("time_scale", Dimension::kNone, kSmallest, kLargest);
   file.knowns.moving_mass_kg = header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.case_mass_kg = header.Read("case_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.knowns.resistance_ohm =

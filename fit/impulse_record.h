@@ -30,6 +30,8 @@ struct ImpulseRecord {
   std::optional<CaseCondition> condition;  ///< absent: not stated
   std::optional<Quantity> drop_height_m;   ///< of the free fall before the impact
   std::optional<Quantity> rebound;  ///< e: the case leaves the stop with e times its speed; 0-1
+  std::optional<Quantity> voltage_scale;  ///< shown over true volts; absent: 1, exactly
+  std::optional<Quantity> time_scale;     ///< shown over true seconds; absent: 1, exactly
 };
 
 /// What is known of the actuator apart from its ring-downs. Absent: unknown.
@@ -51,7 +53,8 @@ struct ImpulseFile {
 /// The voltage is the channel with the voltage role, else the only channel where
 /// no name says what it measures. Header keys, each an SI
 /// number or a text with unit and uncertainty ("1.40(3)g"): case (held | free), load_ohm (inf:
-/// open), drop_height_m, rebound, moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h.
+/// open), drop_height_m, rebound, voltage_scale, time_scale, moving_mass_kg,
+/// case_mass_kg, resistance_ohm, inductance_h.
 /// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel or several, gaps or an uneven
 /// time base, a key's value that does not parse or that is out of its range.
 [[nodiscard]] Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record,

@@ -121,11 +121,17 @@ double Blur(const Identifiability& identifiability, const std::vector<double>& w
   return std::sqrt(square);
 }
 
-double Variance(const Identifiability& identifiability, const std::vector<double>& weights) {
+double Covariance(const Identifiability& identifiability, const std::vector<double>& first,
+                  const std::vector<double>& second) {
   const auto columns = static_cast<Position>(identifiability.columns);
   const Eigen::Map<const RowMajor> covariance(identifiability.covariance.data(), columns, columns);
-  const Eigen::Map<const Eigen::VectorXd> vector(weights.data(), columns);
-  return vector.dot(covariance * vector);
+  const Eigen::Map<const Eigen::VectorXd> left(first.data(), columns);
+  const Eigen::Map<const Eigen::VectorXd> right(second.data(), columns);
+  return left.dot(covariance * right);
+}
+
+double Variance(const Identifiability& identifiability, const std::vector<double>& weights) {
+  return Covariance(identifiability, weights, weights);
 }
 
 std::vector<double> Response(const Identifiability& identifiability, const Jacobian& jacobian,

@@ -39,7 +39,13 @@ struct Identifiability {
 [[nodiscard]] double Blur(const Identifiability& identifiability,
                           const std::vector<double>& weights);
 
-/// Variance of sum(weights * parameters) per unit of residual variance; holds where Blur is 0.
+/// Covariance of sum(first * parameters) and sum(second * parameters) per unit of residual
+/// variance; holds where Blur is 0 for both.
+[[nodiscard]] double Covariance(const Identifiability& identifiability,
+                                const std::vector<double>& first,
+                                const std::vector<double>& second);
+
+/// The same of one sum with itself.
 [[nodiscard]] double Variance(const Identifiability& identifiability,
                               const std::vector<double>& weights);
 

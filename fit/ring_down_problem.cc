@@ -40,8 +40,9 @@ T SpeedVoltage(const RingDownSamples& record, const T* shared, const T* own) {
 // the ringing and the offset; the blow's direction is such that the first half period has
 // `polarity`
 template <typename T>
-T Ringing(const sim::RingDown<T>& circuit, const T& signed_voltage, const T* own, double time_s) {
-  const T since_impact_s = time_s - own[Index(Own::kImpact)];
+T Ringing(const RingDownSamples& record, const sim::RingDown<T>& circuit, const T& signed_voltage,
+          const T* own, double time_s) {
+  const T since_impact_s = (time_s - own[Index(Own::kImpact)]) / record.time_scale;
   return own[Index(Own::kOffset)] - signed_voltage * circuit.VoltageRatio(since_impact_s);
 }
 
@@ -73,7 +74,7 @@ bool WriteResiduals(const RingDownSamples& record, double inductance_h, const do
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     const double time_s = record.times_s[n];
     const double model_v =
-        Ringing(circuit, signed_voltage, own, time_s) + disturbances.Sum(own, time_s);
+        Ringing(record, circuit, signed_voltage, own, time_s) + disturbances.Sum(own, time_s);
     residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
     if (!std::isfinite(residuals[n])) return false;
   }
@@ -112,7 +113,8 @@ void WriteDerivatives(const RingDownSamples& record, double inductance_h, const 
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     double* row = rows + n * columns;
     std::fill_n(row, columns, 0.0);
-    const Jet voltage = Ringing(circuit, signed_voltage, jets.own.data(), record.times_s[n]);
+    const Jet voltage =
+        Ringing(record, circuit, signed_voltage, jets.own.data(), record.times_s[n]);
     for (std::size_t k = 0; k < kSharedCount; ++k) {
       row[k] = voltage.v[static_cast<int>(k)] / record.noise_v;
     }
@@ -207,8 +209,8 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
       records_[record].polarity * SpeedVoltage(records_[record], point.shared.data(), own);
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] =
-        Ringing(circuit, signed_voltage, own, times_s[n]) + disturbances.Sum(own, times_s[n]);
+    voltages[n] = Ringing(records_[record], circuit, signed_voltage, own, times_s[n]) +
+                  disturbances.Sum(own, times_s[n]);
   }
   return voltages;
 }

@@ -47,6 +47,7 @@ struct RingDownSamples {
   double step_s = 0;         ///< between samples; some may be missing
   double noise_v = 1;        ///< standard deviation; residuals are divided by it
   double load_ohm = 0;       ///< infinite: open
+  double time_scale = 1;     ///< shown over true seconds
   double mass_ratio = 1;     ///< the record's ringing mass is mass_ratio * M
   double polarity = 1;       ///< +1 or -1: sign of the voltage's first half period
   double speed_m_per_s = 0;  ///< of the impact; 0: not given
@@ -78,8 +79,8 @@ struct RingDownPoint {
 ///     voltage = offset - polarity Km v0 u(t - impact) + drift (t - middle)
 ///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
 ///
-/// u being the voltage's ratio there, so that the ringing begins with the sign of `polarity`.
-/// Derivatives are automatic for the circuit and written down for the rest.
+/// u being the voltage's ratio there at true seconds, so that the ringing begins with the sign of
+/// `polarity`. Derivatives are automatic for the circuit and written down for the rest.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);

@@ -23,6 +23,9 @@ constexpr std::size_t kLeastQuietSamples = 16;
 constexpr double kLeastEnergy = 50;
 // of critical damping: from here on hardly a swing is seen
 constexpr double kHeavy = 0.7;
+// the grid for these: up to 40 times the pencil's natural frequency, 10 times critical damping
+constexpr int kNaturals = 11;
+constexpr int kDampings = 11;
 // blocks that the poles of an oscillation are fitted to: enough for a period's shape
 constexpr double kBlocksPerPeriod = 16;
 constexpr std::size_t kLeastBlocks = 32;
@@ -125,8 +128,10 @@ PolePair BestHeavilyDamped(const ImpulseRecord& record, std::size_t first,
   PolePair best = seen;
   double least_v = FitLinear(values, record.step_s, seen).residual_rms_v;
   const double lowest = std::sqrt(seen.stiffness_per_s2);
-  for (double natural = lowest / 2; natural < 40 * lowest; natural *= 1.5) {
-    for (double zeta = 0.7; zeta < 10; zeta *= 1.3) {
+  for (int row = 0; row < kNaturals; ++row) {
+    const double natural = lowest / 2 * std::pow(1.5, row);
+    for (int column = 0; column < kDampings; ++column) {
+      const double zeta = kHeavy * std::pow(1.3, column);
       const PolePair tried{zeta * natural, natural * natural};
       const double rms_v = FitLinear(values, record.step_s, tried).residual_rms_v;
       if (!(rms_v < least_v)) continue;

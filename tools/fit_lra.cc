@@ -78,6 +78,10 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                  "Height of the free fall; gives Km from one open record");
   options.Number("--rebound", &wanted.rebound, Dimension::kNone,
                  "Speed of the case after the impact over that before it (0 to 1)");
+  options.Number("--voltage-scale", &wanted.voltage_scale, Dimension::kNone,
+                 "Volts shown by the recorder over true ones: '1.00(2)'");
+  options.Number("--time-scale", &wanted.time_scale, Dimension::kNone,
+                 "Seconds shown over true ones: 1+-5e-5");
   options.Text("--actuator", &wanted.actuator, "NAME|FILE",
                "Takes masses, R and L from an actuator file or thesis-c10-100");
   options.Repeated("--require", &wanted.required, "Kv|Bv|Km",

@@ -83,6 +83,17 @@ Result<void> CheckOptions(const FitLraOptions& options) {
   if (options.inductance_h && options.inductance_h->value < 0) {
     return Usage("--inductance", "must not be negative", "write it like 130uH");
   }
+  const auto nearly_one = [](const std::optional<Quantity>& scale) {
+    return !scale || (scale->value > 0.5 && scale->value < 2);
+  };
+  if (!nearly_one(options.voltage_scale)) {
+    return Usage("--voltage-scale", "is shown over true volts, about 1",
+                 "write it like 1.00(2); a column's unit goes by --scale");
+  }
+  if (!nearly_one(options.time_scale)) {
+    return Usage("--time-scale", "is shown over true seconds, about 1",
+                 "write it like 1+-5e-5; a column's unit goes by --scale");
+  }
   if (options.rebound && !(options.rebound->value >= 0 && options.rebound->value <= 1)) {
     return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");
   }
@@ -131,6 +142,9 @@ Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& o
   Lay(options.drop_height_m, "--drop-height", source.path, "drop_height_m", &record.drop_height_m,
       remarks);
   Lay(options.rebound, "--rebound", source.path, "rebound", &record.rebound, remarks);
+  Lay(options.voltage_scale, "--voltage-scale", source.path, "voltage_scale", &record.voltage_scale,
+      remarks);
+  Lay(options.time_scale, "--time-scale", source.path, "time_scale", &record.time_scale, remarks);
   LayCondition(options, &record, remarks);
   if (auto start = fit::FindRingStart(record); !start) return std::unexpected(start.error());
   return *file;

@@ -20,6 +20,8 @@ struct FitLraOptions {
   bool is_free = false;
   std::optional<Quantity> drop_height_m;
   std::optional<Quantity> rebound;
+  std::optional<Quantity> voltage_scale;
+  std::optional<Quantity> time_scale;
   std::optional<Quantity> moving_mass_kg;
   std::optional<Quantity> case_mass_kg;
   std::optional<Quantity> resistance_ohm;

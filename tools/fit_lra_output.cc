@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -17,8 +18,8 @@ using fit::DropTestFit;
 using fit::FittedValue;
 using nlohmann::ordered_json;
 
-// of a normal distribution: the records hold thousands of samples
-constexpr double kCoverage95 = 1.96;
+// beyond this an interval's halves differ enough to be told apart
+constexpr double kLopsided = 0.1;
 
 // decimals such that the uncertainty shows two digits
 int Decimals(double uncertainty) {
@@ -27,14 +28,53 @@ int Decimals(double uncertainty) {
 }
 
 std::string Line(std::string_view name, const FittedValue& value) {
+  if (!value.determined && value.at_most) {
+    return fmt::format("  {:<6} at most {:.2g} {} (95 %, one-sided); not determined\n", name,
+                       *value.at_most, value.unit);
+  }
   if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
-  const double expanded = kCoverage95 * value.combined_standard_uncertainty;
-  const int decimals = Decimals(expanded);
-  return fmt::format(
-      "  {:<6} {:>14.{}f} +- {:.{}f} {}{}(standard uncertainty {:.2g}, of which"
-      " statistical {:.2g})\n",
-      name, value.value, decimals, expanded, decimals, value.unit, value.unit.empty() ? "" : "  ",
-      value.combined_standard_uncertainty, value.standard_uncertainty);
+  const double half = (value.upper - value.lower) / 2;
+  const int decimals = Decimals(half);
+  const bool is_lopsided =
+      std::abs(value.upper + value.lower - 2 * value.value) > 2 * kLopsided * half;
+  const std::string interval =
+      is_lopsided ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
+                  : fmt::format("+- {:.{}f}",
+                                fit::kCoverage95 * value.combined_standard_uncertainty, decimals);
+  return fmt::format("  {:<6} {:>14.{}f}{} {}{}{}\n", name, value.value, decimals,
+                     is_lopsided ? "," : "", interval, value.unit.empty() ? "" : " ", value.unit);
+}
+
+using Constants = std::array<std::pair<const char*, const FittedValue*>, 3>;
+
+Constants ConstantsOf(const DropTestFit& fit) {
+  return {{{"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}}};
+}
+
+// a number of the budget, in percent of its constant
+std::string Percent(const FittedValue& value, double percent) {
+  return value.determined && percent > 1e-6 ? fmt::format("{:>10.2g}", percent)
+                                            : fmt::format("{:>10}", "-");
+}
+
+std::string BudgetLine(std::string_view name, std::string_view type,
+                       const std::array<std::string, 3>& percents) {
+  return fmt::format("  {:<34}{:>4}{}{}{}\n", name, type, percents[0], percents[1], percents[2]);
+}
+
+std::string CorrelationLine(const DropTestFit& fit) {
+  const Constants constants = ConstantsOf(fit);
+  const auto& covariance = fit.relative_covariance;
+  std::string pairs;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = i + 1; j < 3; ++j) {
+      const double product = covariance[i][i] * covariance[j][j];
+      if (!(product > 0)) continue;
+      pairs += fmt::format("{}{} with {} {:+.2f}", pairs.empty() ? "" : ", ", constants[i].first,
+                           constants[j].first, covariance[i][j] / std::sqrt(product));
+    }
+  }
+  return pairs.empty() ? pairs : fmt::format("  correlation of {}\n", pairs);
 }
 
 std::string LoadText(double load_ohm) {
@@ -74,13 +114,12 @@ std::string InSpokenUnit(double value, const std::string& unit) {
 
 std::string InfluenceLine(const fit::InputInfluence& influence, const DropTestFit& fit) {
   std::string effects;
-  const std::pair<const char*, const FittedValue*> kValues[]{
-      {"Kv", &fit.stiffness}, {"Bv", &fit.damping}, {"Km", &fit.force_constant}};
+  const Constants constants = ConstantsOf(fit);
   for (std::size_t k = 0; k < 3; ++k) {
     const double percent = influence.percent_per_percent[k];
-    if (!kValues[k].second->determined || std::abs(percent) < 5e-4) continue;
+    if (!constants[k].second->determined || std::abs(percent) < 5e-4) continue;
     effects +=
-        fmt::format("{}{} {:+.3f} %", effects.empty() ? "" : ", ", kValues[k].first, percent);
+        fmt::format("{}{} {:+.3f} %", effects.empty() ? "" : ", ", constants[k].first, percent);
   }
   if (effects.empty()) return {};
   const std::string exactness =
@@ -90,6 +129,51 @@ std::string InfluenceLine(const fit::InputInfluence& influence, const DropTestFi
   const std::string of = influence.input.starts_with("rebound") ? "1 + e" : "it";
   return fmt::format("  {} {}, {}; +1 % of {}: {}\n", influence.input,
                      InSpokenUnit(influence.value, influence.unit), exactness, of, effects);
+}
+
+// standard uncertainties in percent: what the records' noise makes (type A), what each given number
+// makes (type B, JCGM 100:2008), all together
+std::string BudgetLines(const DropTestFit& fit) {
+  const Constants constants = ConstantsOf(fit);
+  const auto row = [&](const std::string& name, std::string_view type, const auto& percent_of) {
+    std::array<std::string, 3> percents;
+    for (std::size_t k = 0; k < 3; ++k) {
+      percents[k] = Percent(*constants[k].second, percent_of(k, *constants[k].second));
+    }
+    return BudgetLine(name, type, percents);
+  };
+  if (std::ranges::none_of(constants, [](const auto& c) { return c.second->determined; }))
+    return {};
+  std::string lines =
+      fmt::format("  {:<34}{:>4}{:>10}{:>10}{:>10}\n", "", "type", "Kv", "Bv", "Km");
+  lines += row("noise of the records", "A", [](std::size_t, const FittedValue& value) {
+    return 100 * value.standard_uncertainty / value.value;
+  });
+  for (const fit::InputInfluence& influence : fit.influences) {
+    if (influence.standard_uncertainty == 0) continue;
+    const std::string name =
+        fmt::format("{} {} +- {}", influence.input, InSpokenUnit(influence.value, influence.unit),
+                    InSpokenUnit(influence.standard_uncertainty, influence.unit));
+    lines += row(name, "B", [&influence](std::size_t k, const FittedValue&) {
+      return 100 * influence.relative_standard_uncertainty *
+             std::abs(influence.percent_per_percent[k]);
+    });
+  }
+  // of what stays unseen, the last influence on what is seen
+  lines += row("what is not determined", "B", [&](std::size_t k, const FittedValue& value) {
+    double square = std::pow(value.combined_standard_uncertainty / value.value, 2) -
+                    std::pow(value.standard_uncertainty / value.value, 2);
+    for (const fit::InputInfluence& influence : fit.influences) {
+      square -=
+          std::pow(influence.relative_standard_uncertainty * influence.percent_per_percent[k], 2);
+    }
+    const double rounding = 1e-9 * std::pow(value.combined_standard_uncertainty / value.value, 2);
+    return square > rounding ? 100 * std::sqrt(square) : 0.0;
+  });
+  lines += row("combined", "", [](std::size_t, const FittedValue& value) {
+    return 100 * value.combined_standard_uncertainty / value.value;
+  });
+  return lines + CorrelationLine(fit);
 }
 
 std::string Section(std::string_view title, const std::string& lines) {
@@ -109,6 +193,9 @@ ordered_json ValueJson(const FittedValue& value) {
   return {{"value", field(value.value)},
           {"standard_uncertainty", field(value.standard_uncertainty)},
           {"combined_standard_uncertainty", field(value.combined_standard_uncertainty)},
+          {"lower_95", field(value.lower)},
+          {"upper_95", field(value.upper)},
+          {"at_most_95", value.at_most ? cli::NumberOrNull(*value.at_most) : ordered_json(nullptr)},
           {"unit", value.unit},
           {"determined", value.determined}};
 }
@@ -147,6 +234,7 @@ ordered_json InfluenceJson(const fit::InputInfluence& influence) {
   return {{"input", influence.input},
           {"value", cli::NumberOrNull(influence.value)},
           {"standard_uncertainty", influence.standard_uncertainty},
+          {"relative_standard_uncertainty", influence.relative_standard_uncertainty},
           {"unit", influence.unit},
           {"kv_percent_per_percent", influence.percent_per_percent[0]},
           {"bv_percent_per_percent", influence.percent_per_percent[1]},
@@ -157,12 +245,14 @@ ordered_json InfluenceJson(const fit::InputInfluence& influence) {
 
 std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& doubts) {
   const bool reduced = fit.mass_symbol != "Mv";
-  std::string text = "Result (value +- 95 % interval)\n";
+  std::string text = fmt::format(
+      "Result (95 % interval: {} standard uncertainties where it is even)\n", fit::kCoverage95);
   text += Line("Kv", fit.stiffness) + Line("Bv", fit.damping) + Line("Km", fit.force_constant);
   text += Line("f0", fit.natural_frequency) + Line("Q", fit.quality_factor);
   text += Line(reduced ? "Kv/M" : "Kv/Mv", fit.stiffness_over_mass);
   text += Line(reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass);
   if (reduced) text += fmt::format("  M is the reduced mass {}\n", fit.mass_symbol);
+  text += Section("Standard uncertainty in %", BudgetLines(fit));
   text += Section("Not determined", Sentences(fit.undetermined));
   text += Section("Doubtful", Sentences(doubts));
 
@@ -185,6 +275,10 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& d
   document["parameters"] = {{"Kv", ValueJson(fit.stiffness)},
                             {"Bv", ValueJson(fit.damping)},
                             {"Km", ValueJson(fit.force_constant)}};
+  document["relative_covariance_kv_bv_km"] = fit.relative_covariance;
+  document["coverage_factor"] = fit::kCoverage95;
+  document["frequency_birge_ratio"] = fit.frequency_birge_ratio;
+  document["decay_birge_ratio"] = fit.decay_birge_ratio;
   AddPlain(document, "kv_over_mass", fit.stiffness_over_mass);
   AddPlain(document, "bv_over_mass", fit.damping_over_mass);
   document["mass"] = fit.mass_symbol;

@@ -159,7 +159,7 @@ TEST_F(FitLraFiles, WhatHasNoAnswerGivesStatus3AndSaysWhatWould) {
   const auto loaded = FitLra({Fixture(kLoadedFile, "loaded.csv", {"drop_height_m", "rebound"})});
   EXPECT_EQ(loaded.status, 3);
   EXPECT_THAT(loaded.out, HasSubstr("record an open circuit too"));
-  EXPECT_THAT(loaded.out, HasSubstr("f0           225.07"));
+  EXPECT_THAT(loaded.out, HasSubstr("f0            225.07"));
   // an oscillation that grows has no damping
   std::ofstream growing(directory_ / "growing.csv");
   growing << "time_s,voltage_v\n";

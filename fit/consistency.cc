@@ -1,0 +1,168 @@
+#include "fit/consistency.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "dsp/statistics/distributions.h"
+#include "fit/rank.h"
+#include "fit/residual_density.h"
+#include "fit/ring_fit.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr double kSamplesPerPeriod = 16;
+constexpr std::size_t kLeastBlocks = 64;
+constexpr double kMostDamping = 0.3;  // of critical
+constexpr double kSignificance = 0.01;
+constexpr double kDeviations = 4;  // of a difference that is worth a word
+
+// a logarithm and its standard uncertainty
+struct Estimate {
+  double logarithm = 0;
+  double deviation = 0;
+};
+
+struct Rates {
+  Estimate frequency;  // natural
+  Estimate decay;
+  double noise_v = 0;  // of one sample, if it were white
+};
+
+// `poles` of the blocks from `first` on, with uncertainties from the residuals' density
+std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start,
+                               std::size_t first) {
+  const double natural = std::sqrt(start.stiffness_per_s2);
+  const double period = 2 * std::numbers::pi / natural / drop.record.step_s;
+  const auto block = static_cast<std::size_t>(std::max(1.0, period / kSamplesPerPeriod));
+  const auto samples = BlocksOf(drop.record, first, drop.part.end_sample, block);
+  if (samples.values_v.size() < kLeastBlocks) return std::nullopt;
+  const RingFit fit = FitRing(samples, start, drop.part.background);
+  if (!fit.converged) return std::nullopt;
+  const std::vector<bool> every(fit.jacobian.columns, true);
+  const std::vector<bool> none(fit.jacobian.columns, false);
+  const Identifiability seen = FindIdentifiability(fit.jacobian, every, none);
+  double square = 0;
+  for (const double residual : fit.jacobian.residuals) square += residual * residual;
+  const auto rows = static_cast<double>(fit.jacobian.rows);
+  square /= rows - static_cast<double>(fit.jacobian.columns);
+  const ResidualDensity density =
+      DensityAt(fit.jacobian.residuals, samples.step_s, natural / (2 * std::numbers::pi));
+  if (density.is_coloured) square *= density.ratio;
+  const auto deviation = [&](std::size_t column) {
+    std::vector<double> weights(fit.jacobian.columns, 0.0);
+    weights[column] = 1;
+    return std::sqrt(square * Variance(seen, weights));
+  };
+  return Rates{{0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * deviation(1)},
+               {std::log(fit.poles.decay_per_s), deviation(0)},
+               std::sqrt(square * static_cast<double>(block))};
+}
+
+// sqrt(chi^2 / (n - 1)) where that is significant, else 1
+double BirgeRatio(const std::vector<Estimate>& estimates) {
+  if (estimates.size() < 2) return 1;
+  double weight = 0;
+  double sum = 0;
+  for (const auto& [value, deviation] : estimates) {
+    weight += 1 / (deviation * deviation);
+    sum += value / (deviation * deviation);
+  }
+  double chi_square = 0;
+  for (const auto& [value, deviation] : estimates) {
+    chi_square += std::pow((value - sum / weight) / deviation, 2);
+  }
+  const auto degrees = static_cast<double>(estimates.size() - 1);
+  const double limit = dsp::ChiSquareQuantile(1 - kSignificance, degrees);
+  return chi_square > limit ? std::sqrt(chi_square / degrees) : 1;
+}
+
+// how many deviations the later fit is off, and by how much
+struct Shift {
+  double share = 0;
+  double deviations = 0;
+};
+
+// `noise_ratio`: what of the whole's noise is left later, where no misfit adds to it
+Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) {
+  const double square = later.deviation * later.deviation -
+                        std::pow(std::min(noise_ratio, 1.0) * whole.deviation, 2);
+  const double share = later.logarithm - whole.logarithm;
+  return {share, square > 0 ? std::abs(share) / std::sqrt(square) : 0};
+}
+
+void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
+                    std::vector<std::string>& doubts) {
+  const double decay_per_s = std::exp(whole.decay.logarithm);
+  const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
+  const auto later_first =
+      drop.part.first_sample + static_cast<std::size_t>(1 / (decay_per_s * drop.record.step_s));
+  if (later_first >= drop.part.end_sample) return;
+  const auto later = RatesFrom(drop, poles, later_first);
+  if (!later) return;
+  const double noise_ratio = later->noise_v / whole.noise_v;
+  const Shift frequency = ShiftOf(whole.frequency, later->frequency, noise_ratio);
+  if (frequency.deviations > kDeviations) {
+    doubts.push_back(fmt::format(
+        "{}: one decay time later the resonance is {:+.2g} % off ({:.0f} times its uncertainty): "
+        "the spring {} with travel, and Kv is an average over this ring-down",
+        drop.record.name, 100 * frequency.share, frequency.deviations,
+        frequency.share < 0 ? "stiffens" : "softens"));
+  }
+  const Shift decay = ShiftOf(whole.decay, later->decay, noise_ratio);
+  if (decay.deviations > kDeviations) {
+    doubts.push_back(fmt::format(
+        "{}: one decay time later the decay is {:+.2g} % off ({:.0f} times its uncertainty): {}, "
+        "and Bv is an average over this ring-down",
+        drop.record.name, 100 * decay.share, decay.deviations,
+        decay.share > 0 ? "dry friction slows small motions more"
+                        : "the damping grows with travel or speed"));
+  }
+}
+
+}  // namespace
+
+Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
+  std::map<std::pair<double, double>, std::vector<Rates>> alike;
+  Consistency consistency;
+  double noise_share = 1;  // least of a drop's own noise over that in the fit together
+  for (const ComparedDrop& drop : drops) {
+    const PolePair& poles = drop.prepared->start.poles;
+    if (poles.decay_per_s > kMostDamping * std::sqrt(poles.stiffness_per_s2)) continue;
+    const auto whole = RatesFrom(*drop.prepared, poles, drop.prepared->part.first_sample);
+    if (!whole) continue;
+    alike[{drop.load_ohm, drop.mass_ratio}].push_back(*whole);
+    noise_share = std::min(noise_share, whole->noise_v / drop.noise_v);
+    DoubtLinearity(*drop.prepared, *whole, consistency.doubts);
+  }
+  for (const auto& [condition, rates] : alike) {
+    std::vector<Estimate> frequencies;
+    std::vector<Estimate> decays;
+    for (const Rates& rate : rates) {
+      frequencies.push_back(rate.frequency);
+      decays.push_back(rate.decay);
+    }
+    consistency.frequency_ratio = std::max(consistency.frequency_ratio, BirgeRatio(frequencies));
+    consistency.decay_ratio = std::max(consistency.decay_ratio, BirgeRatio(decays));
+  }
+  consistency.frequency_widening = std::max(1.0, consistency.frequency_ratio * noise_share);
+  consistency.decay_widening = std::max(1.0, consistency.decay_ratio * noise_share);
+  const auto say = [&consistency](const char* what, const char* constants, double ratio) {
+    if (ratio == 1) return;
+    consistency.doubts.push_back(
+        fmt::format("the drops' {} scatter {:.2g} times as much as their noise explains (Birge "
+                    "ratio): the statistical uncertainties of {} are widened to that",
+                    what, ratio, constants));
+  };
+  say("resonances", "Kv and f0", consistency.frequency_ratio);
+  say("decays", "Bv, Km and Q", consistency.decay_ratio);
+  return consistency;
+}
+
+}  // namespace haptometer::fit
