@@ -91,8 +91,8 @@ struct Shift {
 
 // `noise_ratio`: what of the whole's noise is left later, where no misfit adds to it
 Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) {
-  const double square = later.deviation * later.deviation -
-                        std::pow(std::min(noise_ratio, 1.0) * whole.deviation, 2);
+  const double square =
+      later.deviation * later.deviation - std::pow(std::min(noise_ratio, 1.0) * whole.deviation, 2);
   const double share = later.logarithm - whole.logarithm;
   return {share, square > 0 ? std::abs(share) / std::sqrt(square) : 0};
 }

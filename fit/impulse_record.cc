@@ -2,8 +2,12 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <string_view>
+
+#include "base/nearest.h"
 
 namespace haptometer::fit {
 namespace {
@@ -67,6 +71,25 @@ class HeaderReader {
   std::optional<Error> error_;
 };
 
+// Of keys that nobody knows, those that are written like ours and are near one of them: other
+// programs' headers hold much that is not for us.
+std::vector<std::string> MistypedKeys(const trial::Record& record) {
+  static const std::vector<std::string> kKnown{
+      "case",       "load_ohm",       "drop_height_m", "rebound",        "voltage_scale",
+      "time_scale", "moving_mass_kg", "case_mass_kg",  "resistance_ohm", "inductance_h"};
+  std::vector<std::string> remarks;
+  for (const auto& [key, value] : record.metadata.fields) {
+    const bool looks_alike = key.contains('_') && std::ranges::none_of(key, [](char c) {
+                               return c == ' ' || std::isupper(static_cast<unsigned char>(c));
+                             });
+    if (!looks_alike || std::ranges::find(kKnown, key) != kKnown.end()) continue;
+    const std::string nearest = Nearest(key, kKnown);
+    if (nearest.empty()) continue;
+    remarks.push_back(fmt::format("header key {} is not known; did you mean {}?", key, nearest));
+  }
+  return remarks;
+}
+
 // the voltage channel: by role, or the only one there is when nothing says what it measures
 const trial::Channel* FindVoltage(const trial::Record& record) {
   if (const auto* voltage = record.Find(trial::ChannelRole::kVoltage)) return voltage;
@@ -129,6 +152,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
     header.Keep(condition.error());
   }
   if (header.error()) return std::unexpected(*header.error());
+  file.remarks = MistypedKeys(record);
   return file;
 }
 

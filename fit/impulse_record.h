@@ -46,6 +46,7 @@ struct ActuatorKnowns {
 struct ImpulseFile {
   ImpulseRecord record;
   ActuatorKnowns knowns;
+  std::vector<std::string> remarks{};  ///< sentences: header keys that look like a known one
 };
 
 /// Takes a drop out of a recording (trial/import/csv.h reads `impulse.csv`).

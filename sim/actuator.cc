@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+#include <utility>
+
 #include "base/toml_table.h"
 
 namespace haptometer::sim {
@@ -22,7 +25,61 @@ void RefuseUnlessPositive(TomlTable& table, std::string_view key,
     table.Refuse(key, "must be greater than 0", "check its sign");
 }
 
+// the number whose symbol stands at a place of kActuatorSymbols
+constexpr std::array kMembers{
+    &Actuator::moving_mass_kg,    &Actuator::case_mass_kg,           &Actuator::stiffness_n_per_m,
+    &Actuator::damping_n_s_per_m, &Actuator::force_constant_n_per_a, &Actuator::resistance_ohm,
+    &Actuator::inductance_h};
+static_assert(kMembers.size() == kActuatorSymbols.size());
+
+std::string PairOf(std::size_t first, std::size_t second) {
+  return fmt::format("{}_{}", kActuatorSymbols[first], kActuatorSymbols[second]);
+}
+
+void ReadCorrelations(TomlTable& table, StatedActuator& stated) {
+  TomlTable* correlation = table.Table("correlation");
+  if (correlation == nullptr) return;
+  for (std::size_t i = 0; i < kActuatorSymbols.size(); ++i) {
+    for (std::size_t j = i + 1; j < kActuatorSymbols.size(); ++j) {
+      const std::string pair = PairOf(i, j);
+      const auto value = correlation->Number(pair, Dimension::kNone);
+      if (!value) continue;
+      if (!(std::abs(*value) <= 1)) correlation->Refuse(pair, "lies from -1 to 1", "check it");
+      stated.correlations[pair] = *value;
+    }
+  }
+}
+
 }  // namespace
+
+Actuator Scaled(Actuator actuator, std::size_t place, double factor) {
+  actuator.*kMembers[place] *= factor;
+  return actuator;
+}
+
+ActuatorCovariance RelativeCovariance(const StatedActuator& stated) {
+  const auto relative = [](const std::optional<Quantity>& quantity) {
+    const bool varies = quantity && quantity->value != 0;
+    return varies ? quantity->standard_uncertainty / quantity->value : 0.0;
+  };
+  const std::array uncertainties{relative(stated.moving_mass_kg),
+                                 relative(stated.case_mass_kg),
+                                 relative(stated.stiffness_n_per_m),
+                                 relative(stated.damping_n_s_per_m),
+                                 relative(stated.force_constant_n_per_a),
+                                 relative(stated.resistance_ohm),
+                                 relative(stated.inductance_h)};
+  ActuatorCovariance covariance{};
+  for (std::size_t i = 0; i < uncertainties.size(); ++i) {
+    covariance[i][i] = uncertainties[i] * uncertainties[i];
+    for (std::size_t j = i + 1; j < uncertainties.size(); ++j) {
+      const auto found = stated.correlations.find(PairOf(i, j));
+      if (found == stated.correlations.end()) continue;
+      covariance[i][j] = covariance[j][i] = found->second * uncertainties[i] * uncertainties[j];
+    }
+  }
+  return covariance;
+}
 
 Actuator ThesisC10100() {
   return {.moving_mass_kg = 1.4e-3,
@@ -45,6 +102,8 @@ StatedActuator ReadActuator(TomlTable& table) {
   stated.damping_n_s_per_m = Optional(table, "damping_n_s_per_m", Dimension::kDamping);
   stated.force_constant_n_per_a =
       Optional(table, "force_constant_n_per_a", Dimension::kForceConstant);
+
+  ReadCorrelations(table, stated);
 
   // a first error stands, so a missing key is not called "not positive" on top
   RefuseUnlessPositive(table, "moving_mass_kg", stated.moving_mass_kg);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,7 +39,20 @@ struct StatedActuator {
   std::optional<Quantity> stiffness_n_per_m;
   std::optional<Quantity> damping_n_s_per_m;
   std::optional<Quantity> force_constant_n_per_a;
+  std::map<std::string, double> correlations{};  ///< of two symbols, as "Mv_Kv"; absent: 0
 };
+
+/// The symbols of an actuator's seven numbers, in the order of their covariance.
+inline constexpr std::array<std::string_view, 7> kActuatorSymbols{"Mv", "Mc", "Kv", "Bv",
+                                                                  "Km", "R",  "L"};
+/// Relative covariance of the seven: that of their logarithms.
+using ActuatorCovariance = std::array<std::array<double, 7>, 7>;
+
+/// What the stated uncertainties and correlations say; 0 for what is exact, absent or 0.
+[[nodiscard]] ActuatorCovariance RelativeCovariance(const StatedActuator& stated);
+
+/// The actuator with one of its seven numbers, by the place of its symbol, `factor` times as large.
+[[nodiscard]] Actuator Scaled(Actuator actuator, std::size_t place, double factor);
 
 /// Precision Microdrives C10-100, one specimen, as in Lindsay 2013, Table 2.1: Mv 1.4 g, Mc 0.6 g,
 /// R 27 ohm, L 130 uH, and from its drop test Kv 2800 N/m, Bv 0.0322 N s/m, Km 1.0 N/A.
@@ -47,12 +62,13 @@ struct StatedActuator {
 ///
 ///   moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h                     (required)
 ///   stiffness_n_per_m, damping_n_s_per_m, force_constant_n_per_a                   (optional)
+///   [correlation] Mv_Kv and any other pair of kActuatorSymbols in that order       (optional)
 ///
 /// Errors: the file's (base/input_file.h), an unknown or unreadable key, a value that is not
-/// positive (damping: negative).
+/// positive (damping: negative), a correlation beyond -1 to 1.
 [[nodiscard]] Result<StatedActuator> FindActuator(const std::string& name_or_path);
 
-/// The seven keys above out of a table that is already open; the table's Finish() tells the errors.
+/// The keys above out of a table that is already open; the table's Finish() tells the errors.
 [[nodiscard]] StatedActuator ReadActuator(TomlTable& table);
 
 /// The numbers alone. Error (Cause::kCannotAnswer): one of the three optional constants is not

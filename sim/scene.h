@@ -57,6 +57,7 @@ struct Sensor {
 /// rigid massless cone; the two differ only in the skin's constants.
 struct Scene {
   Actuator actuator;
+  ActuatorCovariance actuator_covariance{};  ///< how well its numbers are known; 0: exactly
   std::optional<Adapter> adapter;
   Skin skin;
   SineDrive drive;

@@ -279,6 +279,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   const auto actuator = Complete(*stated);
   if (!actuator) return std::unexpected(actuator.error());
   scene.actuator = *actuator;
+  scene.actuator_covariance = RelativeCovariance(*stated);
   RefuseUnrealActuator(*actuator_table, scene.actuator);
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   return scene;

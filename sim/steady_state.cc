@@ -1,6 +1,7 @@
 #include "sim/steady_state.h"
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -90,6 +91,26 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
 
 SteadyState SolveSteadyState(const Scene& scene) {
   return SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+}
+
+double SkinRmsUncertainty(const Scene& scene) {
+  constexpr double kStep = 1e-4;
+  std::array<double, kActuatorSymbols.size()> gradient{};
+  for (std::size_t place = 0; place < gradient.size(); ++place) {
+    const auto logarithm = [&](double factor) {
+      Scene moved = scene;
+      moved.actuator = Scaled(scene.actuator, place, factor);
+      return std::log(SolveSteadyState(moved).skin_rms_m);
+    };
+    gradient[place] = (logarithm(std::exp(kStep)) - logarithm(std::exp(-kStep))) / (2 * kStep);
+  }
+  double square = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    for (std::size_t j = 0; j < gradient.size(); ++j) {
+      square += gradient[i] * scene.actuator_covariance[i][j] * gradient[j];
+    }
+  }
+  return std::sqrt(std::max(square, 0.0));
 }
 
 }  // namespace haptometer::sim

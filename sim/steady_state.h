@@ -36,4 +36,12 @@ struct SteadyState {
 /// The same of a scene.
 [[nodiscard]] SteadyState SolveSteadyState(const Scene& scene);
 
+/// Relative standard uncertainty of skin_rms_m from how well the scene's actuator is known.
+///
+///   u^2 = g' C g,  g the derivatives of ln RMS by the logarithms of the seven numbers
+///
+/// First order (JCGM 100:2008, 5.2.2), g by central differences of 1e-4: good to 1e-6 of itself
+/// where the uncertainties are small against the resonance's width. Cost: 14 steady states.
+[[nodiscard]] double SkinRmsUncertainty(const Scene& scene);
+
 }  // namespace haptometer::sim

@@ -9,8 +9,10 @@
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/cli/whole_file.h"
 #include "tools/fit_lra_input.h"
 #include "tools/fit_lra_output.h"
+#include "tools/fit_lra_save.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 
@@ -61,8 +63,14 @@ int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& 
   return status;
 }
 
+// the files that are asked for beside the answer
+struct FitLraFiles {
+  std::string plot;
+  std::string save;
+};
+
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
-             std::string& plot) {
+             FitLraFiles& files) {
   options.Positionals("files", &wanted.files,
                       "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
@@ -86,8 +94,21 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                "Takes masses, R and L from an actuator file or thesis-c10-100");
   options.Repeated("--require", &wanted.required, "Kv|Bv|Km",
                    "Status 3 where this constant is not determined; may be repeated");
-  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
+  options.Text("--save", &files.save, "FILE.toml",
+               "Write the actuator with uncertainties and correlations, for scenes and --actuator");
+  options.Text("--plot", &files.plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
   cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
+}
+
+Result<void> WriteFiles(const FitLraFiles& files, const fit::DropTestFit& fit,
+                        const FitLraInput& input) {
+  if (!files.save.empty()) {
+    const auto text = ActuatorText(fit, input.knowns);
+    if (!text) return std::unexpected(text.error());
+    if (auto written = cli::WriteWholeFile(files.save, *text); !written) return written;
+  }
+  if (files.plot.empty()) return {};
+  return PlotFitLra(files.plot, fit, input.records);
 }
 
 }  // namespace
@@ -96,14 +117,14 @@ int RunFitLra(int argc, const char* const* argv) {
   cli::Options options(kText);
   FitLraOptions wanted;
   cli::ImportWords import_words;
-  std::string plot;
-  Declare(options, wanted, import_words, plot);
+  FitLraFiles files;
+  Declare(options, wanted, import_words, files);
   if (const auto status = options.Parse(argc, argv)) return *status;
   auto import = cli::ImportOf(import_words);
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
-  if (!plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
+  if (!files.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) {
       return cli::ReportError(kVerb, drawable.error());
     }
   }
@@ -131,9 +152,8 @@ int RunFitLra(int argc, const char* const* argv) {
   if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
     status = ExitStatus(Cause::kCannotAnswer);
   }
-  if (plot.empty()) return status;
-  if (auto drawn = PlotFitLra(plot, *fit, input->records); !drawn) {
-    return cli::ReportError(kVerb, drawn.error());
+  if (auto written = WriteFiles(files, *fit, *input); !written) {
+    return cli::ReportError(kVerb, written.error());
   }
   return status;
 }

@@ -136,6 +136,9 @@ Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& o
   }
   auto file = fit::ImpulseFromRecord(recording->record, source.path);
   if (!file) return std::unexpected(file.error());
+  for (const std::string& remark : file->remarks) {
+    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+  }
   auto& record = file->record;
   Lay(source.load_ohm, "the load of the command line", source.path, "load_ohm", &record.load_ohm,
       remarks);

@@ -140,7 +140,9 @@ std::string BudgetLines(const DropTestFit& fit) {
     for (std::size_t k = 0; k < 3; ++k) {
       percents[k] = Percent(*constants[k].second, percent_of(k, *constants[k].second));
     }
-    return BudgetLine(name, type, percents);
+    const bool says_nothing = std::ranges::all_of(
+        percents, [](const std::string& percent) { return percent.ends_with('-'); });
+    return says_nothing ? std::string() : BudgetLine(name, type, percents);
   };
   if (std::ranges::none_of(constants, [](const auto& c) { return c.second->determined; }))
     return {};

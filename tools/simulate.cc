@@ -135,6 +135,7 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
                         "has no steady state: the drive meets an undamped resonance",
                         "add damping or change frequency_hz");
   }
+  answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(*scene);
   answer.window = AnswerWindow(*scene);
   if (wanted.output.empty()) return answer;
   if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());

@@ -44,6 +44,11 @@ std::string SimulateText(const SimulateAnswer& answer) {
       fmt::format("{}: {}, {:g} V at {:g} Hz\n", answer.scene_path, Bodies(answer.scene),
                   answer.scene.drive.amplitude_v, answer.scene.drive.frequency_hz);
   text += fmt::format("  skin displacement  {:12.5f} um RMS\n", steady.skin_rms_m * 1e6);
+  if (answer.skin_rms_relative_uncertainty > 0) {
+    const double half_um = 1.96e6 * answer.skin_rms_relative_uncertainty * steady.skin_rms_m;
+    text += fmt::format("                  +- {:12.5f} um (95 %, from the actuator's constants)\n",
+                        half_um);
+  }
   text += fmt::format("  mover travel    +- {:12.5f} um in its case\n", steady.mover_peak_m * 1e6);
   text += fmt::format("  case displacement  {:12.5f} um RMS\n", steady.case_rms_m * 1e6);
   text += fmt::format("  current            {:12.5f} mA RMS\n", steady.current_rms_a * 1e3);
@@ -66,20 +71,25 @@ std::string SimulateText(const SimulateAnswer& answer) {
 
 std::string SimulateJson(const SimulateAnswer& answer) {
   const sim::SteadyState& steady = answer.steady;
-  ordered_json document{{"scene", answer.scene_path},
-                        {"skin_rms_m", steady.skin_rms_m},
-                        {"mover_peak_m", steady.mover_peak_m},
-                        {"case_rms_m", steady.case_rms_m},
-                        {"current_rms_a", steady.current_rms_a},
-                        {"power_w", steady.power_w},
-                        {"phase_rad", steady.phase_rad},
-                        {"skin_force_peak_n", steady.skin_force_peak_n},
-                        {"method", Method(answer)},
-                        {"error_estimate", steady.error_estimate},
-                        {"window_rms_m", nullptr},
-                        {"window_s", nullptr},
-                        {"assumptions", SimulateAssumptions(answer)},
-                        {"trial", cli::TextOrNull(answer.trial_path)}};
+  ordered_json document{
+      {"scene", answer.scene_path},
+      {"skin_rms_m", steady.skin_rms_m},
+      {"skin_rms_standard_uncertainty_m",
+       answer.skin_rms_relative_uncertainty > 0
+           ? cli::NumberOrNull(answer.skin_rms_relative_uncertainty * steady.skin_rms_m)
+           : ordered_json(nullptr)},
+      {"mover_peak_m", steady.mover_peak_m},
+      {"case_rms_m", steady.case_rms_m},
+      {"current_rms_a", steady.current_rms_a},
+      {"power_w", steady.power_w},
+      {"phase_rad", steady.phase_rad},
+      {"skin_force_peak_n", steady.skin_force_peak_n},
+      {"method", Method(answer)},
+      {"error_estimate", steady.error_estimate},
+      {"window_rms_m", nullptr},
+      {"window_s", nullptr},
+      {"assumptions", SimulateAssumptions(answer)},
+      {"trial", cli::TextOrNull(answer.trial_path)}};
   if (answer.window) {
     document["window_rms_m"] = answer.window->skin_rms_m;
     document["window_s"] = {answer.window->begin_s, answer.window->end_s};

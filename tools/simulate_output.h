@@ -21,8 +21,9 @@ struct SimulateAnswer {
   std::string scene_path;
   sim::Scene scene;
   sim::SteadyState steady;
-  std::optional<WindowAnswer> window;  ///< with a duration of at least ten periods
-  std::string trial_path;              ///< empty: none written
+  double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
+  std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
+  std::string trial_path;                    ///< empty: none written
 };
 
 /// What the numbers rest on, one sentence each.

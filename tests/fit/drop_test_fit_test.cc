@@ -233,6 +233,42 @@ TEST(DropTestFit, InputsPropagateLikeTheClosedForms) {
   EXPECT_REL(fit.force_constant.combined_standard_uncertainty, expected, 1e-4, "inductance");
 }
 
+TEST(DropTestFit, TheRecordersScalesPropagateLikeTheClosedForms) {
+  SyntheticDrop drop;
+  auto record = MakeRecordWithHeight(drop);
+  record.voltage_scale = Quantity{1, 0.02};
+  record.time_scale = Quantity{1, 1e-3};
+  auto fit = Fit({record});
+  // Kv = M (w s)^2, Bv = 2 M d s, Km = A / (g v0) for shown times s t and shown volts g v
+  EXPECT_REL(fit.stiffness.combined_standard_uncertainty, 2800 * 2e-3, 1e-6, "differences of 1e-6");
+  EXPECT_REL(fit.damping.combined_standard_uncertainty, 0.0322 * 1e-3, 1e-6, "differences of 1e-6");
+  EXPECT_REL(fit.force_constant.combined_standard_uncertainty, 0.02, 1e-6, "differences of 1e-6");
+  // a clock that runs 1 % fast, and shows it
+  record.voltage_scale = Quantity{1.05, 0};
+  record.time_scale = Quantity{1.01, 0};
+  fit = Fit({record});
+  EXPECT_REL(fit.stiffness.value, 2800 * 1.01 * 1.01, 1e-12, "noise-free");
+  EXPECT_REL(fit.damping.value, 0.0322 * 1.01, 1e-12, "noise-free");
+  EXPECT_REL(fit.force_constant.value, 1 / 1.05, 1e-12, "noise-free");
+}
+
+TEST(DropTestFit, CovarianceIsThatOfTheFitAndTheInputs) {
+  auto knowns = ThesisKnowns();
+  knowns.moving_mass_kg = Quantity{1.4e-3, 1.4e-5};
+  SyntheticDrop drop;
+  auto loaded = Loaded(33);
+  drop.noise_v = loaded.noise_v = 2e-3;
+  const auto fit = Fit({MakeRecord(drop), MakeRecord(loaded)}, knowns);
+  const auto& c = fit.relative_covariance;
+  EXPECT_REL(c[0][0],
+             std::pow(fit.stiffness.combined_standard_uncertainty / fit.stiffness.value, 2), 1e-9,
+             "the same sums");
+  // Kv and Bv go by M, Km by its root
+  EXPECT_REL(c[0][1], 1e-4, 1e-3, "their noise is hardly correlated");
+  EXPECT_REL(c[0][2], 0.5e-4, 1e-3, "their noise is hardly correlated");
+  EXPECT_EQ(c[0][1], c[1][0]);
+}
+
 TEST(DropTestFit, SensitivitiesAreThoseOfSolvingAgain) {
   SyntheticDrop drop;
   auto loaded = Loaded(33);

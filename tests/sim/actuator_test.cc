@@ -73,6 +73,23 @@ TEST_F(ActuatorFile, OfAllSevenConstantsIsComplete) {
   EXPECT_EQ(stated->force_constant_n_per_a->standard_uncertainty, 0.1);
 }
 
+TEST_F(ActuatorFile, UncertaintiesAndCorrelationsMakeACovariance) {
+  const auto stated =
+      FindActuator(Write(std::string(kDataSheet) + "stiffness_n_per_m = '2000(20)'\n"
+                                                   "damping_n_s_per_m = 0\n"
+                                                   "force_constant_n_per_a = '0.8(1) N/A'\n"
+                                                   "[correlation]\nMv_Kv = 0.5\nKv_Km = -1\n"));
+  ASSERT_TRUE(stated) << stated.error().Text();
+  const ActuatorCovariance covariance = RelativeCovariance(*stated);
+  const double mass = 0.03 / 1.4;
+  EXPECT_REL(covariance[0][0], mass * mass, 1e-14, "rounding");
+  EXPECT_REL(covariance[0][2], 0.5 * mass * 0.01, 1e-14, "rounding");
+  EXPECT_EQ(covariance[2][0], covariance[0][2]);
+  EXPECT_REL(covariance[2][4], -0.01 * 0.125, 1e-14, "rounding");
+  EXPECT_EQ(covariance[3][3], 0) << "a damping of 0 has no relative uncertainty";
+  EXPECT_EQ(covariance[0][4], 0);
+}
+
 TEST_F(ActuatorFile, TellsWhatIsWrongWithIt) {
   const auto text = [&](const std::string& content) {
     const auto stated = FindActuator(Write(content));
@@ -86,6 +103,10 @@ TEST_F(ActuatorFile, TellsWhatIsWrongWithIt) {
             path_ + ": stiffness_n_per_m: must be greater than 0; check its sign");
   EXPECT_EQ(text(std::string(kDataSheet) + "damping_n_s_per_m = -1\n"),
             path_ + ": damping_n_s_per_m: must not be negative; check its sign");
+  EXPECT_EQ(text(std::string(kDataSheet) + "[correlation]\nMv_Kv = 1.5\n"),
+            path_ + ": [correlation]: Mv_Kv: lies from -1 to 1; check it");
+  EXPECT_THAT(text(std::string(kDataSheet) + "[correlation]\nKv_Mv = 0.5\n"),
+              ::testing::HasSubstr("Kv_Mv is not known"));
   EXPECT_THAT(text("moving_mass_kg = '1.4'\n"), ::testing::HasSubstr("did you mean 1.4g?"));
 }
 

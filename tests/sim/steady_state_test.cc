@@ -88,6 +88,35 @@ TEST(SteadyState, TakesThePowerThatItDissipates) {
   }
 }
 
+TEST(SkinRmsUncertainty, OfACurrentDrivenActuatorIsThatOfKmOverR) {
+  // through 1 Mohm the current is V / R whatever moves, so the RMS goes as Km / R
+  Scene scene = AdapterScene();
+  scene.actuator.resistance_ohm = 1e6;
+  scene.actuator_covariance[4][4] = 0.02 * 0.02;
+  scene.actuator_covariance[5][5] = 0.03 * 0.03;
+  EXPECT_REL(SkinRmsUncertainty(scene), std::hypot(0.02, 0.03), 1e-4, "back EMF, 1e-6 of R");
+  // what moves both alike cancels
+  scene.actuator_covariance[5][5] = 0.02 * 0.02;
+  scene.actuator_covariance[4][5] = scene.actuator_covariance[5][4] = 0.02 * 0.02;
+  EXPECT_ABS(SkinRmsUncertainty(scene), 0.0, 1e-6, "back EMF, 1e-6 of R, and its root of rounding");
+}
+
+TEST(SkinRmsUncertainty, IsTheChangeThatAMovedConstantMakes) {
+  for (std::size_t place = 0; place < kActuatorSymbols.size(); ++place) {
+    SCOPED_TRACE(kActuatorSymbols[place]);
+    Scene scene = AdapterScene();
+    scene.actuator_covariance[place][place] = 1e-6;
+    const auto moved = [&](double factor) {
+      Scene other = scene;
+      other.actuator = Scaled(scene.actuator, place, factor);
+      return SolveSteadyState(other).skin_rms_m;
+    };
+    EXPECT_ABS(SkinRmsUncertainty(scene), std::abs(std::log(moved(1.001) / moved(1 / 1.001))) / 2,
+               1e-6, "third order of 0.1 % by the resonance's width");
+  }
+  EXPECT_EQ(SkinRmsUncertainty(AdapterScene()), 0) << "all is stated as exact";
+}
+
 TEST(SteadyState, IsLinearInTheVoltage) {
   Scene scene = AdapterScene();
   const SteadyState one = SolveSteadyState(scene);

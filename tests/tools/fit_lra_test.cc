@@ -9,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "sim/actuator.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/fit_lra_input.h"
@@ -268,6 +269,58 @@ TEST(FitLra, ActuatorsThatCannotBeReadAreReported) {
   const auto outcome = FitLra({kOpenFile, "--actuator", "/no/such/actuator.toml"});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("/no/such/actuator.toml"));
+}
+
+TEST_F(FitLraFiles, WhatIsSavedIsReadBackAndMakesABandOfTheSkin) {
+  const std::string saved = directory_ / "actuator.toml";
+  const auto words = [&](const std::string& mass) {
+    return std::vector<std::string>{kOpenFile, kLoadedFile, "--moving-mass", mass, "--save", saved};
+  };
+  ASSERT_EQ(FitLra(words("1.40(3)g")).status, 0);
+  const auto actuator = sim::FindActuator(saved);
+  ASSERT_TRUE(actuator) << actuator.error().Text();
+  EXPECT_REL(actuator->stiffness_n_per_m->value, 2800.0, 1e-4, "noise");
+  EXPECT_REL(actuator->stiffness_n_per_m->standard_uncertainty, 60.0, 1e-3, "that of the mass");
+  EXPECT_REL(actuator->correlations.at("Mv_Kv"), 1.0, 1e-5, "all of it");
+  const std::string scene = directory_ / "scene.toml";
+  std::ofstream(scene) << "[actuator]\nfile = 'actuator.toml'\n[drive]\nkind = 'sine'\n"
+                          "amplitude_v = 5\nfrequency_hz = 225\n[skin]\n"
+                          "stiffness_n_per_m = 610\ndamping_n_s_per_m = 0.62\n";
+  const auto simulated = Captured(RunSimulate, "simulate", {scene, "--json"});
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const json document = json::parse(simulated.out);
+  EXPECT_GT(document.at("skin_rms_standard_uncertainty_m"), 0);
+  EXPECT_LT(document.at("skin_rms_standard_uncertainty_m"),
+            0.1 * document.at("skin_rms_m").get<double>());
+  EXPECT_THAT(Captured(RunSimulate, "simulate", {scene}).out,
+              HasSubstr("from the actuator's constants"));
+}
+
+TEST_F(FitLraFiles, AnActuatorWithoutItsCaseIsNotSaved) {
+  const auto bare = Fixture(kOpenFile, "bare.csv", {"case_mass_kg"});
+  const auto outcome = FitLra({bare, "--save", directory_ / "actuator.toml"});
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("--case-mass"));
+  EXPECT_FALSE(fs::exists(directory_ / "actuator.toml"));
+}
+
+TEST_F(FitLraFiles, AMistypedHeaderKeyIsNamed) {
+  const auto mistyped =
+      Fixture(kOpenFile, "mistyped.csv", {"moving_mass_kg"}, "# moving_mas_kg = 1.4e-3\n");
+  const auto outcome = FitLra({mistyped});
+  EXPECT_THAT(outcome.err, HasSubstr("moving_mas_kg is not known; did you mean moving_mass_kg?"));
+  EXPECT_THAT(FitLra({kOpenFile}).err, IsEmpty());
+}
+
+TEST_F(FitLraFiles, WhereTheCausesOfTheUncertaintyStand) {
+  const auto outcome = FitLra({kOpenFile, "--moving-mass", "1.40(3)g", "--time-scale", "1+-0.001"});
+  for (const char* line : {"moving mass 1.4 g +- 0.03 g          B       2.1       2.1         -",
+                           "time scale 1 +- 0.001                B       0.2       0.1         -",
+                           "correlation of Kv with Bv +1.00"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(line));
+  }
+  EXPECT_EQ(FitLra({kOpenFile, "--time-scale", "1ms"}).status, 2);
+  EXPECT_EQ(FitLra({kOpenFile, "--voltage-scale", "1e-3"}).status, 2);
 }
 
 TEST_F(FitLraFiles, ThePlotHoldsRecordAndFit) {
