@@ -68,7 +68,7 @@ Json ConditionJson(const ConditionSummary& condition) {
   json["icc"] = repeats ? Json(repeats->icc) : Json(nullptr);
   json["icc_interval"] = repeats ? IntervalJson(repeats->interval) : Json(nullptr);
   json["within_cell_variation"] =
-      repeats ? Json(VariationOfLogs(repeats->within_sd)) : Json(nullptr);
+      repeats ? Json(dsp::VariationOfLogs(repeats->within_sd)) : Json(nullptr);
   return json;
 }
 

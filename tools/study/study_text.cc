@@ -141,7 +141,7 @@ void AppendAll(const StudyResult& study, std::string& text) {
                        "{:.2g} %",
                        condition.name, condition.repeats->icc, condition.repeats->interval.lower,
                        condition.repeats->interval.upper,
-                       100 * VariationOfLogs(condition.repeats->within_sd)));
+                       100 * dsp::VariationOfLogs(condition.repeats->within_sd)));
   }
   AppendTrend(study, text);
 }
