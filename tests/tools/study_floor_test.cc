@@ -24,18 +24,20 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
 
+constexpr double kTreatedM = 8e-6;
 constexpr double kPi = std::numbers::pi;
 
 Outcome Study(const std::vector<std::string>& words) { return Captured(RunStudy, "study", words); }
 
-// trials of 4 um and 8 um at 225 Hz with 3 um of "noise", a tone at 110 Hz, under each of them
+// trials of 4 um, and 8 or 16 um, at 225 Hz with 3 um of "noise", a tone at 110 Hz, under each of
+// them
 class StudyFloor : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(trials_);
-    for (const char* subject : {"1", "2"}) {
-      Write(trials_ / fmt::format("s{}_a.csv", subject), 3e-6, 4e-6);
-      Write(trials_ / fmt::format("s{}_b.csv", subject), 3e-6, 8e-6);
+    for (int subject = 1; subject <= 2; ++subject) {
+      Write(trials_ / fmt::format("s{}_a.csv", subject), 3e-6, kTreatedM / 2);
+      Write(trials_ / fmt::format("s{}_b.csv", subject), 3e-6, subject * kTreatedM);
     }
   }
   void TearDown() override { fs::remove_all(directory_); }
@@ -76,8 +78,8 @@ TEST_F(StudyFloor, IsTakenOffEveryTrialAndIsNone) {
              "settled ends, not whole periods of 110 Hz");
   ASSERT_EQ(study["trials"].size(), 4U) << "the floor lies in the folder and is no trial";
   for (const Json& trial : study["trials"]) {
-    const double amplitude_m = trial["condition"] == "a" ? 4e-6 : 8e-6;
-    EXPECT_REL(trial["band_rms_m"].get<double>(), amplitude_m / std::numbers::sqrt2, 2e-3,
+    const double times = trial["condition"] == "a" ? 0.5 : trial["subject"] == "1" ? 1 : 2;
+    EXPECT_REL(trial["band_rms_m"].get<double>(), times * kTreatedM / std::numbers::sqrt2, 2e-3,
                "the same");
   }
 }
