@@ -25,7 +25,8 @@ void AppendContrasts(const StudyResult& study, std::string& text) {
       "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
       "geometric "
       "means, with intervals from the paired t on logarithms; effect sizes are d_z and Hedges' g "
-      "(exact correction) with intervals of the population's effect from the noncentral t distribution.",
+      "(exact correction) with intervals of the population's effect from the noncentral t "
+      "distribution.",
       study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
       fmt::join(names, "; "), names.size() == 1 ? "was" : "were", names.size(),
       names.size() == 1 ? "" : "s");
