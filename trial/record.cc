@@ -37,10 +37,6 @@ std::optional<SampleStatus> SampleStatusFromName(std::string_view name) {
 
 std::string_view Name(ChannelRole role) { return kRoleNames[static_cast<std::size_t>(role)]; }
 
-std::optional<ChannelRole> ChannelRoleFromName(std::string_view name) {
-  return FromName<ChannelRole>(kRoleNames, name);
-}
-
 const Channel* Record::Find(ChannelRole role) const {
   const auto found = std::ranges::find(channels, role, &Channel::role);
   return found == channels.end() ? nullptr : &*found;

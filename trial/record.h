@@ -41,7 +41,6 @@ enum class ChannelRole : std::uint8_t { kDisplacement, kVoltage, kCurrent, kTrig
 
 /// "displacement", "voltage", "current", "trigger", "other".
 [[nodiscard]] std::string_view Name(ChannelRole role);
-[[nodiscard]] std::optional<ChannelRole> ChannelRoleFromName(std::string_view name);
 
 /// One measured quantity over time, in SI units.
 struct Channel {

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "base/jobs.h"
+#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
-#include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/raw_summary.h"
 #include "dsp/analysis/record_doubts.h"
 #include "dsp/analysis/record_facts.h"
@@ -159,7 +159,7 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
                                  int threads, const std::string& why_not) {
   const trial::Record& head = source.head();
-  const auto channel = DisplacementChannel(head);
+  const auto channel = AnalyzedChannel(head);
   if (!channel) return std::unexpected(channel.error());
 
   BandAnalysis analysis;

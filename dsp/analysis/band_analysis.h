@@ -22,6 +22,25 @@
 #include "trial/record.h"
 #include "trial/row_source.h"
 
+/// How displacement becomes numbers, step by step, and where each step is (dsp/analysis/):
+///
+///   1. which channel            analyzed_channel.h
+///   2. uneven times to a grid   regular_grid.h
+///   3. one pass over all rows   measured.h, row_block.h, row_kernel.h; it splits at holes
+///                               (segments.h), sums up (raw_summary.h) and finds what no vibration
+///                               does (faults.h, fault_shape.h)
+///   4. what the record is       record_facts.h, record_doubts.h; slow_record.h where it is
+///                               too slow for the band
+///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
+///                               below_band_model.h where too little settles without
+///   6. which part counts        used_part.h, by drive_part.h and frequency_move.h
+///   7. numbers of that window   window_numbers.h, by tone_power.h, thinned_samples.h,
+///                               band_noise.h, sensor_gain.h and window_faults.h, put together in
+///                               rms_estimate.h
+///   8. what goes with them      drive_onset.h, window_state.h, floor_remarks.h
+///
+/// band_question.h is what is asked, this file what is answered. A record whose frequency moves has
+/// a road of its own, sweep_piece.h and sweep_analysis.h; spectra take window_samples.h.
 namespace haptometer::dsp {
 
 /// What every record with one measurement or more tells, whatever the band.
@@ -181,7 +200,7 @@ struct BandAnalysis {
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
 /// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
-/// calibration is not included.
+/// calibration and linearity are not included (kNotInBudget).
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running

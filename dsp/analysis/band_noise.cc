@@ -40,11 +40,6 @@ double BandNoise::DensityNear(double frequency_hz, double lower_hz, double upper
   return count > 0 ? sum / static_cast<double>(count) / bin_hz : 0;
 }
 
-double BandNoise::EquivalentBandwidthHz() const {
-  if (!(power.variance > 0)) return 0;
-  return power.mean_square * power.mean_square / power.variance * bin_hz;
-}
-
 BandNoise MeasureNoise(std::span<const double> samples, double rate_hz, double upper_hz) {
   HAPTOMETER_CHECK(samples.size() >= 2 && rate_hz > 0, "{} samples at {} Hz", samples.size(),
                    rate_hz);

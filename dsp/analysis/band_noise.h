@@ -33,9 +33,6 @@ struct BandNoise {
   /// lie between `lower_hz` and `upper_hz`, the nearest one left out on each side and the one at it
   /// (a fit has taken its share from them). 0 where there are none.
   [[nodiscard]] double DensityNear(double frequency_hz, double lower_hz, double upper_hz) const;
-
-  /// (integral of S)^2 / integral of S^2, in Hz; 0 for silence.
-  [[nodiscard]] double EquivalentBandwidthHz() const;
 };
 
 /// The frequency to which noise behind a band's filter is looked at: beyond 1.5 times the upper

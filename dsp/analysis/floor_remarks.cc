@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 
 namespace haptometer::dsp {
 namespace {
@@ -11,29 +12,32 @@ constexpr double kUmPerM = 1e6;
 constexpr double kSameRate = 0.01;       // relative
 constexpr double kSameFrequency = 0.01;  // relative: a drive is set again no better
 
-// what the drive-off trial itself lets doubt
-void RemarkDriveOff(const NoiseFloor& floor, const BandNumbers& numbers, BandAnalysis* analysis) {
+}  // namespace
+
+std::vector<std::string> FloorDoubts(const BandNumbers& numbers, double rate_hz) {
+  std::vector<std::string> doubts;
+  if (!numbers.floor || !(numbers.floor->rate_hz > 0)) return doubts;
+  const NoiseFloor& floor = *numbers.floor;
+  doubts.reserve(floor.doubts.size() + 2);
   for (const std::string& doubt : floor.doubts) {
-    analysis->remarks.push_back(fmt::format("the floor {}: {}", floor.source, doubt));
+    doubts.push_back(fmt::format("the floor {}: {}", floor.source, doubt));
   }
-  if (std::abs(floor.rate_hz - analysis->record.rate_hz) > kSameRate * analysis->record.rate_hz) {
-    analysis->remarks.push_back(fmt::format(
+  if (std::abs(floor.rate_hz - rate_hz) > kSameRate * rate_hz) {
+    doubts.push_back(fmt::format(
         "the floor {} has {:.4g} readings a second and this trial {:.4g}: a sensor's noise in the "
         "band depends on its rate; take one of the same settings",
-        floor.source, floor.rate_hz, analysis->record.rate_hz));
+        floor.source, floor.rate_hz, rate_hz));
   }
-  if (!floor.tone_hz) return;
+  if (!floor.tone_hz) return doubts;
   const bool is_same = numbers.tone && std::abs(*floor.tone_hz - numbers.tone->fit.frequency_hz) <=
                                            kSameFrequency * numbers.tone->fit.frequency_hz;
-  analysis->remarks.push_back(
-      fmt::format("the floor {} holds a tone, {:.3g} um at {:.4g} Hz{}: it is taken off as noise; "
-                  "was the drive "
-                  "off?",
-                  floor.source, floor.tone_amplitude_m * kUmPerM, *floor.tone_hz,
-                  is_same ? ", as this trial does" : ""));
+  doubts.push_back(fmt::format(
+      "the floor {} holds a tone, {:.3g} um at {:.4g} Hz{}: it is taken off as noise; was the "
+      "drive off?",
+      floor.source, floor.tone_amplitude_m * kUmPerM, *floor.tone_hz,
+      is_same ? ", as this trial does" : ""));
+  return doubts;
 }
-
-}  // namespace
 
 void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
   if (!numbers.floor) {
@@ -42,7 +46,9 @@ void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis) {
         "takes a drive-off trial");
     return;
   }
-  if (numbers.floor->rate_hz > 0) RemarkDriveOff(*numbers.floor, numbers, analysis);
+  for (std::string& doubt : FloorDoubts(numbers, analysis->record.rate_hz)) {
+    analysis->remarks.push_back(std::move(doubt));
+  }
   const double floor_um = *numbers.rms.floor_m * kUmPerM;
   if (numbers.rms.floor_contradicts) {
     analysis->reasons.push_back(fmt::format(

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "base/check.h"
-#include "dsp/spectrum/chi_squared.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -37,8 +37,8 @@ Reach ReachOf(const NoisePower& power, double probability) {
     return {reach, reach};
   }
   const double sum = degrees * power.mean_square;
-  return {power.mean_square - sum / ChiSquaredQuantile(1 - probability, degrees),
-          sum / ChiSquaredQuantile(probability, degrees) - power.mean_square};
+  return {power.mean_square - sum / ChiSquareQuantile(1 - probability, degrees),
+          sum / ChiSquareQuantile(probability, degrees) - power.mean_square};
 }
 
 // t's quantile by Cornish and Fisher's first term: 4 digits at 96 degrees

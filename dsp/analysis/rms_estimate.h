@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
@@ -15,6 +16,9 @@ enum class Evaluation : std::uint8_t {
   kStatistical,  ///< Type A: from the scatter of the data
   kBound,        ///< Type B: a rectangle of half width a, whose standard deviation is a / sqrt(3)
 };
+
+/// What no budget of an RMS or an amplitude holds: a record does not tell it.
+inline constexpr std::string_view kNotInBudget = "the sensor's calibration and linearity";
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {

@@ -9,8 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_question.h"
-#include "dsp/analysis/displacement_channel.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/analysis/sweep_piece.h"
 #include "dsp/filter/zero_phase.h"
@@ -341,7 +341,7 @@ Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
   answer.sensor = AveragingOf(source.head().metadata, piece.rate_hz, fresh_rate_hz);
   answer.amplitude_verified = answer.sensor.knowledge != SensorKnowledge::kUnknown;
   if (!answer.amplitude_verified) {
-    answer.remarks.emplace_back("amplitude not verified: sensor averaging unknown");
+    answer.remarks.push_back(fmt::format("{}; {}", kAmplitudeNotVerified, kAveragingRemedy));
   }
   const Band band{question.lower_hz, UpperOf(question, fresh_rate_hz, answer)};
   if (!(band.upper_hz > band.lower_hz)) return {};
@@ -353,7 +353,7 @@ Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
 
 Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQuestion& question) {
   if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
-  const auto channel = DisplacementChannel(source.head());
+  const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
   SweepAnswer answer;
   if (const std::string why = TimesWillNotDo(source.head()); !why.empty()) {

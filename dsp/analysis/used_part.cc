@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
 constexpr double kRingingLeft = 1e-3;  // of an amplitude, where it counts as over
 constexpr double kLeastBulge = 2;      // of a transient
+constexpr std::string_view kMovesWhy = "the frequency moves: where it stands out is no drive";
 
 // visits values of rows [first, first + size)
 template <typename Visit>
@@ -141,6 +142,7 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
   if (!found.parts.on.empty()) return;
   found.parts.course = DriveCourse::kUnchanging;
   found.parts.quiet.clear();
+  found.parts.why = "only transients stand out";
 }
 
 // by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
@@ -164,7 +166,7 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
   if (pauses || by_power.course == DriveCourse::kGated) {
     const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
     if (!move) return std::unexpected(move.error());
-    if (*move) return FoundParts{};
+    if (*move) return FoundParts{{DriveCourse::kUnchanging, {}, {}, std::string(kMovesWhy)}};
   }
   if (pauses) return FoundParts{std::move(*by_tone), false};
   if (by_power.course == DriveCourse::kGated && !by_tone->why.empty()) {
@@ -177,12 +179,14 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
   return found;
 }
 
-// says where a window that was asked for holds more than the steady drive
-Result<void> RemarkMixed(const trial::RowSource& source, const ChosenPart& chosen,
-                         const BandPass& band, BandAnalysis* analysis) {
+// looks for the drive beside a window that was asked for, and says where it holds more than its
+// steady part
+Result<void> RemarkMixed(const trial::RowSource& source, const BandPass& band, ChosenPart& chosen,
+                         BandAnalysis* analysis) {
   const BandSignal& signal = *chosen.signal;
-  const auto found = PartsOf(source, signal, band);
+  auto found = PartsOf(source, signal, band);
   if (!found) return std::unexpected(found.error());
+  const DriveParts& parts = chosen.part.drive = std::move(found->parts);
   const TimeWindow window{TimeOfSample(signal, chosen.begin), TimeOfSample(signal, chosen.end)};
   const auto shared_s = [&](const TimeWindow& other) {
     return std::max(0.0,
@@ -190,17 +194,17 @@ Result<void> RemarkMixed(const trial::RowSource& source, const ChosenPart& chose
   };
   double on_s = 0;
   double steady_s = 0;
-  for (const OnPart& part : found->parts.on) {
+  for (const OnPart& part : parts.on) {
     on_s += shared_s(part.whole);
     steady_s += shared_s(part.steady);
   }
   const double rest_s = window.duration_s() - steady_s;
-  if (found->parts.on.empty() || rest_s <= 1 / band.lower_hz) return {};
+  if (parts.on.empty() || rest_s <= 1 / band.lower_hz) return {};
   analysis->remarks.push_back(
       on_s > 0 ? fmt::format("the window mixes: in {:.3f} s of its {:.3f} s the drive is off or "
                              "changes ({}); --window auto takes the steady part",
-                             rest_s, window.duration_s(), found->parts.why)
-               : fmt::format("the drive is off in the whole window ({})", found->parts.why));
+                             rest_s, window.duration_s(), parts.why)
+               : fmt::format("the drive is off in the whole window ({})", parts.why));
   return {};
 }
 
@@ -227,7 +231,7 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
                                       const BandQuestion& question, BandAnalysis* analysis) {
   ChosenPart chosen;
   for (const BandSignal& signal : all) {
-    const auto [begin, end] = SettledRange(signal, question.window);
+    const auto [begin, end] = SettledWithin(signal, question.window);
     if (end - begin > chosen.end - chosen.begin) chosen = {&signal, begin, end, {}};
   }
   const double found_s = chosen.signal == nullptr ? 0
@@ -258,19 +262,19 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   return chosen;
 }
 
-// the longest steady part of a drive over all signals, where there is one
-Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
-                                               const std::vector<BandSignal>& all,
-                                               const BandQuestion& question,
-                                               BandAnalysis* analysis) {
+// the longest steady part of a drive over all signals; all that has settled where there is none
+Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vector<BandSignal>& all,
+                                const BandQuestion& question, BandAnalysis* analysis) {
+  ChosenPart undriven = AllSettled(LongestSettled(all));
   std::optional<ChosenPart> best;
   for (const BandSignal& signal : all) {
     auto found = PartsOf(source, signal, question.band);
     if (!found) return std::unexpected(found.error());
     if (!found->remark.empty()) analysis->remarks.push_back(found->remark);
+    if (&signal == undriven.signal) undriven.part.drive = found->parts;
     const OnPart* on = found->parts.Longest();
     if (on == nullptr) continue;
-    const auto [begin, end] = SettledRange(signal, on->steady);
+    const auto [begin, end] = SettledWithin(signal, on->steady);
     if (static_cast<double>(end - begin) / signal.rate_hz() <
         kLeastWindowPeriods / question.band.lower_hz) {
       continue;
@@ -282,7 +286,7 @@ Result<std::optional<ChosenPart>> ChooseDriven(const trial::RowSource& source,
     best->part.from_channel = found->from_channel;
     best->part.drive = std::move(found->parts);
   }
-  return best;
+  return best ? *std::move(best) : std::move(undriven);
 }
 
 void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
@@ -308,8 +312,8 @@ double TimeOfSample(const BandSignal& signal, std::size_t sample) {
   return signal.start_s() + static_cast<double>(sample) / signal.rate_hz();
 }
 
-std::pair<std::size_t, std::size_t> SettledRange(const BandSignal& signal,
-                                                 const TimeWindow& window) {
+std::pair<std::size_t, std::size_t> SettledWithin(const BandSignal& signal,
+                                                  const TimeWindow& window) {
   const auto at = [&](double time_s) {
     const double sample = std::round((time_s - signal.start_s()) * signal.rate_hz());
     return static_cast<std::size_t>(std::clamp(sample, static_cast<double>(signal.settled_begin()),
@@ -337,12 +341,12 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
   }
   if (question.choice == WindowChoice::kAuto) {
     auto driven = ChooseDriven(source, all, question, analysis);
-    if (!driven) return driven;
-    chosen = std::move(*driven);
+    if (!driven) return std::unexpected(driven.error());
+    chosen = *std::move(driven);
   }
   if (!chosen) chosen = AllSettled(LongestSettled(all));
   if (question.choice != WindowChoice::kAuto) {
-    if (auto said = RemarkMixed(source, *chosen, question.band, analysis); !said) {
+    if (auto said = RemarkMixed(source, question.band, *chosen, analysis); !said) {
       return std::unexpected(said.error());
     }
   }
@@ -352,6 +356,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
   if (analysis->frequency_move && chosen->part.from_drive && !chosen->part.from_channel) {
     // a sweep that leaves the band or its resonance: beside it the drive is not off
     chosen->part = {};
+    chosen->part.drive.why = kMovesWhy;
     chosen->part.why = "where a vibration whose frequency moves stands out";
   }
   if (chosen->part.from_drive) RemarkUnsteady(chosen->part.drive, analysis);

@@ -47,8 +47,8 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
                                                      std::size_t end);
 
 /// Samples of `window` in `signal`'s count, within what has settled; begin == end: none.
-[[nodiscard]] std::pair<std::size_t, std::size_t> SettledRange(const BandSignal& signal,
-                                                               const TimeWindow& window);
+[[nodiscard]] std::pair<std::size_t, std::size_t> SettledWithin(const BandSignal& signal,
+                                                                const TimeWindow& window);
 
 /// The record's time of sample `sample`.
 [[nodiscard]] double TimeOfSample(const BandSignal& signal, std::size_t sample);

@@ -100,7 +100,8 @@ void DescribeSensor(Window& window) {
                                  window.analysis.record.fresh_rate_hz);
   sensor.gain_in_band = GainsOver(sensor.averaging, window.band().lower_hz, window.band().upper_hz);
   if (sensor.averaging.knowledge == SensorKnowledge::kUnknown) {
-    window.analysis.remarks.emplace_back("amplitude not verified: sensor averaging unknown");
+    window.analysis.remarks.push_back(
+        fmt::format("{}; {}", kAmplitudeNotVerified, kAveragingRemedy));
     return;
   }
   sensor.amplitude_verified = true;
@@ -141,7 +142,7 @@ Result<void> TakeFloor(Window& window) {
     std::string source;
     double duration_s = 0;
     for (const TimeWindow& quiet : window.chosen.part.drive.quiet) {
-      const auto [begin, end] = SettledRange(window.signal(), quiet);
+      const auto [begin, end] = SettledWithin(window.signal(), quiet);
       const double part_s = static_cast<double>(end - begin) / window.rate_hz();
       if (part_s < kLeastFloorS / 2) continue;
       const auto samples = ReadMiddle(window.signal(), begin, end);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/check.h"
-#include "dsp/analysis/displacement_channel.h"
+#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"
 
@@ -28,7 +28,7 @@ WindowSamples PlaceOf(const Segment& segment, const TimeWindow& window, std::siz
 
 Result<WindowSamples> ReadFrom(const trial::RowSource& source, const BandAnalysis& analysis,
                                std::size_t most) {
-  const auto channel = DisplacementChannel(source.head());
+  const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
   const auto segments = SplitIntoSegments(source, *channel, analysis.band.upper_hz);
   if (!segments) return std::unexpected(segments.error());

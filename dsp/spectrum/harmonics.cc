@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "base/check.h"
-#include "dsp/spectrum/chi_squared.h"
 #include "dsp/spectrum/phasor_blocks.h"
+#include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
@@ -115,7 +115,7 @@ Harmonic Describe(const Question& question, const VectorXd& at, const MatrixXd& 
   // two normal values of variance u^2 each: amplitude^2 / u^2 is chi-squared with 2
   const double u_square = 0.5 * block.trace();
   harmonic.stands_out =
-      harmonic.amplitude * harmonic.amplitude > u_square * ChiSquaredQuantile(kStandsOut, 2);
+      harmonic.amplitude * harmonic.amplitude > u_square * ChiSquareQuantile(kStandsOut, 2);
   return harmonic;
 }
 
@@ -140,7 +140,7 @@ void DescribeDistortion(Harmonics& found) {
   found.thd_at_most =
       std::sqrt(std::max(0.0, power) + kOneSided95 * std::sqrt(variance)) / fundamental;
   const auto freedom = static_cast<double>(2 * (found.harmonics.size() - 1));
-  if (!(in_noises > ChiSquaredQuantile(kStandsOut, freedom)) || !(power > 0)) return;
+  if (!(in_noises > ChiSquareQuantile(kStandsOut, freedom)) || !(power > 0)) return;
   const double thd = std::sqrt(power) / fundamental;
   found.thd = thd;
   found.thd_uncertainty =

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "base/check.h"
-#include "dsp/spectrum/chi_squared.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/spectrum/segment_transform.h"
+#include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
@@ -76,8 +76,8 @@ SpectrumGrid GridOf(const SegmentTransform& transform, std::size_t segments) {
   grid.segments = segments;
   grid.degrees_of_freedom = 2 * k / (1 + 2 * shared);
   const double v = grid.degrees_of_freedom;
-  grid.lower_factor = v / ChiSquaredQuantile(0.975, v);
-  grid.upper_factor = v / ChiSquaredQuantile(0.025, v);
+  grid.lower_factor = v / ChiSquareQuantile(0.975, v);
+  grid.upper_factor = v / ChiSquareQuantile(0.025, v);
   return grid;
 }
 

@@ -22,10 +22,11 @@ struct EffectSize {
 
 /// d_z, Hedges g and d_av (D. Lakens, Frontiers in Psychology 4:863, 2013, eqs. 7, 4 and 10).
 ///
-/// The interval inverts noncentral t and belongs to the population's standardized difference, which
-/// d_z and g both estimate: it is exact as it is, so it is not multiplied by J (doing so would make
-/// it cover less than 95 %). d_av has none here: no exact one is known. Nothing with fewer than
-/// 3 pairs, or where the differences are all alike. a and b as in paired.h.
+/// The interval inverts noncentral t and is of the population's effect, its mean difference over
+/// its standard deviation, which d_z and g both estimate; g does not lie in its middle. It is exact
+/// as it is, so it is not multiplied by J (doing so would make it cover less than 95 %). d_av has
+/// none here: no exact one is known. Nothing with fewer than 3 pairs, or where the differences are
+/// all alike. a and b as in paired.h.
 [[nodiscard]] std::optional<EffectSize> EffectOfPairs(std::span<const double> a,
                                                       std::span<const double> b);
 

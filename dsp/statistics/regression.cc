@@ -68,6 +68,23 @@ std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y
   return line;
 }
 
+std::optional<double> SlopeWithinGroups(std::span<const Points> groups) {
+  double xx = 0;
+  double xy = 0;
+  for (const Points& group : groups) {
+    HAPTOMETER_CHECK(group.x.size() == group.y.size(), "{} x and {} y", group.x.size(),
+                     group.y.size());
+    if (group.x.size() < 2) continue;
+    const double mean_x = Mean(group.x);
+    const double mean_y = Mean(group.y);
+    for (std::size_t i = 0; i < group.x.size(); ++i) {
+      xx += (group.x[i] - mean_x) * (group.x[i] - mean_x);
+      xy += (group.x[i] - mean_x) * (group.y[i] - mean_y);
+    }
+  }
+  return xx > 0 ? std::optional(xy / xx) : std::nullopt;
+}
+
 std::optional<Curvature> FitCurvature(std::span<const double> x, std::span<const double> y) {
   const auto line = FitLine(x, y);
   if (!line || x.size() < 4) return std::nullopt;

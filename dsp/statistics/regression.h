@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "dsp/statistics/interval.h"
 
@@ -23,6 +24,17 @@ struct Line {
 /// Ordinary least squares with Student's intervals (n - 2 degrees of freedom): exact for normal
 /// deviations of equal spread. Nothing with fewer than 3 points or equal x.
 [[nodiscard]] std::optional<Line> FitLine(std::span<const double> x, std::span<const double> y);
+
+/// Points that belong together; x and y are of one length.
+struct Points {
+  std::vector<double> x;
+  std::vector<double> y;
+};
+
+/// The one slope of groups that each have a level of their own (analysis of covariance):
+///   sum (x - mean x)(y - mean y) / sum (x - mean x)^2,   means of each group
+/// Nothing where no group has two different x. Cost: one pass; no allocation.
+[[nodiscard]] std::optional<double> SlopeWithinGroups(std::span<const Points> groups);
 
 /// How far points bend: c of the least-squares parabola y = a + b x + c x^2.
 struct Curvature {

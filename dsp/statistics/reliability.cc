@@ -33,4 +33,6 @@ std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> ce
   return reliability;
 }
 
+double VariationOfLogs(double sd) { return std::sqrt(std::expm1(sd * sd)); }
+
 }  // namespace haptometer::dsp

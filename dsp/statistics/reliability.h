@@ -24,4 +24,8 @@ struct Reliability {
 /// Nothing with fewer than 2 subjects or repeats, unequal repeats, or repeats that do not differ.
 [[nodiscard]] std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> cells);
 
+/// The coefficient of variation of exp(X), X normal with standard deviation `sd` (of a lognormal
+/// value, sd / mean): sqrt(exp(sd^2) - 1).
+[[nodiscard]] double VariationOfLogs(double sd);
+
 }  // namespace haptometer::dsp

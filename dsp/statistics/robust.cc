@@ -2,11 +2,47 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
+namespace {
+
+// Box and Muller: the same on every standard library
+double NormalDraw(std::mt19937& engine) {
+  constexpr double kRange = 4294967296.0;  // of the engine
+  const double u = (static_cast<double>(engine()) + 0.5) / kRange;
+  const double v = static_cast<double>(engine()) / kRange;
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+double MedianSize(const CompleteTable& left) {
+  std::vector<double> sizes(left.values().size());
+  std::ranges::transform(left.values(), sizes.begin(), [](double x) { return std::abs(x); });
+  return Median(std::move(sizes));
+}
+
+// the mean of it over polished tables of standard normal values
+double MedianSizeOfNormal(std::size_t subjects, std::size_t conditions) {
+  constexpr std::size_t kCells = 6000;
+  constexpr std::size_t kLeastTables = 20;
+  const std::size_t tables = std::max(kLeastTables, kCells / (subjects * conditions));
+  std::mt19937 engine(1);
+  double sum = 0;
+  for (std::size_t k = 0; k < tables; ++k) {
+    CompleteTable table(subjects, conditions);
+    for (std::size_t s = 0; s < subjects; ++s) {
+      for (std::size_t c = 0; c < conditions; ++c) table.At(s, c) = NormalDraw(engine);
+    }
+    sum += MedianSize(MedianPolish(table));
+  }
+  return sum / static_cast<double>(tables);
+}
+
+}  // namespace
 
 double Median(std::vector<double> values) {
   HAPTOMETER_CHECK(!values.empty(), "no values");
@@ -46,11 +82,10 @@ CompleteTable MedianPolish(const CompleteTable& table) {
   return left;
 }
 
-double DeviationFromMedianAbsolute(std::span<const double> values) {
-  constexpr double kNormal = 1.482602218505602;  // 1 / the 75 % point of the normal distribution
-  std::vector<double> sizes(values.size());
-  std::ranges::transform(values, sizes.begin(), [](double x) { return std::abs(x); });
-  return kNormal * Median(std::move(sizes));
+double DeviationOfPolished(const CompleteTable& left) {
+  HAPTOMETER_CHECK(left.subjects() > 1 && left.conditions() > 1, "{} x {}", left.subjects(),
+                   left.conditions());
+  return MedianSize(left) / MedianSizeOfNormal(left.subjects(), left.conditions());
 }
 
 }  // namespace haptometer::dsp

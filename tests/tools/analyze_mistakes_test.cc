@@ -12,6 +12,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,11 @@ class AnalyzeMistakes : public ::testing::Test {
   [[nodiscard]] std::string Burst() const {
     return Write("burst.csv", 4000,
                  [](double t_s) { return t_s > 1 && t_s < 2 ? 20 * Sine(225, t_s) : 0; });
+  }
+
+  // 10 um at 225 Hz throughout
+  [[nodiscard]] std::string Steady() const {
+    return Write("steady.csv", 4000, [](double t_s) { return 10 * Sine(225, t_s); });
   }
 
   static Outcome Analyze(const std::vector<std::string>& words) {
@@ -120,6 +126,50 @@ TEST_F(AnalyzeMistakes, SwappedAndRenamedColumnsAreNamed) {
   EXPECT_THAT(Analyze({"--scale", "1mm", path}).out, HasSubstr(overridden));
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_m", path}).out,
               Not(HasSubstr("by the file")));
+}
+
+TEST_F(AnalyzeMistakes, AWrongQuestionIsWorseThanAMissingTrial) {
+  const std::string trial = Steady();
+  for (const std::vector<std::string>& files :
+       {std::vector{trial, (directory_ / "none.csv").string()},
+        std::vector{(directory_ / "none.csv").string(), trial}}) {
+    for (const char* kind : {"--all", "--sweep"}) {
+      EXPECT_EQ(Analyze({files[0], files[1], kind, "--columns", "time_s,displacement_m,-"}).status,
+                2)
+          << kind;
+    }
+  }
+}
+
+TEST_F(AnalyzeMistakes, AnAveragingIsMadeKnownAsTheRemarkSays) {
+  const std::string trial = Steady();
+  const Outcome unknown = Analyze({trial});
+  EXPECT_THAT(unknown.out, HasSubstr("amplitude not verified: sensor averaging unknown"));
+  EXPECT_THAT(unknown.out, HasSubstr("'# averages = 16' and '# sampling_s = 0.00033'"));
+  const std::string head = "# averages = 16\n# sampling_s = 0.0001\n";
+  const std::string told = (directory_ / "told.csv").string();
+  std::ofstream(told) << head << std::ifstream(trial).rdbuf();
+  EXPECT_THAT(Analyze({told}).out, Not(HasSubstr("not verified")));
+}
+
+TEST_F(AnalyzeMistakes, EachRowOfAllHasAText) {
+  const std::string trial = Steady();
+  for (const char* window : {"auto", "all", "0.4s:1.2s"}) {
+    std::istringstream lines(Analyze({"--all", "--window", window, trial}).out);
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_FALSE(line.ends_with(' ')) << "'" << line << "' with --window " << window;
+    }
+  }
+}
+
+TEST_F(AnalyzeMistakes, WhatNoBudgetHoldsIsSaidOnce) {
+  const std::string trial = Steady();
+  const std::string words = "the sensor's calibration and linearity";
+  const std::string out = Analyze({trial, trial}).out;
+  ASSERT_THAT(out, HasSubstr(words));
+  EXPECT_EQ(out.find(words), out.rfind(words));
+  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("not included       " + words));
+  EXPECT_EQ(Json::parse(Analyze({"--json", trial}).out)["uncertainty_excludes"], words);
 }
 
 TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {

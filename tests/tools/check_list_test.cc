@@ -124,7 +124,7 @@ TEST_P(WrongSensors, AreToBeFixedByACommand) {
   EXPECT_FALSE(IsReady(made.List()));
 }
 
-std::vector<Wrong> AllThatCanBeWrong() {
+std::vector<Wrong> WrongPlacesAndSettings() {
   return {{"sensor", [](Made& s) { s.findings.summary.connection_lost = true; },
            "the connection was lost after 30000 readings", "cable"},
           {"distance", [](Made& s) { s.findings.greatest_m = 5.001e-3; },
@@ -159,8 +159,11 @@ std::vector<Wrong> AllThatCanBeWrong() {
              s.question.band.lower_hz = 1;
              s.question.band.upper_hz = 20;
            },
-           "of 20 Hz", "--set averaging=32"},
-          {"rate", [](Made& s) { s.findings.fresh_rate_hz = 1279; },
+           "of 20 Hz", "--set averaging=32"}};
+}
+
+std::vector<Wrong> WrongRatesAndNoise() {
+  return {{"rate", [](Made& s) { s.findings.fresh_rate_hz = 1279; },
            "1279 new readings/s show up to 499.609 Hz", "--band 20-499Hz --check"},
           {"rate",
            [](Made& s) {
@@ -177,7 +180,19 @@ std::vector<Wrong> AllThatCanBeWrong() {
            "only 0.1 s settled", "--check"},
           {"noise", [](Made& s) { s.question.smallest_rms_m = 0.6e-6; }, "0.6 um are asked for",
            "diffuse target"},
-          {"repeated", [](Made& s) { s.findings.longest_hold = 15'001; }, "15001 of 30000",
+          {"clock", [](Made& s) { s.findings.summary.gaps = 1; }, "1 gaps", "without a hub"},
+          {"clock",
+           [](Made& s) {
+             s.header.timing = trial::Timing::kPolled;
+             s.findings.time_uncertainty_s = 0.2e-3;
+           },
+           "500 Hz needs 0.2 ms", "a clock of its own"},
+          {"latency", [](Made& s) { s.header.metadata.fields["latency_timer_s"] = "0.016"; },
+           "for 16 ms", "latency_timer"}};
+}
+
+std::vector<Wrong> WrongReadings() {
+  return {{"repeated", [](Made& s) { s.findings.longest_hold = 15'001; }, "15001 of 30000",
            "touch the target"},
           {"repeated", [](Made& s) { s.findings.summary.statuses = {26'999, 3001}; }, "10.0 %",
            "fewer amplifiers"},
@@ -199,19 +214,12 @@ std::vector<Wrong> AllThatCanBeWrong() {
              s.findings.summary.statuses[0] = 20'000;
              s.findings.summary.statuses[static_cast<std::size_t>(SampleStatus::kClipped)] = 10'000;
            },
-           "clipped", "widen the DAQ's range"},
-          {"clock", [](Made& s) { s.findings.summary.gaps = 1; }, "1 gaps", "without a hub"},
-          {"clock",
-           [](Made& s) {
-             s.header.timing = trial::Timing::kPolled;
-             s.findings.time_uncertainty_s = 0.2e-3;
-           },
-           "500 Hz needs 0.2 ms", "a clock of its own"},
-          {"latency", [](Made& s) { s.header.metadata.fields["latency_timer_s"] = "0.016"; },
-           "for 16 ms", "latency_timer"}};
+           "clipped", "widen the DAQ's range"}};
 }
 
-INSTANTIATE_TEST_SUITE_P(Points, WrongSensors, ::testing::ValuesIn(AllThatCanBeWrong()));
+INSTANTIATE_TEST_SUITE_P(Settings, WrongSensors, ::testing::ValuesIn(WrongPlacesAndSettings()));
+INSTANTIATE_TEST_SUITE_P(Rates, WrongSensors, ::testing::ValuesIn(WrongRatesAndNoise()));
+INSTANTIATE_TEST_SUITE_P(Readings, WrongSensors, ::testing::ValuesIn(WrongReadings()));
 
 TEST(CheckList, WithoutAReadingAlmostNothingIsOk) {
   const CheckItem item = Point("sensor", SoundHeader(), {});

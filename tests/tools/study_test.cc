@@ -8,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -182,6 +183,41 @@ TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {
               HasSubstr("    differs         no noise floor taken off: all 6 trials\n"));
   EXPECT_THAT(outcome.out, HasSubstr("s12_a.csv: all 2400 readings are the same"));
   EXPECT_THAT(outcome.out, HasSubstr("subject 12 in a: 0 of 1 trial\n"));
+}
+
+TEST_F(StudyVerb, ShowsAnIntervalHoweverNarrow) {
+  for (int s = 0; s < 3; ++s) {
+    static_cast<void>(Trial(fmt::format("s{}_a.csv", s), 10 + s));
+    static_cast<void>(Trial(fmt::format("s{}_b.csv", s), (10 + s) * (2 + 1e-4 * s)));
+  }
+  const std::string text = Study({directory(), "--pattern", "s{subject}_{condition}", "--all"}).out;
+  static const std::regex interval(R"(95 % CI ([-+0-9.e]+) to ([-+0-9.e]+))");
+  int seen = 0;
+  for (std::sregex_iterator at(text.begin(), text.end(), interval), end; at != end; ++at, ++seen) {
+    EXPECT_NE((*at)[1], (*at)[2]) << at->str();
+  }
+  EXPECT_GE(seen, 3) << text;
+  EXPECT_THAT(text, HasSubstr("ratio           2.0001 (95 % CI 1.9998"));
+}
+
+TEST_F(StudyVerb, SaysWhatItsEffectSizesIntervalIsOf) {
+  WriteNamedTrials();
+  EXPECT_THAT(Study({directory(), "--pattern", "s{subject}_{condition}"}).out,
+              HasSubstr("the interval is of the population's mean difference / sd"));
+}
+
+TEST_F(StudyVerb, SaysHowAnAveragingBecomesKnown) {
+  WriteNamedTrials();
+  EXPECT_THAT(Study({directory(), "--pattern", "s{subject}_{condition}"}).out,
+              HasSubstr("'# averages = 16' and '# sampling_s = 0.00033'"));
+}
+
+TEST_F(StudyVerb, AWrongQuestionIsWorseThanAMissingTrial) {
+  const std::string trial = Trial("1.csv", 10);
+  const std::vector<std::string> words{"linearity", trial, directory_ / "none.csv", "--columns",
+                                       "time_s,displacement_um,voltage_v"};
+  const Outcome outcome = Study(words);
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
 }
 
 TEST_F(StudyVerb, DrawsAPanelAContrast) {

@@ -44,5 +44,23 @@ TEST(ToThePlaceOf, ShowsAnIntervalsEndsAsItsMiddle) {
   EXPECT_EQ(ToThePlaceOf(0, 1.23456789), "1.23457");
 }
 
+TEST(DigitsOf, ShowTwoDigitsOfTheWidth) {
+  EXPECT_EQ(DigitsOf(225.1, 227.3, 1), 4);
+  EXPECT_EQ(DigitsOf(225.1, 227.3, 6), 6);
+  EXPECT_EQ(DigitsOf(2.00001, 2.00002, 4), 7);
+  EXPECT_EQ(DigitsOf(-2.00002, -2.00001, 4), 7);
+  EXPECT_EQ(DigitsOf(-3e-9, 4e-9, 4), 4);
+  EXPECT_EQ(DigitsOf(2, 2, 4), 4) << "no width";
+  EXPECT_EQ(DigitsOf(2, std::numeric_limits<double>::infinity(), 4), 4);
+  EXPECT_EQ(DigitsOf(1, 1 + 1e-15, 4), 12) << "round-off";
+}
+
+TEST(DecimalsOf, ShowTwoDigitsOfTheWidth) {
+  EXPECT_EQ(DecimalsOf(0.1234, 0.1312, 1), 4);
+  EXPECT_EQ(DecimalsOf(32.1, 37.8, 1), 1);
+  EXPECT_EQ(DecimalsOf(32, 82, 1), 1);
+  EXPECT_EQ(DecimalsOf(0.5, 0.5, 3), 3);
+}
+
 }  // namespace
 }  // namespace haptometer::cli

@@ -2,7 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "tools/acquire/displacement_channel.h"
+#include "tools/acquire/sample_value.h"
+#include "trial/displacement_channel.h"
 
 namespace haptometer::tools {
 
@@ -70,7 +71,7 @@ class TareMean {
 
 Result<double> MeasureTare(acquire::Sensor& sensor, Clock& clock, const std::atomic<bool>& stop,
                            const std::string& name) {
-  const auto channel = DisplacementChannel(sensor.header());
+  const auto channel = trial::DisplacementChannel(sensor.header());
   if (!channel) return CannotAnswer(name, "has no displacement to tare", "leave --tare out");
   acquire::Reading reading;
   (void)sensor.Begin();

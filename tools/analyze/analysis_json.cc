@@ -285,7 +285,8 @@ std::string AnalysisJson(const std::vector<AnalyzedFile>& files) {
   Json trials = Json::array();
   for (const AnalyzedFile& file : files) trials.push_back(TrialJson(file));
   // a path need not be UTF-8
-  return cli::JsonText({{"trials", std::move(trials)}});
+  return cli::JsonText(
+      {{"uncertainty_excludes", dsp::kNotInBudget}, {"trials", std::move(trials)}});
 }
 
 }  // namespace haptometer::tools

@@ -163,7 +163,8 @@ AnalysisSection VibrationSection(const dsp::BandAnalysis& analysis) {
   lines.push_back({"filter", DescribeFilter(analysis.band)});
   lines.push_back({"window", Seconds(numbers.part.window)});
   lines.push_back({"", numbers.part.why});
-  if (numbers.part.drive.why != numbers.part.why)
+  // a driven part's reason ends with the drive's
+  if (!numbers.part.why.ends_with(numbers.part.drive.why))
     lines.push_back({"drive", numbers.part.drive.why});
   lines.push_back({"RMS", RmsText(numbers, analysis.band)});
   lines.push_back({"", Um(numbers.rms.as_measured_m) + " as measured in the window"});
@@ -201,6 +202,7 @@ AnalysisSection UncertaintySection(const dsp::RmsEstimate& rms) {
   }
   section.lines.push_back({"together", fmt::format("{:.2g} um (standard uncertainty)",
                                                    rms.standard_uncertainty_m / kUm)});
+  section.lines.push_back({"not included", std::string(dsp::kNotInBudget)});
   return section;
 }
 

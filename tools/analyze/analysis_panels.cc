@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsp/analysis/displacement_channel.h"
+#include "dsp/analysis/analyzed_channel.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {
@@ -82,7 +82,7 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
   const trial::Record& head = rows.head();
   std::vector<double> values(head.rows);
   std::vector<trial::SampleStatus> statuses(head.rows);
-  const auto channel = dsp::DisplacementChannel(head);
+  const auto channel = dsp::AnalyzedChannel(head);
   if (!channel) return std::unexpected(channel.error());
   if (auto read = rows.Read(*channel, 0, values, statuses); !read) {
     return std::unexpected(read.error());

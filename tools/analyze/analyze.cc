@@ -21,6 +21,7 @@
 #include "tools/cli/command_line.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
+#include "tools/drive_off_floor.h"
 #include "tools/verbs.h"
 #include "trial/open_rows.h"
 
@@ -50,22 +51,6 @@ std::vector<std::string> LossesOf(const trial::ReadReport& report) {
   std::vector<std::string> remarks = report.WhatIsMissing();
   remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
   return remarks;
-}
-
-Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const Job& job) {
-  const auto opened = trial::OpenRows(path, job.import, job.threads);
-  if (!opened) return std::unexpected(opened.error());
-  dsp::BandQuestion question = job.question;
-  question.choice = dsp::WindowChoice::kAll;
-  question.keep_filtered = false;
-  const auto analysis = dsp::AnalyzeBand(*opened->rows, question, job.threads);
-  if (!analysis) return std::unexpected(analysis.error());
-  const auto floor = dsp::FloorOf(*analysis, path);
-  if (floor) return *floor;
-  return CannotAnswer(
-      path,
-      analysis->reasons.empty() ? "tells no noise floor in the band" : analysis->reasons.front(),
-      "record the sensor at rest, drive off, as long and as fast as the trials");
 }
 
 // spectra of the window into their files; and the panel that plot and report show, if any
@@ -149,14 +134,22 @@ void Print(const AnalyzedFile& file, bool all) {
   }
 }
 
-// 0, or the status of the worst file: failing outranks not answering
+// what a reader of the short lines must know of every uncertainty in them, once
+void PrintNotIncluded(const std::vector<ReportedFile>& files) {
+  const bool has_numbers = std::ranges::any_of(files, [](const ReportedFile& reported) {
+    return reported.file.analysis && reported.file.analysis->numbers;
+  });
+  if (has_numbers) fmt::print("{} are in no uncertainty\n", dsp::kNotInBudget);
+}
+
+// the status of the worst file
 int StatusOf(const std::vector<ReportedFile>& files) {
   int status = 0;
   for (const ReportedFile& reported : files) {
     const AnalyzedFile& file = reported.file;
-    if (file.error && file.error->cause != Cause::kCannotAnswer)
-      return ExitStatus(file.error->cause);
-    if (file.error || !file.analysis->answered) status = ExitStatus(Cause::kCannotAnswer);
+    if (!file.error && file.analysis->answered) continue;
+    const Cause cause = file.error ? file.error->cause : Cause::kCannotAnswer;
+    status = cli::WorseStatus(status, ExitStatus(cause));
   }
   return status;
 }
@@ -171,7 +164,7 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   Job job{std::move(*question), std::move(*import),    ThreadsOf(words),
           words.plot,           !words.report.empty(), std::move(*spectrum)};
   if (words.floor.empty()) return job;
-  auto floor = ReadFloor(words.floor, job);
+  auto floor = ReadFloor(words.floor, job.question, job.import, job.threads);
   if (!floor) return std::unexpected(floor.error());
   job.question.floor = std::move(*floor);
   return job;
@@ -207,12 +200,12 @@ int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, bool json) {
   for (const std::string& path : words.files) {
     const auto answered = AnswerSweep(path, words, job, json ? &trials : nullptr);
     if (answered) {
-      status = std::max(status, *answered);
+      status = cli::WorseStatus(status, *answered);
       continue;
     }
     Error error = answered.error();
     if (error.where.empty()) error.where = path;
-    status = cli::ReportError(kVerb, error);
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
   if (json) fmt::print("{}", cli::JsonText({{"trials", std::move(trials)}}));
   return status;
@@ -245,6 +238,7 @@ int RunAnalyze(int argc, const char* const* argv) {
     if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
     if (!options.json()) Print(file, words.all);
   }
+  if (!options.json() && !words.all) PrintNotIncluded(files);
   if (options.json()) {
     std::vector<AnalyzedFile> answers;
     answers.reserve(files.size());

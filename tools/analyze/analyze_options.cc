@@ -68,7 +68,7 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
 }
 
-Result<void> ReadWindow(const std::string& text, dsp::BandQuestion& question) {
+Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
   if (text == "auto") return {};
   if (text == "all") {
     question.choice = dsp::WindowChoice::kAll;
@@ -122,7 +122,7 @@ Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
   dsp::BandQuestion question = std::move(*asked);
   question.keep_filtered = !words.plot.empty() || !words.report.empty();
   if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
-  if (auto window = ReadWindow(words.window, question); !window) {
+  if (auto window = TakeWindow(words.window, question); !window) {
     return std::unexpected(window.error());
   }
   return question;

@@ -48,7 +48,6 @@ struct Options::State {
   bool help_all = false;
   bool version = false;
   bool json = false;
-  bool verbose = false;
 
   void Show(CLI::Option* option, Shown shown) {
     if (shown == Shown::kHelp) return;
@@ -107,7 +106,6 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.add_flag("--help-all", state_->help_all, "Show every option");
   app.add_flag("--version", state_->version, "Show the version");
   app.add_flag("--json", state_->json, "Print one JSON document (docs/commands.md)");
-  app.add_flag("--verbose", state_->verbose, "Say more on stderr");
 }
 
 Options::~Options() = default;
@@ -220,6 +218,5 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
 }
 
 bool Options::json() const { return state_->json; }
-bool Options::verbose() const { return state_->verbose; }
 
 }  // namespace haptometer::cli

@@ -25,8 +25,8 @@ enum class Shown : std::uint8_t { kHelp, kHelpAll };
 /// The command line of one verb. Declare every option with the variable that takes it, then
 /// Parse().
 ///
-/// --help, --help-all, --version, --json and --verbose are declared here, so they are alike in all
-/// verbs. Names carry their dashes ("--drop-height"). A variable keeps its value when its option is
+/// --help, --help-all, --version and --json are declared here, so they are alike in all verbs.
+/// Names carry their dashes ("--drop-height"). A variable keeps its value when its option is
 /// absent. CLI11 does the work and is included only in options.cc.
 class Options {
  public:
@@ -67,8 +67,7 @@ class Options {
   /// after a wrong option, which is reported on stderr in one line), or nothing to go on.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
-  [[nodiscard]] bool json() const;     ///< one JSON document on stdout instead of text
-  [[nodiscard]] bool verbose() const;  ///< more remarks on stderr
+  [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text
 
  private:
   struct State;

@@ -12,6 +12,14 @@ int ReportError(std::string_view verb, const Error& error) {
   return ExitStatus(error.cause);
 }
 
+int WorseStatus(int a, int b) {
+  const auto rank = [](int status) {
+    if (status == 0) return 0;
+    return status <= ExitStatus(Cause::kCannotAnswer) ? 4 - status : 4;
+  };
+  return rank(b) > rank(a) ? b : a;
+}
+
 void Remark(std::string_view verb, std::string_view text) {
   fmt::print(stderr, "{}: {}\n", verb, text);
 }

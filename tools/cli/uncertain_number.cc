@@ -9,6 +9,8 @@ namespace haptometer::cli {
 
 namespace {
 
+constexpr int kMostDigits = 12;  // an end's round-off is not shown
+
 bool IsKnown(double standard_uncertainty) {
   return standard_uncertainty > 0 && std::isfinite(standard_uncertainty);
 }
@@ -42,6 +44,19 @@ std::string WithUncertainty(double value, double standard_uncertainty) {
   const int place = PlaceOf(standard_uncertainty);
   const double digits = std::round(standard_uncertainty / std::pow(10.0, place));
   return fmt::format("{}({:.0f})", text, digits * std::pow(10.0, std::max(0, place)));
+}
+
+int DecimalsOf(double lower, double upper, int least) {
+  const double width = upper - lower;
+  return IsKnown(width) ? std::clamp(-PlaceOf(width), least, kMostDigits) : least;
+}
+
+int DigitsOf(double lower, double upper, int least) {
+  const double width = upper - lower;
+  const double larger = std::max(std::abs(lower), std::abs(upper));
+  if (!IsKnown(width) || !IsKnown(larger)) return least;
+  const int before = static_cast<int>(std::floor(std::log10(larger))) + 1;
+  return std::clamp(before - PlaceOf(width), least, kMostDigits);
 }
 
 }  // namespace haptometer::cli

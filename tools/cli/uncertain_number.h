@@ -16,4 +16,12 @@ namespace haptometer::cli {
 /// 0.
 [[nodiscard]] std::string ToThePlaceOf(double standard_uncertainty, double value);
 
+/// Decimals that show an interval to two digits of its width, `least` at least: 4 of [0.1234,
+/// 0.1312]. `least` where the width is 0 or not finite. At most 12.
+[[nodiscard]] int DecimalsOf(double lower, double upper, int least);
+
+/// Significant digits of the larger end that do so: 4 of [225.1, 227.3], `least` at least. At most
+/// 12.
+[[nodiscard]] int DigitsOf(double lower, double upper, int least);
+
 }  // namespace haptometer::cli

@@ -84,7 +84,7 @@ std::optional<int> RunDaemonOptions(const cli::Options& options, const DaemonOpt
                                     int argc, const char* const* argv) {
   if (wanted.config.empty() && !wanted.wants_status) return std::nullopt;
   const std::string which = wanted.wants_status ? "--status" : "--daemon";
-  std::vector<std::string> allowed{which, wanted.config, wanted.asked, "--verbose"};
+  std::vector<std::string> allowed{which, wanted.config, wanted.asked};
   if (wanted.wants_status) allowed.emplace_back("--json");
   if (!StandsAlone(argc, argv, allowed)) {
     return cli::ReportError(kVerb, {Cause::kUsage, which, "stands alone",

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dsp/statistics/multiple.h"
-#include "dsp/statistics/permutation.h"
+#include "dsp/statistics/holm.h"
+#include "dsp/statistics/sign_flip.h"
 
 namespace haptometer::tools {
 namespace {

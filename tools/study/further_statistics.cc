@@ -6,6 +6,7 @@
 
 #include "dsp/statistics/error_bars.h"
 #include "dsp/statistics/moments.h"
+#include "dsp/statistics/regression.h"
 
 namespace haptometer::tools {
 namespace {
@@ -74,23 +75,12 @@ std::vector<double> PlacesOf(const StudyTable& table, bool* by_start) {
 // slope of ln(RMS) over place, both about their cell's mean
 std::optional<double> SlopeOf(const StudyTable& table, std::size_t subject,
                               const std::vector<double>& places) {
-  double xx = 0;
-  double xy = 0;
-  for (std::size_t c = 0; c < table.conditions.size(); ++c) {
-    const Cell& cell = table.cells[subject][c];
-    if (cell.trials.size() < 2) continue;
-    const std::vector<double> logs = table.Logs(subject, c);
-    const double mean_log = dsp::Mean(logs);
-    double mean_place = 0;
-    for (const std::size_t i : cell.trials) mean_place += places[i];
-    mean_place /= static_cast<double>(cell.trials.size());
-    for (std::size_t i = 0; i < logs.size(); ++i) {
-      const double x = places[cell.trials[i]] - mean_place;
-      xx += x * x;
-      xy += x * (logs[i] - mean_log);
-    }
+  std::vector<dsp::Points> cells(table.conditions.size());
+  for (std::size_t c = 0; c < cells.size(); ++c) {
+    cells[c].y = table.Logs(subject, c);
+    for (const std::size_t i : table.cells[subject][c].trials) cells[c].x.push_back(places[i]);
   }
-  return xx > 0 ? std::optional(xy / xx) : std::nullopt;
+  return dsp::SlopeWithinGroups(cells);
 }
 
 std::optional<OrderTrend> TrendOf(const StudyTable& table) {
@@ -106,8 +96,6 @@ std::optional<OrderTrend> TrendOf(const StudyTable& table) {
 }
 
 }  // namespace
-
-double VariationOfLogs(double sd) { return std::sqrt(std::expm1(sd * sd)); }
 
 FurtherStatistics DescribeFurther(const StudyTable& table) {
   FurtherStatistics further;

@@ -38,8 +38,4 @@ struct FurtherStatistics {
 
 [[nodiscard]] FurtherStatistics DescribeFurther(const StudyTable& table);
 
-/// The coefficient of variation of exp(X), X normal with standard deviation `sd`:
-/// sqrt(exp(sd^2) - 1).
-[[nodiscard]] double VariationOfLogs(double sd);
-
 }  // namespace haptometer::tools

@@ -80,7 +80,7 @@ void TakeTrial(const StudyTrial& trial, Readings& taken) {
                   "give a table with drive_v,rms_m"};
   }
   if (error) {
-    taken.status = std::max(taken.status, cli::ReportError(kVerb, *error));
+    taken.status = cli::WorseStatus(taken.status, cli::ReportError(kVerb, *error));
     return;
   }
   taken.readings.push_back(
@@ -100,7 +100,7 @@ Result<Readings> Read(const Wanted& wanted) {
       continue;
     }
     if (auto read = TakeTable(path, taken); !read) {
-      taken.status = std::max(taken.status, cli::ReportError(kVerb, read.error()));
+      taken.status = cli::WorseStatus(taken.status, cli::ReportError(kVerb, read.error()));
     }
   }
   for (const StudyTrial& trial : AnalyzeTrials(trials, *question, *import)) {
@@ -135,7 +135,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   fmt::print("{}", options.json() ? LinearityJson(result) : LinearityText(result));
   int status = taken->status;
   for (const DriveLine& line : result.lines) {
-    if (!line.line) status = std::max(status, ExitStatus(Cause::kCannotAnswer));
+    if (!line.line) status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }
   if (wanted.plot.empty()) return status;
   if (auto drawn = plot::DrawPanels(wanted.plot, LinearityPanels(result)); !drawn) {

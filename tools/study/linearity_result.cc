@@ -11,6 +11,7 @@
 
 #include "dsp/statistics/moments.h"
 #include "tools/cli/json.h"
+#include "tools/study/interval_text.h"
 
 namespace haptometer::tools {
 namespace {
@@ -18,8 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kUm = 1e-6;  // in metres
+constexpr std::string_view kNoInterval = "interval not determined";
 
-std::optional<double> FloorOf(const std::vector<DriveReading>& readings) {
+// of the readings at 0 V, together
+std::optional<double> DriveOffRms(const std::vector<DriveReading>& readings) {
   std::vector<double> off;
   for (const DriveReading& reading : readings) {
     if (reading.drive_v == 0) off.push_back(reading.rms_m);
@@ -31,7 +34,7 @@ DriveLine LineOf(const std::vector<DriveReading>& readings, const std::optional<
   DriveLine line;
   line.subject = readings.front().subject;
   line.condition = readings.front().condition;
-  line.floor_m = floor_m ? floor_m : FloorOf(readings);
+  line.floor_m = floor_m ? floor_m : DriveOffRms(readings);
   const double floor_power = line.floor_m ? *line.floor_m * *line.floor_m : 0;
   for (const DriveReading& reading : readings) {
     if (reading.drive_v == 0) continue;
@@ -72,10 +75,8 @@ void AppendCurvature(const DriveLine& line, std::string& text) {
     return;
   }
   const dsp::Curvature& bend = *line.curvature;
-  fmt::format_to(std::back_inserter(text),
-                 "    {:<14}{:.3g} um/V^2 (95 % CI {:.3g} to {:.3g}), the quadratic term: {}\n",
-                 "curvature", bend.quadratic / kUm, bend.interval.lower / kUm,
-                 bend.interval.upper / kUm,
+  fmt::format_to(std::back_inserter(text), "    {:<14}{}, the quadratic term: {}\n", "curvature",
+                 WithCi(bend.quadratic, bend.interval, kNoInterval, {kUm, "um/V^2"}),
                  bend.p ? fmt::format("t({:g}) = {:.4g}, p = {:.3g}", bend.df, *bend.t, *bend.p)
                         : "not tested, all points are on the parabola");
 }
@@ -98,12 +99,10 @@ void AppendLine(const DriveLine& line, std::string& text) {
     return;
   }
   const dsp::Line& fit = *line.line;
-  fmt::format_to(std::back_inserter(text), "    {:<14}{:.4g} um/V (95 % CI {:.4g} to {:.4g})\n",
-                 "slope", fit.slope / kUm, fit.slope_interval.lower / kUm,
-                 fit.slope_interval.upper / kUm);
-  fmt::format_to(std::back_inserter(text), "    {:<14}{:.4g} um (95 % CI {:.4g} to {:.4g})\n",
-                 "at 0 V", fit.intercept / kUm, fit.intercept_interval.lower / kUm,
-                 fit.intercept_interval.upper / kUm);
+  fmt::format_to(std::back_inserter(text), "    {:<14}{}\n", "slope",
+                 WithCi(fit.slope, fit.slope_interval, kNoInterval, {kUm, "um/V"}));
+  fmt::format_to(std::back_inserter(text), "    {:<14}{}\n", "at 0 V",
+                 WithCi(fit.intercept, fit.intercept_interval, kNoInterval, {kUm, "um"}));
   fmt::format_to(std::back_inserter(text),
                  "    {:<14}{:.3g} um at most, {:.2g} % of full scale; R^2 = {:.6f}\n",
                  "off the line", fit.largest_deviation / kUm, Percent(fit.largest_deviation, line),
@@ -167,13 +166,9 @@ Json SlopeJson(const SlopeOverSubjects& over) {
   return json;
 }
 
-// "8.1 um/V (95 % CI 8 to 8.2)"
 std::string MeanText(const dsp::OneSample& values, std::string_view unit) {
-  return fmt::format("{:.4g} {} ({})", values.mean / kUm, unit,
-                     values.test
-                         ? fmt::format("95 % CI {:.4g} to {:.4g}", values.test->mean.lower / kUm,
-                                       values.test->mean.upper / kUm)
-                         : "interval not determined");
+  return WithCi(values.mean, values.test ? std::optional(values.test->mean) : std::nullopt,
+                kNoInterval, {kUm, unit});
 }
 
 }  // namespace

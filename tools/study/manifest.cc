@@ -29,6 +29,7 @@ Result<Manifest> ReadManifest(const std::string& path) {
   manifest.band = table->Text("band").value_or("");
   manifest.order = table->Integer("order");
   manifest.corner = table->Choice("corner", {"whole", "each"}).value_or("");
+  manifest.floor = table->Text("floor").value_or("");
   const std::vector<TomlTable*> groups = table->Tables("trials");
   manifest.groups.reserve(groups.size());
   for (TomlTable* group : groups) manifest.groups.push_back(ReadGroup(*group));

@@ -27,6 +27,7 @@ struct Manifest {
   std::string band;  ///< "20-500Hz"
   std::optional<long long> order;
   std::string corner;  ///< "whole" or "each"
+  std::string floor;   ///< a drive-off trial, relative to the manifest
 };
 
 /// Reads a manifest strictly. Errors: as TomlTable; a contrast that is no pair of two conditions.

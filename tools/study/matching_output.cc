@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/json.h"
+#include "tools/cli/uncertain_number.h"
 #include "tools/study/matching_result.h"
 
 namespace haptometer::tools {
@@ -27,8 +28,10 @@ std::optional<dsp::Interval> PowerSaving(const std::optional<dsp::Interval>& rat
 // "35.0 % (95 % CI 32.1 to 37.8 %)"
 std::string Percent(double value, const std::optional<dsp::Interval>& interval) {
   if (!interval) return fmt::format("{:.1f} % (interval not determined)", 100 * value);
-  return fmt::format("{:.1f} % (95 % CI {:.1f} to {:.1f} %)", 100 * value, 100 * interval->lower,
-                     100 * interval->upper);
+  const double lower = 100 * interval->lower;
+  const double upper = 100 * interval->upper;
+  return fmt::format("{1:.{0}f} % (95 % CI {2:.{0}f} to {3:.{0}f} %)",
+                     cli::DecimalsOf(lower, upper, 1), 100 * value, lower, upper);
 }
 
 std::string TestText(const MatchedRatio& ratio) {
@@ -136,11 +139,12 @@ std::string MatchingText(const MatchingResult& result) {
     AppendRatio(condition.overall, text);
     AppendPowerSaving(condition.overall, text);
     if (const auto& start = condition.start_log_ratio; start && start->test) {
+      const double lower = std::exp(start->test->mean.lower);
+      const double upper = std::exp(start->test->mean.upper);
       fmt::format_to(std::back_inserter(text),
-                     "    {:<14}settings that started high are {:.3g} times those that started low "
-                     "(95 % CI {:.3g} to {:.3g})\n",
-                     "start", std::exp(start->mean), std::exp(start->test->mean.lower),
-                     std::exp(start->test->mean.upper));
+                     "    {1:<14}settings that started high are {2:.{0}g} times those that started "
+                     "low (95 % CI {3:.{0}g} to {4:.{0}g})\n",
+                     cli::DigitsOf(lower, upper, 3), "start", std::exp(start->mean), lower, upper);
     }
   }
   for (const MatchedContrast& contrast : result.contrasts) AppendContrast(contrast, text);

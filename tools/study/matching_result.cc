@@ -7,8 +7,8 @@
 #include <map>
 #include <set>
 
+#include "dsp/statistics/holm.h"
 #include "dsp/statistics/moments.h"
-#include "dsp/statistics/multiple.h"
 
 namespace haptometer::tools {
 namespace {

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include "tools/study/counted.h"
@@ -24,10 +25,22 @@ void AppendContrasts(const StudyResult& study, std::string& text) {
       "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
       "geometric "
       "means, with intervals from the paired t on logarithms; effect sizes are d_z and Hedges' g "
-      "(exact correction) with intervals from the noncentral t distribution.",
+      "(exact correction) with intervals of the population's effect from the noncentral t "
+      "distribution.",
       study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
       fmt::join(names, "; "), names.size() == 1 ? "was" : "were", names.size(),
       names.size() == 1 ? "" : "s");
+}
+
+// what was taken off as noise
+std::string FloorText(const std::optional<dsp::NoiseFloor>& floor) {
+  if (!floor) {
+    return "The noise of the trial's own quiet part was subtracted in power where it had one";
+  }
+  return fmt::format(
+      "The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, {}) was subtracted "
+      "in power",
+      std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source);
 }
 
 void AppendExceptions(const StudyResult& study, std::string& text) {
@@ -69,16 +82,15 @@ std::string MethodsText(const StudyResult& study) {
       "band was modelled and taken out first where too little would have settled otherwise. The "
       "root-mean-square (RMS) was taken over the longest steady part of the drive that had settled "
       "(all that had settled where no drive stood out), shortened to whole periods of its "
-      "strongest tone. The noise of the trial's own quiet part was subtracted in power where it "
-      "had "
-      "one, and the sensor's gain at the tone was divided out where its averaging was on record. "
+      "strongest tone. {}, and the sensor's gain at the tone was divided out where its averaging "
+      "was on record; {} are in no stated uncertainty. "
       "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ",
       band.lower_hz, band.upper_hz, band.order,
       band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
       study.question.may_lower_order ? ", its order lowered where a trial was too short for it"
                                      : "",
-      answered, Counted(study.table.trials.size(), "trial"),
-      Counted(study.table.subjects.size(), "subject"),
+      FloorText(study.question.floor), dsp::kNotInBudget, answered,
+      Counted(study.table.trials.size(), "trial"), Counted(study.table.subjects.size(), "subject"),
       Counted(study.table.conditions.size(), "condition"), fmt::join(study.table.conditions, ", "),
       study.table.repeats > 1
           ? fmt::format("up to {} trials of a subject in a condition were averaged first",

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/json.h"
@@ -68,7 +69,7 @@ Json ConditionJson(const ConditionSummary& condition) {
   json["icc"] = repeats ? Json(repeats->icc) : Json(nullptr);
   json["icc_interval"] = repeats ? IntervalJson(repeats->interval) : Json(nullptr);
   json["within_cell_variation"] =
-      repeats ? Json(VariationOfLogs(repeats->within_sd)) : Json(nullptr);
+      repeats ? Json(dsp::VariationOfLogs(repeats->within_sd)) : Json(nullptr);
   return json;
 }
 
@@ -121,6 +122,13 @@ Json MissingJson(const MissingTrials& missing) {
           {"expected", missing.expected}};
 }
 
+Json FloorJson(const std::optional<dsp::NoiseFloor>& floor) {
+  if (!floor) return nullptr;
+  return {{"file", floor->source},
+          {"rms_m", std::sqrt(floor->power.mean_square)},
+          {"duration_s", floor->duration_s}};
+}
+
 template <typename List, typename ToJson>
 Json ListJson(const List& list, const ToJson& to_json) {
   Json json = Json::array();
@@ -138,6 +146,7 @@ std::string StudyJson(const StudyResult& study) {
               {"upper_hz", band.upper_hz},
               {"order", band.order},
               {"corner", band.corners == dsp::Corners::kWhole ? "whole" : "each"}}},
+            {"floor", FloorJson(study.question.floor)},
             {"unit_of_analysis", "subject"},
             {"subjects", study.table.subjects}};
   json["conditions"] = ListJson(study.further.conditions, ConditionJson);

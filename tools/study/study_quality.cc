@@ -50,17 +50,14 @@ void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlyi
 void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlying) {
   std::vector<std::size_t> whole;
   dsp::CompleteTable medians = table.Complete(&Cell::mean_log, &whole);
-  const auto n = static_cast<double>(medians.subjects());
-  const auto k = static_cast<double>(medians.conditions());
-  if (n < 4 || k < 3) return;
+  if (medians.subjects() < 4 || medians.conditions() < 3) return;
   for (std::size_t row = 0; row < whole.size(); ++row) {
     for (std::size_t c = 0; c < medians.conditions(); ++c) {
       medians.At(row, c) = dsp::Median(table.Logs(whole[row], c));
     }
   }
   const dsp::CompleteTable left = dsp::MedianPolish(medians);
-  const double scatter = std::max(kLeastScatter, dsp::DeviationFromMedianAbsolute(left.values()) *
-                                                     std::sqrt(n * k / ((n - 1) * (k - 1))));
+  const double scatter = std::max(kLeastScatter, dsp::DeviationOfPolished(left));
   for (std::size_t row = 0; row < whole.size(); ++row) {
     for (std::size_t c = 0; c < medians.conditions(); ++c) {
       const double scale =

@@ -52,9 +52,8 @@ struct Deviation {
 /// - a trial's distance from its cell's median, against the median within-cell standard deviation
 ///   (dsp/statistics/robust.h), in cells of 3 trials or more;
 /// - a cell's median less its condition's and its subject's effect (median polish, subjects that
-///   have all conditions), against 1.4826 times the median of these residuals' sizes, with 4
-///   subjects and 3 conditions or more. As condition and subject effects take degrees of freedom,
-///   the scale is multiplied by sqrt(n k / ((n - 1)(k - 1))).
+///   have all conditions), against the standard deviation that these residuals tell
+///   (dsp::DeviationOfPolished), with 4 subjects and 3 conditions or more.
 /// Neither scale counts below kLeastScatter, nor below the relative standard uncertainty that the
 /// trial states (a cell: the median of its trials').
 [[nodiscard]] std::vector<Outlying> FindOutlying(const StudyTable& table);

@@ -5,24 +5,19 @@
 #include <cmath>
 #include <iterator>
 
+#include "tools/cli/uncertain_number.h"
 #include "tools/study/counted.h"
+#include "tools/study/interval_text.h"
 #include "tools/study/study_result.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr double kUm = 1e-6;  // in metres
+constexpr PrintedUnit kInUm{kUm, "um"};
 
 void Append(std::string& text, std::string_view label, const std::string& content) {
   fmt::format_to(std::back_inserter(text), "    {:<16}{}\n", label, content);
-}
-
-std::string Ci(const dsp::Interval& interval, double unit = 1) {
-  return fmt::format("95 % CI {:.4g} to {:.4g}", interval.lower / unit, interval.upper / unit);
-}
-
-std::string Ci(const std::optional<dsp::Interval>& interval, std::string_view otherwise) {
-  return interval ? Ci(*interval) : std::string(otherwise);
 }
 
 std::string TestText(const Contrast& contrast) {
@@ -44,8 +39,8 @@ void AppendFurther(const Contrast& contrast, std::string& text) {
                               : "not determined: more than 20 subjects");
   if (contrast.ratio_of_means) {
     Append(text, "ratio of means",
-           fmt::format("{:.4g} ({}, Fieller)", contrast.ratio_of_means->ratio,
-                       Ci(contrast.ratio_of_means->interval, "unbounded")));
+           WithCi(contrast.ratio_of_means->ratio, contrast.ratio_of_means->interval, "unbounded") +
+               ", by Fieller");
   }
 }
 
@@ -60,18 +55,21 @@ void AppendContrast(const Contrast& contrast, bool all, std::string& text) {
   if (contrast.difference.n == 0) return;
   if (contrast.ratio) {
     Append(text, "ratio",
-           fmt::format("{:.4g} ({}), of geometric means", contrast.ratio->ratio,
-                       Ci(contrast.ratio->interval, "not determined")));
+           WithCi(contrast.ratio->ratio, contrast.ratio->interval, "not determined") +
+               ", of geometric means");
   }
   Append(text, "paired t", TestText(contrast));
   const auto& test = contrast.difference.test;
   Append(text, "difference",
-         fmt::format("{:.4g} um ({})", contrast.difference.mean / kUm,
-                     test ? Ci(test->mean, kUm) : "not determined"));
+         WithCi(contrast.difference.mean, test ? std::optional(test->mean) : std::nullopt,
+                "not determined", kInUm));
   if (contrast.effect) {
     Append(text, "effect size",
-           fmt::format("d_z {:.4g}, Hedges g {:.4g} ({})", contrast.effect->d_z,
-                       contrast.effect->hedges_g, Ci(contrast.effect->interval, "not determined")));
+           fmt::format("d_z {:.4g}, Hedges g {}; the interval is of the population's mean "
+                       "difference / sd",
+                       contrast.effect->d_z,
+                       WithCi(contrast.effect->hedges_g, contrast.effect->interval,
+                              "interval not determined")));
   }
   if (all) AppendFurther(contrast, text);
 }
@@ -114,13 +112,18 @@ void AppendTrend(const StudyResult& study, std::string& text) {
   if (!trend) return;
   const std::string_view order = trend->by_start ? "UTC start" : "number of the repeat";
   const auto& test = trend->per_trial.test;
+  const double percent = 100 * std::expm1(trend->per_trial.mean);
+  if (!test) {
+    Append(text, "trend",
+           fmt::format("{:+.3g} % a trial, by {} (interval not determined)", percent, order));
+    return;
+  }
+  const double lower = 100 * std::expm1(test->mean.lower);
+  const double upper = 100 * std::expm1(test->mean.upper);
   Append(
       text, "trend",
-      fmt::format("{:+.3g} % a trial, by {} ({})", 100 * std::expm1(trend->per_trial.mean), order,
-                  test ? fmt::format("95 % CI {:+.3g} to {:+.3g} %, p = {:.3g}",
-                                     100 * std::expm1(test->mean.lower),
-                                     100 * std::expm1(test->mean.upper), test->p)
-                       : "interval not determined"));
+      fmt::format("{1:+.{0}g} % a trial, by {2} (95 % CI {3:+.{0}g} to {4:+.{0}g} %, p = {5:.3g})",
+                  cli::DigitsOf(lower, upper, 3), percent, order, lower, upper, test->p));
 }
 
 void AppendAll(const StudyResult& study, std::string& text) {
@@ -136,12 +139,12 @@ void AppendAll(const StudyResult& study, std::string& text) {
   }
   for (const ConditionSummary& condition : study.further.conditions) {
     if (!condition.repeats) continue;
+    const auto& [lower, upper] = condition.repeats->interval;
     Append(text, "repeats",
-           fmt::format("{}: ICC(1,1) {:.3f} (95 % CI {:.3f} to {:.3f}), variation within cells "
-                       "{:.2g} %",
-                       condition.name, condition.repeats->icc, condition.repeats->interval.lower,
-                       condition.repeats->interval.upper,
-                       100 * VariationOfLogs(condition.repeats->within_sd)));
+           fmt::format("{1}: ICC(1,1) {2:.{0}f} (95 % CI {3:.{0}f} to {4:.{0}f}), variation within "
+                       "cells {5:.2g} %",
+                       cli::DecimalsOf(lower, upper, 3), condition.name, condition.repeats->icc,
+                       lower, upper, 100 * dsp::VariationOfLogs(condition.repeats->within_sd)));
   }
   AppendTrend(study, text);
 }
@@ -163,6 +166,9 @@ void AppendQuality(const StudyResult& study, std::string& text) {
   }
   for (const Deviation& deviation : FindDeviations(study.table)) {
     Append(text, "differs", Describe(deviation));
+    if (deviation.what == dsp::kAmplitudeNotVerified) {
+      Append(text, "", std::string(dsp::kAveragingRemedy));
+    }
   }
   for (const MissingTrials& missing : study.missing) {
     Append(text, "missing",
@@ -182,6 +188,11 @@ std::string StudyText(const StudyResult& study, bool all) {
                                  Counted(study.table.subjects.size(), "subject"),
                                  Counted(study.table.conditions.size(), "condition"),
                                  study.question.band.lower_hz, study.question.band.upper_hz);
+  if (const auto& floor = study.question.floor) {
+    fmt::format_to(std::back_inserter(text),
+                   "  noise floor of {:.3g} um RMS ({}) taken off in power\n",
+                   std::sqrt(floor->power.mean_square) / kUm, floor->source);
+  }
   AppendConditions(study, text);
   if (!study.planned && !study.contrasts.empty()) {
     fmt::format_to(std::back_inserter(text),

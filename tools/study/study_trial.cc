@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/jobs.h"
+#include "dsp/analysis/floor_remarks.h"
 #include "tools/cli/progress.h"
 #include "trial/read_recording.h"
 
@@ -48,8 +49,11 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
     trial.deviations.emplace_back("its frequency moves, so its RMS is that of a sweep");
   }
   if (!analysis.numbers->floor) trial.deviations.emplace_back("no noise floor taken off");
+  for (std::string& doubt : dsp::FloorDoubts(*analysis.numbers, analysis.record.rate_hz)) {
+    trial.deviations.push_back(std::move(doubt));
+  }
   if (!analysis.numbers->sensor.amplitude_verified) {
-    trial.deviations.emplace_back("amplitude not verified: sensor averaging unknown");
+    trial.deviations.emplace_back(dsp::kAmplitudeNotVerified);
   }
 }
 

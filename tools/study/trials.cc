@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "base/input_file.h"
@@ -12,6 +13,7 @@
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/drive_off_floor.h"
 #include "tools/study/output_file.h"
 #include "tools/study/study_result.h"
 #include "tools/study/words.h"
@@ -37,6 +39,7 @@ struct Wanted {
   std::vector<std::string> contrasts;
   std::string pattern;
   cli::BandWords band;
+  std::string floor;
   bool all = false;
   std::string table;
   std::string wide;
@@ -56,6 +59,9 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Text("--pattern", &wanted.pattern, "PATTERN",
                "Labels in the files' names: '{subject}_{condition}_{repeat}'");
   cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
+  options.Text("--floor", &wanted.floor, "FILE",
+               "A drive-off trial: its noise in the band is taken off in power (default: the "
+               "manifest's, else each trial's own quiet part)");
   options.Flag("--all", &wanted.all,
                "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend");
   options.Text("--table", &wanted.table, "LONG.csv", "Write a row a trial");
@@ -103,6 +109,30 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   return {};
 }
 
+// where the floor is read from; empty: each trial's own quiet part serves
+std::string FloorPath(const Wanted& wanted, const Manifest& manifest) {
+  if (!wanted.floor.empty()) return wanted.floor;
+  if (manifest.floor.empty()) return {};
+  return fs::path(wanted.source).parent_path() / manifest.floor;
+}
+
+// the drive-off trial's noise, which is no trial of the study then
+Result<void> TakeFloor(const Wanted& wanted, Task& task) {
+  const std::string path = FloorPath(wanted, task.manifest);
+  if (path.empty()) return {};
+  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  auto floor = ReadFloor(path, task.question, task.import, threads);
+  if (!floor) return std::unexpected(floor.error());
+  task.question.floor = *std::move(floor);
+  std::erase_if(task.files, [&](const TrialFile& file) {
+    std::error_code ignored;
+    return fs::equivalent(file.path, path, ignored);
+  });
+  if (!task.files.empty()) return {};
+  return CannotAnswer(wanted.source, "holds no recording but the floor",
+                      "add the trials with the drive on");
+}
+
 Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
   if (wanted.contrasts.empty()) return {};
   auto contrasts = ParseContrasts(wanted.contrasts);
@@ -135,6 +165,7 @@ Result<Task> TaskOf(const Wanted& wanted) {
   auto import = cli::ImportOf(wanted.import);
   if (!import) return std::unexpected(import.error());
   task.import = *std::move(import);
+  if (auto taken = TakeFloor(wanted, task); !taken) return std::unexpected(taken.error());
   return task;
 }
 
@@ -156,15 +187,17 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   return study;
 }
 
-// 3 where a trial has no number or a contrast no test; failing outranks it
+// the worst of its trials and contrasts: not answered where one has no number or no test
 int StatusOf(const StudyResult& study) {
   int status = 0;
   for (const StudyTrial& trial : study.table.trials) {
-    if (trial.error && trial.error->cause == Cause::kFailed) return ExitStatus(Cause::kFailed);
-    if (!trial.answered) status = ExitStatus(Cause::kCannotAnswer);
+    if (trial.answered) continue;
+    const Cause cause = trial.error ? trial.error->cause : Cause::kCannotAnswer;
+    status = cli::WorseStatus(status, ExitStatus(cause));
   }
   for (const Contrast& contrast : study.contrasts) {
-    if (!contrast.difference.test) status = ExitStatus(Cause::kCannotAnswer);
+    if (contrast.difference.test) continue;
+    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }
   return status;
 }
@@ -225,7 +258,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
   if (wanted.verify.empty()) return status;
   const auto verified = Verify(wanted.verify, *study);
   if (!verified) return cli::ReportError(kVerb, verified.error());
-  return *verified == 0 ? status : *verified;
+  return cli::WorseStatus(status, *verified);
 }
 
 }  // namespace haptometer::tools

@@ -211,7 +211,7 @@ Result<int> ExportAll(const Wanted& wanted, const std::vector<std::string>& inpu
     const auto recording = ReadAndTell(kText.name, input, import);
     if (!recording) {
       if (inputs.size() == 1) return std::unexpected(recording.error());
-      status = cli::ReportError(kText.name, recording.error());
+      status = cli::WorseStatus(status, cli::ReportError(kText.name, recording.error()));
       continue;
     }
     auto done = AddTo(&*writer, names.Of(input), input, *recording);

@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/filter/settled.h"
-#include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
+#include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -25,12 +24,6 @@ using trial::SampleStatus;
 constexpr double kRateHz = 10e3;
 constexpr double kRootTwo = std::numbers::sqrt2;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-BandAnalysis Answer(const trial::Record& record, const BandQuestion& question = {}) {
-  auto analysis = AnalyzeBand(record, question);
-  EXPECT_TRUE(analysis) << (analysis ? "" : analysis.error().Text());
-  return analysis ? *analysis : BandAnalysis{};
-}
 
 // 3 s of a 10 kHz head with 0.5 um of noise and 0.1 um steps
 trial::Record Streamed(const trial::Displacement& displacement, std::uint64_t seed) {
@@ -174,73 +167,6 @@ TEST(BandAnalysis, StrongTremorOnAFifthOfASecondIsNotAnswered) {
             "least 2.0 s without a gap");
   EXPECT_FALSE(analysis.numbers);
   EXPECT_EQ(analysis.band.order, 6);
-}
-
-TEST(BandAnalysis, StrongTremorOnOneSecondIsModelledAndTheOrderKept) {
-  const std::vector<double> in = Samples(kRateHz, 10'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
-  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
-  ASSERT_TRUE(analysis.answered);
-  EXPECT_EQ(analysis.band.order, 6);
-  EXPECT_EQ(
-      analysis.remarks.back(),
-      "500 um at 8.3 Hz lie below the band; 0.015 um RMS of that leak into it; taken as going "
-      "on before and after the record");
-  EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 1e-3, "the bar: leakage of order 6");
-  EXPECT_LE(analysis.numbers->rms.lower_m, 1e-6 / kRootTwo);
-  EXPECT_GE(analysis.numbers->rms.upper_m, 1e-6 / kRootTwo);
-}
-
-TEST(BandAnalysis, OneSecondIsTheSameSamplesOfTheFilteredLongRecord) {
-  const std::vector<double> whole = Samples(kRateHz, 50'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
-  const std::vector<double> filtered = FilterZeroPhase(Designed({}, kRateHz), whole);
-  const BandAnalysis analysis =
-      Answer(RecordOf({whole.begin() + 20'000, whole.begin() + 30'000}, kRateHz));
-  ASSERT_TRUE(analysis.answered);
-  const UsedPart& part = analysis.numbers->part;
-  double worst = 0;
-  for (std::size_t row = part.first_row; row < part.first_row + part.rows; ++row) {
-    worst = std::max(worst, std::abs(analysis.filtered_m[row] - filtered[20'000 + row]));
-  }
-  EXPECT_ABS(worst / analysis.numbers->rms.rms_m, 0, 1e-4, "the bar; settled to 2.5e-5");
-  EXPECT_GT(part.window.duration_s(), 0.4);
-}
-
-TEST(BandAnalysis, TheRemedyOfTooShortARecordHelps) {
-  const std::vector<double> in = Samples(kRateHz, 19'500, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
-  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
-  ASSERT_TRUE(analysis.answered);
-  EXPECT_REL(analysis.numbers->rms.rms_m, 1.0002e-6 / kRootTwo, kSettledError,
-             "what a settled sample may be wrong by; leaked tremor, a part of its period");
-}
-
-TEST(BandAnalysis, AnOrderThatWasAskedForIsKept) {
-  // 1.4 periods of a slow motion: no model, a lower order where it may be taken
-  const std::vector<double> in = Samples(kRateHz, 5'000, 0.03, {{1e-6, 100}, {2e-4, 2.1, 0.7}});
-  const BandAnalysis lowered = Answer(RecordOf(in, kRateHz));
-  ASSERT_TRUE(lowered.answered);
-  EXPECT_LT(lowered.band.order, 6);
-  EXPECT_THAT(lowered.remarks[0], ::testing::StartsWith("filter order lowered from 6 to "));
-  BandQuestion fixed;
-  fixed.may_lower_order = false;
-  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), fixed);
-  ASSERT_FALSE(analysis.answered);
-  EXPECT_THAT(analysis.reasons[0],
-              ::testing::HasSubstr("have settled in a filter of order 6; 0.1 s are needed: record "
-                                   "at least 2.0 s without a gap"));
-}
-
-TEST(BandAnalysis, TremorThatLeaksIsStated) {
-  const std::vector<double> in = Samples(kRateHz, 50'000, 0.03, {{1e-6, 100}, {5e-4, 8.3}});
-  BandQuestion question;
-  question.band.order = 4;
-  question.may_lower_order = false;
-  const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), question);
-  ASSERT_TRUE(analysis.answered);
-  const FilterDesign design = Designed(question.band, kRateHz);
-  ASSERT_TRUE(analysis.numbers->below_band);
-  EXPECT_REL(analysis.numbers->below_band->leaked_rms_m,
-             5e-4 / kRootTwo * std::norm(Response(design, 8.3)), 1e-9, "the tremor's fit");
-  EXPECT_REL(analysis.numbers->rms.rms_m, 1.287e-6 / kRootTwo, 2e-3, "part of a tremor period");
 }
 
 TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
@@ -394,23 +320,6 @@ TEST(BandAnalysis, RecordsThatCannotBeReadAreErrors) {
       "range");
   record.channels.clear();
   EXPECT_EQ(error(record).Text(), "holds no displacement channel; name one displacement_m");
-}
-
-// what leaks of tremor bends a fit by more than noise that is not there
-TEST(BandAnalysis, WhatLeaksFromBelowIsInTheTonesUncertainty) {
-  for (const double phase : {0.0, 0.7, 1.9}) {
-    const trial::Record record =
-        RecordOf(Samples(10e3, 47'000, 0.03, {{1e-6, 100, 1}, {5e-4, 8.3, phase}}), 10e3);
-    const auto analysis = AnalyzeBand(record, {});
-    ASSERT_TRUE(analysis && analysis->numbers && analysis->numbers->tone);
-    const ToneNumbers& tone = *analysis->numbers->tone;
-    EXPECT_GT(std::abs(tone.fit.frequency_hz - 100), 1e-8) << "else nothing is shown";
-    EXPECT_LT(tone.frequency_lower_hz, 100);
-    EXPECT_GT(tone.frequency_upper_hz, 100);
-    EXPECT_LT(tone.amplitude_lower_m, 1e-6);
-    EXPECT_GT(tone.amplitude_upper_m, 1e-6);
-    EXPECT_LT(tone.fit.frequency_uncertainty_hz, 1e-4) << "a bound, not a shrug";
-  }
 }
 
 }  // namespace

@@ -49,8 +49,10 @@ TEST(BandNoise, PowerVarianceAndBandwidthOfColouredNoise) {
     double bandwidth_hz = 0;
     for (int k = 0; k < 40; ++k) {
       const BandNoise measured = MeasureNoise(Coloured(2000, band, noise), kRateHz, 1000);
-      mean_square += measured.power.mean_square / 40;
-      bandwidth_hz += measured.EquivalentBandwidthHz() / 40;
+      const NoisePower& power = measured.power;
+      mean_square += power.mean_square / 40;
+      // (integral of S)^2 / integral of S^2
+      bandwidth_hz += power.mean_square * power.mean_square / power.variance * measured.bin_hz / 40;
     }
     EXPECT_REL(mean_square, shape.mean_square, 0.05, "40 windows of 2 B degrees");
     EXPECT_REL(bandwidth_hz, shape.bandwidth_hz, 0.15, "40 windows of few bins");

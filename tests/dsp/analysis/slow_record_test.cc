@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -28,12 +29,6 @@ trial::Record Slow() {
   record.stretches[0].time_uncertainty_s = 5e-5;
   record.metadata.drive_frequency_hz = kDriveHz;
   return record;
-}
-
-BandAnalysis Answer(const trial::Record& record, const BandQuestion& question = {}) {
-  auto analysis = AnalyzeBand(record, question);
-  EXPECT_TRUE(analysis) << (analysis ? "" : analysis.error().Text());
-  return analysis ? *analysis : BandAnalysis{};
 }
 
 TEST(SlowRecord, AFreeRunningOneHasItsDrivesTone) {

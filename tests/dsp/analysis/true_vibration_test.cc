@@ -103,12 +103,11 @@ TEST_P(TrueVibration, LiesInTheStatedIntervalAndWithinTwoPercent) {
     worst = std::max(worst, std::abs(off));
     if (rms.lower_m <= trial.rms_m && trial.rms_m <= rms.upper_m) ++covered;
   }
-  const double rate = 100.0 * covered / repetitions;
-  std::printf("[coverage] %s: %.1f %%, rms deviation %.2f %%, worst %.2f %%, answered %d of %d\n",
-              NameOf({trial, 0}).c_str(), rate, 100 * std::sqrt(square / repetitions), 100 * worst,
-              answered, repetitions);
-  // 25 repetitions know 95 % to 4.4; the long run knows it to 0.5 and holds the bar of 93
-  EXPECT_GE(rate, repetitions >= 1000 ? 93 : 80);
+  const std::string name = NameOf({trial, 0});
+  std::printf("%s: rms deviation %.2f %%, worst %.2f %%, answered %d of %d\n", name.c_str(),
+              100 * std::sqrt(square / repetitions), 100 * worst, answered, repetitions);
+  // without noise the interval is one of bounds (tremor, edges): too wide is no fault of it
+  ExpectCoverage(name.c_str(), covered, repetitions, trial.noisy ? 97 : 100);
   const double gain = trial.averaged ? trial::AveragingGain(trial.tone_hz, 1 / kRateHz, 16) : 1;
   if (gain < 0.5) {
     EXPECT_EQ(answered, 0) << "below half of it passes";

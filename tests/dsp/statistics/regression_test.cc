@@ -4,11 +4,35 @@
 
 #include <vector>
 
+#include "dsp/statistics/distributions.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {
 namespace {
+
+TEST(FitLine, IsThatOfAnscombe) {
+  // his first set (The American Statistician 27(1), 1973): 3.0 + 0.5 x, R^2 = 0.67,
+  // standard error of the slope 0.118
+  const std::vector<double> x{10, 8, 13, 9, 11, 14, 6, 4, 12, 7, 5};
+  const std::vector<double> y{8.04, 6.95, 7.58, 8.81, 8.33, 9.96, 7.24, 4.26, 10.84, 4.82, 5.68};
+  const auto line = FitLine(x, y);
+  EXPECT_ABS(line->slope, 0.5, 2e-4, "printed digits");
+  EXPECT_ABS(line->intercept, 3.0, 2e-3, "printed digits");
+  EXPECT_ABS(line->r_squared, 0.667, 5e-4, "printed digits");
+  const double error = (line->slope_interval.upper - line->slope) / StudentCritical(9);
+  EXPECT_ABS(error, 0.118, 5e-4, "printed digits");
+  EXPECT_FALSE(FitLine(std::vector{1.0, 1.0, 1.0}, std::vector{1.0, 2.0, 3.0}));
+  EXPECT_FALSE(FitLine(std::vector{1.0, 2.0}, std::vector{1.0, 2.0}));
+  EXPECT_EQ(FitLine(std::vector{1.0, 2.0, 3.0}, std::vector{2.0, 4.0, 6.0})->r_squared, 1);
+}
+
+TEST(SlopeWithinGroups, IsThatOfEachAboutItsOwnLevel) {
+  // slopes of 2 and 4 over x that spread by 2 and 8 in squares: (2 * 2 + 4 * 8) / 10
+  const std::vector<Points> groups{{{1, 3}, {100, 104}}, {{10, 14}, {-5, 11}}, {{7}, {1e6}}};
+  EXPECT_REL(SlopeWithinGroups(groups).value(), 3.6, 1e-14, "rounding");
+  EXPECT_FALSE(SlopeWithinGroups(std::vector<Points>{{{1}, {2}}, {{3, 3}, {4, 5}}, {}}));
+}
 
 TEST(FitCurvature, GivesTheParabolaThatThePointsLieOn) {
   const std::vector<double> x{0, 1, 2, 3};

@@ -6,7 +6,7 @@
 
 #include "base/check.h"
 #include "dsp/analysis/band_analysis.h"
-#include "tools/acquire/displacement_channel.h"
+#include "trial/displacement_channel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -31,7 +31,7 @@ void FindValues(const trial::Channel& channel, CheckFindings& findings) {
 CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSummary& summary,
                          const dsp::BandPass& band) {
   CheckFindings findings{.summary = summary};
-  const auto number = DisplacementChannel(record);
+  const auto number = trial::DisplacementChannel(record);
   HAPTOMETER_CHECK(number, "a record without displacement");
   const trial::Channel& channel = record.channels[*number];
   findings.resolution_m = channel.resolution;

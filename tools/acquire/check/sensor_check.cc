@@ -9,10 +9,10 @@
 #include "tools/acquire/check/check_list.h"
 #include "tools/acquire/check/check_output.h"
 #include "tools/acquire/check/memory_trial.h"
-#include "tools/acquire/displacement_channel.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/report.h"
+#include "trial/displacement_channel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -40,7 +40,7 @@ std::string CommandOf(const std::vector<std::string>& words) {
 int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
                    const dsp::BandPass& band, const std::vector<std::string>& words,
                    acquire::Sensor& sensor, Clock& clock) {
-  if (!DisplacementChannel(sensor.header())) {
+  if (!trial::DisplacementChannel(sensor.header())) {
     return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
                                     "has no displacement channel in metres to check",
                                     "give the calibration of its voltage"});

@@ -12,7 +12,8 @@
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
-#include "tools/acquire/displacement_channel.h"
+#include "tools/acquire/sample_value.h"
+#include "trial/displacement_channel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -32,10 +33,10 @@ bool IsClipped(trial::SampleStatus status) {
 }  // namespace
 
 LiveMeter::LiveMeter(const trial::TrialHeader& header, const dsp::BandPass& band)
-    : channel_(DisplacementChannel(header).value_or(0)),
+    : channel_(trial::DisplacementChannel(header).value_or(0)),
       timing_(header.timing),
       grid_rate_hz_(header.rate_hz),
-      tare_(DisplacementChannel(header) ? header.metadata.tare_m : 0),
+      tare_(trial::DisplacementChannel(header) ? header.metadata.tare_m : 0),
       band_(band) {
   HAPTOMETER_CHECK(!header.channels.empty(), "no channel");
   format_ = header.channels[channel_];

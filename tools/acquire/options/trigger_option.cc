@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/quantity.h"
-#include "tools/acquire/displacement_channel.h"
+#include "trial/displacement_channel.h"
 
 namespace haptometer::tools {
 namespace {
@@ -69,7 +69,7 @@ Result<TriggerWish> ParseTrigger(const std::string& text) {
 Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
                                              const trial::TrialHeader& header) {
   // which channel
-  const auto displacement = DisplacementChannel(header);
+  const auto displacement = trial::DisplacementChannel(header);
   std::size_t number = displacement.value_or(0);
   if (!wish.channel.empty()) {
     const auto found =

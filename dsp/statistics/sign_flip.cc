@@ -1,4 +1,4 @@
-#include "dsp/statistics/permutation.h"
+#include "dsp/statistics/sign_flip.h"
 
 #include <cmath>
 #include <cstdint>

@@ -1,4 +1,4 @@
-#include "dsp/statistics/multiple.h"
+#include "dsp/statistics/holm.h"
 
 #include <algorithm>
 #include <numeric>
