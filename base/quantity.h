@@ -32,6 +32,7 @@ struct Quantity {
   double standard_uncertainty = 0;  ///< 0: stated as exact
 
   [[nodiscard]] bool exact() const { return standard_uncertainty == 0; }
+  bool operator==(const Quantity&) const = default;
 };
 
 /// Reads "1.4g", "10 mm", "27", "1.40(3)g", "1.40g+-0.03g" (also ± and +/-) as SI.

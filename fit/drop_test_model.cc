@@ -16,15 +16,11 @@ constexpr double kOpen = std::numeric_limits<double>::infinity();
 // uniform ignorance of the rebound between 0 and 0.3, as root mean square about 0
 const double kUnknownReboundUncertainty = 0.3 / std::sqrt(3.0);
 
-bool Same(const Quantity& a, const Quantity& b) {
-  return a.value == b.value && a.standard_uncertainty == b.standard_uncertainty;
-}
-
 // adds an input, or the record to an equal one: the same resistor, the same ruler
 void AddInput(std::vector<DropTestInput>& inputs, Kind kind, std::string name, std::string unit,
               const Quantity& quantity, std::size_t record) {
   for (DropTestInput& input : inputs) {
-    if (input.kind == kind && Same(input.quantity, quantity)) {
+    if (input.kind == kind && input.quantity == quantity) {
       input.records.push_back(record);
       return;
     }

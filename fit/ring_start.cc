@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "fit/ring_amplitude.h"
 #include "fit/ring_fit.h"
 #include "sim/ring_down.h"
 
@@ -29,30 +30,6 @@ constexpr int kDampings = 11;
 // blocks that the poles of an oscillation are fitted to: enough for a period's shape
 constexpr double kBlocksPerPeriod = 16;
 constexpr std::size_t kLeastBlocks = 32;
-
-// the values with holes bridged by straight lines: for start values only
-std::vector<double> Filled(const std::vector<double>& values) {
-  std::vector<double> filled = values;
-  std::size_t last = values.size();
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    if (!std::isfinite(values[n])) continue;
-    const double from = last == values.size() ? values[n] : values[last];
-    const std::size_t first = last == values.size() ? 0 : last + 1;
-    for (std::size_t k = first; k < n; ++k) {
-      filled[k] = from + (values[n] - from) * static_cast<double>(k + 1 - first) /
-                             static_cast<double>(n + 1 - first);
-    }
-    last = n;
-  }
-  for (std::size_t k = last + 1; k < values.size(); ++k) filled[k] = values[last];
-  return filled;
-}
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::vector<double> From(const std::vector<double>& values, std::size_t first, double offset) {
   std::vector<double> rest(values.begin() + static_cast<std::ptrdiff_t>(first), values.end());
@@ -177,24 +154,6 @@ struct Blow {
   double period_samples = 0;
 };
 
-// The amplitude at the resonance in the period that follows each sample; shorter by a period. It
-// begins to rise a period before the blow, and noise of any single sample does not move it.
-std::vector<double> FollowingAmplitude(const std::vector<double>& values, const Blow& blow) {
-  const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
-  std::vector<std::complex<double>> turned(values.size() + 1);
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    const double turns = static_cast<double>(n) / blow.period_samples;
-    turned[n + 1] =
-        turned[n] + (values[n] - blow.middle_v) * std::polar(1.0, -2 * std::numbers::pi * turns);
-  }
-  std::vector<double> amplitudes;
-  amplitudes.reserve(values.size());
-  for (std::size_t n = 0; n + period < turned.size(); ++n) {
-    amplitudes.push_back(std::abs(turned[n + period] - turned[n]));
-  }
-  return amplitudes;
-}
-
 // The sample that best parts a quiet stretch from the ring-down: the squares of what lies before it
 // and those of what the ring-down, continued backwards from `known`, leaves behind it, are least.
 std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_s, const Blow& blow,
@@ -226,7 +185,7 @@ std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_
 std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blow& blow) {
   const std::size_t first_large = FindLargeSample(values, blow.middle_v);
   const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
-  const auto amplitudes = FollowingAmplitude(values, blow);
+  const auto amplitudes = FollowingAmplitude(values, blow.middle_v, blow.period_samples);
   if (6 * period > values.size() || amplitudes.empty()) return first_large;
   const double half = *std::ranges::max_element(amplitudes) / 2;
   const auto risen = static_cast<std::size_t>(

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fit/ring_start.h"
+#include "fit/split_drops.h"
 #include "sim/actuator.h"
 #include "trial/read_recording.h"
 
@@ -100,15 +101,11 @@ Result<void> CheckOptions(const FitLraOptions& options) {
   return {};
 }
 
-bool Same(const Quantity& a, const Quantity& b) {
-  return a.value == b.value && a.standard_uncertainty == b.standard_uncertainty;
-}
-
 // lays `option` over `*value`, and says so when they differ
 void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
          std::string_view key, std::optional<Quantity>* value, std::vector<std::string>* remarks) {
   if (!option) return;
-  if (*value && !Same(**value, *option)) {
+  if (*value && **value != *option) {
     remarks->push_back(
         fmt::format("{}: {} replaces the header's {} = {:g}", file, name, key, (*value)->value));
   }
@@ -149,8 +146,25 @@ Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& o
       remarks);
   Lay(options.time_scale, "--time-scale", source.path, "time_scale", &record.time_scale, remarks);
   LayCondition(options, &record, remarks);
-  if (auto start = fit::FindRingStart(record); !start) return std::unexpected(start.error());
   return *file;
+}
+
+// the drops of one file, what cannot be fitted of them left out
+void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
+               FitLraInput* input) {
+  const auto drops = fit::SplitDrops(file.record);
+  if (drops.size() > 1) {
+    input->remarks.push_back(fmt::format(
+        "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
+        file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
+  }
+  for (const fit::ImpulseRecord& drop : drops) {
+    if (auto start = fit::FindRingStart(drop); !start) {
+      input->left_out.push_back(start.error());
+    } else {
+      files->push_back({drop, file.knowns, {}});
+    }
+  }
 }
 
 // one statement about the actuator: option, else actuator file, else the headers, which must agree
@@ -171,7 +185,7 @@ class Statement {
       std::optional<Quantity> header = file.knowns.*member_;
       if (stated) {
         Lay(stated, option ? option_name_ : "--actuator", file.record.name, key_, &header, remarks);
-      } else if (header && settled && !Same(*header, *settled)) {
+      } else if (header && settled && *header != *settled) {
         return CannotAnswer(file.record.name,
                             fmt::format("{} = {:g} contradicts {:g} of another file", key_,
                                         header->value, settled->value),
@@ -233,7 +247,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
   for (const Source& source : *sources) {
     auto file = ReadSource(source, options, &input.remarks);
     if (file) {
-      files.push_back(std::move(*file));
+      TakeDrops(*file, &files, &input);
     } else {
       input.left_out.push_back(file.error());
     }

@@ -1,0 +1,51 @@
+#include "fit/ring_amplitude.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+
+namespace haptometer::fit {
+
+std::vector<double> Filled(const std::vector<double>& values) {
+  std::vector<double> filled = values;
+  std::size_t last = values.size();
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    if (!std::isfinite(values[n])) continue;
+    const double from = last == values.size() ? values[n] : values[last];
+    const std::size_t first = last == values.size() ? 0 : last + 1;
+    for (std::size_t k = first; k < n; ++k) {
+      filled[k] = from + (values[n] - from) * static_cast<double>(k + 1 - first) /
+                             static_cast<double>(n + 1 - first);
+    }
+    last = n;
+  }
+  for (std::size_t k = last + 1; k < values.size(); ++k) filled[k] = values[last];
+  return filled;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> FollowingAmplitude(const std::vector<double>& values, double middle_v,
+                                       double period_samples) {
+  const auto period = static_cast<std::size_t>(std::ceil(period_samples));
+  std::vector<std::complex<double>> turned(values.size() + 1);
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const double turns = static_cast<double>(n) / period_samples;
+    turned[n + 1] =
+        turned[n] + (values[n] - middle_v) * std::polar(1.0, -2 * std::numbers::pi * turns);
+  }
+  std::vector<double> amplitudes;
+  amplitudes.reserve(values.size());
+  for (std::size_t n = 0; n + period < turned.size(); ++n) {
+    amplitudes.push_back(std::abs(turned[n + period] - turned[n]));
+  }
+  return amplitudes;
+}
+
+}  // namespace haptometer::fit
