@@ -33,7 +33,7 @@ double ChiSquare(const std::vector<AreaPoint>& points, const AreaLaw& law) {
 }  // namespace
 
 std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
-                                  const std::vector<double>& input_uncertainties) {
+                                  const std::vector<std::vector<double>>& input_covariance) {
   if (points.size() < 2) return {};
   const auto [least, most] = std::ranges::minmax_element(points, {}, &AreaPoint::area_m2);
   if (most->area_m2 < kLeastRatio * least->area_m2) return {};
@@ -66,13 +66,17 @@ std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
       law.coverage_95 = dsp::StudentCritical(degrees);
     }
   }
-  double variance = law.standard_uncertainty * law.standard_uncertainty;
-  for (std::size_t k = 0; k < input_uncertainties.size(); ++k) {
-    double response = 0;
+  std::vector<double> responses(input_covariance.size(), 0.0);
+  for (std::size_t k = 0; k < responses.size(); ++k) {
     for (std::size_t n = 0; n < points.size(); ++n) {
-      response += law.weights[n] * points[n].input_responses.at(k);
+      responses[k] += law.weights[n] * points[n].input_responses.at(k);
     }
-    variance += std::pow(response * input_uncertainties[k], 2);
+  }
+  double variance = law.standard_uncertainty * law.standard_uncertainty;
+  for (std::size_t i = 0; i < responses.size(); ++i) {
+    for (std::size_t k = 0; k < responses.size(); ++k) {
+      variance += responses[i] * input_covariance[i][k] * responses[k];
+    }
   }
   law.combined_standard_uncertainty = std::sqrt(variance);
   return law;

@@ -32,9 +32,9 @@ struct AreaLaw {
 /// Weighted straight line of ln(value) over ln(area); nothing for fewer than two areas that are at
 /// least 10 % apart.
 ///
-/// @param input_uncertainties relative standard uncertainties of the common inputs
-[[nodiscard]] std::optional<AreaLaw> FitAreaLaw(const std::vector<AreaPoint>& points,
-                                                const std::vector<double>& input_uncertainties);
+/// @param input_covariance relative covariance of the common inputs (inputs x inputs); empty: none
+[[nodiscard]] std::optional<AreaLaw> FitAreaLaw(
+    const std::vector<AreaPoint>& points, const std::vector<std::vector<double>>& input_covariance);
 
 /// The exponent that `values` in the place of the fitted ones would give, with the same weights: of
 /// a formula that is no power law, its mean slope over these areas.

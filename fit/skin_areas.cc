@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "base/check.h"
 #include "sim/skin.h"
 
 namespace haptometer::fit {
@@ -15,13 +14,12 @@ struct Which {
   double sim::Skin::* thesis;
 };
 
-std::vector<double> InputUncertainties(const SkinFit& contact) {
-  std::vector<double> uncertainties;
-  uncertainties.reserve(contact.influences.size());
-  for (const auto& influence : contact.influences) {
-    uncertainties.push_back(influence.relative_standard_uncertainty);
-  }
-  return uncertainties;
+std::vector<std::vector<double>> Covariance(const SkinFit& contact) {
+  std::vector<std::vector<double>> covariance;
+  covariance.reserve(contact.actuator_covariance.size());
+  for (const auto& row : contact.actuator_covariance)
+    covariance.emplace_back(row.begin(), row.end());
+  return covariance;
 }
 
 AreaPoint PointOf(const SkinFit& contact, const Which& which) {
@@ -46,15 +44,13 @@ std::optional<double> ThesisExponent(const AreaLaw& law, const std::vector<AreaP
 
 std::optional<AreaDependence> Depend(const std::vector<SkinFit>& contacts, const Which& which) {
   std::vector<AreaPoint> points;
-  std::vector<double> uncertainties;
+  std::vector<std::vector<double>> covariance;
   for (const auto& contact : contacts) {
     if (!contact.area_m2 || !(contact.*which.value).determined) continue;
-    if (points.empty()) uncertainties = InputUncertainties(contact);
-    HAPTOMETER_CHECK(contact.influences.size() == uncertainties.size(), "{} and {} inputs",
-                     contact.influences.size(), uncertainties.size());
+    if (points.empty()) covariance = Covariance(contact);
     points.push_back(PointOf(contact, which));
   }
-  const auto law = FitAreaLaw(points, uncertainties);
+  const auto law = FitAreaLaw(points, covariance);
   if (!law) return {};
   const double half = law->coverage_95 * law->combined_standard_uncertainty;
   AreaDependence dependence{.law = *law,

@@ -32,7 +32,7 @@ struct SkinAreas {
 
 /// Fits Ks and Bs of those contacts that have an area and a determined value (area_law.h). The
 /// actuator's constants are common to all contacts, and move the exponent by what they move the
-/// contacts differently. Contacts must be driven alike (same influences).
+/// contacts differently; those of the first contact count.
 [[nodiscard]] SkinAreas FitSkinAreas(const std::vector<SkinFit>& contacts);
 
 }  // namespace haptometer::fit

@@ -92,41 +92,30 @@ std::vector<SkinStart> BestStarts(SkinProblem* problem, std::vector<std::string>
   return starts;
 }
 
-// the response to one of the actuator's constants, by central differences
-Input ActuatorInput(const SkinProblem& problem, const std::vector<double>& parameters,
-                    const GroupedSolution& solution, std::string name, const Quantity& stated,
-                    double sim::Actuator::* member) {
+// the response to one of the actuator's numbers, by central differences
+Weights ActuatorResponse(const SkinProblem& problem, const std::vector<double>& parameters,
+                         const GroupedSolution& solution, std::size_t place) {
   constexpr double kStep = 1e-4;
-  sim::Actuator more = problem.actuator();
-  sim::Actuator less = problem.actuator();
-  more.*member *= 1 + kStep;
-  less.*member *= 1 - kStep;
   const NoiseGroups groups = problem.Groups();
-  auto change = problem.ResidualsWith(more, parameters);
-  const auto below = problem.ResidualsWith(less, parameters);
+  auto change =
+      problem.ResidualsWith(sim::Scaled(problem.actuator(), place, 1 + kStep), parameters);
+  const auto below =
+      problem.ResidualsWith(sim::Scaled(problem.actuator(), place, 1 - kStep), parameters);
   for (std::size_t n = 0; n < change.size(); ++n) {
     const double difference = std::remainder(change[n] - below[n], 2 * std::numbers::pi);
     change[n] = difference / (2 * kStep) / solution.noise[groups.group_of[n]];
   }
-  const double relative = stated.value == 0 ? 0 : stated.standard_uncertainty / stated.value;
-  return {std::move(name), relative, Response(solution.seen, solution.jacobian, change)};
+  return Response(solution.seen, solution.jacobian, change);
 }
 
-std::vector<Input> Inputs(const SkinProblem& problem, const sim::StatedActuator& stated,
-                          DriveQuantity drive, const std::vector<double>& parameters,
-                          const GroupedSolution& solution) {
+// the actuator's seven numbers, then the scale of the measurement
+std::vector<Input> Inputs(const SkinProblem& problem, const sim::ActuatorCovariance& covariance,
+                          const std::vector<double>& parameters, const GroupedSolution& solution) {
   std::vector<Input> inputs;
-  const auto add = [&](const char* name, const Quantity& quantity, double sim::Actuator::* member) {
-    inputs.push_back(ActuatorInput(problem, parameters, solution, name, quantity, member));
-  };
-  add("moving mass", stated.moving_mass_kg, &sim::Actuator::moving_mass_kg);
-  add("case mass", stated.case_mass_kg, &sim::Actuator::case_mass_kg);
-  add("Kv", *stated.stiffness_n_per_m, &sim::Actuator::stiffness_n_per_m);
-  add("Bv", *stated.damping_n_s_per_m, &sim::Actuator::damping_n_s_per_m);
-  add("Km", *stated.force_constant_n_per_a, &sim::Actuator::force_constant_n_per_a);
-  if (drive == DriveQuantity::kVoltage) {
-    add("resistance", stated.resistance_ohm, &sim::Actuator::resistance_ohm);
-    add("inductance", stated.inductance_h, &sim::Actuator::inductance_h);
+  inputs.reserve(sim::kActuatorSymbols.size() + 1);
+  for (std::size_t k = 0; k < sim::kActuatorSymbols.size(); ++k) {
+    inputs.push_back({std::string(sim::kActuatorSymbols[k]), std::sqrt(covariance[k][k]),
+                      ActuatorResponse(problem, parameters, solution, k)});
   }
   // 1 % more displacement per drive is 0.01 less in the amplitudes' residuals
   std::vector<double> change(solution.jacobian.rows, 0.0);
@@ -142,27 +131,33 @@ std::vector<Input> Inputs(const SkinProblem& problem, const sim::StatedActuator&
   return inputs;
 }
 
-double InputVariance(const std::vector<Input>& inputs, P parameter) {
+double InputVariance(const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
+                     P parameter) {
   double variance = 0;
-  for (const auto& input : inputs) {
-    variance += std::pow(input.response[Index(parameter)] * input.relative_standard_uncertainty, 2);
+  for (std::size_t i = 0; i < covariance.size(); ++i) {
+    for (std::size_t k = 0; k < covariance.size(); ++k) {
+      variance += inputs[i].response[Index(parameter)] * covariance[i][k] *
+                  inputs[k].response[Index(parameter)];
+    }
   }
-  return variance;
+  return std::max(variance, 0.0);
 }
 
 FittedValue Logarithmic(const std::vector<double>& parameters, const GroupedSolution& solution,
-                        const std::vector<Input>& inputs, P parameter, std::string unit) {
+                        const std::vector<Input>& inputs, const sim::ActuatorCovariance& covariance,
+                        P parameter, std::string unit) {
   Weights weights(kContactParameters, 0.0);
   weights[Index(parameter)] = 1;
   FittedValue value = FromLogarithm(parameters[Index(parameter)], Variance(solution.seen, weights),
-                                    InputVariance(inputs, parameter), std::move(unit));
+                                    InputVariance(inputs, covariance, parameter), std::move(unit));
   value.determined =
       value.determined && solution.solver.converged && Blur(solution.seen, weights) < kMostBlur;
   return value;
 }
 
 FittedValue Mass(double case_mass_kg, const std::vector<double>& parameters,
-                 const GroupedSolution& solution, const std::vector<Input>& inputs) {
+                 const GroupedSolution& solution, const std::vector<Input>& inputs,
+                 const sim::ActuatorCovariance& covariance) {
   Weights weights(kContactParameters, 0.0);
   weights[Index(P::kMass)] = 1;
   FittedValue value;
@@ -170,7 +165,8 @@ FittedValue Mass(double case_mass_kg, const std::vector<double>& parameters,
   value.value = parameters[Index(P::kMass)];
   const double variance = Variance(solution.seen, weights);
   value.standard_uncertainty = std::sqrt(variance);
-  value.combined_standard_uncertainty = std::sqrt(variance + InputVariance(inputs, P::kMass));
+  value.combined_standard_uncertainty =
+      std::sqrt(variance + InputVariance(inputs, covariance, P::kMass));
   value.determined = solution.solver.converged && solution.seen.nullity == 0 &&
                      value.standard_uncertainty < kMostMassShare * (case_mass_kg + value.value);
   return value;
@@ -306,10 +302,12 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   std::vector<double> parameters = starts.front().parameters;
   const auto solution = SolveGroups(problem.Whole(), problem.Groups(), {true, true, true},
                                     {true, true, false}, &parameters);
-  const auto inputs = Inputs(problem, stated, sweep.drive, parameters, solution);
-  fit.stiffness = Logarithmic(parameters, solution, inputs, P::kStiffness, "N/m");
-  fit.damping = Logarithmic(parameters, solution, inputs, P::kDamping, "N s/m");
-  fit.mass = Mass(actuator->case_mass_kg, parameters, solution, inputs);
+  fit.actuator_covariance = sim::RelativeCovariance(stated);
+  const auto& covariance = fit.actuator_covariance;
+  const auto inputs = Inputs(problem, covariance, parameters, solution);
+  fit.stiffness = Logarithmic(parameters, solution, inputs, covariance, P::kStiffness, "N/m");
+  fit.damping = Logarithmic(parameters, solution, inputs, covariance, P::kDamping, "N s/m");
+  fit.mass = Mass(actuator->case_mass_kg, parameters, solution, inputs, covariance);
   for (const auto& input : inputs) {
     fit.influences.push_back(
         {input.name, input.relative_standard_uncertainty, input.response[Index(P::kStiffness)],

@@ -35,7 +35,7 @@ struct SkinSweep {
 
 /// What one given number does to the results.
 struct SkinInfluence {
-  std::string input;                         ///< "moving mass", ..., "displacement over drive"
+  std::string input;  ///< "Mv" and the others of kActuatorSymbols, "displacement over drive"
   double relative_standard_uncertainty = 0;  ///< 0: stated as exact
   double stiffness_percent_per_percent = 0;
   double damping_percent_per_percent = 0;
@@ -65,7 +65,8 @@ struct SkinFit {
   std::vector<double> model_m;  ///< amplitude at each point, in order of frequency
   std::vector<double> frequencies_hz;
   std::vector<double> measured_m;
-  std::vector<SkinInfluence> influences;
+  std::vector<SkinInfluence> influences;          ///< eight
+  sim::ActuatorCovariance actuator_covariance{};  ///< of the first seven, relative
   std::vector<std::string> assumptions;
   std::vector<std::string> undetermined;
   std::vector<std::string> doubts;
@@ -79,8 +80,8 @@ struct SkinFit {
 /// of phase, weighted by noises that are estimated along (grouped_noise.h): a share of the
 /// amplitude where no uncertainty is stated, at least the stated ones otherwise. Amplitudes alone
 /// may leave two solutions, below and above a resonance; a second one that fits as well within nine
-/// units of chi-square is named. Type A: covariance. Type B: the actuator's constants by central
-/// differences of the exact model (1e-4 of each, good to 1e-8), as if independent.
+/// units of chi-square is named. Type A: covariance. Type B: the actuator's numbers by central
+/// differences of the exact model (1e-4 of each, good to 1e-8), with their stated correlations.
 ///
 /// Errors (Cause::kCannotAnswer): an actuator without Kv, Bv or Km; fewer than 5 points or 4
 /// different frequencies; a frequency, amplitude or drive that is not positive; phases or

@@ -59,7 +59,13 @@ std::string ContactText(const SkinFit& contact) {
   text += SentenceSection("Doubtful", contact.doubts);
   std::vector<std::string> given;
   given.reserve(contact.influences.size());
-  for (const auto& influence : contact.influences) given.push_back(InfluenceLine(influence));
+  for (const auto& influence : contact.influences) {
+    // R and L play no part beside a current
+    const bool plays_a_part = influence.stiffness_percent_per_percent != 0 ||
+                              influence.damping_percent_per_percent != 0 ||
+                              influence.mass_kg_per_percent != 0;
+    if (plays_a_part) given.push_back(InfluenceLine(influence));
+  }
   return text + SentenceSection("Given", given) + SentenceSection("Assumed", contact.assumptions);
 }
 
@@ -215,8 +221,7 @@ std::string FitSkinText(const std::vector<SkinFit>& contacts, const fit::SkinAre
   text += AreasText(areas);
   text += fmt::format(
       "Assumed\n  the case lies on the skin, which is a spring, a damper and a mass to ground; its "
-      "constants and those of the actuator ({}) do not depend on the amplitude; the actuator's "
-      "uncertainties are independent\n",
+      "constants and those of the actuator ({}) do not depend on the amplitude\n",
       actuator);
   return text;
 }

@@ -41,11 +41,9 @@ nlohmann::ordered_json FittedJson(const fit::FittedValue& value) {
   return {{"value", field(value.value)},
           {"standard_uncertainty", field(value.standard_uncertainty)},
           {"combined_standard_uncertainty", field(value.combined_standard_uncertainty)},
-          {"interval_95", value.determined
-                              ? nlohmann::ordered_json::array({cli::NumberOrNull(value.lower),
-                                                               cli::NumberOrNull(value.upper)})
-                              : nlohmann::ordered_json(nullptr)},
-          {"at_most",
+          {"lower_95", field(value.lower)},
+          {"upper_95", field(value.upper)},
+          {"at_most_95",
            value.determined ? nlohmann::ordered_json(nullptr) : cli::NumberOrNull(value.at_most)},
           {"unit", value.unit},
           {"determined", value.determined}};

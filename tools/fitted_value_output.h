@@ -14,8 +14,8 @@ namespace haptometer::tools {
 /// there is one.
 [[nodiscard]] std::string FittedLine(std::string_view name, const fit::FittedValue& value);
 
-/// {value, standard_uncertainty, combined_standard_uncertainty, interval_95, at_most, unit,
-/// determined}; the numbers are null where it is not determined, at_most where it is.
+/// {value, standard_uncertainty, combined_standard_uncertainty, lower_95, upper_95, at_most_95,
+/// unit, determined}; the numbers are null where it is not determined, at_most_95 where it is.
 [[nodiscard]] nlohmann::ordered_json FittedJson(const fit::FittedValue& value);
 
 /// A title and below it the sentences, a line each; nothing where there are none.

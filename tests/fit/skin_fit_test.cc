@@ -261,6 +261,24 @@ TEST(SkinFit, TheActuatorsConstantsAreTypeB) {
              -influence.stiffness_percent_per_percent, 1e-6, "the response is Km times a shape");
 }
 
+TEST(SkinFit, CorrelationsOfTheActuatorCount) {
+  auto actuator = Actuator();
+  actuator.moving_mass_kg = Quantity{1.4e-3, 1.4e-5};
+  actuator.stiffness_n_per_m = Quantity{2800, 28};
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 40), .magnitude_noise = 1e-5});
+  const auto apart = Fit(sweep, actuator);
+  actuator.correlations["Mv_Kv"] = 1;
+  const auto together = Fit(sweep, actuator);
+  const double mass = apart.influences.at(0).stiffness_percent_per_percent;
+  const double spring = apart.influences.at(2).stiffness_percent_per_percent;
+  // 1 % of each: squares add, or the two themselves
+  EXPECT_REL(apart.stiffness.combined_standard_uncertainty,
+             0.01 * std::hypot(mass, spring) * apart.stiffness.value, 1e-4, "statistics adds less");
+  EXPECT_REL(together.stiffness.combined_standard_uncertainty,
+             0.01 * std::abs(mass + spring) * together.stiffness.value, 1e-3,
+             "statistics adds less");
+}
+
 TEST(SkinFit, APolarityThatIsTurnedIsSaid) {
   auto sweep = Measure(
       {.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01, .phase_noise_rad = 0.01});
@@ -365,13 +383,21 @@ TEST(AreaLaw, IsTheWeightedStraightLine) {
   for (const double mm2 : {1.0, 5.0, 20.0, 80.0}) {
     points.push_back({mm2 * 1e-6, 600 * std::cbrt(mm2), 0.05, {1.0, 0.0}});
   }
-  const auto law = FitAreaLaw(points, {0.02, 0.5});
+  const auto law = FitAreaLaw(points, {{4e-4, 0}, {0, 0.25}});
   ASSERT_TRUE(law);
   EXPECT_REL(law->exponent, 1.0 / 3, 1e-14, "a power law is a straight line");
   EXPECT_REL(law->at_one_mm2, 600.0, 1e-14, "its constant");
   EXPECT_EQ(law->standard_uncertainty, law->combined_standard_uncertainty)
       << "an input that moves all alike moves no exponent";
   EXPECT_FALSE(law->scatters);
+  // inputs that move the exponent by 1 each, fully correlated
+  for (auto& point : points) {
+    const double slope = std::log(point.area_m2 / 1e-6);
+    point.input_responses = {slope, slope};
+  }
+  const auto moved = FitAreaLaw(points, {{4e-4, 4e-4}, {4e-4, 4e-4}});
+  EXPECT_REL(moved->combined_standard_uncertainty, std::hypot(law->standard_uncertainty, 0.04),
+             1e-12, "0.02 + 0.02");
   // 1/sqrt(sum (ln A - mean)^2) * u, by hand: ln 1, 5, 20, 80
   EXPECT_REL(law->standard_uncertainty, 0.05 / 3.2518364, 1e-6, "by hand");
   EXPECT_FALSE(FitAreaLaw({points[0]}, {}));
