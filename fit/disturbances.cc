@@ -225,8 +225,9 @@ void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
   const bool keeps_first =
       before_s >= kLeastPeriods * period_s && (height_holds || before <= after);
   part->found.push_back(fmt::format(
-      "a blow at {:.4g} s, {:.2g} V beside a ringing of {:.2g} V: the part {} it is fitted",
-      blow.value, blow.amplitude_v, at_blow_v, keeps_first ? "before" : "behind"));
+      "a blow at {:.4g} s, {:.2g} {} beside a ringing of {:.2g} {}: the part {} it is fitted",
+      blow.value, blow.amplitude_v, record.unit, at_blow_v, record.unit,
+      keeps_first ? "before" : "behind"));
   if (keeps_first) {
     part->end_sample = SampleAt(record, blow.value - period_s / 16);
   } else {
@@ -245,8 +246,8 @@ void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double qu
   if (end >= part->end_sample) return;
   part->end_sample = end;
   part->found.push_back(
-      fmt::format("a tail below one step of the converter, {:.3g} V: left out from {:.4g} s on",
-                  step_v, record.start_s + static_cast<double>(end) * record.step_s));
+      fmt::format("a tail below one step of the converter, {:.3g} {}: left out from {:.4g} s on",
+                  step_v, record.unit, record.start_s + static_cast<double>(end) * record.step_s));
 }
 
 }  // namespace
@@ -271,12 +272,12 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
       CutAt(record, fit, worst, &part);
     } else if (worst.kind == Suspect::Kind::kHum) {
       part.background.hum_hz = worst.value;
-      part.found.push_back(
-          fmt::format("hum of {:g} Hz, {:.2g} V: fitted along", worst.value, worst.amplitude_v));
+      part.found.push_back(fmt::format("hum of {:g} Hz, {:.2g} {}: fitted along", worst.value,
+                                       worst.amplitude_v, record.unit));
     } else if (worst.kind == Suspect::Kind::kDrift) {
       part.background.drifts = true;
-      part.found.push_back(
-          fmt::format("a drift of {:.2g} V over the record: fitted along", worst.amplitude_v));
+      part.found.push_back(fmt::format("a drift of {:.2g} {} over the record: fitted along",
+                                       worst.amplitude_v, record.unit));
     } else {
       // what changes with the amplitude is for consistency.h to judge
       CutQuantisedTail(record, fit, start.quiet_noise_v, &part);

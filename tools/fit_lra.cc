@@ -10,6 +10,8 @@
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/cli/whole_file.h"
+#include "tools/fit_adapter.h"
+#include "tools/fit_impedance.h"
 #include "tools/fit_lra_input.h"
 #include "tools/fit_lra_output.h"
 #include "tools/fit_lra_save.h"
@@ -119,10 +121,19 @@ int RunFitLra(int argc, const char* const* argv) {
   cli::ImportWords import_words;
   FitLraFiles files;
   Declare(options, wanted, import_words, files);
+  std::string impedance;
+  options.Text(
+      "--impedance", &impedance, "FILE.csv",
+      "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
+  AdapterWords adapter;
+  DeclareAdapter(&options, &adapter);
   if (const auto status = options.Parse(argc, argv)) return *status;
   auto import = cli::ImportOf(import_words);
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
+  const bool has_drops =
+      !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() || !impedance.empty();
+  if (adapter.given()) return AnswerAdapter(adapter, wanted.import, has_drops, options.json());
   if (!files.plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) {
       return cli::ReportError(kVerb, drawable.error());
@@ -131,6 +142,10 @@ int RunFitLra(int argc, const char* const* argv) {
 
   if (auto named = CheckRequired(wanted.required); !named) {
     return cli::ReportError(kVerb, named.error());
+  }
+
+  if (!impedance.empty()) {
+    return AnswerImpedance(impedance, wanted, files.plot, options.json());
   }
 
   // what cannot be used is reported, the rest is answered

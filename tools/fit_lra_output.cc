@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tools/cli/json.h"
+#include "tools/fitted_value_output.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -17,33 +18,6 @@ namespace {
 using fit::DropTestFit;
 using fit::FittedValue;
 using nlohmann::ordered_json;
-
-// beyond this an interval's halves differ enough to be told apart
-constexpr double kLopsided = 0.1;
-
-// decimals such that the uncertainty shows two digits
-int Decimals(double uncertainty) {
-  if (!(uncertainty > 0)) return 6;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 12);
-}
-
-std::string Line(std::string_view name, const FittedValue& value) {
-  if (!value.determined && value.at_most) {
-    return fmt::format("  {:<6} at most {:.2g} {} (95 %, one-sided); not determined\n", name,
-                       *value.at_most, value.unit);
-  }
-  if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
-  const double half = (value.upper - value.lower) / 2;
-  const int decimals = Decimals(half);
-  const bool is_lopsided =
-      std::abs(value.upper + value.lower - 2 * value.value) > 2 * kLopsided * half;
-  const std::string interval =
-      is_lopsided ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
-                  : fmt::format("+- {:.{}f}",
-                                fit::kCoverage95 * value.combined_standard_uncertainty, decimals);
-  return fmt::format("  {:<6} {:>14.{}f}{} {}{}{}\n", name, value.value, decimals,
-                     is_lopsided ? "," : "", interval, value.unit.empty() ? "" : " ", value.unit);
-}
 
 using Constants = std::array<std::pair<const char*, const FittedValue*>, 3>;
 
@@ -182,26 +156,6 @@ std::string Section(std::string_view title, const std::string& lines) {
   return lines.empty() ? std::string() : fmt::format("{}\n{}", title, lines);
 }
 
-std::string Sentences(const std::vector<std::string>& sentences) {
-  std::string lines;
-  for (const auto& sentence : sentences) lines += fmt::format("  {}\n", sentence);
-  return lines;
-}
-
-ordered_json ValueJson(const FittedValue& value) {
-  const auto field = [&value](double number) {
-    return value.determined ? cli::NumberOrNull(number) : ordered_json(nullptr);
-  };
-  return {{"value", field(value.value)},
-          {"standard_uncertainty", field(value.standard_uncertainty)},
-          {"combined_standard_uncertainty", field(value.combined_standard_uncertainty)},
-          {"lower_95", field(value.lower)},
-          {"upper_95", field(value.upper)},
-          {"at_most_95", value.at_most ? cli::NumberOrNull(*value.at_most) : ordered_json(nullptr)},
-          {"unit", value.unit},
-          {"determined", value.determined}};
-}
-
 // a plain number and its uncertainty beside it
 void AddPlain(ordered_json& document, const std::string& key, const FittedValue& value) {
   document[key] = value.determined ? cli::NumberOrNull(value.value) : ordered_json(nullptr);
@@ -249,14 +203,15 @@ std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& d
   const bool reduced = fit.mass_symbol != "Mv";
   std::string text = fmt::format(
       "Result (95 % interval: {} standard uncertainties where it is even)\n", fit::kCoverage95);
-  text += Line("Kv", fit.stiffness) + Line("Bv", fit.damping) + Line("Km", fit.force_constant);
-  text += Line("f0", fit.natural_frequency) + Line("Q", fit.quality_factor);
-  text += Line(reduced ? "Kv/M" : "Kv/Mv", fit.stiffness_over_mass);
-  text += Line(reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass);
+  text += FittedLine("Kv", fit.stiffness) + FittedLine("Bv", fit.damping) +
+          FittedLine("Km", fit.force_constant);
+  text += FittedLine("f0", fit.natural_frequency) + FittedLine("Q", fit.quality_factor);
+  text += FittedLine(reduced ? "Kv/M" : "Kv/Mv", fit.stiffness_over_mass);
+  text += FittedLine(reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass);
   if (reduced) text += fmt::format("  M is the reduced mass {}\n", fit.mass_symbol);
   text += Section("Standard uncertainty in %", BudgetLines(fit));
-  text += Section("Not determined", Sentences(fit.undetermined));
-  text += Section("Doubtful", Sentences(doubts));
+  text += SentenceSection("Not determined", fit.undetermined);
+  text += SentenceSection("Doubtful", doubts);
 
   std::string records;
   for (const auto& record : fit.records) records += RecordLine(record);
@@ -264,7 +219,7 @@ std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& d
   std::string influences;
   for (const auto& influence : fit.influences) influences += InfluenceLine(influence, fit);
   text += Section("Given", influences);
-  text += Section("Assumed", Sentences(fit.assumptions));
+  text += SentenceSection("Assumed", fit.assumptions);
   text += fmt::format("{} after {} iterations\n", fit.converged ? "Converged" : "Not converged",
                       fit.iterations);
   return text;
@@ -274,9 +229,9 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& d
                        const std::vector<std::string>& remarks,
                        const std::vector<Error>& left_out) {
   ordered_json document;
-  document["parameters"] = {{"Kv", ValueJson(fit.stiffness)},
-                            {"Bv", ValueJson(fit.damping)},
-                            {"Km", ValueJson(fit.force_constant)}};
+  document["parameters"] = {{"Kv", FittedJson(fit.stiffness)},
+                            {"Bv", FittedJson(fit.damping)},
+                            {"Km", FittedJson(fit.force_constant)}};
   document["relative_covariance_kv_bv_km"] = fit.relative_covariance;
   document["coverage_factor"] = fit::kCoverage95;
   document["frequency_birge_ratio"] = fit.frequency_birge_ratio;

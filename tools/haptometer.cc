@@ -29,6 +29,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"analyze", "A trial's vibration within a band", RunAnalyze},
     {"study", "Conditions compared over subjects; matched voltages; linearity", RunStudy},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"fit-skin", "The skin's constants under a contact from drive sweeps", RunFitSkin},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });

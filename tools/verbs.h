@@ -8,6 +8,7 @@ int RunAcquire(int argc, const char* const* argv);
 int RunAnalyze(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);
 int RunFitLra(int argc, const char* const* argv);
+int RunFitSkin(int argc, const char* const* argv);
 int RunSimulate(int argc, const char* const* argv);
 int RunStudy(int argc, const char* const* argv);
 int RunTrial(int argc, const char* const* argv);

@@ -1,0 +1,101 @@
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "tests/residual.h"
+#include "tests/tools/captured.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Outcome FitLra(const std::vector<std::string>& words) {
+  return Captured(RunFitLra, "fit-lra", words);
+}
+
+class FitAdapterFiles : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  // a tap of 8200 N/m, 0.01 N s/m and 4.6 g in noise of 0.3 um, the readings times `scale`
+  std::string Tap(const std::string& name, double scale = 1, int rows = 3000,
+                  unsigned seed = 1) const {
+    std::ofstream out(directory_ / name);
+    out << "time_s,displacement_m\n";
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> noise(0, 3e-7);
+    const double decay = 0.01 / (2 * 4.6e-3);
+    const double angular = std::sqrt(8200 / 4.6e-3 - decay * decay);
+    for (int n = 0; n < rows; ++n) {
+      const double t = -0.02 + n * 4e-4;
+      const double ringing =
+          t > 0 ? 0.05 / angular * std::exp(-decay * t) * std::sin(angular * t) : 0;
+      out << fmt::format("{:.4f},{:.9g}\n", t, scale * (1e-3 + ringing + noise(engine)));
+    }
+    return directory_ / name;
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / fmt::format("fit_adapter_test_{}", ::getpid());
+};
+
+TEST_F(FitAdapterFiles, OneTapGivesKaAndBaWithinTheirIntervals) {
+  const Outcome outcome = FitLra({"--adapter", Tap("tap.csv"), "--mass", "4.60(2)g", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json document = json::parse(outcome.out);
+  const json& stiffness = document.at("parameters").at("Ka");
+  const json& damping = document.at("parameters").at("Ba");
+  EXPECT_ABS(stiffness.at("value").get<double>(), 8200.0,
+             2 * stiffness.at("combined_standard_uncertainty").get<double>(), "2 deviations");
+  EXPECT_ABS(damping.at("value").get<double>(), 0.01,
+             2 * damping.at("combined_standard_uncertainty").get<double>(), "2 deviations");
+  // 0.02 g of 4.6 g
+  EXPECT_REL(stiffness.at("combined_standard_uncertainty").get<double>(), 8200 * 0.02 / 4.6, 0.01,
+             "statistics adds less");
+  EXPECT_TRUE(document.at("doubts").empty());
+  EXPECT_TRUE(damping.at("at_most_95").is_null());
+  EXPECT_LT(damping.at("lower_95").get<double>(), 0.01);
+  EXPECT_TRUE(document.at("birge_ratio").at("Ka").is_null()) << "one tap";
+}
+
+TEST_F(FitAdapterFiles, SeveralTapsAreAveragedAndBadOnesLeftOut) {
+  const Outcome outcome = FitLra({"--adapter", Tap("a.csv"), Tap("b.csv", 1, 3000, 2),
+                                  Tap("short.csv", 1, 2), "--mass", "4.6g", "--json"});
+  EXPECT_EQ(outcome.status, 3) << "one of the files cannot be fitted";
+  EXPECT_THAT(outcome.err, HasSubstr("short.csv"));
+  const json document = json::parse(outcome.out);
+  EXPECT_EQ(document.at("taps").size(), 2U);
+  EXPECT_EQ(document.at("left_out").size(), 1U);
+  EXPECT_GT(document.at("birge_ratio").at("Ka").get<double>(), 0);
+}
+
+TEST_F(FitAdapterFiles, MistakesAreNamed) {
+  const std::string tap = Tap("tap.csv");
+  const Outcome no_mass = FitLra({"--adapter", tap});
+  EXPECT_EQ(no_mass.status, 2);
+  EXPECT_THAT(no_mass.err, HasSubstr("--mass 4.6g"));
+  EXPECT_EQ(FitLra({"--adapter", tap, "--mass", "4.6"}).status, 2) << "grams or kilograms?";
+  EXPECT_EQ(FitLra({"--adapter", tap, "--mass", "-4.6g"}).status, 2);
+  EXPECT_EQ(FitLra({"--mass", "4.6g"}).status, 2);
+  EXPECT_EQ(FitLra({"drop.csv", "--adapter", tap, "--mass", "4.6g"}).status, 2);
+  EXPECT_THAT(FitLra({"--adapter", tap, tap, "--mass", "4.6g"}).err, HasSubstr("given twice"));
+  EXPECT_EQ(FitLra({"--adapter", Tap("two.csv", 1, 2), "--mass", "4.6g"}).status, 3);
+  EXPECT_EQ(FitLra({"--adapter", "absent.csv", "--mass", "4.6g"}).status, 3);
+  EXPECT_THAT(FitLra({"--adapter", tap, "--mass", "4.6kg"}).out, HasSubstr("g or mg?"));
+  EXPECT_THAT(FitLra({"--adapter", Tap("um.csv", 1e6), "--mass", "4.6g"}).out,
+              HasSubstr("is the column in mm or um?"));
+}
+
+}  // namespace
+}  // namespace haptometer::tools

@@ -1,0 +1,121 @@
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <random>
+
+#include "tests/residual.h"
+#include "tests/tools/captured.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+Outcome FitLra(const std::vector<std::string>& words) {
+  return Captured(RunFitLra, "fit-lra", words);
+}
+
+class FitImpedanceFiles : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  std::string File(const std::string& name, const std::string& text) const {
+    std::ofstream out(directory_ / name);
+    out << text;
+    return directory_ / name;
+  }
+  // the thesis's actuator, held, by an instrument of 0.1 % and 0.1 degrees; a cell in line `line`
+  // is replaced by `cell`
+  std::string Sweep(const std::string& name,
+                    const std::string& header = "frequency_hz,impedance_ohm,phase_deg",
+                    int line = -1, const std::string& cell = {}) const {
+    std::string text = header + "\n";
+    std::mt19937_64 engine(7);
+    std::normal_distribution<double> noise;
+    for (int k = 0; k < 61; ++k) {
+      const double hz = k < 31 ? 210 + k : 100 * std::pow(5, (k - 31) / 29.0);
+      const std::complex<double> s(0, 2 * std::numbers::pi * hz);
+      const auto z = 27.0 + s * 130e-6 + 1.0 / (1.4e-3 * s + 0.0322 + 2800.0 / s);
+      const std::string ohm = fmt::format("{:.4f}", std::abs(z) * (1 + 1e-3 * noise(engine)));
+      text += fmt::format("{:.3f},{},{:.3f}\n", hz, k == line ? cell : ohm,
+                          std::arg(z) * 180 / std::numbers::pi + 0.1 * noise(engine));
+    }
+    return File(name, text);
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / fmt::format("fit_impedance_test_{}", ::getpid());
+};
+
+TEST_F(FitImpedanceFiles, ASweepGivesTheConstantsWithinTheirIntervals) {
+  const Outcome outcome = FitLra({"--impedance", Sweep("z.csv"), "--resistance", "27ohm",
+                                  "--moving-mass", "1.40(1)g", "--held", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json document = json::parse(outcome.out);
+  const std::pair<const char*, double> kTruths[]{{"Kv", 2800}, {"Bv", 0.0322}, {"Km", 1.0}};
+  for (const auto& [name, truth] : kTruths) {
+    const json& value = document.at("parameters").at(name);
+    EXPECT_ABS(value.at("value").get<double>(), truth,
+               2 * value.at("combined_standard_uncertainty").get<double>(), "2 deviations");
+  }
+  EXPECT_REL(document.at("resistance").at("value").get<double>(), 27.0, 1e-3, "noise of 0.1 %");
+  EXPECT_TRUE(document.at("doubts").empty());
+  EXPECT_TRUE(document.at("assumptions").empty()) << "held is stated";
+  EXPECT_EQ(document.at("correlation").at("matrix").size(), 5U);
+}
+
+TEST_F(FitImpedanceFiles, TheIssuesColumnNamesAreRead) {
+  const auto path = Sweep("z.csv", "frequency,ohm,degrees");
+  const Outcome outcome = FitLra({"--impedance", path});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("Kv     not determined"));
+  EXPECT_THAT(outcome.out, HasSubstr("give --moving-mass 1.4g"));
+  EXPECT_THAT(outcome.out, HasSubstr("the case was held"));
+  const Outcome required = FitLra({"--impedance", path, "--require", "Km"});
+  EXPECT_EQ(required.status, 3);
+  EXPECT_THAT(required.err, HasSubstr("Km is required"));
+}
+
+TEST_F(FitImpedanceFiles, AnActuatorFileGivesTheMasses) {
+  const Outcome outcome =
+      FitLra({"--impedance", Sweep("z.csv"), "--actuator", "thesis-c10-100", "--held", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_TRUE(json::parse(outcome.out).at("parameters").at("Km").at("determined").get<bool>());
+}
+
+TEST_F(FitImpedanceFiles, MistakesAreNamed) {
+  const std::string names = "frequency_hz,impedance_ohm,phase_deg";
+  const auto error = [](const std::string& path) {
+    const Outcome outcome = FitLra({"--impedance", path, "--moving-mass", "1.4g"});
+    EXPECT_EQ(outcome.status, 3) << outcome.out;
+    return outcome.err;
+  };
+  EXPECT_THAT(error(Sweep("nan.csv", names, 12, "nan")), HasSubstr("nan.csv:14"));
+  EXPECT_THAT(error(Sweep("empty.csv", names, 12, "")), HasSubstr("is no number"));
+  EXPECT_THAT(error(Sweep("zero.csv", names, 12, "0")), HasSubstr("not positive"));
+  EXPECT_THAT(error(Sweep("names.csv", "f,z,p")), HasSubstr("has no column frequency_hz"));
+  EXPECT_THAT(error(Sweep("swapped.csv", "impedance_ohm,frequency_hz,phase_deg")),
+              HasSubstr("no resonance"));
+  EXPECT_THAT(error(File("two.csv", names + "\n224,50,10\n226,50,-10\n")), HasSubstr("only 2"));
+  EXPECT_THAT(error(File("none.csv", "224,50,10\n226,50,-10\n")), HasSubstr("no column"));
+  EXPECT_THAT(error("absent.csv"), HasSubstr("no such file"));
+  const std::string sweep = Sweep("z.csv");
+  EXPECT_EQ(FitLra({"--impedance", sweep, "--moving-mass", "1.4"}).status, 2);
+  EXPECT_EQ(FitLra({"--impedance", sweep, "--held", "--free"}).status, 2);
+  EXPECT_EQ(FitLra({"drop.csv", "--impedance", sweep}).status, 2);
+  EXPECT_THAT(FitLra({"--impedance", sweep, "--moving-mass", "1.4kg"}).out, HasSubstr("g or mg"));
+}
+
+}  // namespace
+}  // namespace haptometer::tools

@@ -1,0 +1,165 @@
+#include "tools/fit_skin_input.h"
+
+#include <fmt/core.h>
+
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "tools/study/text_table.h"
+
+namespace haptometer::tools {
+namespace {
+
+// a column's name and what its numbers are multiplied by
+struct Known {
+  std::string_view name;
+  double factor;
+};
+
+constexpr double kRms = std::numbers::sqrt2;
+constexpr Known kDisplacements[]{
+    {"displacement_amplitude_m", 1},      {"displacement_amplitude_mm", 1e-3},
+    {"displacement_amplitude_um", 1e-6},  {"displacement_rms_m", kRms},
+    {"displacement_rms_mm", kRms * 1e-3}, {"displacement_rms_um", kRms * 1e-6}};
+constexpr Known kCurrents[]{{"current_amplitude_a", 1},
+                            {"current_amplitude_ma", 1e-3},
+                            {"current_rms_a", kRms},
+                            {"current_rms_ma", kRms * 1e-3}};
+constexpr Known kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
+constexpr Known kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
+                                 {"displacement_standard_uncertainty_um", 1e-6}};
+
+using Column = std::optional<std::vector<double>>;
+
+// the one of `known` that the table has; nothing where it has none
+Result<Column> Find(const TextTable& table, std::span<const Known> known) {
+  Column found;
+  std::string_view name;
+  for (const Known& column : known) {
+    if (!table.columns.contains(std::string(column.name))) continue;
+    if (found) {
+      return CannotAnswer(table.name, fmt::format("has both {} and {}", name, column.name),
+                          "leave one out");
+    }
+    auto numbers = NumbersOf(table, std::string(column.name));
+    if (!numbers) return std::unexpected(numbers.error());
+    for (double& number : *numbers) number *= column.factor;
+    found = std::move(*numbers);
+    name = column.name;
+  }
+  return found;
+}
+
+Result<std::vector<double>> Required(const TextTable& table, std::span<const Known> known,
+                                     const char* what, const char* remedy) {
+  auto column = Find(table, known);
+  if (!column) return std::unexpected(column.error());
+  if (*column) return std::move(**column);
+  return CannotAnswer(table.name, fmt::format("has no {} with its unit", what), remedy);
+}
+
+// the columns of a table
+struct Columns {
+  std::vector<double> frequencies_hz;
+  std::vector<double> displacements_m;
+  std::vector<double> drives;
+  fit::DriveQuantity drive = fit::DriveQuantity::kCurrent;
+  Column phases_deg;
+  Column uncertainties_m;
+  Column areas_mm2;
+};
+
+Result<void> ReadDrive(const TextTable& table, Columns* columns) {
+  auto current = Find(table, kCurrents);
+  if (!current) return std::unexpected(current.error());
+  if (*current) {
+    columns->drives = std::move(**current);
+    return {};
+  }
+  auto voltage = Required(table, kVoltages, "drive",
+                          "its header needs current_amplitude_a (or _ma, current_rms_a, _ma), or "
+                          "voltage_amplitude_v");
+  if (!voltage) return std::unexpected(voltage.error());
+  columns->drives = std::move(*voltage);
+  columns->drive = fit::DriveQuantity::kVoltage;
+  return {};
+}
+
+Result<Columns> ReadColumns(const TextTable& table) {
+  constexpr Known kFrequency[]{{"frequency_hz", 1}};
+  constexpr Known kPhase[]{{"phase_deg", 1}};
+  constexpr Known kArea[]{{"contact_area_mm2", 1}};
+  Columns columns;
+  auto frequency =
+      Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
+  if (!frequency) return std::unexpected(frequency.error());
+  columns.frequencies_hz = std::move(*frequency);
+  auto displacement = Required(table, kDisplacements, "displacement",
+                               "its header needs displacement_amplitude_um (or _m, _mm, or "
+                               "displacement_rms_um, _m, _mm)");
+  if (!displacement) return std::unexpected(displacement.error());
+  columns.displacements_m = std::move(*displacement);
+  if (auto drive = ReadDrive(table, &columns); !drive) return std::unexpected(drive.error());
+  const std::pair<std::span<const Known>, Column*> kOptional[]{
+      {kPhase, &columns.phases_deg},
+      {kUncertainties, &columns.uncertainties_m},
+      {kArea, &columns.areas_mm2}};
+  for (const auto& [known, column] : kOptional) {
+    auto found = Find(table, known);
+    if (!found) return std::unexpected(found.error());
+    *column = std::move(*found);
+  }
+  return columns;
+}
+
+fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertainty_factor) {
+  fit::SkinPoint point{.frequency_hz = columns.frequencies_hz[row],
+                       .displacement_m = columns.displacements_m[row],
+                       .drive = columns.drives[row],
+                       .phase_rad = {},
+                       .displacement_standard_uncertainty_m = {}};
+  if (columns.phases_deg) point.phase_rad = (*columns.phases_deg)[row] * std::numbers::pi / 180;
+  if (columns.uncertainties_m) {
+    point.displacement_standard_uncertainty_m =
+        (*columns.uncertainties_m)[row] * uncertainty_factor;
+  }
+  return point;
+}
+
+}  // namespace
+
+Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
+  const auto table = ReadTextTable(path, {});
+  if (!table) return std::unexpected(table.error());
+  const auto columns = ReadColumns(*table);
+  if (!columns) return std::unexpected(columns.error());
+  bool is_rms = false;
+  for (const auto& [name, cells] : table->columns) {
+    is_rms = is_rms || name.starts_with("displacement_rms");
+  }
+
+  // in the order of areas; one sweep where none is stated
+  std::map<double, fit::SkinSweep> sweeps;
+  for (std::size_t row = 0; row < table->rows(); ++row) {
+    const double area_mm2 = columns->areas_mm2 ? (*columns->areas_mm2)[row] : 0;
+    if (columns->areas_mm2 && !(area_mm2 > 0)) {
+      return CannotAnswer(fmt::format("{}:{}", path, table->lines[row]),
+                          "has a contact area that is not positive", "mend that cell");
+    }
+    fit::SkinSweep& sweep = sweeps[area_mm2];
+    sweep.drive = columns->drive;
+    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", path, area_mm2) : path;
+    if (columns->areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
+    sweep.points.push_back(PointAt(*columns, row, is_rms ? kRms : 1));
+  }
+  std::vector<fit::SkinSweep> list;
+  list.reserve(sweeps.size());
+  for (auto& [area, sweep] : sweeps) list.push_back(std::move(sweep));
+  return list;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,65 @@
+#include "tools/fitted_value_output.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/json.h"
+
+namespace haptometer::tools {
+namespace {
+
+// beyond this share an interval's halves differ enough to be told apart
+constexpr double kLopsided = 0.1;
+
+// decimals such that the uncertainty shows two digits
+int Decimals(double uncertainty) {
+  if (!(uncertainty > 0)) return 6;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(uncertainty))), 0, 12);
+}
+
+}  // namespace
+
+std::string FittedLine(std::string_view name, const fit::FittedValue& value) {
+  if (!value.determined && value.at_most) {
+    return fmt::format("  {:<6} at most {:.2g} {} (95 %, one-sided); not determined\n", name,
+                       *value.at_most, value.unit);
+  }
+  if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
+  const double half = (value.upper - value.lower) / 2;
+  const int decimals = Decimals(half);
+  const bool is_lopsided =
+      std::abs(value.upper + value.lower - 2 * value.value) > 2 * kLopsided * half;
+  const std::string interval =
+      is_lopsided ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
+                  : fmt::format("+- {:.{}f}",
+                                fit::kCoverage95 * value.combined_standard_uncertainty, decimals);
+  return fmt::format("  {:<6} {:>14.{}f}{} {}{}{}\n", name, value.value, decimals,
+                     is_lopsided ? "," : "", interval, value.unit.empty() ? "" : " ", value.unit);
+}
+
+nlohmann::ordered_json FittedJson(const fit::FittedValue& value) {
+  const auto field = [&value](double number) {
+    return value.determined ? cli::NumberOrNull(number) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"value", field(value.value)},
+          {"standard_uncertainty", field(value.standard_uncertainty)},
+          {"combined_standard_uncertainty", field(value.combined_standard_uncertainty)},
+          {"lower_95", field(value.lower)},
+          {"upper_95", field(value.upper)},
+          {"at_most_95",
+           value.determined ? nlohmann::ordered_json(nullptr) : cli::NumberOrNull(value.at_most)},
+          {"unit", value.unit},
+          {"determined", value.determined}};
+}
+
+std::string SentenceSection(std::string_view title, const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return {};
+  std::string text = fmt::format("{}\n", title);
+  for (const auto& sentence : sentences) text += fmt::format("  {}\n", sentence);
+  return text;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fit/drop_test_fit.h"
+
+namespace haptometer::tools {
+
+/// "  Ka   8200.00 +- 0.51 N/m" with a line end; of a lopsided interval both ends, "1.00, 0.72 to
+/// 1.25 N/A". "at most" and the limit, or "not determined", where it is not.
+[[nodiscard]] std::string FittedLine(std::string_view name, const fit::FittedValue& value);
+
+/// {value, standard_uncertainty, combined_standard_uncertainty, lower_95, upper_95, at_most_95,
+/// unit, determined}; the numbers are null where it is not determined, at_most_95 where it is.
+[[nodiscard]] nlohmann::ordered_json FittedJson(const fit::FittedValue& value);
+
+/// A title and below it the sentences, a line each; nothing where there are none.
+[[nodiscard]] std::string SentenceSection(std::string_view title,
+                                          const std::vector<std::string>& sentences);
+
+}  // namespace haptometer::tools
