@@ -12,8 +12,6 @@ using Kind = DropTestInput::Kind;
 
 constexpr std::ptrdiff_t kLeastLeft = 32;  // samples of a record
 constexpr double kMostRelativeUncertainty = 0.25;
-constexpr double kOneSided95 =
-    1.645;  // of a normal distribution: records hold thousands of samples
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;

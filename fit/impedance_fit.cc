@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
@@ -52,7 +53,9 @@ std::vector<ImpedancePoint> Measured(const std::vector<ImpedancePoint>& points) 
       measured.push_back(point);
     }
   }
-  std::ranges::stable_sort(measured, {}, &ImpedancePoint::frequency_hz);
+  std::ranges::sort(measured, {}, [](const ImpedancePoint& point) {
+    return std::tuple(point.frequency_hz, point.ohm.real(), point.ohm.imag());
+  });
   return measured;
 }
 

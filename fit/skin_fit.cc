@@ -6,6 +6,7 @@
 #include <cmath>
 #include <iterator>
 #include <numbers>
+#include <tuple>
 #include <utility>
 
 #include "dsp/statistics/distributions.h"
@@ -40,7 +41,9 @@ std::vector<SkinPoint> Measured(const std::vector<SkinPoint>& points) {
                           std::isfinite(point.displacement_standard_uncertainty_m.value_or(0));
     if (is_whole) measured.push_back(point);
   }
-  std::ranges::stable_sort(measured, {}, &SkinPoint::frequency_hz);
+  std::ranges::sort(measured, {}, [](const SkinPoint& point) {
+    return std::tuple(point.frequency_hz, point.displacement_m, point.drive, point.phase_rad);
+  });
   return measured;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -182,7 +183,9 @@ std::string Json(const ImpedanceFit& fit, const std::string& path) {
 
 Result<void> Plot(const std::string& path, const ImpedanceFit& fit,
                   std::vector<fit::ImpedancePoint> points) {
-  std::ranges::stable_sort(points, {}, &fit::ImpedancePoint::frequency_hz);
+  std::ranges::sort(points, {}, [](const fit::ImpedancePoint& point) {
+    return std::tuple(point.frequency_hz, point.ohm.real(), point.ohm.imag());
+  });
   std::vector<double> hertz;
   std::vector<double> ohm[2];
   std::vector<double> degrees[2];
