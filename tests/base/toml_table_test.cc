@@ -47,6 +47,18 @@ TEST(TomlTable, AnUnknownKeyIsNamedWithTheNearestKnownOne) {
   EXPECT_EQ(root.Finish().error().cause, Cause::kUsage);
 }
 
+TEST(TomlTable, APartOfAKeyIsNamedWithAllThatHaveIt) {
+  const auto told = [](std::string_view text) {
+    TomlTable table = Parsed(text);
+    for (const char* key : {"moving_mass_kg", "case_mass_kg", "load_ohm"}) (void)table.Has(key);
+    return table.Finish().error().Text();
+  };
+  EXPECT_EQ(told("load = 33"), "x.toml: key load is not known; did you mean load_ohm?");
+  EXPECT_EQ(told("mass_kg = 1e-3"),
+            "x.toml: key mass_kg is not known; did you mean case_mass_kg or moving_mass_kg?");
+  EXPECT_EQ(told("oad = 33"), "x.toml: key oad is not known; remove it") << "no part of its own";
+}
+
 TEST(TomlTable, AListOfTablesIsReadInOrderAndStrictly) {
   TomlTable root = Parsed("[[sensor]]\nname = 'a'\n[[sensor]]\nname = 'b'\nprot = 'x'\n");
   const auto sensors = root.Tables("sensor");
