@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -15,6 +16,8 @@
 #include "tools/fit_lra_input.h"
 #include "tools/fit_lra_output.h"
 #include "tools/fit_lra_save.h"
+#include "tools/fit_plan.h"
+#include "tools/fit_plan_options.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 
@@ -113,6 +116,20 @@ Result<void> WriteFiles(const FitLraFiles& files, const fit::DropTestFit& fit,
   return PlotFitLra(files.plot, fit, input.records);
 }
 
+// the status with which a plan ends, or one of its options without it; `others` is what goes only
+// with a fit
+std::optional<int> AnswerPlan(const PlanWords& plan, const FitLraOptions& wanted,
+                              const std::string& others, bool json) {
+  if (!plan.asked) {
+    const auto checked = CheckNotPlanned(plan);
+    return checked ? std::nullopt : std::optional(cli::ReportError(kVerb, checked.error()));
+  }
+  if (others.empty()) return RunFitPlan(plan, wanted, json);
+  return cli::ReportError(kVerb, Usage("--plan", "goes without --plot, --save and --impedance",
+                                       "make the drops, then fit them without --plan")
+                                     .error());
+}
+
 }  // namespace
 
 int RunFitLra(int argc, const char* const* argv) {
@@ -120,6 +137,7 @@ int RunFitLra(int argc, const char* const* argv) {
   FitLraOptions wanted;
   cli::ImportWords import_words;
   FitLraFiles files;
+  PlanWords plan;
   Declare(options, wanted, import_words, files);
   std::string impedance;
   options.Text(
@@ -127,10 +145,15 @@ int RunFitLra(int argc, const char* const* argv) {
       "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
   AdapterWords adapter;
   DeclareAdapter(&options, &adapter);
+  DeclarePlan(options, plan);
   if (const auto status = options.Parse(argc, argv)) return *status;
   auto import = cli::ImportOf(import_words);
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
+  if (const auto status =
+          AnswerPlan(plan, wanted, files.plot + files.save + impedance, options.json())) {
+    return *status;
+  }
   const bool has_drops =
       !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() || !impedance.empty();
   if (adapter.given()) return AnswerAdapter(adapter, wanted.import, has_drops, options.json());

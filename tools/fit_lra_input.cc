@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "fit/ring_start.h"
 #include "fit/split_drops.h"
 #include "sim/actuator.h"
+#include "tools/drops_file.h"
 #include "trial/read_recording.h"
 
 namespace haptometer::tools {
@@ -17,19 +19,37 @@ namespace {
 using fit::ActuatorKnowns;
 using fit::CaseCondition;
 
-// a file and the load that the command line gives it
-struct Source {
-  std::string path;
-  std::optional<Quantity> load_ohm;
+// the files, and what is said of each beside its header
+struct Sources {
+  std::vector<StatedDrop> drops;
+  ActuatorKnowns knowns;
+  std::string said_by = "the load of the command line";
 };
 
-Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
-  std::vector<Source> sources;
-  sources.reserve(options.files.size());
-  for (const auto& path : options.files) sources.push_back({path, {}});
+// the drops file, if there is one
+Result<std::optional<Sources>> ListDropsFile(const FitLraOptions& options) {
+  const auto path = std::ranges::find_if(options.files, IsDropsFile);
+  if (path == options.files.end()) return std::nullopt;
+  if (options.files.size() > 1 || !options.open.empty() || !options.loads.empty()) {
+    return Usage(*path, "stands beside other files", "name them in it, each under [[drop]]");
+  }
+  auto file = ReadDropsFile(*path);
+  if (!file) return std::unexpected(file.error());
+  return Sources{std::move(file->drops), file->knowns, *path};
+}
+
+Result<Sources> ListSources(const FitLraOptions& options) {
+  auto from_file = ListDropsFile(options);
+  if (!from_file) return std::unexpected(from_file.error());
+  if (*from_file) return std::move(**from_file);
+  Sources sources;
+  const auto add = [&sources](const std::string& path, std::optional<Quantity> load_ohm) {
+    sources.drops.push_back({.path = path, .load_ohm = load_ohm});
+  };
+  for (const auto& path : options.files) add(path, {});
   const Quantity open{std::numeric_limits<double>::infinity(), 0};
   for (const auto& group : options.open) {
-    for (const auto& path : group) sources.push_back({path, open});
+    for (const auto& path : group) add(path, open);
   }
   for (const auto& group : options.loads) {
     const std::string first = group.empty() ? "" : group.front();
@@ -41,14 +61,14 @@ Result<std::vector<Source>> ListSources(const FitLraOptions& options) {
       return Usage("--load", fmt::format("no file follows {}", first),
                    "write --load 33ohm loaded.csv");
     }
-    for (std::size_t k = 1; k < group.size(); ++k) sources.push_back({group[k], *load});
+    for (std::size_t k = 1; k < group.size(); ++k) add(group[k], *load);
   }
-  if (sources.empty()) return Usage("", "no file is given", "write fit-lra impulse.csv");
+  if (sources.drops.empty()) return Usage("", "no file is given", "write fit-lra impulse.csv");
   return sources;
 }
 
 // one drop counts once: the same file again would narrow the intervals out of nothing
-Result<void> CheckDistinct(const std::vector<Source>& sources) {
+Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
   namespace fs = std::filesystem;
   std::error_code ignored;
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -62,7 +82,190 @@ Result<void> CheckDistinct(const std::vector<Source>& sources) {
   return {};
 }
 
-Result<void> CheckOptions(const FitLraOptions& options) {
+// lays `option` over `*value`, and says so when they differ
+void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
+         std::string_view key, std::optional<Quantity>* value, std::vector<std::string>* remarks) {
+  if (!option) return;
+  if (*value && **value != *option) {
+    remarks->push_back(
+        fmt::format("{}: {} replaces the header's {} = {:g}", file, name, key, (*value)->value));
+  }
+  *value = option;
+}
+
+// a statement about one drop: its key, its option, and where it stands in all three
+struct DropStatement {
+  std::string_view key;
+  std::string_view option_name;
+  std::optional<Quantity> FitLraOptions::* option;  // null: there is none
+  std::optional<Quantity> StatedDrop::* said;
+  std::optional<Quantity> fit::ImpulseRecord::* member;
+};
+
+constexpr DropStatement kDropStatements[]{
+    {"load_ohm", "", nullptr, &StatedDrop::load_ohm, &fit::ImpulseRecord::load_ohm},
+    {"drop_height_m", "--drop-height", &FitLraOptions::drop_height_m, &StatedDrop::drop_height_m,
+     &fit::ImpulseRecord::drop_height_m},
+    {"rebound", "--rebound", &FitLraOptions::rebound, &StatedDrop::rebound,
+     &fit::ImpulseRecord::rebound},
+    {"voltage_scale", "--voltage-scale", &FitLraOptions::voltage_scale, &StatedDrop::voltage_scale,
+     &fit::ImpulseRecord::voltage_scale},
+    {"time_scale", "--time-scale", &FitLraOptions::time_scale, &StatedDrop::time_scale,
+     &fit::ImpulseRecord::time_scale},
+};
+
+void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
+                  fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
+  const bool has_option = options.held || options.is_free;
+  if (!has_option && !said.condition) return;
+  const auto wanted =
+      has_option ? (options.held ? CaseCondition::kHeld : CaseCondition::kFree) : *said.condition;
+  const std::string name = has_option ? fmt::format("--{}", Name(wanted)) : said_by;
+  if (has_option && said.condition && *said.condition != wanted) {
+    remarks->push_back(fmt::format("{}: {} replaces case = {} of {}", record->name, name,
+                                   Name(*said.condition), said_by));
+  }
+  if (record->condition && *record->condition != wanted) {
+    remarks->push_back(fmt::format("{}: {} replaces the header's case = {}", record->name, name,
+                                   Name(*record->condition)));
+  }
+  record->condition = wanted;
+}
+
+// what is said of a drop over its header, options over the drops file
+void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
+             fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
+  const std::optional<Quantity> none;
+  for (const DropStatement& row : kDropStatements) {
+    const auto& option = row.option == nullptr ? none : options.*row.option;
+    const auto& in_file = said.*row.said;
+    if (option && in_file && *option != *in_file) {
+      remarks->push_back(fmt::format("{}: {} replaces {} = {:g} of {}", record->name,
+                                     row.option_name, row.key, in_file->value, said_by));
+    }
+    Lay(option ? option : in_file, option ? row.option_name : said_by, said.path, row.key,
+        &(record->*row.member), remarks);
+  }
+  LayCondition(options, said, said_by, record, remarks);
+}
+
+// one file as a drop with the options laid over its header
+Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
+                                    const FitLraOptions& options,
+                                    std::vector<std::string>* remarks) {
+  auto recording = trial::ReadRecording(source.path, options.import);
+  if (!recording) return std::unexpected(recording.error());
+  for (const std::string& remark : recording->report.remarks) {
+    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+  }
+  auto file = fit::ImpulseFromRecord(recording->record, source.path);
+  if (!file) return std::unexpected(file.error());
+  for (const std::string& remark : file->remarks) {
+    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+  }
+  LayDrop(options, source, said_by, &file->record, remarks);
+  return *file;
+}
+
+// the drops of one file, what cannot be fitted of them left out
+void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
+               FitLraInput* input) {
+  const auto drops = fit::SplitDrops(file.record);
+  if (drops.size() > 1) {
+    input->remarks.push_back(fmt::format(
+        "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
+        file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
+  }
+  for (const fit::ImpulseRecord& drop : drops) {
+    if (auto start = fit::FindRingStart(drop); !start) {
+      input->left_out.push_back(start.error());
+    } else {
+      files->push_back({drop, file.knowns, {}});
+    }
+  }
+}
+
+// who says what about the actuator
+struct Stated {
+  std::string_view by;
+  std::optional<Quantity> value;
+};
+
+// one statement about the actuator: option, else actuator file, else drops file, else the headers,
+// which must agree
+class Statement {
+ public:
+  Statement(std::string_view key, std::string_view option_name,
+            std::optional<Quantity> fit::ActuatorKnowns::* member)
+      : key_(key), option_name_(option_name), member_(member) {}
+
+  [[nodiscard]] Result<void> Settle(const Stated& stated,
+                                    const std::vector<fit::ImpulseFile>& files,
+                                    FitLraInput* input) const {
+    std::optional<Quantity>& settled = input->knowns.*member_;
+    for (const auto& file : files) {
+      std::optional<Quantity> header = file.knowns.*member_;
+      if (stated.value) {
+        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->remarks);
+      } else if (header && settled && *header != *settled) {
+        return CannotAnswer(file.record.name,
+                            fmt::format("{} = {:g} contradicts {:g} of another file", key_,
+                                        header->value, settled->value),
+                            fmt::format("fit the files apart, or settle it with {}", option_name_));
+      }
+      if (header) settled = header;
+    }
+    if (stated.value) settled = stated.value;
+    return {};
+  }
+
+  // what the command line says, by an option or else by an actuator, over the drops file
+  [[nodiscard]] Stated Over(const ActuatorKnowns& options, const ActuatorKnowns& actuator,
+                            const Sources& sources, std::vector<std::string>* remarks) const {
+    const auto& option = options.*member_;
+    const Stated command{option ? option_name_ : "--actuator", option ? option : actuator.*member_};
+    const auto& in_file = sources.knowns.*member_;
+    if (!command.value) return {sources.said_by, in_file};
+    if (in_file && *in_file != *command.value) {
+      remarks->push_back(fmt::format("{}: {} replaces {} = {:g}", sources.said_by, command.by, key_,
+                                     in_file->value));
+    }
+    return command;
+  }
+
+ private:
+  std::string_view key_;
+  std::string_view option_name_;
+  std::optional<Quantity> fit::ActuatorKnowns::* member_;
+};
+
+Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
+                          const std::vector<fit::ImpulseFile>& files, FitLraInput* input) {
+  ActuatorKnowns from_actuator;
+  if (!options.actuator.empty()) {
+    auto actuator = sim::FindActuator(options.actuator);
+    if (!actuator) return std::unexpected(actuator.error());
+    from_actuator = {actuator->moving_mass_kg, actuator->case_mass_kg, actuator->resistance_ohm,
+                     actuator->inductance_h};
+  }
+  const ActuatorKnowns from_options{options.moving_mass_kg, options.case_mass_kg,
+                                    options.resistance_ohm, options.inductance_h};
+  const Statement statements[]{
+      {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
+      {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
+      {"resistance_ohm", "--resistance", &ActuatorKnowns::resistance_ohm},
+      {"inductance_h", "--inductance", &ActuatorKnowns::inductance_h},
+  };
+  for (const Statement& statement : statements) {
+    const Stated stated = statement.Over(from_options, from_actuator, sources, &input->remarks);
+    if (auto settled = statement.Settle(stated, files, input); !settled) return settled;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> CheckFitLraOptions(const FitLraOptions& options) {
   if (options.held && options.is_free) {
     return Usage("--held", "excludes --free", "give one of them");
   }
@@ -101,158 +304,24 @@ Result<void> CheckOptions(const FitLraOptions& options) {
   return {};
 }
 
-// lays `option` over `*value`, and says so when they differ
-void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
-         std::string_view key, std::optional<Quantity>* value, std::vector<std::string>* remarks) {
-  if (!option) return;
-  if (*value && **value != *option) {
-    remarks->push_back(
-        fmt::format("{}: {} replaces the header's {} = {:g}", file, name, key, (*value)->value));
-  }
-  *value = option;
-}
-
-void LayCondition(const FitLraOptions& options, fit::ImpulseRecord* record,
-                  std::vector<std::string>* remarks) {
-  if (!options.held && !options.is_free) return;
-  const auto wanted = options.held ? CaseCondition::kHeld : CaseCondition::kFree;
-  if (record->condition && *record->condition != wanted) {
-    remarks->push_back(fmt::format("{}: --{} replaces the header's case = {}", record->name,
-                                   Name(wanted), Name(*record->condition)));
-  }
-  record->condition = wanted;
-}
-
-// one file as a drop with the options laid over its header
-Result<fit::ImpulseFile> ReadSource(const Source& source, const FitLraOptions& options,
-                                    std::vector<std::string>* remarks) {
-  auto recording = trial::ReadRecording(source.path, options.import);
-  if (!recording) return std::unexpected(recording.error());
-  for (const std::string& remark : recording->report.remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
-  }
-  auto file = fit::ImpulseFromRecord(recording->record, source.path);
-  if (!file) return std::unexpected(file.error());
-  for (const std::string& remark : file->remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
-  }
-  auto& record = file->record;
-  Lay(source.load_ohm, "the load of the command line", source.path, "load_ohm", &record.load_ohm,
-      remarks);
-  Lay(options.drop_height_m, "--drop-height", source.path, "drop_height_m", &record.drop_height_m,
-      remarks);
-  Lay(options.rebound, "--rebound", source.path, "rebound", &record.rebound, remarks);
-  Lay(options.voltage_scale, "--voltage-scale", source.path, "voltage_scale", &record.voltage_scale,
-      remarks);
-  Lay(options.time_scale, "--time-scale", source.path, "time_scale", &record.time_scale, remarks);
-  LayCondition(options, &record, remarks);
-  return *file;
-}
-
-// the drops of one file, what cannot be fitted of them left out
-void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
-               FitLraInput* input) {
-  const auto drops = fit::SplitDrops(file.record);
-  if (drops.size() > 1) {
-    input->remarks.push_back(fmt::format(
-        "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
-        file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
-  }
-  for (const fit::ImpulseRecord& drop : drops) {
-    if (auto start = fit::FindRingStart(drop); !start) {
-      input->left_out.push_back(start.error());
-    } else {
-      files->push_back({drop, file.knowns, {}});
-    }
-  }
-}
-
-// one statement about the actuator: option, else actuator file, else the headers, which must agree
-class Statement {
- public:
-  Statement(std::string_view key, std::string_view option_name,
-            std::optional<Quantity> fit::ActuatorKnowns::* member)
-      : key_(key), option_name_(option_name), member_(member) {}
-
-  [[nodiscard]] Result<void> Settle(const std::optional<Quantity>& option,
-                                    const std::optional<Quantity>& actuator,
-                                    const std::vector<fit::ImpulseFile>& files,
-                                    ActuatorKnowns* knowns,
-                                    std::vector<std::string>* remarks) const {
-    const auto& stated = option ? option : actuator;
-    std::optional<Quantity>& settled = (*knowns).*member_;
-    for (const auto& file : files) {
-      std::optional<Quantity> header = file.knowns.*member_;
-      if (stated) {
-        Lay(stated, option ? option_name_ : "--actuator", file.record.name, key_, &header, remarks);
-      } else if (header && settled && *header != *settled) {
-        return CannotAnswer(file.record.name,
-                            fmt::format("{} = {:g} contradicts {:g} of another file", key_,
-                                        header->value, settled->value),
-                            fmt::format("fit the files apart, or settle it with {}", option_name_));
-      }
-      if (header) settled = header;
-    }
-    if (stated) settled = stated;
-    return {};
-  }
-
- private:
-  std::string_view key_;
-  std::string_view option_name_;
-  std::optional<Quantity> fit::ActuatorKnowns::* member_;
-};
-
-Result<void> SettleKnowns(const FitLraOptions& options, const std::vector<fit::ImpulseFile>& files,
-                          FitLraInput* input) {
-  ActuatorKnowns from_actuator;
-  if (!options.actuator.empty()) {
-    auto actuator = sim::FindActuator(options.actuator);
-    if (!actuator) return std::unexpected(actuator.error());
-    from_actuator = {actuator->moving_mass_kg, actuator->case_mass_kg, actuator->resistance_ohm,
-                     actuator->inductance_h};
-  }
-  const ActuatorKnowns from_options{options.moving_mass_kg, options.case_mass_kg,
-                                    options.resistance_ohm, options.inductance_h};
-  struct Row {
-    std::string_view key;
-    std::string_view option;
-    std::optional<Quantity> ActuatorKnowns::* member;
-  };
-  constexpr Row kRows[]{
-      {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
-      {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
-      {"resistance_ohm", "--resistance", &ActuatorKnowns::resistance_ohm},
-      {"inductance_h", "--inductance", &ActuatorKnowns::inductance_h},
-  };
-  for (const Row& row : kRows) {
-    const Statement statement(row.key, row.option, row.member);
-    auto settled = statement.Settle(from_options.*row.member, from_actuator.*row.member, files,
-                                    &input->knowns, &input->remarks);
-    if (!settled) return settled;
-  }
-  return {};
-}
-
-}  // namespace
-
 Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
-  if (auto checked = CheckOptions(options); !checked) return std::unexpected(checked.error());
+  if (auto checked = CheckFitLraOptions(options); !checked) return std::unexpected(checked.error());
   const auto sources = ListSources(options);
   if (!sources) return std::unexpected(sources.error());
-  if (auto distinct = CheckDistinct(*sources); !distinct) return std::unexpected(distinct.error());
+  if (auto distinct = CheckDistinct(sources->drops); !distinct)
+    return std::unexpected(distinct.error());
 
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
-  for (const Source& source : *sources) {
-    auto file = ReadSource(source, options, &input.remarks);
+  for (const StatedDrop& source : sources->drops) {
+    auto file = ReadSource(source, sources->said_by, options, &input.remarks);
     if (file) {
       TakeDrops(*file, &files, &input);
     } else {
       input.left_out.push_back(file.error());
     }
   }
-  if (auto settled = SettleKnowns(options, files, &input); !settled) {
+  if (auto settled = SettleKnowns(options, *sources, files, &input); !settled) {
     return std::unexpected(settled.error());
   }
   for (auto& file : files) input.records.push_back(std::move(file.record));

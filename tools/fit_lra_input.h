@@ -11,10 +11,11 @@
 
 namespace haptometer::tools {
 
-/// What the command line of fit-lra says; every statement here beats the files' headers.
+/// What the command line of fit-lra says; every statement here beats the files' headers
+/// and a drops file (tools/drops_file.h), which beats the headers too.
 struct FitLraOptions {
-  std::vector<std::string> files;               ///< with the load of their header
-  std::vector<std::vector<std::string>> open;   ///< groups of files, open circuit
+  std::vector<std::string> files;              ///< with the load of their header; or one drops file
+  std::vector<std::vector<std::string>> open;  ///< groups of files, open circuit
   std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
   bool held = false;
   bool is_free = false;
@@ -39,6 +40,9 @@ struct FitLraInput {
       remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
   std::vector<Error> left_out;  ///< files that cannot be fitted; the others still are
 };
+
+/// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.
+[[nodiscard]] Result<void> CheckFitLraOptions(const FitLraOptions& options);
 
 /// Reads the files and lays options over headers.
 ///
