@@ -68,10 +68,11 @@ int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& 
   return status;
 }
 
-// the files that are asked for beside the answer
+// the files that are asked for beside the answer, and one that is read
 struct FitLraFiles {
   std::string plot;
   std::string save;
+  std::string impedance;  // a sweep in place of drops
 };
 
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
@@ -102,6 +103,9 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
   options.Text("--save", &files.save, "FILE.toml",
                "Write the actuator with uncertainties and correlations, for scenes and --actuator");
   options.Text("--plot", &files.plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
+  options.Text(
+      "--impedance", &files.impedance, "FILE.csv",
+      "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
   cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
 }
 
@@ -139,10 +143,6 @@ int RunFitLra(int argc, const char* const* argv) {
   FitLraFiles files;
   PlanWords plan;
   Declare(options, wanted, import_words, files);
-  std::string impedance;
-  options.Text(
-      "--impedance", &impedance, "FILE.csv",
-      "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
   AdapterWords adapter;
   DeclareAdapter(&options, &adapter);
   DeclarePlan(options, plan);
@@ -151,11 +151,11 @@ int RunFitLra(int argc, const char* const* argv) {
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
   if (const auto status =
-          AnswerPlan(plan, wanted, files.plot + files.save + impedance, options.json())) {
+          AnswerPlan(plan, wanted, files.plot + files.save + files.impedance, options.json())) {
     return *status;
   }
-  const bool has_drops =
-      !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() || !impedance.empty();
+  const bool has_drops = !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() ||
+                         !files.impedance.empty();
   if (adapter.given()) return AnswerAdapter(adapter, wanted.import, has_drops, options.json());
   if (!files.plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) {
@@ -167,8 +167,8 @@ int RunFitLra(int argc, const char* const* argv) {
     return cli::ReportError(kVerb, named.error());
   }
 
-  if (!impedance.empty()) {
-    return AnswerImpedance(impedance, wanted, files.plot, options.json());
+  if (!files.impedance.empty()) {
+    return AnswerImpedance(files.impedance, wanted, files.plot, options.json());
   }
 
   // what cannot be used is reported, the rest is answered
