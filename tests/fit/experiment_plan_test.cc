@@ -153,6 +153,12 @@ TEST(ExperimentPlan, TheCountReachesTheWishAndOneLessDoesNot) {
   }
 }
 
+TEST(ExperimentPlan, AnEasyWishTakesOneOfEach) {
+  const DropCount count = CountDrops(ThesisDrops(), {Constant::kForceConstant, 0.05}, 50);
+  EXPECT_EQ(count.open, 1U);
+  EXPECT_EQ(count.loaded, 1U);
+}
+
 TEST(ExperimentPlan, WhatPreventsAWishIsNamedWithWhatWouldDo) {
   const AccuracyWish wish{Constant::kForceConstant, 0.005};
   PlannedDrops heavy = ThesisDrops();
