@@ -126,12 +126,13 @@ std::optional<ImpedanceStart> StartImpedance(const std::vector<ImpedancePoint>& 
   start.plain_cost = start.cost = SolveLinear(picked, scale, 2, 0, 0).cost;
   constexpr double kBeyond = 1.5;
   constexpr int kResonances = 300;
+  constexpr int kQualities = 10;  // 0.5 to 256
   const double first = lowest.frequency_hz / kBeyond;
   const double ratio = highest.frequency_hz * kBeyond / first;
   for (int k = 0; k < kResonances; ++k) {
     const double angular = Omega(first * std::pow(ratio, k / (kResonances - 1.0)));
-    for (double quality = 0.5; quality < 400; quality *= 2) {
-      const double damping = angular / quality;
+    for (int octave = 0; octave < kQualities; ++octave) {
+      const double damping = angular / std::ldexp(0.5, octave);
       const auto share = SolveLinear(picked, scale, 3, angular, damping);
       const auto [resistance, inductance, coupling] = share.values;
       if (!(share.cost < start.cost && resistance > 0 && coupling > 0)) continue;

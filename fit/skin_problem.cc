@@ -104,14 +104,16 @@ void SkinProblem::TurnPhases() {
 std::vector<SkinStart> StartSkin(const SkinProblem& problem) {
   const LeastSquares whole = problem.Whole();
   std::vector<SkinStart> cells;
-  for (double stiffness = 10; stiffness < 1.5e5; stiffness *= 2) {
-    for (double damping = 0.01; damping < 150; damping *= 2) {
-      for (const double mass : {0.0, 1.0, 4.0, 20.0}) {
-        std::vector<double> at{std::log(stiffness), std::log(damping),
-                               mass * problem.actuator().case_mass_kg};
-        const double cost = Cost(whole, at);
-        if (std::isfinite(cost)) cells.push_back({std::move(at), cost});
-      }
+  constexpr int kStiffnesses = 14;  // 10 N/m to 82 kN/m
+  constexpr int kDampings = 14;     // 0.01 to 82 N s/m
+  for (int k = 0; k < kStiffnesses * kDampings; ++k) {
+    const double stiffness = std::ldexp(10.0, k / kDampings);
+    const double damping = std::ldexp(0.01, k % kDampings);
+    for (const double mass : {0.0, 1.0, 4.0, 20.0}) {
+      std::vector<double> at{std::log(stiffness), std::log(damping),
+                             mass * problem.actuator().case_mass_kg};
+      const double cost = Cost(whole, at);
+      if (std::isfinite(cost)) cells.push_back({std::move(at), cost});
     }
   }
   std::ranges::sort(cells, {}, &SkinStart::cost);

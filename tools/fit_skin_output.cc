@@ -168,6 +168,8 @@ ordered_json LawJson(const std::optional<AreaDependence>& dependence) {
 plot::Panel ContactPanel(const SkinFit& contact) {
   std::vector<double> measured_um;
   std::vector<double> model_um;
+  measured_um.reserve(contact.measured_m.size());
+  model_um.reserve(contact.model_m.size());
   for (const double value : contact.measured_m) measured_um.push_back(1e6 * value);
   for (const double value : contact.model_m) model_um.push_back(1e6 * value);
   return {.title = contact.name,
