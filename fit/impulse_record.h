@@ -32,7 +32,7 @@ struct ImpulseRecord {
   std::optional<Quantity> rebound;  ///< e: the case leaves the stop with e times its speed; 0-1
   std::optional<Quantity> voltage_scale;  ///< shown over true volts; absent: 1, exactly
   std::optional<Quantity> time_scale;     ///< shown over true seconds; absent: 1, exactly
-  std::string unit = "V";           ///< of the values, for sentences; "m" of a tapped adapter
+  std::string unit = "V";                 ///< of the values, for sentences; "m" of a tapped adapter
 };
 
 /// What is known of the actuator apart from its ring-downs. Absent: unknown.
