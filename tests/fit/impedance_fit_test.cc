@@ -92,14 +92,15 @@ TEST(ImpedanceModel, IsTheSolversOfSimWithAFreeCase) {
 TEST(ImpedanceModel, DerivativesAreThoseOfTheModel) {
   const std::vector<double> parameters{std::log(1414.0), std::log(23.0), std::log(714.0),
                                        std::log(27.0), 130e-6};
+  constexpr double kStep = 1e-5;
   for (const double hz : {100.0, 224.0, 225.5, 400.0}) {
     const auto at = ImpedanceAt(parameters, hz);
     for (std::size_t k = 0; k < kImpedanceParameters; ++k) {
-      const double step = k == Index(ImpedanceParameter::kInductance) ? 1e-5 : 1e-5;
-      auto up = parameters, down = parameters;
-      up[k] += step;
-      down[k] -= step;
-      const Complex slope = (ImpedanceAt(up, hz).ohm - ImpedanceAt(down, hz).ohm) / (2 * step);
+      auto up = parameters;
+      auto down = parameters;
+      up[k] += kStep;
+      down[k] -= kStep;
+      const Complex slope = (ImpedanceAt(up, hz).ohm - ImpedanceAt(down, hz).ohm) / (2 * kStep);
       EXPECT_ABS(std::abs(slope - at.slopes[k]) / std::abs(at.slopes[k]), 0.0, 3e-6,
                  "central differences: step^2 (w/g)^2");
     }
