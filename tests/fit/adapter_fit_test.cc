@@ -116,7 +116,7 @@ struct Case {
 class AdapterTaps : public ::testing::TestWithParam<Case> {};
 
 TEST_P(AdapterTaps, ErrorsAreAtTheBoundAndAsStated) {
-  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 60);
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 6 : 60);
   tests::Pulls stiffness;
   tests::Pulls damping;
   for (int k = 0; k < repetitions; ++k) {
@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(AdapterFit, NoiseThatIsDenserAtTheResonanceWidensTheResult) {
   // e[n] = 0.6 e[n-1] + white has 0.64/(1 - 1.2 cos(2 pi f dt) + 0.36) = 2.0 of its mean at 212 Hz:
   // taken as white, the pulls would scatter by 1.4
-  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 60);
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 6 : 60);
   tests::Pulls stiffness;
   tests::Pulls damping;
   for (int k = 0; k < repetitions; ++k) {

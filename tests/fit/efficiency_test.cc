@@ -150,7 +150,7 @@ SyntheticDrop DropOf(const Case& tried, unsigned seed) {
 
 TEST_P(Efficiency, ErrorsAreAtTheBoundAndAsStated) {
   const Case& tried = GetParam();
-  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 100);
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 6 : 100);
   Errors stiffness;
   Errors damping;
   Errors force_constant;

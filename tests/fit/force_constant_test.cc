@@ -81,7 +81,7 @@ TEST(ForceConstant, ItsProfileWidthIsWhereChiSquareHasRisen) {
 }
 
 TEST(ForceConstant, ItsIntervalHoldsTheTruth) {
-  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 100);
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 4 : 100);
   int held = 0;
   for (int k = 0; k < repetitions; ++k) {
     const FittedValue km = Fit(Pair(1, 0.2, static_cast<unsigned>(k))).force_constant;
@@ -96,7 +96,7 @@ TEST(ForceConstant, ItsIntervalHoldsTheTruth) {
 }
 
 TEST(ForceConstant, WhatIsLostInTheNoiseHasALimit) {
-  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 100);
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 4 : 100);
   constexpr double kTruth = 0.05;  // its square is 1/100 of its deviation
   int below = 0;
   int determined = 0;

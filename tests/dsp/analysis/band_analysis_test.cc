@@ -13,6 +13,7 @@
 #include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
+#include "tests/repetitions.h"
 #include "tests/residual.h"
 #include "trial/sensor_head.h"
 
@@ -91,20 +92,22 @@ TEST(BandAnalysis, AToneAtACornerHasItsAmplitudeRestored) {
 }
 
 TEST(BandAnalysis, StatedUncertaintyIsTheScatterOfTheRms) {
-  // 200 records of a tone in noise, and of noise alone
+  // records of a tone in noise, and of noise alone
+  constexpr std::uint64_t kRecords = tests::kIsSanitized ? 12 : 200;
   for (const double amplitude_m : {2e-6, 0.0}) {
     std::vector<double> rms_m;
     double stated_m = 0;
-    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    for (std::uint64_t seed = 1; seed <= kRecords; ++seed) {
       Noise noise(seed);
       std::vector<double> values = Samples(2e3, 3000, 0.03, {{amplitude_m, 150, 0.4}});
       for (double& value : values) value += 1e-6 * noise();
       const BandAnalysis analysis = Answer(RecordOf(values, 2e3));
       ASSERT_TRUE(analysis.answered);
       rms_m.push_back(analysis.numbers->rms.rms_m);
-      stated_m += analysis.numbers->rms.standard_uncertainty_m / 200;
+      stated_m += analysis.numbers->rms.standard_uncertainty_m / kRecords;
     }
-    EXPECT_REL(stated_m, StandardDeviation(rms_m), 0.2, "200 values know it to 5 %, four of these");
+    EXPECT_REL(stated_m, StandardDeviation(rms_m), 4 / std::sqrt(2.0 * kRecords),
+               "what so many values know it to, four times");
   }
 }
 

@@ -78,7 +78,7 @@ class TrueVibration : public ::testing::TestWithParam<Trial> {};
 
 TEST_P(TrueVibration, LiesInTheStatedIntervalAndWithinTwoPercent) {
   const Trial& trial = GetParam();
-  const int repetitions = Repetitions(25);
+  const int repetitions = Repetitions(tests::kIsSanitized ? 8 : 25);
   int covered = 0;
   int answered = 0;
   double square = 0;
