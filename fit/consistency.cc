@@ -40,7 +40,8 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
                                std::size_t first) {
   const double natural = std::sqrt(start.stiffness_per_s2);
   const double period = 2 * std::numbers::pi / natural / drop.record.step_s;
-  const auto block = static_cast<std::size_t>(std::max(1.0, period / kSamplesPerPeriod));
+  const auto all = static_cast<double>(drop.record.voltage_v.size());
+  const auto block = static_cast<std::size_t>(std::clamp(period / kSamplesPerPeriod, 1.0, all));
   const auto samples = BlocksOf(drop.record, first, drop.part.end_sample, block);
   if (samples.values_v.size() < kLeastBlocks) return std::nullopt;
   const RingFit fit = FitRing(samples, start, drop.part.background);
@@ -101,9 +102,10 @@ void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
                     std::vector<std::string>& doubts) {
   const double decay_per_s = std::exp(whole.decay.logarithm);
   const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
-  const auto later_first =
-      drop.part.first_sample + static_cast<std::size_t>(1 / (decay_per_s * drop.record.step_s));
-  if (later_first >= drop.part.end_sample) return;
+  const double left = static_cast<double>(drop.part.end_sample - drop.part.first_sample);
+  const double decay_samples = 1 / (decay_per_s * drop.record.step_s);
+  if (!(decay_samples < left)) return;
+  const std::size_t later_first = drop.part.first_sample + static_cast<std::size_t>(decay_samples);
   const auto later = RatesFrom(drop, poles, later_first);
   if (!later) return;
   const double noise_ratio = later->noise_v / whole.noise_v;
