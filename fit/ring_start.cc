@@ -92,10 +92,11 @@ PolePair Refined(const ImpulseRecord& record, std::size_t first, const PolePair&
 // may be so far apart that a joint fit loses the phase of one.
 PolePair BestOscillating(const ImpulseRecord& record, std::size_t first, const PolePair& seen) {
   const double period_s = 2 * std::numbers::pi / std::sqrt(seen.stiffness_per_s2);
-  const auto most = static_cast<double>((record.voltage_v.size() - first) / kLeastBlocks);
+  const std::size_t most = std::max((record.voltage_v.size() - first) / kLeastBlocks, 1UZ);
   const double block = period_s / (kBlocksPerPeriod * record.step_s);
-  const PolePair best = Refined(
-      record, first, seen, static_cast<std::size_t>(std::clamp(block, 1.0, std::max(most, 1.0))));
+  const PolePair best =
+      Refined(record, first, seen,
+              static_cast<std::size_t>(std::clamp(block, 1.0, static_cast<double>(most))));
   return best.decay_per_s > 0 && best.stiffness_per_s2 > 0 ? best : seen;
 }
 
