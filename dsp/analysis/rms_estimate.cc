@@ -28,17 +28,24 @@ struct Reach {
 
 double NormalOf(double probability) { return probability < 0.04 ? kNormal95 : kNormal90; }
 
+// No periodogram has fewer degrees of freedom than its one line would (band_noise.h). Where mean
+// square and variance say so, the first is a difference of larger numbers, and the second alone
+// tells how far it reaches.
+constexpr double kLeastDegrees = 4;
+
 // of a noise power, by chi-squared; `probability` is that of either tail
 Reach ReachOf(const NoisePower& power, double probability) {
-  const double degrees = power.degrees_of_freedom();
-  if (!std::isfinite(degrees) || power.mean_square == 0) return {};
+  if (!(power.variance > 0)) return {};
+  const NoisePower own{std::max(power.mean_square, std::sqrt(kLeastDegrees / 2 * power.variance)),
+                       power.variance};
+  const double degrees = own.degrees_of_freedom();
   if (degrees > kManyDegrees) {
-    const double reach = NormalOf(probability) * std::sqrt(power.variance);
+    const double reach = NormalOf(probability) * std::sqrt(own.variance);
     return {reach, reach};
   }
-  const double sum = degrees * power.mean_square;
-  return {power.mean_square - sum / ChiSquareQuantile(1 - probability, degrees),
-          sum / ChiSquareQuantile(probability, degrees) - power.mean_square};
+  const double sum = degrees * own.mean_square;
+  return {own.mean_square - sum / ChiSquareQuantile(1 - probability, degrees),
+          sum / ChiSquareQuantile(probability, degrees) - own.mean_square};
 }
 
 // t's quantile by Cornish and Fisher's first term: 4 digits at 96 degrees

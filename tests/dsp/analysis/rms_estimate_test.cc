@@ -133,6 +133,19 @@ TEST(RmsEstimate, BoundsAreRectanglesAndCoverThemselves) {
 }
 
 // 2000 seeds: noise alone, and noise less a floor measured over a third of the time
+TEST(RmsEstimate, ARestOfLessThanItsOwnScatterHasAnEnd) {
+  // a tone without noise: what it leaves is a difference of rounding's size, its scatter is larger
+  for (const double rest : {0.0, 1e-20, 1e-16}) {
+    const BandPower power{
+        .tone_mean_square = 1e-10, .tone_variance = 1e-28, .rest = {rest, 1e-30}, .floor = {}};
+    // 97.5 % point of t with 96 degrees; 2.5 % point of chi-squared with 4, both from tables
+    const double tone = 1.98498 * 1e-14;
+    const double above = std::sqrt(2.0) * 1e-15 * (4 / 0.484419 - 1);
+    EXPECT_REL(EstimateRms(power, {}).upper_m, std::sqrt(1e-10 + rest + std::hypot(tone, above)),
+               1e-8, "six digits of tables, on 1e-4 of the value");
+  }
+}
+
 TEST(RmsEstimate, IntervalsCoverThePopulation) {
   const Shape shape = ShapeOf({});
   Noise noise(11);
