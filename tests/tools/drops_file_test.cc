@@ -1,4 +1,4 @@
-#include "tools/drops_file.h"
+#include "tools/fit/drops_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tools/fit_plan.h"
+#include "tools/fit/fit_plan.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -15,7 +15,7 @@
 #include "sim/steady_state.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
-#include "tools/fit_skin_input.h"
+#include "tools/fit/fit_skin_input.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

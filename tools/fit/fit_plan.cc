@@ -1,4 +1,4 @@
-#include "tools/fit_plan.h"
+#include "tools/fit/fit_plan.h"
 
 #include <fmt/core.h>
 
@@ -12,7 +12,7 @@
 #include "sim/actuator.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/report.h"
-#include "tools/fit_plan_output.h"
+#include "tools/fit/fit_plan_output.h"
 
 namespace haptometer::tools {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/result.h"
-#include "tools/fit_plan.h"
+#include "tools/fit/fit_plan.h"
 
 namespace haptometer::tools {
 

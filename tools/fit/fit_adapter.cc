@@ -1,4 +1,4 @@
-#include "tools/fit_adapter.h"
+#include "tools/fit/fit_adapter.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include "fit/adapter_fit.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
-#include "tools/fitted_value_output.h"
+#include "tools/fit/fitted_value_output.h"
 #include "trial/read_recording.h"
 
 namespace haptometer::tools {

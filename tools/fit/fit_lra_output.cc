@@ -1,4 +1,4 @@
-#include "tools/fit_lra_output.h"
+#include "tools/fit/fit_lra_output.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "tools/cli/json.h"
-#include "tools/fitted_value_output.h"
+#include "tools/fit/fitted_value_output.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {

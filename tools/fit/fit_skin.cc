@@ -10,8 +10,8 @@
 #include "sim/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
-#include "tools/fit_skin_input.h"
-#include "tools/fit_skin_output.h"
+#include "tools/fit/fit_skin_input.h"
+#include "tools/fit/fit_skin_output.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/verbs.h"
 

@@ -7,8 +7,8 @@
 
 #include "base/result.h"
 #include "fit/experiment_plan.h"
-#include "tools/fit_lra_input.h"
-#include "tools/fit_plan_options.h"
+#include "tools/fit/fit_lra_input.h"
+#include "tools/fit/fit_plan_options.h"
 
 namespace haptometer::tools {
 

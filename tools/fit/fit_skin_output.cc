@@ -1,4 +1,4 @@
-#include "tools/fit_skin_output.h"
+#include "tools/fit/fit_skin_output.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "tools/cli/json.h"
-#include "tools/fitted_value_output.h"
+#include "tools/fit/fitted_value_output.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {

@@ -1,4 +1,4 @@
-#include "tools/fit_impedance.h"
+#include "tools/fit/fit_impedance.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +14,7 @@
 #include "sim/actuator.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
-#include "tools/fitted_value_output.h"
+#include "tools/fit/fitted_value_output.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/text_table.h"
 

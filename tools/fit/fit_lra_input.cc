@@ -1,4 +1,4 @@
-#include "tools/fit_lra_input.h"
+#include "tools/fit/fit_lra_input.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include "fit/ring_start.h"
 #include "fit/split_drops.h"
 #include "sim/actuator.h"
-#include "tools/drops_file.h"
+#include "tools/fit/drops_file.h"
 #include "trial/read_recording.h"
 
 namespace haptometer::tools {

@@ -10,7 +10,7 @@
 #include "base/result.h"
 #include "fit/experiment_plan.h"
 #include "tools/cli/options.h"
-#include "tools/fit_lra_input.h"
+#include "tools/fit/fit_lra_input.h"
 
 namespace haptometer::tools {
 

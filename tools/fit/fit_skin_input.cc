@@ -1,4 +1,4 @@
-#include "tools/fit_skin_input.h"
+#include "tools/fit/fit_skin_input.h"
 
 #include <fmt/core.h>
 

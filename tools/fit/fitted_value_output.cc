@@ -1,4 +1,4 @@
-#include "tools/fitted_value_output.h"
+#include "tools/fit/fitted_value_output.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "tools/fit_lra_save.h"
+#include "tools/fit/fit_lra_save.h"
 
 #include <fmt/core.h>
 

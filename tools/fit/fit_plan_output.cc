@@ -1,4 +1,4 @@
-#include "tools/fit_plan_output.h"
+#include "tools/fit/fit_plan_output.h"
 
 #include <fmt/core.h>
 

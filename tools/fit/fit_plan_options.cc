@@ -1,4 +1,4 @@
-#include "tools/fit_plan_options.h"
+#include "tools/fit/fit_plan_options.h"
 
 #include <fmt/core.h>
 
