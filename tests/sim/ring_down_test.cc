@@ -104,8 +104,9 @@ TEST(RingDown, EqualsTheMatrixExponentialOfTheWholeCircuit) {
 }
 
 // exp(A t) by Taylor series and squaring in extended precision: an oracle of its own
-std::array<long double, 3> Extended(const RingDownParameters<double>& p, double t) {
-  using Matrix = std::array<std::array<long double, 3>, 3>;
+// of the state current, displacement, speed
+using Matrix = std::array<std::array<long double, 3>, 3>;
+Matrix Extended(const RingDownParameters<double>& p, double t) {
   const auto times = [](const Matrix& a, const Matrix& b) {
     Matrix c{};
     for (std::size_t i = 0; i < 3; ++i) {
@@ -144,7 +145,8 @@ std::array<long double, 3> Extended(const RingDownParameters<double>& p, double 
       for (std::size_t j = 0; j < 3; ++j) excess[i][j] = 2 * excess[i][j] + square[i][j];
     }
   }
-  return {excess[0][2], excess[1][2], 1 + excess[2][2]};
+  for (std::size_t i = 0; i < 3; ++i) excess[i][i] += 1;
+  return excess;
 }
 
 TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
@@ -154,11 +156,45 @@ TEST(RingDown, EqualsAnExtendedPrecisionExponential) {
       const RingDown<double> circuit(parameters);
       double worst = 0;
       for (const double t : {1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
-        const auto expected = -load_ohm * static_cast<double>(Extended(parameters, t)[0]);
+        const auto expected = -load_ohm * static_cast<double>(Extended(parameters, t)[0][2]);
         worst = std::max(worst, std::abs(circuit.VoltageRatio(t) - expected));
       }
       EXPECT_ABS(worst, 0.0, 1e-14 * load_ohm / (27 + load_ohm), "argument rounding, 56 cycles");
     }
+  }
+}
+
+TEST(RingDown, DisplacementAndReleaseEqualTheExtendedPrecisionExponential) {
+  const double w = std::sqrt(2800 / kMover);
+  for (const double load_ohm : {5.0, 33.0, 1000.0}) {
+    for (const double inductance_h : {1e-6, 130e-6, 2e-3}) {
+      const auto parameters = Thesis(kMover, load_ohm, inductance_h);
+      const RingDown<double> circuit(parameters);
+      double worst_displacement = 0;
+      double worst_release = 0;
+      for (const double t : {0.0, 1e-6, 5e-6, 3e-5, 1e-3, 1.1e-3, 0.01, 0.05, 0.1, 0.25}) {
+        const auto exact = Extended(parameters, t);
+        const auto x = static_cast<double>(exact[1][2]);
+        worst_displacement =
+            std::max(worst_displacement, w * std::abs(circuit.DisplacementRatio(t) - x));
+        // the current that follows from a displacement of Km I0/Kv, per Km^2 I0/M
+        const double u = -load_ohm * static_cast<double>(exact[0][1]) / (w * w);
+        worst_release = std::max(worst_release, w * std::abs(-circuit.ReleaseRatio(t) - u));
+      }
+      EXPECT_ABS(worst_displacement, 0.0, 1e-14, "argument rounding, 56 cycles");
+      EXPECT_ABS(worst_release, 0.0, 1e-14 * load_ohm / (27 + load_ohm), "the same");
+    }
+  }
+}
+
+TEST(RingDown, OfAnOpenCircuitReleaseIsTheDisplacementOfABlow) {
+  const RingDown<double> circuit(Thesis(kMover, kOpen));
+  const double d = 11.5;
+  const double w = std::sqrt(2e6 - d * d);
+  for (const double t : {0.0, 1e-4, 1e-3, 0.0123, 0.2}) {
+    const double swing_s = std::exp(-d * t) * std::sin(w * t) / w;
+    EXPECT_ABS(w * circuit.DisplacementRatio(t), w * swing_s, 2e-15, "argument rounding");
+    EXPECT_ABS(w * circuit.ReleaseRatio(t), -w * swing_s, 2e-15, "argument rounding");
   }
 }
 
