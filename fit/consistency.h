@@ -27,8 +27,8 @@ struct Consistency {
 struct ComparedDrop {
   const PreparedRecord* prepared = nullptr;
   double load_ohm = 0;
-  double mass_ratio = 1;
-  double noise_v = 0;  ///< that the fit of all drops together takes for this one's
+  double mass_ratio = 1;  ///< ringing mass over that of the others
+  double noise_v = 0;     ///< that the fit of all drops together takes for this one's
 };
 
 /// Fits each drop's pole pair by itself (ring_fit.h), from the begin of its part and once more from

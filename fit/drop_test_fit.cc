@@ -86,12 +86,18 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
                     2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
   }
   if (fit.force_constant.determined || fit.force_constant.at_most) return;
-  if (!some_loaded) {
+  const auto& samples = road.problem.records();
+  const auto voltage = std::ranges::find(samples, Ringing::kBlowVoltage, &RingDownSamples::ringing);
+  if (voltage == samples.end()) {
+    fit.undetermined.emplace_back(
+        "Km: a displacement shows none; record the voltage, with and without a load");
+  } else if (!some_loaded) {
+    const auto r = static_cast<std::size_t>(voltage - samples.begin());
     fit.undetermined.push_back(
         fmt::format("Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the "
                     "drop height, or"
                     " record again with 27 to 50 ohm across the terminals",
-                    std::exp(road.point.own[0][Index(Own::kAmplitude)]), fit.records[0].name));
+                    std::exp(road.point.own[r][Index(Own::kAmplitude)]), fit.records[r].name));
   } else if (fit.damping_over_mass.determined) {
     fit.undetermined.emplace_back(
         "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass "
@@ -110,7 +116,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
       {.stiffness_n_per_m = std::exp(shared[Index(Shared::kStiffness)]),
        .damping_n_s_per_m = std::exp(shared[Index(Shared::kDamping)]),
        .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
-       .mass_kg = samples.mass_ratio * std::exp(shared[Index(Shared::kMass)]),
+       .mass_kg = RingingMass(samples, std::exp(shared[Index(Shared::kMass)])),
        .coil_resistance_ohm = std::exp(shared[Index(Shared::kResistance)]),
        .inductance_h = road.problem.inductance_h(),
        .load_ohm = samples.load_ohm});
@@ -129,7 +135,8 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.found = part.found;
   fitted.density = road.densities[r];
 
-  fitted.speed_determined = samples.speed_m_per_s > 0 || force_constant.determined;
+  fitted.speed_determined = samples.ringing == Ringing::kBlowVoltage &&
+                            (samples.speed_m_per_s > 0 || force_constant.determined);
   if (fitted.speed_determined) {
     fitted.impact_speed_m_per_s =
         samples.speed_m_per_s > 0 ? samples.speed_m_per_s
@@ -219,6 +226,9 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.stiffness = Evaluate(road, *model, {{Shared::kStiffness, 1}}, 1, "N/m");
   fit.damping = Evaluate(road, *model, {{Shared::kDamping, 1}}, 1, "N s/m");
   fit.force_constant = EvaluateForceConstant(road, *model);
+  if (!model->knows_mass && !model->all_free) {
+    fit.moving_mass = Evaluate(road, *model, {{Shared::kMass, 1}}, 1, "kg");
+  }
   fit.stiffness_over_mass =
       Evaluate(road, *model, {{Shared::kStiffness, 1}, {Shared::kMass, -1}}, 1, "1/s^2");
   fit.damping_over_mass =

@@ -68,6 +68,7 @@ struct DropTestFit {
   FittedValue stiffness;            ///< Kv, N/m
   FittedValue damping;              ///< Bv, N s/m: mechanical, without the load's share
   FittedValue force_constant;       ///< |Km|, N/A
+  FittedValue moving_mass;          ///< Mv, kg: where it is not given and added masses tell it
   FittedValue stiffness_over_mass;  ///< Kv/M, 1/s^2
   FittedValue damping_over_mass;    ///< Bv/M, 1/s
   FittedValue natural_frequency;    ///< sqrt(Kv/M)/2pi, Hz
@@ -93,7 +94,10 @@ struct DropTestFit {
 /// Fits the drop-test model (sim/ring_down.h) to all records together.
 ///
 /// Kv, Bv, Km (and the mass and the coil's resistance where these are not given) are shared; each
-/// record has its own impact speed, impact time and offset. A stated drop height h fixes the speed
+/// record has its own impact speed, impact time and offset. Records of a released current have no
+/// amplitude of their own: it is Km^2 I0/M, which tells Km without height or load (Rodgers et al.,
+/// BSSA 85(3), 1995, p. 845). Those with a mass added to the mover tell the mover's mass. A laser's
+/// displacement tells frequency and decay. A stated drop height h fixes the speed
 /// at (1 + e) sqrt(2 g h), g = 9.80665 m/s^2; a rebound e that is not stated is taken as 0 with the
 /// standard uncertainty 0.3/sqrt(3) of a uniform ignorance between 0 and 0.3. Where Km follows from
 /// both the heights and the loads, the road with the smaller combined uncertainty is taken.

@@ -40,7 +40,15 @@ void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestMod
   if (record.voltage_scale) {
     AddInput(model.inputs, Kind::kVoltageScale, "voltage scale", "", *record.voltage_scale, index);
   }
-  if (!record.drop_height_m) return;
+  if (record.release_current_a) {
+    AddInput(model.inputs, Kind::kReleaseCurrent, "released current", "A",
+             *record.release_current_a, index);
+  }
+  if (record.added_mass_kg) {
+    AddInput(model.inputs, Kind::kAddedMass, "added mass", "kg", *record.added_mass_kg, index);
+  }
+  // of a displacement, the share that is seen is not known
+  if (!record.drop_height_m || record.signal == RecordedSignal::kDisplacement) return;
   model.knows_heights = true;
   AddInput(model.inputs, Kind::kHeight, "drop height", "m", *record.drop_height_m, index);
   const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
@@ -154,28 +162,76 @@ DampingLine FitDampingLine(const std::vector<double>& conductances,
 struct PoleSummary {
   double stiffness_over_mass = 0;  // mean of the records
   std::vector<double> conductances;
-  std::vector<double> dampings;          // (Bv + Km^2/(R+RL))/M of each record
-  std::optional<double> force_constant;  // mean over the records with a known impact speed
+  std::vector<double> dampings;  // (Bv + Km^2/(R+RL))/M of each record
+  // mean over the records with a known impact speed or released current
+  std::optional<double> force_constant;
 };
 
 PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem,
                       const RingDownPoint& point) {
   PoleSummary summary;
+  const double mass = std::exp(point.shared[Index(Shared::kMass)]);
   double sum = 0;
-  int heights = 0;
+  int known = 0;
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const RingStart& start = model.records[r].start;
     const RingDownSamples& record = problem.records()[r];
     summary.conductances.push_back(Conductance(record, point));
-    summary.dampings.push_back(2 * start.poles.decay_per_s * record.mass_ratio);
-    summary.stiffness_over_mass += start.poles.stiffness_per_s2 * record.mass_ratio /
-                                   static_cast<double>(model.records.size());
-    if (record.speed_m_per_s == 0) continue;
-    sum += std::abs(start.impact_voltage_v) / (record.speed_m_per_s * Divider(record, point));
-    ++heights;
+    const double ratio = RingingMass(record, mass) / mass;
+    summary.dampings.push_back(2 * start.poles.decay_per_s * ratio);
+    summary.stiffness_over_mass +=
+        start.poles.stiffness_per_s2 * ratio / static_cast<double>(model.records.size());
+    if (record.ringing == Ringing::kReleaseVoltage) {
+      // Km^2 I0/M, the slope at the release
+      sum += std::sqrt(std::abs(start.release_slope_v_per_s) * RingingMass(record, mass) /
+                       (record.release_current_a * Divider(record, point)));
+      ++known;
+    } else if (record.speed_m_per_s > 0) {
+      sum += std::abs(start.impact_voltage_v) / (record.speed_m_per_s * Divider(record, point));
+      ++known;
+    }
   }
-  if (heights > 0) summary.force_constant = sum / heights;
+  if (known > 0) summary.force_constant = sum / known;
   return summary;
+}
+
+// signals and statements that do not go together
+Result<void> CheckKind(const ImpulseRecord& record) {
+  if (record.added_mass_kg && record.condition == CaseCondition::kFree) {
+    return CannotAnswer(record.name, "has an added mass and a free case",
+                        "hold the case while a mass is added to the mover");
+  }
+  if (record.release_current_a && record.drop_height_m) {
+    return CannotAnswer(record.name, "states a drop height and a released current",
+                        "state what began the motion: a blow or the current's end");
+  }
+  if (record.release_current_a && record.signal == RecordedSignal::kDisplacement) {
+    return CannotAnswer(record.name, "is a displacement after a released current",
+                        "record the voltage; of a laser's records, those of blows are fitted");
+  }
+  return {};
+}
+
+Ringing RingingOf(const ImpulseRecord& record) {
+  if (record.signal == RecordedSignal::kDisplacement) return Ringing::kBlowDisplacement;
+  return record.release_current_a ? Ringing::kReleaseVoltage : Ringing::kBlowVoltage;
+}
+
+// M from 1/w^2 = (M + dM)/Kv, a line through the records with the least and the most added mass
+std::optional<double> MassFromAddedOnes(const DropTestModel& model,
+                                        const RingDownProblem& problem) {
+  const auto& records = problem.records();
+  const auto [least, most] =
+      std::ranges::minmax_element(records, {}, &RingDownSamples::added_mass_kg);
+  const auto square_of = [&](auto record) {
+    const auto r = static_cast<std::size_t>(record - records.begin());
+    return 1 / model.records[r].start.poles.stiffness_per_s2;
+  };
+  const double rise = square_of(most) - square_of(least);
+  const double added_kg = most->added_mass_kg - least->added_mass_kg;
+  if (!(rise > 0 && added_kg > 0)) return std::nullopt;
+  const double mass_kg = square_of(least) / rise * added_kg - least->added_mass_kg;
+  return mass_kg > 0 ? std::optional(mass_kg) : std::nullopt;
 }
 
 }  // namespace
@@ -186,6 +242,7 @@ Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& record
   DropTestModel model;
   bool some_loaded = false;
   for (std::size_t r = 0; r < records.size(); ++r) {
+    if (auto good = CheckKind(records[r]); !good) return std::unexpected(good.error());
     auto prepared = PrepareRecord(records[r]);
     if (!prepared) return std::unexpected(prepared.error());
     AddRecordInputs(prepared->record, r, model);
@@ -215,7 +272,10 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
       samples[r].voltages_v.push_back(record.voltage_v[n]);
     }
     samples[r].step_s = record.step_s;
-    samples[r].polarity = start.impact_voltage_v < 0 ? -1 : 1;
+    samples[r].ringing = RingingOf(record);
+    const bool begins_at_zero = samples[r].ringing != Ringing::kBlowVoltage;
+    samples[r].polarity =
+        (begins_at_zero ? start.release_slope_v_per_s : start.impact_voltage_v) < 0 ? -1 : 1;
     samples[r].noise_v = std::max(start.residual_rms_v, 1e-12 * std::abs(start.impact_voltage_v));
     samples[r].drifts = part.background.drifts;
     samples[r].hum_hz = part.background.hum_hz;
@@ -239,26 +299,33 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
     for (const std::size_t r : input.records) {
       if (input.kind == Kind::kLoad) problem->records()[r].load_ohm = input.quantity.value;
       if (input.kind == Kind::kTimeScale) problem->records()[r].time_scale = input.quantity.value;
+      if (input.kind == Kind::kAddedMass) {
+        problem->records()[r].added_mass_kg = input.quantity.value;
+      }
+      if (input.kind == Kind::kReleaseCurrent) {
+        problem->records()[r].release_current_a = input.quantity.value;
+      }
     }
   }
   for (std::size_t r = 0; r < model.conditions.size(); ++r) {
     const bool reduced = !model.all_free && model.conditions[r] == CaseCondition::kFree;
     problem->records()[r].mass_ratio = reduced ? reduction : 1.0;
   }
-  if (!use_heights) return;
   // v0 = (1 + e) sqrt(2 g h)
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
-      if (input.kind != Kind::kHeight) continue;
+      if (input.kind != Kind::kHeight || !use_heights) continue;
       problem->records()[r].speed_m_per_s = std::sqrt(2 * kGravityMPerS2 * input.quantity.value);
     }
   }
   for (const auto& input : inputs) {
     for (const std::size_t r : input.records) {
-      double& speed = problem->records()[r].speed_m_per_s;
-      if (input.kind == Kind::kRebound) speed *= 1 + input.quantity.value;
+      auto& record = problem->records()[r];
+      if (input.kind == Kind::kRebound) record.speed_m_per_s *= 1 + input.quantity.value;
+      if (input.kind != Kind::kVoltageScale) continue;
       // a larger voltage is shown where the scale is larger, as after a faster impact
-      if (input.kind == Kind::kVoltageScale) speed *= input.quantity.value;
+      record.speed_m_per_s *= input.quantity.value;
+      record.release_current_a *= input.quantity.value;
     }
   }
 }
@@ -273,15 +340,20 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
     }
   }
   ApplyInputs(model.inputs, model, use_heights, problem, &point);
+  if (!model.knows_mass) {
+    const auto seen_kg = MassFromAddedOnes(model, *problem);
+    point.shared[Index(Shared::kMass)] = std::log(seen_kg.value_or(1));
+  }
   const double mass = std::exp(point.shared[Index(Shared::kMass)]);
 
   const PoleSummary poles = Summarise(model, *problem, point);
   DampingLine line = FitDampingLine(poles.conductances, poles.dampings);
   double km = line.slope > 0 ? std::sqrt(line.slope * mass) : 1.0;
-  double start_mass = mass;  // 1 kg where nothing tells
+  double start_mass = mass;
   if (poles.force_constant) {
     km = *poles.force_constant;
-    if (!model.knows_mass && line.has_slope) start_mass = km * km / line.slope;
+    const bool weighs_by_loads = !model.knows_mass && mass == 1 && line.has_slope;
+    if (weighs_by_loads) start_mass = km * km / line.slope;
   }
   point.shared[Index(Shared::kMass)] = std::log(start_mass);
   point.shared[Index(Shared::kStiffness)] = std::log(poles.stiffness_over_mass * start_mass);
@@ -294,10 +366,15 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
   point.shared[Index(Shared::kForceConstantSquared)] = km * km;
   for (std::size_t r = 0; r < point.own.size(); ++r) {
     auto& own = point.own[r];
-    own[Index(Own::kImpact)] = model.records[r].start.impact_s;
-    own[Index(Own::kOffset)] = model.records[r].start.offset_v;
-    own[Index(Own::kAmplitude)] = std::log(std::abs(model.records[r].start.impact_voltage_v) /
-                                           Divider(problem->records()[r], point));
+    const RingStart& start = model.records[r].start;
+    const RingDownSamples& record = problem->records()[r];
+    own[Index(Own::kOffset)] = start.offset_v;
+    const bool begins_at_zero = record.ringing != Ringing::kBlowVoltage;
+    own[Index(Own::kImpact)] = begins_at_zero ? start.release_s : start.impact_s;
+    own[Index(Own::kAmplitude)] =
+        std::log(record.ringing == Ringing::kBlowDisplacement
+                     ? std::abs(start.release_slope_v_per_s)
+                     : std::abs(start.impact_voltage_v) / Divider(record, point));
   }
   return point;
 }
@@ -311,7 +388,8 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProbl
     unknown[Column(r, Own::kDrift)] = record.drifts;
     unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
     unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
-    unknown[Column(r, Own::kAmplitude)] = record.speed_m_per_s == 0;
+    unknown[Column(r, Own::kAmplitude)] =
+        record.speed_m_per_s == 0 && record.ringing != Ringing::kReleaseVoltage;
   }
   return unknown;
 }

@@ -27,6 +27,8 @@ struct DropTestInput {
     kLoad,
     kHeight,
     kRebound,
+    kReleaseCurrent,
+    kAddedMass,
     kVoltageScale,
     kTimeScale,
   };
@@ -59,14 +61,16 @@ struct DropTestModel {
 /// The problem with the samples of each record's part; the noise is that of the start's fit.
 [[nodiscard]] RingDownProblem MakeProblem(const DropTestModel& model);
 
-/// Writes the inputs into the problem (loads, mass ratios, inductance, the impact speeds where
-/// `use_heights`, the recorders' scales) and into the point's given components (mass, resistance).
+/// Writes the inputs into the problem (loads, mass ratios, added masses, inductance, released
+/// currents, the impact speeds where `use_heights`, the recorders' scales) and into the point's
+/// given components (mass, resistance).
 void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& model,
                  bool use_heights, RingDownProblem* problem, RingDownPoint* point);
 
 /// Applies the inputs to the problem and gives start values: Kv and the total damping from the
-/// poles, Km from the heights or from the line of damping over 1/(R + RL): Km^2 = M d(2
-/// decay)/d(1/(R+RL)), 1 N/A where neither speaks.
+/// poles, Km from the released currents, the heights or the line of damping over 1/(R + RL): Km^2 =
+/// M d(2 decay)/d(1/(R+RL)), 1 N/A where none speaks. A mass that is not given follows from the
+/// added ones, 1/w^2 = (M + dM)/Kv being a line over dM; 1 kg where nothing tells.
 [[nodiscard]] RingDownPoint StartPoint(const DropTestModel& model, bool use_heights,
                                        RingDownProblem* problem);
 

@@ -70,10 +70,9 @@ void LeaveOutSilence(DropTestRoad& road) {
 }
 
 double ResonanceHz(const RingDownSamples& record, const RingDownPoint& point) {
-  const double ratio =
-      std::exp(point.shared[Index(Shared::kStiffness)] - point.shared[Index(Shared::kMass)]) /
-      record.mass_ratio;
-  return std::sqrt(ratio) / (2 * std::numbers::pi);
+  const double mass_kg = RingingMass(record, std::exp(point.shared[Index(Shared::kMass)]));
+  return std::sqrt(std::exp(point.shared[Index(Shared::kStiffness)]) / mass_kg) /
+         (2 * std::numbers::pi);
 }
 
 // each record's noise becomes the root mean square of its residuals, or of a white noise that is as
@@ -152,9 +151,13 @@ double InputBase(const DropTestInput& input) {
 }
 
 bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
-  const bool is_of_heights = input.kind == Kind::kHeight || input.kind == Kind::kRebound ||
-                             input.kind == Kind::kVoltageScale;
-  if (is_of_heights) return road.uses_heights;
+  if (input.kind == Kind::kVoltageScale) {
+    return std::ranges::any_of(input.records, [&road](std::size_t r) {
+      const RingDownSamples& record = road.problem.records()[r];
+      return record.speed_m_per_s > 0 || record.release_current_a > 0;
+    });
+  }
+  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound) return road.uses_heights;
   return std::isfinite(input.quantity.value) && input.quantity.value > 0;
 }
 
@@ -184,12 +187,14 @@ bool IsSeen(const DropTestRoad& road, const std::vector<double>& weights) {
 
 namespace {
 
-std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownProblem& problem) {
+std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownProblem& problem,
+                                   double mass_kg) {
   std::vector<ComparedDrop> drops;
   drops.reserve(model.records.size());
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const RingDownSamples& record = problem.records()[r];
-    drops.push_back({&model.records[r], record.load_ohm, record.mass_ratio, record.noise_v});
+    drops.push_back({&model.records[r], record.load_ohm, RingingMass(record, mass_kg) / mass_kg,
+                     record.noise_v});
   }
   return drops;
 }
@@ -216,7 +221,8 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
   // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
   road.variance = static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
-  road.consistency = CheckConsistency(Compared(model, road.problem));
+  road.consistency = CheckConsistency(
+      Compared(model, road.problem, std::exp(road.point.shared[Index(Shared::kMass)])));
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {
     const bool counts = DependsOn(road, model.inputs[k]);
     road.input_changes.push_back(counts ? ChangeByInput(road, model, k)

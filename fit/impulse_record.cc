@@ -1,6 +1,7 @@
 #include "fit/impulse_record.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -75,8 +76,9 @@ class HeaderReader {
 // programs' headers hold much that is not for us.
 std::vector<std::string> MistypedKeys(const trial::Record& record) {
   static const std::vector<std::string> kKnown{
-      "case",       "load_ohm",       "drop_height_m", "rebound",        "voltage_scale",
-      "time_scale", "moving_mass_kg", "case_mass_kg",  "resistance_ohm", "inductance_h"};
+      "case",           "load_ohm",     "drop_height_m",     "rebound",
+      "voltage_scale",  "time_scale",   "moving_mass_kg",    "case_mass_kg",
+      "resistance_ohm", "inductance_h", "release_current_a", "added_mass_kg"};
   std::vector<std::string> remarks;
   for (const auto& [key, value] : record.metadata.fields) {
     const bool looks_alike = key.contains('_') && std::ranges::none_of(key, [](char c) {
@@ -90,12 +92,28 @@ std::vector<std::string> MistypedKeys(const trial::Record& record) {
   return remarks;
 }
 
-// the voltage channel: by role, or the only one there is when nothing says what it measures
-const trial::Channel* FindVoltage(const trial::Record& record) {
-  if (const auto* voltage = record.Find(trial::ChannelRole::kVoltage)) return voltage;
-  const bool may_be_voltage =
-      record.channels.size() == 1 && record.channels[0].role == trial::ChannelRole::kOther;
-  return may_be_voltage ? record.channels.data() : nullptr;
+// a voltage or displacement by role, or the only channel when nothing says what it measures
+Result<const trial::Channel*> FindSignal(const trial::Record& record, const std::string& name) {
+  for (const auto role : {trial::ChannelRole::kVoltage, trial::ChannelRole::kDisplacement}) {
+    std::vector<std::string> names;
+    for (const auto& channel : record.channels) {
+      if (channel.role == role) names.push_back(channel.name);
+    }
+    const bool is_voltage = role == trial::ChannelRole::kVoltage;
+    if (names.size() > 1) {
+      return CannotAnswer(
+          name,
+          fmt::format("has several {}: {}", is_voltage ? "voltages" : "displacements",
+                      fmt::join(names, ", ")),
+          fmt::format("say which is {}: --channel NAME",
+                      is_voltage ? "the coil's" : "the actuator's"));
+    }
+    if (names.size() == 1) return record.Find(role);
+  }
+  if (record.channels.size() == 1 && record.channels[0].role == trial::ChannelRole::kOther) {
+    return record.channels.data();
+  }
+  return CannotAnswer(name, "has no voltage", "give a CSV with the columns time_s,voltage_v");
 }
 
 }  // namespace
@@ -105,19 +123,9 @@ std::string_view Name(CaseCondition condition) {
 }
 
 Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::string& name) {
-  const trial::Channel* voltage = FindVoltage(record);
-  if (voltage == nullptr) {
-    return CannotAnswer(name, "has no voltage", "give a CSV with the columns time_s,voltage_v");
-  }
-  std::string voltages;
-  for (const auto& channel : record.channels) {
-    if (channel.role != trial::ChannelRole::kVoltage) continue;
-    voltages += fmt::format("{}{}", voltages.empty() ? "" : ", ", channel.name);
-  }
-  if (voltages.find(',') != std::string::npos) {
-    return CannotAnswer(name, fmt::format("has several voltages: {}", voltages),
-                        "say which is the coil's: --channel NAME");
-  }
+  const auto found = FindSignal(record, name);
+  if (!found) return std::unexpected(found.error());
+  const trial::Channel& signal = **found;
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
     return CannotAnswer(name, "has gaps or an uneven time base",
                         "export the whole oscilloscope record at its own sample interval");
@@ -126,9 +134,13 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.name = name;
   file.record.start_s = record.stretches[0].start_s;
   file.record.step_s = 1 / record.stretches[0].rate_hz;
-  file.record.voltage_v = voltage->values;
-  for (std::size_t n = 0; n < voltage->statuses.size(); ++n) {
-    if (!trial::IsMeasurement(voltage->statuses[n])) file.record.voltage_v[n] = std::nan("");
+  file.record.voltage_v = signal.values;
+  for (std::size_t n = 0; n < signal.statuses.size(); ++n) {
+    if (!trial::IsMeasurement(signal.statuses[n])) file.record.voltage_v[n] = std::nan("");
+  }
+  if (signal.role == trial::ChannelRole::kDisplacement) {
+    file.record.signal = RecordedSignal::kDisplacement;
+    file.record.unit = "m";
   }
 
   constexpr double kLargest = 1e300;
@@ -138,6 +150,9 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
   file.record.load_ohm = header.Read("load_ohm", Dimension::kResistance, kSmallest, open);
   file.record.drop_height_m = header.Read("drop_height_m", Dimension::kLength, kSmallest, kLargest);
   file.record.rebound = header.Read("rebound", Dimension::kNone, 0, 1);
+  file.record.release_current_a =
+      header.Read("release_current_a", Dimension::kCurrent, kSmallest, kLargest);
+  file.record.added_mass_kg = header.Read("added_mass_kg", Dimension::kMass, kSmallest, kLargest);
   file.record.voltage_scale = header.Read("voltage_scale", Dimension::kNone, kSmallest, kLargest);
   file.record.time_scale = header.Read("time_scale", Dimension::kNone, kSmallest, kLargest);
   file.knowns.moving_mass_kg = header.Read("moving_mass_kg", Dimension::kMass, kSmallest, kLargest);

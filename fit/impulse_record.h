@@ -20,16 +20,29 @@ enum class CaseCondition : std::uint8_t {
 /// "held", "free".
 [[nodiscard]] std::string_view Name(CaseCondition condition);
 
-/// One drop: the terminal voltage of an actuator over time, and what is known of that drop.
+/// What a record holds.
+enum class RecordedSignal : std::uint8_t {
+  kVoltage,       ///< at the terminals
+  kDisplacement,  ///< a laser's, of the case that hangs free or of the mover: of either, a fixed
+                  ///< share of the motion of mover against case
+};
+
+/// One ring-down of an actuator over time, after a blow or after a current is interrupted, and what
+/// is known of it.
 struct ImpulseRecord {
-  std::string name;                  ///< the file, for messages
-  double start_s = 0;                ///< time of the first sample
-  double step_s = 0;                 ///< between samples, > 0
-  std::vector<double> voltage_v;     ///< NaN where there is no measurement
+  std::string name;    ///< the file, for messages
+  double start_s = 0;  ///< time of the first sample
+  double step_s = 0;   ///< between samples, > 0
+  RecordedSignal signal = RecordedSignal::kVoltage;
+  std::vector<double> voltage_v;     ///< NaN where there is no measurement; a displacement in m
   std::optional<Quantity> load_ohm;  ///< across the terminals; infinite: open; absent: not stated
   std::optional<CaseCondition> condition;  ///< absent: not stated
   std::optional<Quantity> drop_height_m;   ///< of the free fall before the impact
   std::optional<Quantity> rebound;  ///< e: the case leaves the stop with e times its speed; 0-1
+  /// The current I0 whose interruption lets the mover go, which it held out of its place by Km
+  /// I0/Kv; absent: the motion begins with a blow.
+  std::optional<Quantity> release_current_a;
+  std::optional<Quantity> added_mass_kg;  ///< fixed to the mover, with a held case; absent: none
   std::optional<Quantity> voltage_scale;  ///< shown over true volts; absent: 1, exactly
   std::optional<Quantity> time_scale;     ///< shown over true seconds; absent: 1, exactly
   std::string unit = "V";                 ///< of the values, for sentences; "m" of a tapped adapter
@@ -52,13 +65,14 @@ struct ImpulseFile {
 
 /// Takes a drop out of a recording (trial/import/csv.h reads `impulse.csv`).
 ///
-/// The voltage is the channel with the voltage role, else the only channel where
-/// no name says what it measures. Header keys, each an SI
+/// The signal is the channel with the voltage role, else the only one with the displacement role,
+/// else the only channel where no name says what it measures, as a voltage. Header keys, each an SI
 /// number or a text with unit and uncertainty ("1.40(3)g"): case (held | free), load_ohm (inf:
-/// open), drop_height_m, rebound, voltage_scale, time_scale, moving_mass_kg,
-/// case_mass_kg, resistance_ohm, inductance_h.
-/// Errors (Cause::kCannotAnswer), named by `name`: no voltage channel or several, gaps or an uneven
-/// time base, a key's value that does not parse or that is out of its range.
+/// open), drop_height_m, rebound, release_current_a, added_mass_kg, voltage_scale, time_scale,
+/// moving_mass_kg, case_mass_kg, resistance_ohm, inductance_h.
+/// Errors (Cause::kCannotAnswer), named by `name`: neither voltage nor displacement, or several of
+/// one, gaps or an uneven time base, a key's value that does not parse or that is out of its
+/// range.
 [[nodiscard]] Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record,
                                                     const std::string& name);
 

@@ -22,28 +22,41 @@ sim::RingDown<T> Circuit(const RingDownSamples& record, double inductance_h, con
       {.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)]),
        .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)]),
        .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
-       .mass_kg = record.mass_ratio * exp(shared[Index(Shared::kMass)]),
+       .mass_kg = record.mass_ratio * exp(shared[Index(Shared::kMass)]) + record.added_mass_kg,
        .coil_resistance_ohm = exp(shared[Index(Shared::kResistance)]),
        .inductance_h = inductance_h,
        .load_ohm = record.load_ohm});
 }
 
-// Km v0, not a number where a given speed meets an impossible Km^2
+// what the ratio is multiplied by; not a number where a given speed meets an impossible Km^2
 template <typename T>
-T SpeedVoltage(const RingDownSamples& record, const T* shared, const T* own) {
+T Amplitude(const RingDownSamples& record, const T* shared, const T* own) {
   using std::exp;
   using std::sqrt;
+  if (record.ringing == Ringing::kReleaseVoltage) {
+    const T mass_kg = record.mass_ratio * exp(shared[Index(Shared::kMass)]) + record.added_mass_kg;
+    return record.release_current_a * shared[Index(Shared::kForceConstantSquared)] / mass_kg;
+  }
   if (record.speed_m_per_s == 0) return exp(own[Index(Own::kAmplitude)]);
   return record.speed_m_per_s * sqrt(shared[Index(Shared::kForceConstantSquared)]);
+}
+
+// below 0 at first, as the thesis has it of the voltage (equation 2.1)
+template <typename T>
+T Ratio(Ringing ringing, const sim::RingDown<T>& circuit, const T& time_s) {
+  if (ringing == Ringing::kBlowVoltage) return circuit.VoltageRatio(time_s);
+  if (ringing == Ringing::kReleaseVoltage) return circuit.ReleaseRatio(time_s);
+  return -circuit.DisplacementRatio(time_s);
 }
 
 // the ringing and the offset; the blow's direction is such that the first half period has
 // `polarity`
 template <typename T>
-T Ringing(const RingDownSamples& record, const sim::RingDown<T>& circuit, const T& signed_voltage,
-          const T* own, double time_s) {
+T RingingAt(const RingDownSamples& record, const sim::RingDown<T>& circuit,
+            const T& signed_amplitude, const T* own, double time_s) {
   const T since_impact_s = (time_s - own[Index(Own::kImpact)]) / record.time_scale;
-  return own[Index(Own::kOffset)] - signed_voltage * circuit.VoltageRatio(since_impact_s);
+  return own[Index(Own::kOffset)] -
+         signed_amplitude * Ratio(record.ringing, circuit, since_impact_s);
 }
 
 // what one volt (or volt per second) of each disturbance adds at a time
@@ -69,12 +82,12 @@ struct Disturbances {
 bool WriteResiduals(const RingDownSamples& record, double inductance_h, const double* shared,
                     const double* own, std::span<double> residuals) {
   const auto circuit = Circuit(record, inductance_h, shared);
-  const double signed_voltage = record.polarity * SpeedVoltage(record, shared, own);
+  const double signed_amplitude = record.polarity * Amplitude(record, shared, own);
   const Disturbances disturbances(record);
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     const double time_s = record.times_s[n];
     const double model_v =
-        Ringing(record, circuit, signed_voltage, own, time_s) + disturbances.Sum(own, time_s);
+        RingingAt(record, circuit, signed_amplitude, own, time_s) + disturbances.Sum(own, time_s);
     residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
     if (!std::isfinite(residuals[n])) return false;
   }
@@ -107,14 +120,14 @@ void WriteDerivatives(const RingDownSamples& record, double inductance_h, const 
                       const double* own, std::size_t first, std::size_t columns, double* rows) {
   const Jets jets = MakeJets(shared, own);
   const auto circuit = Circuit(record, inductance_h, jets.shared.data());
-  const Jet signed_voltage =
-      record.polarity * SpeedVoltage(record, jets.shared.data(), jets.own.data());
+  const Jet signed_amplitude =
+      record.polarity * Amplitude(record, jets.shared.data(), jets.own.data());
   const Disturbances disturbances(record);
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     double* row = rows + n * columns;
     std::fill_n(row, columns, 0.0);
     const Jet voltage =
-        Ringing(record, circuit, signed_voltage, jets.own.data(), record.times_s[n]);
+        RingingAt(record, circuit, signed_amplitude, jets.own.data(), record.times_s[n]);
     for (std::size_t k = 0; k < kSharedCount; ++k) {
       row[k] = voltage.v[static_cast<int>(k)] / record.noise_v;
     }
@@ -205,11 +218,11 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
   const auto circuit = Circuit(records_[record], inductance_h_, point.shared.data());
   const Disturbances disturbances(records_[record]);
   const double* own = point.own[record].data();
-  const double signed_voltage =
-      records_[record].polarity * SpeedVoltage(records_[record], point.shared.data(), own);
+  const double signed_amplitude =
+      records_[record].polarity * Amplitude(records_[record], point.shared.data(), own);
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] = Ringing(records_[record], circuit, signed_voltage, own, times_s[n]) +
+    voltages[n] = RingingAt(records_[record], circuit, signed_amplitude, own, times_s[n]) +
                   disturbances.Sum(own, times_s[n]);
   }
   return voltages;

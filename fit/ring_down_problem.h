@@ -21,11 +21,20 @@ enum class Shared : std::uint8_t {
 };
 inline constexpr std::size_t kSharedCount = 5;
 
+/// What a record shows of the ringing.
+enum class Ringing : std::uint8_t {
+  kBlowVoltage,       ///< sim::RingDown::VoltageRatio
+  kBlowDisplacement,  ///< sim::RingDown::DisplacementRatio
+  kReleaseVoltage,    ///< sim::RingDown::ReleaseRatio
+};
+
 /// The parameters of each record alone.
 enum class Own : std::uint8_t {
-  kAmplitude,  ///< ln of Km v0 in V; follows from Km^2 where the impact speed v0 is given
-  kImpact,     ///< time of the impact in s
-  kOffset,     ///< in V
+  /// ln of Km v0 in V; follows from Km^2 where the impact speed v0 is given. Of a displacement: ln
+  /// of the speed seen in m/s. Of a release it follows from Km^2 always.
+  kAmplitude,
+  kImpact,  ///< time of the impact or release in s
+  kOffset,  ///< in V
   // disturbances of the recording, held at 0 where a record shows none
   kDrift,      ///< of the offset, in V/s, about the middle of the fitted samples
   kHumCosine,  ///< in V, at the record's `hum_hz`
@@ -44,16 +53,24 @@ inline constexpr std::size_t kOwnCount = 6;
 struct RingDownSamples {
   std::vector<double> times_s;
   std::vector<double> voltages_v;
-  double step_s = 0;         ///< between samples; some may be missing
-  double noise_v = 1;        ///< standard deviation; residuals are divided by it
-  double load_ohm = 0;       ///< infinite: open
-  double time_scale = 1;     ///< shown over true seconds
-  double mass_ratio = 1;     ///< the record's ringing mass is mass_ratio * M
-  double polarity = 1;       ///< +1 or -1: sign of the voltage's first half period
-  double speed_m_per_s = 0;  ///< of the impact; 0: not given
-  bool drifts = false;       ///< whether the drift is fitted
-  double hum_hz = 0;         ///< of the mains; 0: no hum is fitted
+  double step_s = 0;      ///< between samples; some may be missing
+  double noise_v = 1;     ///< standard deviation; residuals are divided by it
+  double load_ohm = 0;    ///< infinite: open
+  double time_scale = 1;  ///< shown over true seconds
+  double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M + added_mass_kg
+  double added_mass_kg = 0;
+  Ringing ringing = Ringing::kBlowVoltage;
+  double polarity = 1;           ///< +1 or -1: sign of the voltage's first half period
+  double speed_m_per_s = 0;      ///< of the impact; 0: not given
+  double release_current_a = 0;  ///< of a release, times the voltage's scale
+  bool drifts = false;           ///< whether the drift is fitted
+  double hum_hz = 0;             ///< of the mains; 0: no hum is fitted
 };
+
+/// The mass that rings in a record, in kg.
+[[nodiscard]] inline double RingingMass(const RingDownSamples& record, double mass_kg) {
+  return record.mass_ratio * mass_kg + record.added_mass_kg;
+}
 
 /// A point in parameter space, or a direction.
 struct RingDownPoint {
@@ -76,11 +93,13 @@ struct RingDownPoint {
 /// All records of a drop test as one least-squares problem over the circuit model of
 /// sim/ring_down.h:
 ///
-///     voltage = offset - polarity Km v0 u(t - impact) + drift (t - middle)
+///     voltage = offset - polarity a u(t - impact) + drift (t - middle)
 ///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
 ///
-/// u being the voltage's ratio there at true seconds, so that the ringing begins with the sign of
-/// `polarity`. Derivatives are automatic for the circuit and written down for the rest.
+/// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
+/// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
+/// with the sign of `polarity`. Derivatives are automatic for the circuit and written down for the
+/// rest.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);

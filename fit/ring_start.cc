@@ -125,22 +125,42 @@ bool IsHeavilyDamped(const PolePair& poles) {
   return poles.decay_per_s > kHeavy * std::sqrt(poles.stiffness_per_s2);
 }
 
-// the instant nearest to `near_s` at which the displacement behind that voltage is zero
-double ZeroOfMotion(const LinearFit& fit, const PolePair& poles, double near_s) {
-  // v = E v0 - O (d v0 + q x0) and x = E x0 + O (v0 + d x0)
+// a motion of these poles: even * E(t) + odd * O(t), and its value at a time
+struct Swing {
+  double even = 0;
+  double odd = 0;
+
+  [[nodiscard]] double At(const PolePair& poles, double time_s) const {
+    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2, time_s);
+    return even * pair.even + odd * pair.odd;
+  }
+};
+
+// the swing of the slope: E' = (d^2 - q) O - d E and O' = E - d O
+Swing SlopeOf(const Swing& swing, const PolePair& poles) {
   const double d = poles.decay_per_s;
-  const double x0 = -(fit.odd_v_per_s + d * fit.even_v) / poles.stiffness_per_s2;
-  const double slope = fit.even_v + d * x0;
-  const double square = poles.stiffness_per_s2 - d * d;
+  return {swing.odd - d * swing.even,
+          (d * d - poles.stiffness_per_s2) * swing.even - d * swing.odd};
+}
+
+// the displacement whose velocity is `swing`: x0 = -(odd + d even)/q, E x0 + O (even + d x0)
+Swing IntegralOf(const Swing& swing, const PolePair& poles) {
+  const double x0 = -(swing.odd + poles.decay_per_s * swing.even) / poles.stiffness_per_s2;
+  return {x0, swing.even + poles.decay_per_s * x0};
+}
+
+// the zero that is nearest to `near_s`
+double ZeroNear(const Swing& swing, const PolePair& poles, double near_s) {
+  const double square = poles.stiffness_per_s2 - poles.decay_per_s * poles.decay_per_s;
   if (square > 0) {
     const double angular = std::sqrt(square);
-    const double zero = std::atan2(-angular * x0, slope) / angular;
+    const double zero = std::atan2(-angular * swing.even, swing.odd) / angular;
     const double half_period = std::numbers::pi / angular;
     return zero + half_period * std::round((near_s - zero) / half_period);
   }
   // overdamped: one crossing at most
   const double rate = std::sqrt(-square);
-  const double ratio = -rate * x0 / slope;
+  const double ratio = -rate * swing.even / swing.odd;
   return rate > 0 && std::abs(ratio) < 1 ? std::atanh(ratio) / rate : near_s;
 }
 
@@ -273,12 +293,14 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   // backwards to the blow, which lies before its first sample
   const double blow_s = static_cast<double>(blow->sample) - (blow->sample > 0 ? 0.5 : 0.0);
   const double near_s = (blow_s - static_cast<double>(start.first_sample)) * record.step_s;
-  const double zero_s = ZeroOfMotion(fit, start.poles, near_s);
-  const auto at_impact =
-      sim::DampedFundamentals(start.poles.decay_per_s, start.poles.stiffness_per_s2, zero_s);
-  start.impact_s =
-      record.start_s + static_cast<double>(start.first_sample) * record.step_s + zero_s;
-  start.impact_voltage_v = fit.even_v * at_impact.even + fit.odd_v_per_s * at_impact.odd;
+  const double first_s = record.start_s + static_cast<double>(start.first_sample) * record.step_s;
+  const Swing swing{fit.even_v, fit.odd_v_per_s};
+  const double impact_s = ZeroNear(IntegralOf(swing, start.poles), start.poles, near_s);
+  start.impact_s = first_s + impact_s;
+  start.impact_voltage_v = swing.At(start.poles, impact_s);
+  const double release_s = ZeroNear(swing, start.poles, near_s);
+  start.release_s = first_s + release_s;
+  start.release_slope_v_per_s = SlopeOf(swing, start.poles).At(start.poles, release_s);
   return start;
 }
 

@@ -17,6 +17,8 @@ struct RingStart {
   PolePair poles;                 ///< with the record's own load
   double impact_s = 0;          ///< when the motion, continued backwards, starts from rest at x = 0
   double impact_voltage_v = 0;  ///< the ring-down's voltage at that instant, signed, without offset
+  double release_s = 0;         ///< the ring-down's zero that is nearest to the blow
+  double release_slope_v_per_s = 0;  ///< its slope there
   double offset_v = 0;
   double residual_rms_v = 0;  ///< of the fit by this pole pair, from first_sample on
 };

@@ -116,9 +116,19 @@ TEST(ImpulseRecord, ARecordingWithoutAVoltageOrWithGapsIsRefused) {
                          {.first_row = 1, .rows = 2, .start_s = 1, .rate_hz = 1000}};
   EXPECT_THAT(ErrorOf(recording), HasSubstr("gaps"));
   recording = MakeRecording();
-  recording.channels[0].role = trial::ChannelRole::kDisplacement;
-  recording.channels.push_back(recording.channels[0]);
+  recording.channels[0].role = trial::ChannelRole::kCurrent;
   EXPECT_THAT(ErrorOf(recording), HasSubstr("no voltage"));
+}
+
+TEST(ImpulseRecord, WithoutAVoltageADisplacementIsTaken) {
+  auto recording = MakeRecording();
+  recording.channels[0].role = trial::ChannelRole::kDisplacement;
+  const auto file = ImpulseFromRecord(recording, "tap.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.signal, RecordedSignal::kDisplacement);
+  EXPECT_EQ(file->record.unit, "m");
+  recording.channels.push_back(recording.channels[0]);
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("several displacements"));
 }
 
 }  // namespace

@@ -26,6 +26,9 @@ struct SyntheticDrop {
   double load_ohm = kOpen;
   fit::CaseCondition condition = fit::CaseCondition::kHeld;
   double height_m = 0.01;
+  double release_current_a = 0;   ///< above 0: the motion begins with its end, not with a blow
+  double added_mass_kg = 0;       ///< on the mover
+  double displacement_share = 0;  ///< above 0: of the motion of mover against case, seen in metres
   double rebound = 0;
   double step_s = 2e-4;
   double quiet_s = 0.01;   ///< before the impact; negative: the record begins behind it
@@ -39,7 +42,7 @@ struct SyntheticDrop {
 };
 
 inline double EffectiveMass(const SyntheticDrop& drop) {
-  if (drop.condition == fit::CaseCondition::kHeld) return drop.moving_mass_kg;
+  if (drop.condition == fit::CaseCondition::kHeld) return drop.moving_mass_kg + drop.added_mass_kg;
   return drop.moving_mass_kg * drop.case_mass_kg / (drop.moving_mass_kg + drop.case_mass_kg);
 }
 
@@ -52,7 +55,19 @@ inline double SpeedVoltage(const SyntheticDrop& drop) {
   return drop.force_constant_n_per_a * ImpactSpeed(drop);
 }
 
-/// The record; load and condition are stated, height and rebound are not.
+/// What follows the instant of the blow or release at `t` seconds, first negative.
+inline double RingingOf(const SyntheticDrop& drop, const sim::RingDown<double>& circuit, double t) {
+  if (drop.displacement_share > 0) {
+    return -drop.displacement_share * ImpactSpeed(drop) * circuit.DisplacementRatio(t);
+  }
+  if (drop.release_current_a > 0) {
+    return drop.force_constant_n_per_a * drop.force_constant_n_per_a * drop.release_current_a /
+           EffectiveMass(drop) * circuit.ReleaseRatio(t);
+  }
+  return SpeedVoltage(drop) * circuit.VoltageRatio(t);
+}
+
+/// The record; load, condition, current and added mass are stated, height and rebound are not.
 inline fit::ImpulseRecord MakeRecord(const SyntheticDrop& drop) {
   const sim::RingDown<double> circuit(
       {.stiffness_n_per_m = drop.stiffness_n_per_m,
@@ -69,13 +84,19 @@ inline fit::ImpulseRecord MakeRecord(const SyntheticDrop& drop) {
   record.start_s = -std::round(drop.quiet_s / drop.step_s) * drop.step_s;
   record.load_ohm = Quantity{drop.load_ohm, 0};
   record.condition = drop.condition;
+  if (drop.release_current_a > 0) record.release_current_a = Quantity{drop.release_current_a, 0};
+  if (drop.added_mass_kg > 0) record.added_mass_kg = Quantity{drop.added_mass_kg, 0};
+  if (drop.displacement_share > 0) {
+    record.signal = fit::RecordedSignal::kDisplacement;
+    record.unit = "m";
+  }
   std::mt19937_64 engine(drop.seed);
   std::normal_distribution<double> noise;
   for (int n = 0;; ++n) {
     const double t = record.start_s + n * drop.step_s - drop.impact_s;
     if (t >= drop.length_s) break;
     double v = drop.offset_v;
-    if (t > 0) v -= drop.polarity * SpeedVoltage(drop) * circuit.VoltageRatio(t);
+    if (t > 0) v -= drop.polarity * RingingOf(drop, circuit, t);
     if (drop.noise_v > 0) v += drop.noise_v * noise(engine);
     if (drop.step_v > 0) v = std::round(v / drop.step_v) * drop.step_v;
     record.voltage_v.push_back(v);
