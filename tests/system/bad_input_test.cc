@@ -85,8 +85,8 @@ TEST_F(BadInput, OneDropIsNotCountedTwice) {
                 "is given twice");
 }
 
-TEST_F(BadInput, ADisplacementIsNoRingDownVoltage) {
-  ExpectOneLine(RunProgram({"fit-lra", kFixtures + "/recorded_trial.bin"}), 3, "has no voltage");
+TEST_F(BadInput, ATrialWithGapsIsNoRingDown) {
+  ExpectOneLine(RunProgram({"fit-lra", kFixtures + "/recorded_trial.bin"}), 3, "has gaps or");
 }
 
 TEST_F(BadInput, APlotThatCannotBeDrawnIsRefusedBeforeTheWork) {

@@ -28,6 +28,8 @@ load_ohm = "33.0(1)ohm"
 case = "free"
 drop_height_m = "10mm+-1mm"
 rebound = "0.10(5)"
+release_current_a = "50.0(5)mA"
+added_mass_kg = "0.50(1)g"
 voltage_scale = "1.00(2)"
 time_scale = "1+-5e-5"
 )toml";
@@ -52,6 +54,8 @@ TEST(DropsFile, SaysEverythingOfEveryDrop) {
   EXPECT_EQ(last.condition, fit::CaseCondition::kFree);
   EXPECT_DOUBLE_EQ(last.drop_height_m->standard_uncertainty, 1e-3);
   EXPECT_DOUBLE_EQ(last.rebound->value, 0.1);
+  EXPECT_DOUBLE_EQ(last.release_current_a->standard_uncertainty, 5e-4);
+  EXPECT_DOUBLE_EQ(last.added_mass_kg->value, 5e-4);
   EXPECT_DOUBLE_EQ(last.voltage_scale->standard_uncertainty, 0.02);
   EXPECT_DOUBLE_EQ(last.time_scale->standard_uncertainty, 5e-5);
 }

@@ -61,6 +61,8 @@ void ReadDrop(TomlTable& table, const std::filesystem::path& directory,
   }
   drop.drop_height_m = Read(table, "drop_height_m", Dimension::kLength, kPositive);
   drop.rebound = Read(table, "rebound", Dimension::kNone, kShare);
+  drop.release_current_a = Read(table, "release_current_a", Dimension::kCurrent, kPositive);
+  drop.added_mass_kg = Read(table, "added_mass_kg", Dimension::kMass, kPositive);
   drop.voltage_scale = Read(table, "voltage_scale", Dimension::kNone, kScale);
   drop.time_scale = Read(table, "time_scale", Dimension::kNone, kScale);
   drops.reserve(drops.size() + files.size());

@@ -18,6 +18,8 @@ struct StatedDrop {
   std::optional<fit::CaseCondition> condition{};
   std::optional<Quantity> drop_height_m{};
   std::optional<Quantity> rebound{};
+  std::optional<Quantity> release_current_a{};
+  std::optional<Quantity> added_mass_kg{};
   std::optional<Quantity> voltage_scale{};
   std::optional<Quantity> time_scale{};
 };
@@ -38,7 +40,8 @@ struct DropsFile {
 ///
 ///     [[drop]]
 ///     file = "open1.csv"                 # or files = ["open1.csv", "open2.csv"], beside this file
-///     load_ohm = "open"                  # also case, drop_height_m, rebound, voltage_scale,
+///     load_ohm = "open"                  # also case, drop_height_m, rebound,
+///                                        # release_current_a, added_mass_kg, voltage_scale,
 ///                                        # time_scale: the keys of an impulse file's header
 ///
 /// Errors: the file's (base/input_file.h); Cause::kCannotAnswer for broken TOML; Cause::kUsage for

@@ -92,6 +92,8 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                  "Height of the free fall; gives Km from one open record");
   options.Number("--rebound", &wanted.rebound, Dimension::kNone,
                  "Speed of the case after the impact over that before it (0 to 1)");
+  options.Number("--release-current", &wanted.release_current_a, Dimension::kCurrent,
+                 "The motion began with the end of this current, not with a blow; gives Km");
   options.Number("--voltage-scale", &wanted.voltage_scale, Dimension::kNone,
                  "Volts shown by the recorder over true ones: '1.00(2)'");
   options.Number("--time-scale", &wanted.time_scale, Dimension::kNone,

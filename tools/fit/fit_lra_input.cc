@@ -9,6 +9,7 @@
 
 #include "fit/ring_start.h"
 #include "fit/split_drops.h"
+#include "fit/thinned_record.h"
 #include "sim/actuator.h"
 #include "tools/fit/drops_file.h"
 #include "trial/read_recording.h"
@@ -108,6 +109,9 @@ constexpr DropStatement kDropStatements[]{
      &fit::ImpulseRecord::drop_height_m},
     {"rebound", "--rebound", &FitLraOptions::rebound, &StatedDrop::rebound,
      &fit::ImpulseRecord::rebound},
+    {"release_current_a", "--release-current", &FitLraOptions::release_current_a,
+     &StatedDrop::release_current_a, &fit::ImpulseRecord::release_current_a},
+    {"added_mass_kg", "", nullptr, &StatedDrop::added_mass_kg, &fit::ImpulseRecord::added_mass_kg},
     {"voltage_scale", "--voltage-scale", &FitLraOptions::voltage_scale, &StatedDrop::voltage_scale,
      &fit::ImpulseRecord::voltage_scale},
     {"time_scale", "--time-scale", &FitLraOptions::time_scale, &StatedDrop::time_scale,
@@ -167,6 +171,20 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   return *file;
 }
 
+// what is sampled more finely than a fit has use for, averaged
+fit::ImpulseRecord ThinnedOrWhole(const fit::ImpulseRecord& drop, const fit::RingStart& start,
+                                  std::vector<std::string>* remarks) {
+  auto thinned = fit::Thinned(drop, start.poles);
+  if (!thinned) return drop;
+  std::string remark = fmt::format("{}: {} samples, averaged over {} at a time", drop.name,
+                                   drop.voltage_v.size(), thinned->block);
+  if (thinned->clipped > 0) {
+    remark += fmt::format("; {} at the recorder's limits are left out", thinned->clipped);
+  }
+  remarks->push_back(std::move(remark));
+  return std::move(thinned->record);
+}
+
 // the drops of one file, what cannot be fitted of them left out
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
@@ -180,7 +198,7 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
     if (auto start = fit::FindRingStart(drop); !start) {
       input->left_out.push_back(start.error());
     } else {
-      files->push_back({drop, file.knowns, {}});
+      files->push_back({ThinnedOrWhole(drop, *start, &input->remarks), file.knowns, {}});
     }
   }
 }
@@ -286,6 +304,9 @@ Result<void> CheckFitLraOptions(const FitLraOptions& options) {
   }
   if (options.inductance_h && options.inductance_h->value < 0) {
     return Usage("--inductance", "must not be negative", "write it like 130uH");
+  }
+  if (!positive(options.release_current_a)) {
+    return Usage("--release-current", "must be positive", "write it like 50mA");
   }
   const auto nearly_one = [](const std::optional<Quantity>& scale) {
     return !scale || (scale->value > 0.5 && scale->value < 2);

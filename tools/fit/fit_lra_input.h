@@ -21,6 +21,7 @@ struct FitLraOptions {
   bool is_free = false;
   std::optional<Quantity> drop_height_m;
   std::optional<Quantity> rebound;
+  std::optional<Quantity> release_current_a;
   std::optional<Quantity> voltage_scale;
   std::optional<Quantity> time_scale;
   std::optional<Quantity> moving_mass_kg;

@@ -1,0 +1,174 @@
+// fit-lra on files of every kind of record, and on files that somebody got wrong.
+#include <fmt/core.h>
+#include <fmt/os.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "tests/fit/synthetic_drop.h"
+#include "tests/residual.h"
+#include "tests/tools/captured.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AnyOf;
+using ::testing::HasSubstr;
+using tests::SyntheticDrop;
+
+Outcome FitLra(const std::vector<std::string>& words) {
+  return Captured(RunFitLra, "fit-lra", words);
+}
+
+// how a file is written: the two columns as a person or an oscilloscope would name them
+struct Written {
+  std::string header = "time_s,voltage_v";
+  double time_factor = 1;
+  double value_factor = 1;
+  bool swapped = false;
+  std::string statements{};
+};
+
+class FitLraRecords : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+
+  [[nodiscard]] std::string Write(const std::string& name, const SyntheticDrop& drop,
+                                  const Written& as = {}) const {
+    const auto record = tests::MakeRecord(drop);
+    std::string text = as.statements + as.header + '\n';
+    for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+      const double time =
+          as.time_factor * (record.start_s + static_cast<double>(n) * record.step_s);
+      const double value = as.value_factor * record.voltage_v[n];
+      text += as.swapped ? fmt::format("{:.9g},{:.17g}\n", value, time)
+                         : fmt::format("{:.9g},{:.17g}\n", time, value);
+    }
+    return WriteText(name, text);
+  }
+  [[nodiscard]] std::string WriteText(const std::string& name, const std::string& text) const {
+    const std::string path = directory_ / name;
+    auto file = fmt::output_file(path);
+    file.print("{}", text);
+    return path;
+  }
+  // exit status 3, and one line that says what is wrong and what to do
+  static void ExpectRefused(const std::string& path, const std::string& what) {
+    const Outcome outcome = FitLra({path, "--moving-mass", "1.4g"});
+    EXPECT_EQ(outcome.status, 3) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr(what));
+    EXPECT_THAT(outcome.err, HasSubstr("; ")) << "no remedy";
+  }
+
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("fit_lra_records_test_" + std::to_string(::getpid()));
+};
+
+SyntheticDrop Noisy() {
+  SyntheticDrop drop;
+  drop.noise_v = 1e-3;
+  return drop;
+}
+
+TEST_F(FitLraRecords, AReleasedCurrentTellsKmFromOneOpenRecord) {
+  auto drop = Noisy();
+  drop.release_current_a = 0.05;
+  drop.noise_v = 1e-5;
+  const auto path = Write("release.csv", drop);
+  const std::vector<std::string> words{path, "--held", "--moving-mass", "1.4g", "--json"};
+  auto with = words;
+  with.insert(with.end(), {"--release-current", "50mA"});
+  const Outcome outcome = FitLra(with);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json km = json::parse(outcome.out).at("parameters").at("Km");
+  EXPECT_REL(km.at("value").get<double>(), 1.0, 1e-3, "noise of 4e-4");
+  EXPECT_FALSE(
+      json::parse(FitLra(words).out).at("parameters").at("Km").at("determined").get<bool>());
+}
+
+TEST_F(FitLraRecords, AnAddedMassWeighsTheMover) {
+  auto weighted = Noisy();
+  weighted.added_mass_kg = 0.5e-3;
+  weighted.seed = 7;
+  const Outcome outcome =
+      FitLra({Write("bare.csv", Noisy(), {.statements = "# case = held\n"}),
+              Write("weighted.csv", weighted,
+                    {.statements = "# case = held\n# added_mass_kg = 0.500(1)g\n"}),
+              "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json document = json::parse(outcome.out);
+  EXPECT_REL(document.at("moving_mass_kg").at("value").get<double>(), 1.4e-3, 1e-3, "noise");
+  EXPECT_REL(document.at("parameters").at("Kv").at("value").get<double>(), 2800.0, 1e-3, "noise");
+}
+
+TEST_F(FitLraRecords, ALasersRecordTellsSpringAndDamping) {
+  SyntheticDrop drop;
+  drop.condition = fit::CaseCondition::kFree;
+  drop.displacement_share = 0.7;
+  drop.step_s = 1e-4;
+  drop.noise_v = 1e-7;
+  drop.offset_v = 0.03;
+  const auto path =
+      Write("laser.csv", drop, {.header = "time_s,displacement_mm", .value_factor = 1e3});
+  const Outcome outcome = FitLra({path, "--free", "--moving-mass", "1.4g", "--case-mass", "0.6g"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("Kv          2800.0"));
+  EXPECT_THAT(outcome.out, HasSubstr("0.1 um RMS"));
+  EXPECT_THAT(outcome.out, HasSubstr("record the voltage"));
+}
+
+TEST_F(FitLraRecords, MillisecondsUnderSecondsAreDoubted) {
+  const auto path = Write("ms.csv", Noisy(), {.time_factor = 1e3});
+  EXPECT_THAT(FitLra({path, "--moving-mass", "1.4g"}).out, HasSubstr("are the times in ms"));
+}
+
+TEST_F(FitLraRecords, MillivoltsUnderVoltsAreDoubted) {
+  const auto path = Write("mv.csv", Noisy(), {.value_factor = 1e3});
+  EXPECT_THAT(FitLra({path, "--moving-mass", "1.4g"}).out, HasSubstr("is the column in mV"));
+}
+
+TEST_F(FitLraRecords, SwappedColumnsAreRefused) {
+  ExpectRefused(Write("swapped.csv", Noisy(), {.swapped = true}), "time");
+}
+
+TEST_F(FitLraRecords, WhatHoldsNoRingDownIsRefused) {
+  ExpectRefused(WriteText("two.csv", "time_s,voltage_v\n0,0.1\n1e-4,0.2\n"), "two.csv");
+  std::string constant = "time_s,voltage_v\n";
+  std::string noise = constant;
+  std::mt19937_64 engine(3);
+  std::normal_distribution<double> normal;
+  for (int n = 0; n < 2000; ++n) {
+    constant += fmt::format("{:.6f},0.25\n", n * 1e-4);
+    noise += fmt::format("{:.6f},{:.6f}\n", n * 1e-4, 0.01 * normal(engine));
+  }
+  ExpectRefused(WriteText("constant.csv", constant), "ring-down");
+  ExpectRefused(WriteText("noise.csv", noise), "noise");
+}
+
+TEST_F(FitLraRecords, NotANumberIsNoMeasurement) {
+  // every ninth value lost: the rest is fitted
+  const auto record = tests::MakeRecord(Noisy());
+  std::string text = "time_s,voltage_v\n";
+  for (std::size_t n = 0; n < record.voltage_v.size(); ++n) {
+    const double time = record.start_s + static_cast<double>(n) * record.step_s;
+    text += n % 9 == 4 ? fmt::format("{:.9g},nan\n", time)
+                       : fmt::format("{:.9g},{:.17g}\n", time, record.voltage_v[n]);
+  }
+  const Outcome outcome = FitLra({WriteText("nan.csv", text), "--moving-mass", "1.4g", "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json kv = json::parse(outcome.out).at("parameters").at("Kv");
+  EXPECT_LE(std::abs(kv.at("value").get<double>() - 2800),
+            3 * kv.at("combined_standard_uncertainty").get<double>());
+}
+
+}  // namespace
+}  // namespace haptometer::tools
