@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "fit/ringing_moments.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -28,22 +29,14 @@ sim::RingDown<T> Circuit(const RingDownSamples& record, double inductance_h, con
        .load_ohm = record.load_ohm});
 }
 
-// Km v0, not a number where a given speed meets an impossible Km^2
+// Km v0; the blow's direction is such that the first half period has `polarity`; not a number where
+// a given speed meets an impossible Km^2
 template <typename T>
 T SpeedVoltage(const RingDownSamples& record, const T* shared, const T* own) {
   using std::exp;
   using std::sqrt;
   if (record.speed_m_per_s == 0) return exp(own[Index(Own::kAmplitude)]);
   return record.speed_m_per_s * sqrt(shared[Index(Shared::kForceConstantSquared)]);
-}
-
-// the ringing and the offset; the blow's direction is such that the first half period has
-// `polarity`
-template <typename T>
-T Ringing(const RingDownSamples& record, const sim::RingDown<T>& circuit, const T& signed_voltage,
-          const T* own, double time_s) {
-  const T since_impact_s = (time_s - own[Index(Own::kImpact)]) / record.time_scale;
-  return own[Index(Own::kOffset)] - signed_voltage * circuit.VoltageRatio(since_impact_s);
 }
 
 // what one volt (or volt per second) of each disturbance adds at a time
@@ -53,6 +46,7 @@ struct Disturbances {
         hum_rad_per_s(2 * std::numbers::pi * record.hum_hz) {}
 
   [[nodiscard]] std::array<double, 3> At(double time_s) const {
+    if (hum_rad_per_s == 0) return {time_s - middle_s, 1, 0};
     return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
   }
   [[nodiscard]] double Sum(const double* own, double time_s) const {
@@ -65,23 +59,7 @@ struct Disturbances {
   double hum_rad_per_s;
 };
 
-// false, a rejected step, where a trial point is so far away that the voltage overflows
-bool WriteResiduals(const RingDownSamples& record, double inductance_h, const double* shared,
-                    const double* own, std::span<double> residuals) {
-  const auto circuit = Circuit(record, inductance_h, shared);
-  const double signed_voltage = record.polarity * SpeedVoltage(record, shared, own);
-  const Disturbances disturbances(record);
-  for (std::size_t n = 0; n < record.times_s.size(); ++n) {
-    const double time_s = record.times_s[n];
-    const double model_v =
-        Ringing(record, circuit, signed_voltage, own, time_s) + disturbances.Sum(own, time_s);
-    residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
-    if (!std::isfinite(residuals[n])) return false;
-  }
-  return true;
-}
-
-// the parameters behind which derivatives are automatic: all but the disturbances
+// the parameters behind which derivatives are automatic, up to the circuit's numbers
 constexpr std::size_t kRingingCount = Index(Own::kDrift);
 constexpr int kAutomatic = static_cast<int>(kSharedCount + kRingingCount);
 using Jet = ceres::Jet<double, kAutomatic>;
@@ -101,31 +79,91 @@ Jets MakeJets(const double* shared, const double* own) {
   return jets;
 }
 
-// one record's rows: `rows` begins at the record's first row, `columns` wide; its own parameters
-// begin at column `first`
-void WriteDerivatives(const RingDownSamples& record, double inductance_h, const double* shared,
-                      const double* own, std::size_t first, std::size_t columns, double* rows) {
-  const Jets jets = MakeJets(shared, own);
-  const auto circuit = Circuit(record, inductance_h, jets.shared.data());
-  const Jet signed_voltage =
-      record.polarity * SpeedVoltage(record, jets.shared.data(), jets.own.data());
+// A record's ringing at a point: offset - voltage (E + odd_rate O - e^(-p t)), and its derivatives.
+class Ringing {
+ public:
+  Ringing(const RingDownSamples& record, double inductance_h, const Jets& jets)
+      : circuit_(Circuit(record, inductance_h, jets.shared.data())),
+        voltage_(record.polarity * SpeedVoltage(record, jets.shared.data(), jets.own.data()) *
+                 circuit_.gain()),
+        impact_s_(jets.own[Index(Own::kImpact)].a),
+        offset_v_(jets.own[Index(Own::kOffset)].a),
+        time_scale_(record.time_scale),
+        moments_(circuit_.decay_per_s().a, circuit_.stiffness_per_s2().a,
+                 circuit_.electrical_rate_per_s().a, record.step_s / record.time_scale) {}
+
+  // to the next sample's time
+  void MoveTo(double time_s) {
+    moment_ = moments_.At((time_s - impact_s_) / time_scale_);
+    shape_ = moment_.even + circuit_.odd_rate_per_s().a * moment_.odd - moment_.electrical;
+  }
+  [[nodiscard]] double voltage() const { return offset_v_ - voltage_.a * shape_; }
+
+  // over the noise: the shared parameters' at `row`, the ringing's own from `row + first` on
+  void WriteDerivatives(double noise_v, std::size_t first, double* row) const {
+    const RingingSlopes slopes = moments_.SlopesAt(moment_);
+    const double odd_rate = circuit_.odd_rate_per_s().a;
+    const double by_time = slopes.even_by_time + odd_rate * slopes.odd_by_time +
+                           circuit_.electrical_rate_per_s().a * moment_.electrical;
+    const double scale = -voltage_.a / noise_v;
+    const double by_decay = scale * (slopes.even_by_decay + odd_rate * slopes.odd_by_decay);
+    const double by_stiffness =
+        scale * (slopes.even_by_stiffness + odd_rate * slopes.odd_by_stiffness);
+    const double by_odd_rate = scale * moment_.odd;
+    const double by_electrical = scale * moment_.since_s * moment_.electrical;
+    const double by_voltage = -shape_ / noise_v;
+    for (int k = 0; k < static_cast<int>(kSharedCount); ++k) {
+      row[k] = by_voltage * voltage_.v[k] + by_decay * circuit_.decay_per_s().v[k] +
+               by_stiffness * circuit_.stiffness_per_s2().v[k] +
+               by_odd_rate * circuit_.odd_rate_per_s().v[k] +
+               by_electrical * circuit_.electrical_rate_per_s().v[k];
+    }
+    row[first + Index(Own::kAmplitude)] =
+        by_voltage * voltage_.v[static_cast<int>(kSharedCount + Index(Own::kAmplitude))];
+    row[first + Index(Own::kImpact)] = -scale * by_time / time_scale_;
+    row[first + Index(Own::kOffset)] = 1 / noise_v;
+  }
+
+ private:
+  sim::RingDown<Jet> circuit_;
+  Jet voltage_;  // of the open terminals at the blow, divided by the load, signed
+  double impact_s_;
+  double offset_v_;
+  double time_scale_;
+  RingingMoments moments_;
+  RingingMoment moment_;
+  double shape_ = 0;
+};
+
+// Where one record's rows go.
+struct RecordRows {
+  std::span<double> residuals;
+  double* derivatives = nullptr;  // the first row's; null where none are asked for
+  std::size_t columns = 0;        // of a row
+  std::size_t first = 0;          // the record's own
+};
+
+// false, a rejected step, where a trial point is so far away that the voltage overflows
+bool WriteRows(const RingDownSamples& record, double inductance_h, const double* shared,
+               const double* own, const RecordRows& rows) {
+  Ringing ringing(record, inductance_h, MakeJets(shared, own));
   const Disturbances disturbances(record);
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
-    double* row = rows + n * columns;
-    std::fill_n(row, columns, 0.0);
-    const Jet voltage =
-        Ringing(record, circuit, signed_voltage, jets.own.data(), record.times_s[n]);
-    for (std::size_t k = 0; k < kSharedCount; ++k) {
-      row[k] = voltage.v[static_cast<int>(k)] / record.noise_v;
-    }
-    for (std::size_t k = 0; k < kRingingCount; ++k) {
-      row[first + k] = voltage.v[static_cast<int>(kSharedCount + k)] / record.noise_v;
-    }
-    const auto disturbance = disturbances.At(record.times_s[n]);
+    const double time_s = record.times_s[n];
+    ringing.MoveTo(time_s);
+    const double model_v = ringing.voltage() + disturbances.Sum(own, time_s);
+    rows.residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
+    if (!std::isfinite(rows.residuals[n])) return false;
+    if (rows.derivatives == nullptr) continue;
+    double* row = rows.derivatives + n * rows.columns;
+    std::fill_n(row, rows.columns, 0.0);
+    ringing.WriteDerivatives(record.noise_v, rows.first, row);
+    const auto disturbance = disturbances.At(time_s);
     for (std::size_t k = 0; k < disturbance.size(); ++k) {
-      row[first + kRingingCount + k] = disturbance[k] / record.noise_v;
+      row[rows.first + kRingingCount + k] = disturbance[k] / record.noise_v;
     }
   }
+  return true;
 }
 
 std::size_t RowCount(const std::vector<RingDownSamples>& records) {
@@ -164,14 +202,10 @@ LeastSquares RingDownProblem::Whole() const {
     for (std::size_t r = 0; r < records_.size(); ++r) {
       const std::size_t rows = records_[r].times_s.size();
       const std::size_t first = Column(r, Own::kAmplitude);
-      const double* own = point.data() + first;
-      if (!WriteResiduals(records_[r], inductance_h_, point.data(), own,
-                          residuals.subspan(row, rows))) {
+      RecordRows out{.residuals = residuals.subspan(row, rows), .columns = columns, .first = first};
+      if (!jacobian.empty()) out.derivatives = jacobian.data() + row * columns;
+      if (!WriteRows(records_[r], inductance_h_, point.data(), point.data() + first, out)) {
         return false;
-      }
-      if (!jacobian.empty()) {
-        WriteDerivatives(records_[r], inductance_h_, point.data(), own, first, columns,
-                         jacobian.data() + row * columns);
       }
       row += rows;
     }
@@ -209,7 +243,8 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
       records_[record].polarity * SpeedVoltage(records_[record], point.shared.data(), own);
   std::vector<double> voltages(times_s.size());
   for (std::size_t n = 0; n < times_s.size(); ++n) {
-    voltages[n] = Ringing(records_[record], circuit, signed_voltage, own, times_s[n]) +
+    const double since_s = (times_s[n] - own[Index(Own::kImpact)]) / records_[record].time_scale;
+    voltages[n] = own[Index(Own::kOffset)] - signed_voltage * circuit.VoltageRatio(since_s) +
                   disturbances.Sum(own, times_s[n]);
   }
   return voltages;

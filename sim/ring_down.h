@@ -108,6 +108,11 @@ class RingDown {
   const T& decay_per_s() const { return decay_per_s_; }
   /// q of s^2 + 2 d s + q, in 1/s^2; its root is the ringing system's natural angular frequency.
   const T& stiffness_per_s2() const { return stiffness_per_s2_; }
+  // the parts of the voltage, for who takes many of them: gain (E + odd rate O - e^(-p t))
+  const T& gain() const { return gain_; }                      ///< -RL G y / n
+  const T& odd_rate_per_s() const { return odd_rate_per_s_; }  ///< T q / y - d
+  /// p; 0 without inductance or load.
+  const T& electrical_rate_per_s() const { return electrical_rate_per_s_; }
 
  private:
   T decay_per_s_;
