@@ -123,10 +123,11 @@ class Block : public ceres::CostFunction {
 
 ceres::Solver::Options SolverOptions() {
   constexpr double kRounding = 1e-15;
+  constexpr double kFlat = 1e-14;  // of the cost: below, rounding decides about steps
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 1000;
-  options.function_tolerance = kRounding;
+  options.function_tolerance = kFlat;
   options.parameter_tolerance = kRounding;
   options.gradient_tolerance = kRounding;
   options.max_num_consecutive_invalid_steps = 20;
@@ -156,11 +157,12 @@ NewtonStep StepFrom(const Eigen::MatrixXd& triangle) {
 // residuals are large the way is slow.
 void Polish(FreeProblem& problem) {
   constexpr int kMostSteps = 50;
-  constexpr double kFlat = 1e-9;  // what the cost may rise by and still be flat
+  constexpr double kFlat = 1e-9;       // what the cost may rise by and still be flat
+  constexpr double kNoChange = 1e-13;  // of the residuals, by the last step
   double previous = std::numeric_limits<double>::infinity();
   Eigen::VectorXd best = problem.free_point();
   Eigen::VectorXd tried = best;
-  const double most = problem.Length() * std::sqrt(1 + kFlat);
+  const double length = problem.Length();
   Eigen::MatrixXd triangle;
   for (int k = 0; k < kMostSteps && problem.Triangle(&triangle); ++k) {
     const NewtonStep step = StepFrom(triangle);
@@ -169,7 +171,10 @@ void Polish(FreeProblem& problem) {
     previous = step.length;
     tried += step.change;
     problem.MoveTo(tried);
-    if (!(problem.Length() <= most)) break;
+    if (!(problem.Length() <= length * std::sqrt(1 + kFlat))) break;
+    if (step.length > kNoChange * length) continue;
+    best = tried;
+    break;
   }
   problem.MoveTo(best);
 }
