@@ -18,17 +18,6 @@ constexpr std::size_t kMostPencilSamples = 240;
 constexpr double kSamplesPerPeriod = 8;
 constexpr double kFallbackQuality = 30;
 
-// |spectrum|^2 of the record, zero-padded to at least twice its length
-std::vector<double> PowerSpectrum(const std::vector<double>& values, std::size_t* length) {
-  *length = std::bit_ceil(2 * values.size());
-  std::vector<double> padded(values);
-  padded.resize(*length);
-  const std::vector<std::complex<double>> bins = dsp::RealSpectrum(padded);
-  std::vector<double> power(bins.size());
-  for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
-  return power;
-}
-
 // means of consecutive blocks, the first kMostPencilSamples of them
 Eigen::VectorXd BlockMeans(const std::vector<double>& values, std::size_t block) {
   const std::size_t count = std::min(values.size() / block, kMostPencilSamples);
@@ -101,14 +90,18 @@ bool Strayed(const PolePair& poles, double frequency_hz) {
 
 std::optional<double> StrongestFrequency(const std::vector<double>& values, double step_s) {
   if (values.size() < kLeastSamples) return std::nullopt;
-  std::size_t length = 0;
-  const auto power = PowerSpectrum(values, &length);
+  // zero-padded to at least twice its length
+  const std::size_t length = std::bit_ceil(2 * values.size());
+  std::vector<double> padded(length);
+  std::ranges::copy(values, padded.begin());
+  const std::vector<std::complex<double>> lines = dsp::RealSpectrum(padded);
   // two periods a record are two record lengths' worth of padded lines
   const std::size_t lowest = 2 * length / values.size();
-  const auto peak =
-      std::max_element(power.begin() + static_cast<std::ptrdiff_t>(lowest), power.end());
-  if (!(*peak > 0)) return std::nullopt;
-  return static_cast<double>(peak - power.begin()) / (static_cast<double>(length) * step_s);
+  const auto power = [](const std::complex<double>& line) { return std::norm(line); };
+  const auto peak = std::ranges::max_element(lines.begin() + static_cast<std::ptrdiff_t>(lowest),
+                                             lines.end(), {}, power);
+  if (!(power(*peak) > 0)) return std::nullopt;
+  return static_cast<double>(peak - lines.begin()) / (static_cast<double>(length) * step_s);
 }
 
 std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double step_s) {

@@ -88,30 +88,30 @@ class Ringing {
                  circuit_.gain()),
         impact_s_(jets.own[Index(Own::kImpact)].a),
         offset_v_(jets.own[Index(Own::kOffset)].a),
-        time_scale_(record.time_scale),
+        per_time_scale_(1 / record.time_scale),
         moments_(circuit_.decay_per_s().a, circuit_.stiffness_per_s2().a,
                  circuit_.electrical_rate_per_s().a, record.step_s / record.time_scale) {}
 
   // to the next sample's time
   void MoveTo(double time_s) {
-    moment_ = moments_.At((time_s - impact_s_) / time_scale_);
+    moment_ = moments_.At((time_s - impact_s_) * per_time_scale_);
     shape_ = moment_.even + circuit_.odd_rate_per_s().a * moment_.odd - moment_.electrical;
   }
   [[nodiscard]] double voltage() const { return offset_v_ - voltage_.a * shape_; }
 
-  // over the noise: the shared parameters' at `row`, the ringing's own from `row + first` on
-  void WriteDerivatives(double noise_v, std::size_t first, double* row) const {
+  // times `weight`: the shared parameters' at `row`, the ringing's own from `row + first` on
+  void WriteDerivatives(double weight, std::size_t first, double* row) const {
     const RingingSlopes slopes = moments_.SlopesAt(moment_);
     const double odd_rate = circuit_.odd_rate_per_s().a;
     const double by_time = slopes.even_by_time + odd_rate * slopes.odd_by_time +
                            circuit_.electrical_rate_per_s().a * moment_.electrical;
-    const double scale = -voltage_.a / noise_v;
+    const double scale = -voltage_.a * weight;
     const double by_decay = scale * (slopes.even_by_decay + odd_rate * slopes.odd_by_decay);
     const double by_stiffness =
         scale * (slopes.even_by_stiffness + odd_rate * slopes.odd_by_stiffness);
     const double by_odd_rate = scale * moment_.odd;
     const double by_electrical = scale * moment_.since_s * moment_.electrical;
-    const double by_voltage = -shape_ / noise_v;
+    const double by_voltage = -shape_ * weight;
     for (int k = 0; k < static_cast<int>(kSharedCount); ++k) {
       row[k] = by_voltage * voltage_.v[k] + by_decay * circuit_.decay_per_s().v[k] +
                by_stiffness * circuit_.stiffness_per_s2().v[k] +
@@ -120,8 +120,8 @@ class Ringing {
     }
     row[first + Index(Own::kAmplitude)] =
         by_voltage * voltage_.v[static_cast<int>(kSharedCount + Index(Own::kAmplitude))];
-    row[first + Index(Own::kImpact)] = -scale * by_time / time_scale_;
-    row[first + Index(Own::kOffset)] = 1 / noise_v;
+    row[first + Index(Own::kImpact)] = -scale * by_time * per_time_scale_;
+    row[first + Index(Own::kOffset)] = weight;
   }
 
  private:
@@ -129,7 +129,7 @@ class Ringing {
   Jet voltage_;  // of the open terminals at the blow, divided by the load, signed
   double impact_s_;
   double offset_v_;
-  double time_scale_;
+  double per_time_scale_;
   RingingMoments moments_;
   RingingMoment moment_;
   double shape_ = 0;
@@ -148,19 +148,20 @@ bool WriteRows(const RingDownSamples& record, double inductance_h, const double*
                const double* own, const RecordRows& rows) {
   Ringing ringing(record, inductance_h, MakeJets(shared, own));
   const Disturbances disturbances(record);
+  const double weight = 1 / record.noise_v;
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
     const double time_s = record.times_s[n];
     ringing.MoveTo(time_s);
     const double model_v = ringing.voltage() + disturbances.Sum(own, time_s);
-    rows.residuals[n] = (model_v - record.voltages_v[n]) / record.noise_v;
+    rows.residuals[n] = (model_v - record.voltages_v[n]) * weight;
     if (!std::isfinite(rows.residuals[n])) return false;
     if (rows.derivatives == nullptr) continue;
     double* row = rows.derivatives + n * rows.columns;
     std::fill_n(row, rows.columns, 0.0);
-    ringing.WriteDerivatives(record.noise_v, rows.first, row);
+    ringing.WriteDerivatives(weight, rows.first, row);
     const auto disturbance = disturbances.At(time_s);
     for (std::size_t k = 0; k < disturbance.size(); ++k) {
-      row[rows.first + kRingingCount + k] = disturbance[k] / record.noise_v;
+      row[rows.first + kRingingCount + k] = disturbance[k] * weight;
     }
   }
   return true;

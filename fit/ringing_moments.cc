@@ -7,9 +7,7 @@
 namespace haptometer::fit {
 namespace {
 
-constexpr double kOffGrid = 1e-6;       // of a step: more than rounding
-constexpr double kMostExponents = 700;  // e^-700 is no part of any voltage
-constexpr double kSeries = 1;           // |(d^2 - q) t^2| below which O's slope cancels
+constexpr double kSeries = 1;  // |(d^2 - q) t^2| below which O's slope cancels
 
 RingingMoment Computed(double decay_per_s, double stiffness_per_s2, double since_s) {
   const auto pair = sim::DampedFundamentals(decay_per_s, stiffness_per_s2, since_s);
@@ -35,30 +33,16 @@ RingingMoments::RingingMoments(double decay_per_s, double stiffness_per_s2,
       discriminant_per_s2_(decay_per_s * decay_per_s - stiffness_per_s2),
       stiffness_per_s2_(stiffness_per_s2),
       electrical_rate_per_s_(electrical_rate_per_s),
-      step_s_(step_s) {
+      steps_per_s_(step_s > 0 ? 1 / step_s : 0) {
   if (!(step_s > 0)) return;
   for (std::size_t k = 0; k < kSteps; ++k) {
     table_[k] = Computed(decay_per_s, stiffness_per_s2, static_cast<double>(k) * step_s);
   }
 }
 
-RingingMoment RingingMoments::At(double since_s) {
-  const double steps = (since_s - first_.since_s) / step_s_;
-  RingingMoment moment;
-  if (steps >= 0 && steps < static_cast<double>(kSteps) - 0.5 &&
-      std::abs(steps - std::floor(steps + 0.5)) < kOffGrid) {
-    const RingingMoment& further = table_[static_cast<std::size_t>(steps + 0.5)];
-    moment.since_s = since_s;
-    moment.even = first_.even * further.even + discriminant_per_s2_ * first_.odd * further.odd;
-    moment.odd = first_.odd * further.even + first_.even * further.odd;
-  } else {
-    moment = first_ = Computed(decay_per_s_, stiffness_per_s2_, since_s);
-  }
-  const double exponents = electrical_rate_per_s_ * since_s;
-  if (electrical_rate_per_s_ > 0 && since_s >= 0 && exponents < kMostExponents) {
-    moment.electrical = std::exp(-exponents);
-  }
-  return moment;
+RingingMoment RingingMoments::Begin(double since_s) {
+  first_ = Computed(decay_per_s_, stiffness_per_s2_, since_s);
+  return first_;
 }
 
 RingingSlopes RingingMoments::SlopesAt(const RingingMoment& moment) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 
@@ -43,18 +44,41 @@ class RingingMoments {
                  double step_s);
 
   /// At the next sample: times must rise to be cheap.
-  RingingMoment At(double since_s);
+  RingingMoment At(double since_s) {
+    RingingMoment moment = Moved(since_s);
+    const double exponents = electrical_rate_per_s_ * since_s;
+    if (electrical_rate_per_s_ > 0 && since_s >= 0 && exponents < kMostExponents) {
+      moment.electrical = std::exp(-exponents);
+    }
+    return moment;
+  }
 
   [[nodiscard]] RingingSlopes SlopesAt(const RingingMoment& moment) const;
 
  private:
   static constexpr std::size_t kSteps = 64;
+  static constexpr double kOffGrid = 1e-6;       // of a step: more than rounding
+  static constexpr double kMostExponents = 700;  // e^-700 is no part of any voltage
+
+  RingingMoment Moved(double since_s) {
+    const double steps = (since_s - first_.since_s) * steps_per_s_;
+    const bool is_near = steps > -0.5 && steps < static_cast<double>(kSteps) - 0.5;
+    const std::size_t step = is_near ? static_cast<std::size_t>(steps + 0.5) : 0;
+    if (!is_near || steps_per_s_ == 0 || std::abs(steps - static_cast<double>(step)) > kOffGrid) {
+      return Begin(since_s);
+    }
+    const RingingMoment& further = table_[step];
+    return {.since_s = since_s,
+            .even = first_.even * further.even + discriminant_per_s2_ * first_.odd * further.odd,
+            .odd = first_.odd * further.even + first_.even * further.odd};
+  }
+  RingingMoment Begin(double since_s);  // a stretch
 
   double decay_per_s_;
   double discriminant_per_s2_;  // d^2 - q
   double stiffness_per_s2_;
   double electrical_rate_per_s_;
-  double step_s_;
+  double steps_per_s_;  // 0: no grid is known
   std::array<RingingMoment, kSteps> table_{};
   RingingMoment first_{.since_s = std::numeric_limits<double>::infinity()};  // of the stretch
 };
