@@ -87,7 +87,8 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   }
   if (fit.force_constant.determined || fit.force_constant.at_most) return;
   const auto& samples = road.problem.records();
-  const auto voltage = std::ranges::find(samples, Ringing::kBlowVoltage, &RingDownSamples::ringing);
+  const auto voltage =
+      std::ranges::find(samples, RingingSignal::kBlowVoltage, &RingDownSamples::signal);
   if (voltage == samples.end()) {
     fit.undetermined.emplace_back(
         "Km: a displacement shows none; record the voltage, with and without a load");
@@ -135,7 +136,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.found = part.found;
   fitted.density = road.densities[r];
 
-  fitted.speed_determined = samples.ringing == Ringing::kBlowVoltage &&
+  fitted.speed_determined = samples.signal == RingingSignal::kBlowVoltage &&
                             (samples.speed_m_per_s > 0 || force_constant.determined);
   if (fitted.speed_determined) {
     fitted.impact_speed_m_per_s =

@@ -181,7 +181,7 @@ PoleSummary Summarise(const DropTestModel& model, const RingDownProblem& problem
     summary.dampings.push_back(2 * start.poles.decay_per_s * ratio);
     summary.stiffness_over_mass +=
         start.poles.stiffness_per_s2 * ratio / static_cast<double>(model.records.size());
-    if (record.ringing == Ringing::kReleaseVoltage) {
+    if (record.signal == RingingSignal::kReleaseVoltage) {
       // Km^2 I0/M, the slope at the release
       sum += std::sqrt(std::abs(start.release_slope_v_per_s) * RingingMass(record, mass) /
                        (record.release_current_a * Divider(record, point)));
@@ -212,9 +212,9 @@ Result<void> CheckKind(const ImpulseRecord& record) {
   return {};
 }
 
-Ringing RingingOf(const ImpulseRecord& record) {
-  if (record.signal == RecordedSignal::kDisplacement) return Ringing::kBlowDisplacement;
-  return record.release_current_a ? Ringing::kReleaseVoltage : Ringing::kBlowVoltage;
+RingingSignal SignalOf(const ImpulseRecord& record) {
+  if (record.signal == RecordedSignal::kDisplacement) return RingingSignal::kBlowDisplacement;
+  return record.release_current_a ? RingingSignal::kReleaseVoltage : RingingSignal::kBlowVoltage;
 }
 
 // M from 1/w^2 = (M + dM)/Kv, a line through the records with the least and the most added mass
@@ -272,8 +272,8 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
       samples[r].voltages_v.push_back(record.voltage_v[n]);
     }
     samples[r].step_s = record.step_s;
-    samples[r].ringing = RingingOf(record);
-    const bool begins_at_zero = samples[r].ringing != Ringing::kBlowVoltage;
+    samples[r].signal = SignalOf(record);
+    const bool begins_at_zero = samples[r].signal != RingingSignal::kBlowVoltage;
     samples[r].polarity =
         (begins_at_zero ? start.release_slope_v_per_s : start.impact_voltage_v) < 0 ? -1 : 1;
     samples[r].noise_v = std::max(start.residual_rms_v, 1e-12 * std::abs(start.impact_voltage_v));
@@ -369,10 +369,10 @@ RingDownPoint StartPoint(const DropTestModel& model, bool use_heights, RingDownP
     const RingStart& start = model.records[r].start;
     const RingDownSamples& record = problem->records()[r];
     own[Index(Own::kOffset)] = start.offset_v;
-    const bool begins_at_zero = record.ringing != Ringing::kBlowVoltage;
+    const bool begins_at_zero = record.signal != RingingSignal::kBlowVoltage;
     own[Index(Own::kImpact)] = begins_at_zero ? start.release_s : start.impact_s;
     own[Index(Own::kAmplitude)] =
-        std::log(record.ringing == Ringing::kBlowDisplacement
+        std::log(record.signal == RingingSignal::kBlowDisplacement
                      ? std::abs(start.release_slope_v_per_s)
                      : std::abs(start.impact_voltage_v) / Divider(record, point));
   }
@@ -389,7 +389,7 @@ std::vector<bool> UnknownColumns(const DropTestModel& model, const RingDownProbl
     unknown[Column(r, Own::kHumCosine)] = record.hum_hz > 0;
     unknown[Column(r, Own::kHumSine)] = record.hum_hz > 0;
     unknown[Column(r, Own::kAmplitude)] =
-        record.speed_m_per_s == 0 && record.ringing != Ringing::kReleaseVoltage;
+        record.speed_m_per_s == 0 && record.signal != RingingSignal::kReleaseVoltage;
   }
   return unknown;
 }

@@ -18,8 +18,7 @@ inline constexpr double kHuberBend = 1.345;
 
 /// sqrt(min(1, c/|t|)) of each: the factors by which least squares of the weighted residuals have
 /// Huber's minimum for theirs.
-[[nodiscard]] std::vector<double> HuberRootWeights(std::span<const double> residuals,
-                                                   double scale);
+[[nodiscard]] std::vector<double> HuberRootWeights(std::span<const double> residuals, double scale);
 
 /// The factor on the inverse of J'WJ, W being the weights and J and t in units of the scale, that
 /// makes it the estimate's covariance: mean(w) sum(psi^2)/(n - p) / mean(psi')^2, psi = w t

@@ -1,7 +1,6 @@
 #include "fit/least_squares.h"
 
 #include <ceres/cost_function.h>
-#include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
@@ -9,39 +8,126 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/check.h"
 
 namespace haptometer::fit {
 namespace {
 
-// the whole problem as one block of residuals over one block of parameters
-class Block : public ceres::CostFunction {
+using Position = Eigen::Index;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+std::vector<Position> FreeColumns(const std::vector<bool>& is_free) {
+  std::vector<Position> columns;
+  for (std::size_t k = 0; k < is_free.size(); ++k) {
+    if (is_free[k]) columns.push_back(static_cast<Position>(k));
+  }
+  return columns;
+}
+
+// The problem over its free parameters, in memory that is kept from one evaluation to the next.
+class FreeProblem {
  public:
-  explicit Block(const LeastSquares& problem) : problem_(problem) {
-    set_num_residuals(static_cast<int>(problem.residuals));
-    mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.parameters));
+  FreeProblem(const LeastSquares& problem, const std::vector<bool>& is_free,
+              std::vector<double> point)
+      : problem_(problem),
+        columns_(FreeColumns(is_free)),
+        point_(std::move(point)),
+        residuals_(problem.residuals) {}
+
+  [[nodiscard]] Position count() const { return std::ssize(columns_); }
+  [[nodiscard]] const std::vector<double>& point() const { return point_; }
+  [[nodiscard]] Eigen::VectorXd free_point() const {
+    return Eigen::Map<const Eigen::VectorXd>(point_.data(), std::ssize(point_))(columns_);
+  }
+  void MoveTo(const Eigen::Ref<const Eigen::VectorXd>& free_point) {
+    Eigen::Map<Eigen::VectorXd>(point_.data(), std::ssize(point_))(columns_) = free_point;
   }
 
-  bool Evaluate(double const* const* points, double* residuals, double** jacobians) const override {
-    std::span<double> jacobian;
-    if (jacobians != nullptr && jacobians[0] != nullptr) {
-      jacobian = {jacobians[0], problem_.residuals * problem_.parameters};
+  // |r|; infinite where the problem is not defined
+  double Length() {
+    if (!problem_.evaluate(point_, residuals_, {})) return kInfinite;
+    return Residuals().norm();
+  }
+
+  // Upper triangle T with T'T = [J r]'[J r], J over the free columns: the same least-squares
+  // problem in as many rows as it has columns. Rows are taken in by Householder reflections, a
+  // stretch at a time that stays in the cache.
+  bool Triangle(Eigen::MatrixXd* triangle) {
+    jacobian_.resize(problem_.residuals * problem_.parameters);
+    if (!problem_.evaluate(point_, residuals_, jacobian_)) return false;
+    const Position size = count() + 1;
+    const Position rows = Residuals().size();
+    const Eigen::Map<const RowMajor> whole(jacobian_.data(), rows, std::ssize(point_));
+    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(size + kStretch, size);
+    Position kept = 0;
+    for (Position row = 0; row < rows; row += kStretch) {
+      const Position taken = std::min(kStretch, rows - row);
+      for (Position k = 0; k < count(); ++k) {
+        work.col(k).segment(kept, taken) =
+            whole.col(columns_[static_cast<std::size_t>(k)]).segment(row, taken);
+      }
+      work.col(count()).segment(kept, taken) = Residuals().segment(row, taken);
+      Eigen::Ref<Eigen::MatrixXd> filled = work.topRows(kept + taken);
+      const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(filled);
+      work.triangularView<Eigen::StrictlyLower>().setZero();
+      kept = std::min(size, kept + taken);
     }
-    return problem_.evaluate({points[0], problem_.parameters}, {residuals, problem_.residuals},
-                             jacobian);
+    *triangle = work.topRows(size);
+    return true;
   }
 
  private:
+  static constexpr Position kStretch = 128;
+  static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] Eigen::Map<const Eigen::VectorXd> Residuals() const {
+    return {residuals_.data(), std::ssize(residuals_)};
+  }
+
   const LeastSquares& problem_;
+  std::vector<Position> columns_;
+  std::vector<double> point_;
+  std::vector<double> residuals_;
+  std::vector<double> jacobian_;
+};
+
+// the problem's triangle as one block of residuals over one block of parameters
+class Block : public ceres::CostFunction {
+ public:
+  explicit Block(FreeProblem& problem) : problem_(problem) {
+    set_num_residuals(static_cast<int>(problem.count() + 1));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(problem.count()));
+  }
+
+  bool Evaluate(double const* const* points, double* residuals, double** jacobians) const override {
+    const Position size = problem_.count() + 1;
+    problem_.MoveTo(Eigen::Map<const Eigen::VectorXd>(points[0], problem_.count()));
+    Eigen::Map<Eigen::VectorXd> out(residuals, size);
+    if (jacobians == nullptr || jacobians[0] == nullptr) {
+      out.setZero();
+      out[size - 1] = problem_.Length();
+      return std::isfinite(out[size - 1]);
+    }
+    Eigen::MatrixXd triangle;
+    if (!problem_.Triangle(&triangle)) return false;
+    out = triangle.col(size - 1);
+    Eigen::Map<RowMajor>(jacobians[0], size, size - 1) = triangle.leftCols(size - 1);
+    return true;
+  }
+
+ private:
+  FreeProblem& problem_;
 };
 
 ceres::Solver::Options SolverOptions() {
   constexpr double kRounding = 1e-15;
+  constexpr double kFlat = 1e-14;  // of the cost: below, rounding decides about steps
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 1000;
-  options.function_tolerance = kRounding;
+  options.function_tolerance = kFlat;
   options.parameter_tolerance = kRounding;
   options.gradient_tolerance = kRounding;
   options.max_num_consecutive_invalid_steps = 20;
@@ -49,62 +135,48 @@ ceres::Solver::Options SolverOptions() {
   return options;
 }
 
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-// the full Gauss-Newton step over the free parameters, in units of their columns' lengths
+// the full Gauss-Newton step
 struct NewtonStep {
-  std::vector<double> change;  // per parameter
-  double length = 0;           // of the change of the residuals
+  Eigen::VectorXd change;
+  double length = 0;  // of the change of the residuals
 };
 
-NewtonStep StepFrom(const LeastSquares& problem, const std::vector<bool>& is_free,
-                    const std::vector<double>& point) {
-  const Jacobian at = Linearise(problem, point);
-  std::vector<Eigen::Index> columns;
-  for (std::size_t k = 0; k < is_free.size(); ++k) {
-    if (is_free[k]) columns.push_back(static_cast<Eigen::Index>(k));
-  }
-  const Eigen::Map<const RowMajor> whole(at.values.data(), static_cast<Eigen::Index>(at.rows),
-                                         static_cast<Eigen::Index>(at.columns));
-  Eigen::MatrixXd scaled = whole(Eigen::all, columns);
+// in units of the columns' lengths
+NewtonStep StepFrom(const Eigen::MatrixXd& triangle) {
+  const Position count = triangle.cols() - 1;
+  Eigen::MatrixXd scaled = triangle.leftCols(count);
   Eigen::VectorXd lengths = scaled.colwise().norm();
   lengths = (lengths.array() > 0).select(lengths, 1.0);
   scaled *= lengths.cwiseInverse().asDiagonal();
-  const Eigen::Map<const Eigen::VectorXd> residuals(at.residuals.data(), scaled.rows());
-  const Eigen::VectorXd step = -scaled.colPivHouseholderQr().solve(residuals);
-  NewtonStep newton{std::vector<double>(point.size(), 0.0), (scaled * step).norm()};
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    const auto position = static_cast<Eigen::Index>(k);
-    newton.change[static_cast<std::size_t>(columns[k])] = step[position] / lengths[position];
-  }
-  return newton;
+  const Eigen::VectorXd step = -scaled.colPivHouseholderQr().solve(triangle.col(count));
+  return {step.cwiseQuotient(lengths), (scaled * step).norm()};
 }
 
 // A cost that no longer changes leaves the point uncertain to the root of rounding; steps that
 // solve J'r = 0 reach rounding itself. Taken while each is shorter than the one before: where
 // residuals are large the way is slow.
-void Polish(const LeastSquares& problem, const std::vector<bool>& is_free,
-            std::vector<double>* point) {
+void Polish(FreeProblem& problem) {
   constexpr int kMostSteps = 50;
-  constexpr double kFlat = 1e-9;  // what the cost may rise by and still be flat
+  constexpr double kFlat = 1e-9;       // what the cost may rise by and still be flat
+  constexpr double kNoChange = 1e-13;  // of the residuals, by the last step
   double previous = std::numeric_limits<double>::infinity();
-  std::vector<double> best = *point;
-  std::vector<double> residuals(problem.residuals);
-  const auto cost_at = [&](const std::vector<double>& at) {
-    if (!problem.evaluate(at, residuals, {})) return std::numeric_limits<double>::infinity();
-    return Eigen::Map<const Eigen::VectorXd>(residuals.data(),
-                                             static_cast<Eigen::Index>(residuals.size()))
-        .squaredNorm();
-  };
-  const double most = cost_at(best) * (1 + kFlat);
-  for (int k = 0; k < kMostSteps; ++k) {
-    const NewtonStep step = StepFrom(problem, is_free, best);
+  Eigen::VectorXd best = problem.free_point();
+  Eigen::VectorXd tried = best;
+  const double length = problem.Length();
+  Eigen::MatrixXd triangle;
+  for (int k = 0; k < kMostSteps && problem.Triangle(&triangle); ++k) {
+    const NewtonStep step = StepFrom(triangle);
     if (!(step.length < 0.9 * previous) || step.length == 0) break;
-    *point = best;
+    best = tried;
     previous = step.length;
-    std::ranges::transform(best, step.change, best.begin(), std::plus<>());
-    if (!(cost_at(best) <= most)) break;
+    tried += step.change;
+    problem.MoveTo(tried);
+    if (!(problem.Length() <= length * std::sqrt(1 + kFlat))) break;
+    if (step.length > kNoChange * length) continue;
+    best = tried;
+    break;
   }
+  problem.MoveTo(best);
 }
 
 }  // namespace
@@ -114,21 +186,17 @@ SolverReport Minimise(const LeastSquares& problem, const std::vector<bool>& is_f
   HAPTOMETER_CHECK(point->size() == problem.parameters && is_free.size() == problem.parameters,
                    "{} parameters, {} values, {} flags", problem.parameters, point->size(),
                    is_free.size());
-  std::vector<int> held;
-  for (std::size_t k = 0; k < is_free.size(); ++k) {
-    if (!is_free[k]) held.push_back(static_cast<int>(k));
-  }
-  if (held.size() == is_free.size()) return {true, "nothing is free", 0};
+  FreeProblem free_problem(problem, is_free, *point);
+  if (free_problem.count() == 0) return {true, "nothing is free", 0};
 
+  Eigen::VectorXd free_point = free_problem.free_point();
   ceres::Problem whole;
-  whole.AddResidualBlock(new Block(problem), nullptr, point->data());
-  if (!held.empty()) {
-    whole.SetManifold(point->data(),
-                      new ceres::SubsetManifold(static_cast<int>(is_free.size()), held));
-  }
+  whole.AddResidualBlock(new Block(free_problem), nullptr, free_point.data());
   ceres::Solver::Summary summary;
   ceres::Solve(SolverOptions(), &whole, &summary);
-  if (summary.termination_type == ceres::CONVERGENCE) Polish(problem, is_free, point);
+  free_problem.MoveTo(free_point);
+  if (summary.termination_type == ceres::CONVERGENCE) Polish(free_problem);
+  *point = free_problem.point();
   return {.converged = summary.termination_type == ceres::CONVERGENCE,
           .termination = summary.message,
           .iterations = static_cast<int>(summary.iterations.size())};

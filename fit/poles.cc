@@ -18,17 +18,6 @@ constexpr std::size_t kMostPencilSamples = 240;
 constexpr double kSamplesPerPeriod = 8;
 constexpr double kFallbackQuality = 30;
 
-// |spectrum|^2 of the record, zero-padded to at least twice its length
-std::vector<double> PowerSpectrum(const std::vector<double>& values, std::size_t* length) {
-  *length = std::bit_ceil(2 * values.size());
-  std::vector<double> padded(values);
-  padded.resize(*length);
-  const std::vector<std::complex<double>> bins = dsp::RealSpectrum(padded);
-  std::vector<double> power(bins.size());
-  for (std::size_t k = 0; k < bins.size(); ++k) power[k] = std::norm(bins[k]);
-  return power;
-}
-
 // means of consecutive blocks, the first kMostPencilSamples of them
 Eigen::VectorXd BlockMeans(const std::vector<double>& values, std::size_t block) {
   const std::size_t count = std::min(values.size() / block, kMostPencilSamples);
@@ -41,6 +30,28 @@ Eigen::VectorXd BlockMeans(const std::vector<double>& values, std::size_t block)
   return means;
 }
 
+// The two leading right singular vectors, by iterating a subspace of six; by the whole
+// decomposition where noise is nearly as large as the signal, so that this takes long.
+Eigen::MatrixX2d LeadingVectors(const Eigen::MatrixXd& matrix) {
+  constexpr Eigen::Index kWidth = 6;
+  constexpr int kMostRounds = 12;
+  constexpr double kSettled = 1e-12;
+  Eigen::MatrixXd basis = matrix.topRows(kWidth).transpose();
+  Eigen::MatrixX2d before = Eigen::MatrixX2d::Zero(matrix.cols(), 2);
+  for (int round = 0; matrix.cols() > kWidth && round < kMostRounds; ++round) {
+    basis = Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() *
+            Eigen::MatrixXd::Identity(matrix.cols(), kWidth);
+    const Eigen::MatrixXd image = matrix * basis;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(image, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::MatrixX2d leading = basis * svd.matrixV().leftCols(2);
+    if ((leading - before * (before.transpose() * leading)).norm() < kSettled) return leading;
+    before = leading;
+    basis = matrix.transpose() * image;
+  }
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinV);
+  return svd.matrixV().leftCols(2);
+}
+
 // the 2 x 2 matrix whose eigenvalues advance the two poles by one sample
 Eigen::Matrix2d Advance(const Eigen::VectorXd& samples) {
   const Eigen::Index pencil = samples.size() / 3;
@@ -48,8 +59,7 @@ Eigen::Matrix2d Advance(const Eigen::VectorXd& samples) {
   for (Eigen::Index column = 0; column <= pencil; ++column) {
     hankel.col(column) = samples.segment(column, hankel.rows());
   }
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(hankel, Eigen::ComputeThinV);
-  const Eigen::MatrixXd signal = svd.matrixV().leftCols(2);
+  const Eigen::MatrixX2d signal = LeadingVectors(hankel);
   return signal.topRows(pencil).colPivHouseholderQr().solve(signal.bottomRows(pencil));
 }
 
@@ -80,14 +90,18 @@ bool Strayed(const PolePair& poles, double frequency_hz) {
 
 std::optional<double> StrongestFrequency(const std::vector<double>& values, double step_s) {
   if (values.size() < kLeastSamples) return std::nullopt;
-  std::size_t length = 0;
-  const auto power = PowerSpectrum(values, &length);
+  // zero-padded to at least twice its length
+  const std::size_t length = std::bit_ceil(2 * values.size());
+  std::vector<double> padded(length);
+  std::ranges::copy(values, padded.begin());
+  const std::vector<std::complex<double>> lines = dsp::RealSpectrum(padded);
   // two periods a record are two record lengths' worth of padded lines
   const std::size_t lowest = 2 * length / values.size();
-  const auto peak =
-      std::max_element(power.begin() + static_cast<std::ptrdiff_t>(lowest), power.end());
-  if (!(*peak > 0)) return std::nullopt;
-  return static_cast<double>(peak - power.begin()) / (static_cast<double>(length) * step_s);
+  const auto power = [](const std::complex<double>& line) { return std::norm(line); };
+  const auto peak = std::ranges::max_element(lines.begin() + static_cast<std::ptrdiff_t>(lowest),
+                                             lines.end(), {}, power);
+  if (!(power(*peak) > 0)) return std::nullopt;
+  return static_cast<double>(peak - lines.begin()) / (static_cast<double>(length) * step_s);
 }
 
 std::optional<PolePair> EstimatePoles(const std::vector<double>& values, double step_s) {

@@ -22,10 +22,10 @@ enum class Shared : std::uint8_t {
 inline constexpr std::size_t kSharedCount = 5;
 
 /// What a record shows of the ringing.
-enum class Ringing : std::uint8_t {
-  kBlowVoltage,       ///< sim::RingDown::VoltageRatio
-  kBlowDisplacement,  ///< sim::RingDown::DisplacementRatio
-  kReleaseVoltage,    ///< sim::RingDown::ReleaseRatio
+enum class RingingSignal : std::uint8_t {
+  kBlowVoltage,       ///< sim::RingDown::voltage
+  kBlowDisplacement,  ///< sim::RingDown::displacement
+  kReleaseVoltage,    ///< sim::RingDown::release
 };
 
 /// The parameters of each record alone.
@@ -53,13 +53,14 @@ inline constexpr std::size_t kOwnCount = 6;
 struct RingDownSamples {
   std::vector<double> times_s;
   std::vector<double> voltages_v;
-  double step_s = 0;      ///< between samples; some may be missing
-  double noise_v = 1;     ///< standard deviation; residuals are divided by it
-  double load_ohm = 0;    ///< infinite: open
-  double time_scale = 1;  ///< shown over true seconds
+  double step_s = 0;                 ///< between samples; some may be missing
+  double noise_v = 1;                ///< standard deviation; residuals are divided by it
+  std::vector<double> root_weights;  ///< factors of the residuals (fit/huber.h); empty: all 1
+  double load_ohm = 0;               ///< infinite: open
+  double time_scale = 1;             ///< shown over true seconds
   double mass_ratio = 1;  ///< the record's ringing mass is mass_ratio * M + added_mass_kg
   double added_mass_kg = 0;
-  Ringing ringing = Ringing::kBlowVoltage;
+  RingingSignal signal = RingingSignal::kBlowVoltage;
   double polarity = 1;           ///< +1 or -1: sign of the voltage's first half period
   double speed_m_per_s = 0;      ///< of the impact; 0: not given
   double release_current_a = 0;  ///< of a release, times the voltage's scale

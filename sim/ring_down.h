@@ -66,6 +66,15 @@ DampedPair<T> DampedFundamentals(const T& decay_per_s, const T& stiffness_per_s2
   return {envelope * even, envelope * odd * time_s};
 }
 
+/// A signal of a ringing circuit: even E(t) + odd O(t) + electrical e^(-p t), E and O being
+/// DampedFundamentals' pair; the last part is 0 before the motion begins.
+template <typename T>
+struct RingingShape {
+  T even;
+  T odd;
+  T electrical;
+};
+
 /// The terminal voltage of an actuator that rings after a blow, in closed form with the coil's
 /// inductance exact.
 ///
@@ -126,21 +135,22 @@ class RingDown {
   const T& decay_per_s() const { return decay_per_s_; }
   /// q of s^2 + 2 d s + q, in 1/s^2; its root is the ringing system's natural angular frequency.
   const T& stiffness_per_s2() const { return stiffness_per_s2_; }
+  /// p, the coil's current's own decay; 0 without inductance or load.
+  const T& electrical_rate_per_s() const { return electrical_rate_per_s_; }
+  /// The ratios above as shapes, for who takes many samples of them.
+  const RingingShape<T>& voltage() const { return voltage_; }
+  const RingingShape<T>& displacement() const { return displacement_; }
+  const RingingShape<T>& release() const { return release_; }
 
  private:
+  T At(const RingingShape<T>& shape, const T& time_s) const;
+
   T decay_per_s_;
   T stiffness_per_s2_;
-  // T e^(-y t/T) / n with `share` for T / n, 0 before the motion begins
-  T ElectricalPart(const T& share, const T& time_s) const;
-
-  T divider_;                // RL G
-  T gain_;                   // -RL G y / n
-  T odd_rate_per_s_;         // T q / y - d
-  T lag_s_;                  // T / n
-  T release_odd_;            // (y - d T) / n
-  T loss_;                   // 1 - y: by this the load's field outruns the motion
-  T electrical_rate_per_s_;  // y / T; not used where T is 0
-  bool has_electrical_pole_;
+  T electrical_rate_per_s_;  // y / T; 0 where T is 0
+  RingingShape<T> voltage_;
+  RingingShape<T> displacement_;
+  RingingShape<T> release_;
 };
 
 template <typename T>
@@ -172,45 +182,38 @@ RingDown<T>::RingDown(const RingDownParameters<T>& parameters) {
   decay_per_s_ = 0.5 * (twice_b + g * y / square);
   stiffness_per_s2_ = w2 / y;
   const T n = y * y - 2.0 * decay_per_s_ * tau * y + tau * tau * stiffness_per_s2_;
-  divider_ = divider;
-  gain_ = -divider * y / n;
-  lag_s_ = tau / n;
-  release_odd_ = (y - decay_per_s_ * tau) / n;
-  loss_ = 1.0 - y;
-  odd_rate_per_s_ = tau * stiffness_per_s2_ / y - decay_per_s_;
-  has_electrical_pole_ = tau > 0.0;
-  electrical_rate_per_s_ = has_electrical_pole_ ? T(y / tau) : T(0.0);
+  const T lag_s = tau / n;
+  const T swing = (y - decay_per_s_ * tau) / n;
+  const T loss = 1.0 - y;  // by this the current lags behind the motion
+  const T gain = -divider * y / n;
+  voltage_ = {gain, gain * (tau * stiffness_per_s2_ / y - decay_per_s_), -gain};
+  displacement_ = {-lag_s * loss, 1.0 + loss * swing, lag_s * loss};
+  release_ = {divider * lag_s, -divider * swing, -divider * lag_s};
+  electrical_rate_per_s_ = tau > 0.0 ? T(y / tau) : T(0.0);
+}
+
+template <typename T>
+T RingDown<T>::At(const RingingShape<T>& shape, const T& time_s) const {
+  using std::exp;
+  const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
+  const T value = shape.even * pair.even + shape.odd * pair.odd;
+  if (!(electrical_rate_per_s_ > 0.0) || time_s < 0.0) return value;
+  return value + shape.electrical * exp(-electrical_rate_per_s_ * time_s);
 }
 
 template <typename T>
 T RingDown<T>::VoltageRatio(const T& time_s) const {
-  using std::exp;
-  const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
-  T shape = pair.even + odd_rate_per_s_ * pair.odd;
-  if (has_electrical_pole_ && time_s >= 0.0) shape -= exp(-electrical_rate_per_s_ * time_s);
-  return gain_ * shape;
-}
-
-template <typename T>
-T RingDown<T>::ElectricalPart(const T& share, const T& time_s) const {
-  using std::exp;
-  if (!has_electrical_pole_ || time_s < 0.0) return T(0.0);
-  return share * exp(-electrical_rate_per_s_ * time_s);
+  return At(voltage_, time_s);
 }
 
 template <typename T>
 T RingDown<T>::DisplacementRatio(const T& time_s) const {
-  const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
-  const T share_s = lag_s_ * loss_;
-  return (1.0 + loss_ * release_odd_) * pair.odd - share_s * pair.even +
-         ElectricalPart(share_s, time_s);
+  return At(displacement_, time_s);
 }
 
 template <typename T>
 T RingDown<T>::ReleaseRatio(const T& time_s) const {
-  const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
-  return -divider_ *
-         (release_odd_ * pair.odd - lag_s_ * pair.even + ElectricalPart(lag_s_, time_s));
+  return At(release_, time_s);
 }
 
 extern template class RingDown<double>;  // compiled once, in ring_down.cc

@@ -11,6 +11,8 @@
 namespace haptometer::dsp {
 namespace {
 
+constexpr std::size_t kLongestKept = 65536;  // half a MB
+
 std::mutex& PlannerMutex() {
   static std::mutex mutex;
   return mutex;
@@ -91,9 +93,13 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
 }
 
 std::vector<std::complex<double>> RealSpectrum(std::span<const double> samples) {
-  RealFft fft(samples.size());
-  std::vector<std::complex<double>> bins(fft.bins());
-  fft.Forward(samples, bins);
+  // a plan takes several times as long to make as to execute: the last small one is kept
+  thread_local std::unique_ptr<RealFft> kept;
+  std::unique_ptr<RealFft> own;
+  auto& fft = samples.size() <= kLongestKept ? kept : own;
+  if (!fft || fft->size() != samples.size()) fft = std::make_unique<RealFft>(samples.size());
+  std::vector<std::complex<double>> bins(fft->bins());
+  fft->Forward(samples, bins);
   return bins;
 }
 

@@ -1,0 +1,152 @@
+#!/usr/bin/python3
+"""fit-lra of two records of 10 000 samples, the whole process, beside SciPy's curve_fit in the same run.
+
+  fit_rate.py build/release/bin [--samples 10000] [--rounds 15]
+
+An open drop and one with 33 ohm, white noise of 0.5 % (seeded), as CSV files that have just been written, so
+that they are in the page cache. Both sides fit one closed form, the coil's inductance included, with the same
+parameters: Kv, Bv, Km^2, and each record's amplitude, impact and offset. SciPy is given the records as
+arrays, cut where fit-lra cuts them, weights, and start values as good as a matrix pencil's; it runs with its
+own settings, differences for derivatives, and once more with tolerances of 1e-15. Rounds in alternation.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import time
+
+try:
+    import numpy as np
+    from scipy.optimize import curve_fit
+except ImportError:
+    print("needs SciPy (python3-scipy)")
+    raise SystemExit(77)
+
+MV_KG, R_OHM, L_H, LOADS_OHM = 1.4e-3, 27.0, 130e-6, (np.inf, 33.0)
+LENGTH_S, QUIET_S, IMPACT_S, OFFSET_V, NOISE = 0.3, 0.02, 1.7e-5, 0.01, 0.005
+AMPLITUDE_V = np.sqrt(2 * 9.80665 * 0.01)
+TRUTH = {"Kv": 2800.0, "Bv": 0.0322, "Km": 1.0}
+
+
+def voltage(t, stiffness, damping, km_squared, load_ohm, speed_v):
+    """Terminal voltage `t` seconds after the blow; sim/ring_down.h has the equations."""
+    g = 0.0 if np.isinf(load_ohm) else 1 / (R_OHM + load_ohm)
+    divider = 1.0 if np.isinf(load_ohm) else load_ohm * g
+    tau, w2, b = L_H * g, stiffness / MV_KG, damping / MV_KG
+    electric = g * km_squared / MV_KG
+    y = 1.0
+    for _ in range(8):
+        square = y * y - b * tau * y + tau * tau * w2
+        value = (1 - y) * square - tau * electric * y
+        y -= value / ((1 - y) * (2 * y - b * tau) - square - tau * electric)
+    square = y * y - b * tau * y + tau * tau * w2
+    decay, q = 0.5 * (b + electric * y / square), w2 / y
+    n = y * y - 2 * decay * tau * y + tau * tau * q
+    angular = np.sqrt(q - decay * decay)
+    shape = np.exp(-decay * t) * (np.cos(angular * t) + (tau * q / y - decay) / angular * np.sin(angular * t))
+    if tau > 0:
+        shape -= np.exp(-y / tau * t)
+    return -speed_v * divider * y / n * shape
+
+
+def write_records(folder, samples):
+    """The files, and each record's times and voltages as they stand in them."""
+    noise = np.random.default_rng(1)
+    step_s = LENGTH_S / samples
+    paths, records = [], []
+    for load_ohm in LOADS_OHM:
+        times_s = step_s * np.arange(samples) - round(QUIET_S / step_s) * step_s
+        volts = OFFSET_V + NOISE * AMPLITUDE_V * noise.standard_normal(samples)
+        behind = times_s > IMPACT_S
+        volts[behind] += voltage(times_s[behind] - IMPACT_S, TRUTH["Kv"], TRUTH["Bv"], TRUTH["Km"] ** 2, load_ohm,
+                                 AMPLITUDE_V)
+        header = {"case": "held", "load_ohm": load_ohm, "moving_mass_kg": MV_KG, "resistance_ohm": R_OHM,
+                  "inductance_h": L_H}
+        lines = [f"# {key} = {value}" for key, value in header.items()] + ["time_s,voltage_v"]
+        lines += [f"{t:.6e},{v:.6f}" for t, v in zip(times_s, volts)]
+        path = pathlib.Path(folder) / f"{'open' if np.isinf(load_ohm) else 'loaded'}.csv"
+        path.write_text("\n".join(lines) + "\n")
+        paths.append(path)
+        records.append((times_s, np.array([float(line.split(",")[1]) for line in lines[len(header) + 1:]])))
+    return paths, records
+
+
+class JointFit:
+    """The two records as one curve over the nine parameters."""
+
+    def __init__(self, records, answer):
+        cut = [slice(-r["samples"], None) for r in answer["records"]]
+        self.times = [times[c] for (times, _), c in zip(records, cut)]
+        self.values = np.concatenate([volts[c] for (_, volts), c in zip(records, cut)])
+        self.sigma = np.concatenate([np.full(r["samples"], r["residual_rms_v"]) for r in answer["records"]])
+        self.start = [TRUTH["Kv"] * 1.0002, TRUTH["Bv"] * 1.02, 0.97,
+                      AMPLITUDE_V * 1.01, IMPACT_S + 1e-6, 0.0, AMPLITUDE_V * 0.99, IMPACT_S - 1e-6, 0.0]
+
+    def model(self, _, *p):
+        return np.concatenate([p[5 + 3 * r] + voltage(self.times[r] - p[4 + 3 * r], *p[:3], load_ohm, p[3 + 3 * r])
+                               for r, load_ohm in enumerate(LOADS_OHM)])
+
+    def run(self, **tolerances):
+        p, _ = curve_fit(self.model, None, self.values, p0=self.start, sigma=self.sigma, **tolerances)
+        return {"Kv": p[0], "Bv": p[1], "Km": np.sqrt(p[2])}
+
+
+def timed(call):
+    start = time.perf_counter()
+    result = call()
+    return 1e3 * (time.perf_counter() - start), result
+
+
+def constants(answer):
+    return {constant: answer["parameters"][constant]["value"] for constant in TRUTH}
+
+
+def compare(program, paths, records, rounds):
+    command = [program, *paths, "--json"]
+    run = lambda: json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
+    answer = run()
+    fit = JointFit(records, answer)
+    tight = dict(ftol=1e-15, xtol=1e-15, gtol=1e-15, maxfev=10_000)
+    bare = [sys.executable, "-c", "import numpy, scipy.optimize"]
+    sides = {
+        "fit-lra, whole process": lambda: constants(run()),
+        "curve_fit alone": fit.run,
+        "curve_fit alone, to rounding": lambda: fit.run(**tight),
+        "Python with SciPy imported, no fit": lambda: subprocess.run(bare, check=True) and None,
+    }
+    times = {name: [] for name in sides}
+    for name in list(sides) * rounds:
+        milliseconds, found = timed(sides[name])
+        times[name].append(milliseconds)
+        for constant, value in (found or {}).items():
+            off = value / constants(answer)[constant] - 1
+            if abs(off) > 1e-5:
+                raise SystemExit(f"{name}: {constant} is {off:.1e} off fit-lra's")
+    return times, {c: abs(fit.run(**tight)[c] / constants(answer)[c] - 1) for c in TRUTH}
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("programs")
+    parser.add_argument("--samples", type=int, default=10_000)
+    parser.add_argument("--rounds", type=int, default=15)
+    arguments = parser.parse_args()
+    os.environ["OMP_NUM_THREADS"] = "1"
+    with tempfile.TemporaryDirectory() as folder:
+        paths, records = write_records(folder, arguments.samples)
+        times, off = compare(pathlib.Path(arguments.programs) / "fit-lra", paths, records, arguments.rounds)
+    best = {name: min(all_) for name, all_ in times.items()}
+    for name, all_ in times.items():
+        print(f"{name:36} best {best[name]:7.1f} ms, median {np.median(all_):7.1f} ms")
+    ours = best["fit-lra, whole process"]
+    importing = best["Python with SciPy imported, no fit"]
+    for name in ("curve_fit alone", "curve_fit alone, to rounding"):
+        print(f"{name}: {best[name] / ours:.2f} times the whole process of fit-lra; with Python and its imports "
+              f"{(best[name] + importing) / ours:.1f} times")
+    print("constants agree to " + ", ".join(f"{constant} {value:.1e}" for constant, value in off.items()))
+
+
+main()
