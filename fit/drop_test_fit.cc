@@ -12,6 +12,7 @@
 #include "fit/drop_test_model.h"
 #include "fit/drop_test_road.h"
 #include "fit/force_constant.h"
+#include "fit/huber.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -135,6 +136,12 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.samples = samples.times_s.size();
   fitted.found = part.found;
   fitted.density = road.densities[r];
+  fitted.drawn_samples = static_cast<std::size_t>(
+      std::ranges::count_if(samples.root_weights, [](double root) { return root * root < 0.5; }));
+  if (fitted.drawn_samples > 0) {
+    fitted.found.push_back(fmt::format("{} of {} samples lie far off and weigh less than half",
+                                       fitted.drawn_samples, fitted.samples));
+  }
 
   fitted.speed_determined = samples.signal == RingingSignal::kBlowVoltage &&
                             (samples.speed_m_per_s > 0 || force_constant.determined);
@@ -212,9 +219,10 @@ double ChiSquare(const std::vector<FittedRecord>& records) {
 }  // namespace
 
 Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
-                                const ActuatorKnowns& knowns) {
+                                const ActuatorKnowns& knowns, Loss loss) {
   auto model = MakeDropTestModel(records, knowns);
   if (!model) return std::unexpected(model.error());
+  model->loss = loss;
   DropTestFit fit;
   fit.assumptions = model->assumptions;
   std::optional<DropTestRoad> by_heights;
@@ -222,6 +230,11 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   const DropTestRoad road =
       Choose(std::move(by_heights), Travel(*model, false), *model, fit.assumptions);
   if (road.uses_heights) DescribeHeights(*model, fit.assumptions);
+  if (loss == Loss::kHuber) {
+    fit.assumptions.push_back(fmt::format(
+        "robust: beyond {} of the residuals' scale a sample pulls with a fixed force (Huber)",
+        kHuberBend));
+  }
 
   fit.mass_symbol = model->all_free ? "Mv Mc/(Mv+Mc)" : "Mv";
   fit.stiffness = Evaluate(road, *model, {{Shared::kStiffness, 1}}, 1, "N/m");

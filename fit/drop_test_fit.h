@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ struct FittedValue {
   bool determined = false;
 };
 
+/// What is least in a fit: the sum of squared residuals, or that of Huber's loss (huber.h), which a
+/// few samples far away hardly move, at 1/0.95 of the variance where there are none.
+enum class Loss : std::uint8_t { kSquares, kHuber };
+
 /// What one given input does to the results.
 struct InputInfluence {
   std::string input;                         ///< "moving mass", "load", "time scale", ...
@@ -53,6 +58,7 @@ struct FittedRecord {
   double decay_per_s = 0;          ///< of this record, with its load
   double damped_frequency_hz = 0;  ///< 0 where it does not oscillate
   double residual_rms_v = 0;       ///< over the fitted samples
+  std::size_t drawn_samples = 0;   ///< that Huber's loss weighs less than half
   double quiet_noise_v = 0;  ///< RMS of the noise before the impact; 0 where nothing precedes it
   ResidualDensity density;   ///< of the residuals at the resonance
   double peak_v = 0;         ///< largest distance from the offset in the fitted stretch
@@ -114,6 +120,7 @@ struct DropTestFit {
 /// free cases together without both masses. One sample costs about 1 us an iteration; memory 130
 /// bytes a sample and record.
 [[nodiscard]] Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
-                                              const ActuatorKnowns& knowns);
+                                              const ActuatorKnowns& knowns,
+                                              Loss loss = Loss::kSquares);
 
 }  // namespace haptometer::fit

@@ -50,6 +50,7 @@ struct DropTestModel {
   bool knows_heights = false;     ///< some record has a drop height
   bool all_free = false;          ///< M is the reduced mass
   std::vector<std::string> assumptions;
+  Loss loss = Loss::kSquares;
 };
 
 /// Prepares the records and collects what is given.

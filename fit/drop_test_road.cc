@@ -5,6 +5,8 @@
 #include <numbers>
 #include <span>
 
+#include "fit/huber.h"
+
 namespace haptometer::fit {
 namespace {
 
@@ -75,24 +77,43 @@ double ResonanceHz(const RingDownSamples& record, const RingDownPoint& point) {
          (2 * std::numbers::pi);
 }
 
-// each record's noise becomes the root mean square of its residuals, or of a white noise that is as
-// dense at the resonance
-void Reweight(DropTestRoad& road) {
+double RootMeanSquare(std::span<const double> residuals) {
+  double square = 0;
+  for (const double residual : residuals) square += residual * residual;
+  return std::sqrt(square / static_cast<double>(residuals.size()));
+}
+
+// residuals drawn in to three times their scale, so that the few far ones do not hide the others'
+// spectrum
+std::vector<double> DrawnIn(std::span<const double> residuals, double scale) {
+  std::vector<double> drawn(residuals.begin(), residuals.end());
+  for (double& residual : drawn) residual = std::clamp(residual, -3 * scale, 3 * scale);
+  return drawn;
+}
+
+// each record's noise becomes its residuals' scale, or that of a white noise that is as dense at
+// the resonance; with Huber's loss, each sample its weight
+void Reweight(Loss loss, DropTestRoad& road) {
+  for (auto& record : road.problem.records()) record.root_weights.clear();
   const auto residuals = road.problem.Residuals(road.point);
   std::span<const double> rest(residuals);
   road.densities.clear();
+  road.scales.clear();
   for (auto& record : road.problem.records()) {
     const auto own = rest.first(record.times_s.size());
     rest = rest.subspan(own.size());
-    road.densities.push_back(
-        DensityAt(OnGrid(record, own), record.step_s, ResonanceHz(record, road.point)));
-    const ResidualDensity& density = road.densities.back();
-    double square = 0;
-    for (const double residual : own) square += residual * residual;
-    square *= (density.is_coloured ? density.ratio : 1) / static_cast<double>(own.size());
+    const bool is_robust = loss == Loss::kHuber;
+    const double scale = is_robust ? RobustScale(own) : RootMeanSquare(own);
+    const auto grid =
+        OnGrid(record, is_robust ? DrawnIn(own, scale) : std::vector(own.begin(), own.end()));
+    const auto density = DensityAt(grid, record.step_s, ResonanceHz(record, road.point));
+    if (is_robust) record.root_weights = HuberRootWeights(own, scale);
     double peak = 0;
     for (const double v : record.voltages_v) peak = std::max(peak, std::abs(v));
-    record.noise_v = std::max(record.noise_v * std::sqrt(square), 1e-14 * peak);
+    road.scales.push_back(record.noise_v * scale);
+    record.noise_v = std::max(
+        road.scales.back() * (density.is_coloured ? std::sqrt(density.ratio) : 1), 1e-14 * peak);
+    road.densities.push_back(density);
   }
 }
 
@@ -199,6 +220,41 @@ std::vector<ComparedDrop> Compared(const DropTestModel& model, const RingDownPro
   return drops;
 }
 
+// Huber's minimum: least squares, whose weights follow the residuals until they stay
+void SettleWeights(const std::vector<bool>& is_free, DropTestRoad& road) {
+  constexpr int kMostRounds = 50;
+  constexpr double kSettled = 1e-6;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const auto before = road.problem.records();
+    Reweight(Loss::kHuber, road);
+    double change = 0;
+    for (std::size_t r = 0; r < before.size(); ++r) {
+      const auto& now = road.problem.records()[r].root_weights;
+      for (std::size_t n = 0; n < now.size(); ++n) {
+        change = std::max(change, std::abs(now[n] - before[r].root_weights[n]));
+      }
+    }
+    if (change < kSettled) return;
+    const SolverReport again = road.problem.Minimise(is_free, &road.point);
+    road.solver.converged = again.converged;
+    road.solver.iterations += again.iterations;
+  }
+  road.solver.converged = false;
+}
+
+// the residuals without their weights, in units of their record's scale
+std::vector<double> ScaledResiduals(const DropTestRoad& road) {
+  auto residuals = road.problem.Residuals(road.point);
+  std::size_t row = 0;
+  for (std::size_t r = 0; r < road.scales.size(); ++r) {
+    const RingDownSamples& record = road.problem.records()[r];
+    for (const double root : record.root_weights) {
+      residuals[row++] *= record.noise_v / (root * std::max(road.scales[r], 1e-300));
+    }
+  }
+  return residuals;
+}
+
 }  // namespace
 
 DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
@@ -210,17 +266,23 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   road.jacobian = road.problem.Linearise(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   LeaveOutSilence(road);
-  Reweight(road);
+  Reweight(model.loss, road);
   road.jacobian = road.problem.Linearise(road.point);
-  road.solver = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
+  const auto is_free = FindFreedom(road, unknown);
+  road.solver = road.problem.Minimise(is_free, &road.point);
+  if (model.loss == Loss::kHuber) SettleWeights(is_free, road);
   road.solver.iterations += first.iterations;
 
   road.jacobian = road.problem.Linearise(road.point);
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
-  const auto unknowns = static_cast<double>(std::count(unknown.begin(), unknown.end(), true));
-  const double degrees = static_cast<double>(road.jacobian.rows + road.seen.nullity) - unknowns;
+  const std::size_t fitted =
+      static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -
+      road.seen.nullity;
+  const double degrees = static_cast<double>(road.jacobian.rows) - static_cast<double>(fitted);
   // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
-  road.variance = static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
+  road.variance = model.loss == Loss::kHuber
+                      ? HuberVariance(ScaledResiduals(road), fitted)
+                      : static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
   road.consistency = CheckConsistency(
       Compared(model, road.problem, std::exp(road.point.shared[Index(Shared::kMass)])));
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {

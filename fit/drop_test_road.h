@@ -28,6 +28,7 @@ struct DropTestRoad {
   double variance = 1;                     ///< of the weighted residuals, per degree of freedom
   Consistency consistency;                 ///< of the drops with each other
   std::vector<ResidualDensity> densities;  ///< of each record's residuals at its resonance
+  std::vector<double> scales;              ///< of each record's residuals, in V
   /// (inputs x columns): derivative of every parameter by each input, per share of its InputBase;
   /// zeros where the road does not depend on it.
   std::vector<std::vector<double>> input_changes;
@@ -35,7 +36,8 @@ struct DropTestRoad {
 
 /// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
 /// minimises, leaves out samples that lie before the impact then, weighs every record by the noise
-/// that its residuals show (residual_density.h), minimises again, linearises.
+/// that its residuals show (residual_density.h), minimises again, linearises. With Huber's loss
+/// (huber.h) weights and minimum follow each other until they stay, 50 times at most.
 [[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.

@@ -25,12 +25,6 @@ std::vector<double> Filled(const std::vector<double>& values) {
   return filled;
 }
 
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::vector<double> FollowingAmplitude(const std::vector<double>& values, double middle_v,
                                        double period_samples) {
   const auto period = static_cast<std::size_t>(std::ceil(period_samples));

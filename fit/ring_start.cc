@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "dsp/statistics/robust.h"
 #include "fit/ring_amplitude.h"
 #include "fit/ring_fit.h"
 #include "sim/ring_down.h"
@@ -221,7 +222,7 @@ std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blo
 
 Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& values) {
   Blow blow;
-  blow.middle_v = Median(values);
+  blow.middle_v = dsp::Median(values);
   const auto rough = FindLargeSample(values, blow.middle_v);
   const auto frequency_hz = StrongestFrequency(From(values, rough, blow.middle_v), record.step_s);
   if (!frequency_hz) {

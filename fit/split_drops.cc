@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "dsp/statistics/robust.h"
 #include "fit/poles.h"
 #include "fit/ring_amplitude.h"
 
@@ -67,7 +68,7 @@ std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record) {
       std::ranges::count_if(record.voltage_v, [](double v) { return std::isfinite(v); });
   if (static_cast<std::size_t>(measured) < kLeastSamples) return {record};
   const std::vector<double> values = Filled(record.voltage_v);
-  const double middle_v = Median(values);
+  const double middle_v = dsp::Median(values);
   const auto period = PeriodOf(values, middle_v, record.step_s);
   if (!period || kLeastPeriods * *period > static_cast<double>(values.size())) return {record};
   const auto amplitudes = FollowingAmplitude(values, middle_v, *period);

@@ -46,10 +46,11 @@ double MedianSizeOfNormal(std::size_t subjects, std::size_t conditions) {
 
 double Median(std::vector<double> values) {
   HAPTOMETER_CHECK(!values.empty(), "no values");
-  std::ranges::sort(values);
-  const std::size_t middle = values.size() / 2;
-  if (values.size() % 2 == 1) return values[middle];
-  return values[middle - 1] + (values[middle] - values[middle - 1]) / 2;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  const double below = *std::max_element(values.begin(), middle);
+  return below + (*middle - below) / 2;
 }
 
 std::optional<double> RobustWithinDeviation(std::span<const std::vector<double>> cells) {

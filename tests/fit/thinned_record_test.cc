@@ -45,11 +45,11 @@ TEST(ThinnedRecord, ClippedBlocksAreNoMeasurement) {
   for (double& v : record.voltage_v) v = std::clamp(v, -0.3, 0.3);
   const auto thinned = Thinned(record, PolesOf(record));
   ASSERT_TRUE(thinned);
-  const auto at_limits = std::ranges::count_if(
-      record.voltage_v, [](double v) { return std::abs(v) >= 0.3; });
+  const auto at_limits =
+      std::ranges::count_if(record.voltage_v, [](double v) { return std::abs(v) >= 0.3; });
   EXPECT_EQ(thinned->clipped, static_cast<std::size_t>(at_limits));
-  const auto lost = std::ranges::count_if(thinned->record.voltage_v,
-                                          [](double v) { return std::isnan(v); });
+  const auto lost =
+      std::ranges::count_if(thinned->record.voltage_v, [](double v) { return std::isnan(v); });
   EXPECT_GE(4 * lost, at_limits);
 }
 

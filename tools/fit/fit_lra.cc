@@ -84,6 +84,7 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                  "Records with a resistor across the terminals; may be repeated");
   options.Flag("--held", &wanted.held, "The case was fixed to something heavy");
   options.Flag("--free", &wanted.is_free, "The case was free in the air");
+  options.Flag("--robust", &wanted.is_robust, "A few samples far off shall hardly count");
   options.Number("--moving-mass", &wanted.moving_mass_kg, Dimension::kMass, "Mv");
   options.Number("--case-mass", &wanted.case_mass_kg, Dimension::kMass, "Mc");
   options.Number("--resistance", &wanted.resistance_ohm, Dimension::kResistance, "R of the coil");
@@ -183,7 +184,8 @@ int RunFitLra(int argc, const char* const* argv) {
   if (input->records.empty()) return status;
   for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
 
-  const auto fit = fit::FitDropTest(input->records, input->knowns);
+  const auto fit = fit::FitDropTest(input->records, input->knowns,
+                                   wanted.is_robust ? fit::Loss::kHuber : fit::Loss::kSquares);
   if (!fit) return cli::ReportError(kVerb, fit.error());
   const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
   fmt::print("{}", options.json() ? FitLraJson(*fit, doubts, input->remarks, input->left_out)

@@ -19,6 +19,7 @@ struct FitLraOptions {
   std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
   bool held = false;
   bool is_free = false;
+  bool is_robust = false;  ///< Huber's loss in place of squares
   std::optional<Quantity> drop_height_m;
   std::optional<Quantity> rebound;
   std::optional<Quantity> release_current_a;
