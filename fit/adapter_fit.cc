@@ -23,7 +23,6 @@ constexpr std::size_t kLeastSamples = 32;
 // more samples than this are averaged to blocks, which loses 0.3 % of their weight
 constexpr std::size_t kManySamples = 20000;
 constexpr double kBlocksPerPeriod = 32;
-constexpr double kOneSided95 = 1.645;
 
 // logarithms of d and of q with their variances
 struct Logarithms {
@@ -211,7 +210,7 @@ void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
   fit->damping_birge_ratio = decay.birge_ratio;
   const double damping = 2 * fit->mass_kg.value * std::exp(decay.value);
   const double combined = std::sqrt(decay.variance + share * share);
-  if (!fit->damping.determined) fit->damping.at_most = damping * (1 + kOneSided95 * combined);
+  if (!fit->damping.determined) fit->damping.at_most = damping * (1 + kCoverage95 * combined);
 }
 
 // A pair of poles cannot follow a frequency that falls with the amplitude; what is left over looks

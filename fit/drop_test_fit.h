@@ -26,7 +26,11 @@ struct FittedValue {
       0;             ///< with masses, ohms, height and rebound (type A and B)
   double lower = 0;  ///< 95 % interval, of both; not always about the value
   double upper = 0;
-  std::optional<double> at_most;  ///< one-sided 95 % limit of what is too faint to be determined
+  /// Of what is too faint to be determined: the upper end of the 95 % interval whose lower end lies
+  /// at 0 or beyond. The same interval either way: a limit of 95 % that becomes an interval as soon
+  /// as there is one would hold in 92.5 % only (Feldman and Cousins, Phys. Rev. D 57, 1998, p.
+  /// 3873).
+  std::optional<double> at_most;
   std::string unit;
   bool determined = false;
 };

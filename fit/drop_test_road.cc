@@ -13,7 +13,8 @@ namespace {
 using Kind = DropTestInput::Kind;
 
 constexpr std::ptrdiff_t kLeastLeft = 32;  // samples of a record
-constexpr double kMostRelativeUncertainty = 0.25;
+constexpr double kMostLogarithmicUncertainty =
+    0.25;  // beyond it a logarithm's interval says nothing
 
 double Dot(const std::vector<double>& a, const std::vector<double>& b) {
   double sum = 0;
@@ -182,8 +183,7 @@ bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
   return std::isfinite(input.quantity.value) && input.quantity.value > 0;
 }
 
-std::vector<double> Weights(const DropTestRoad& road,
-                            std::initializer_list<std::pair<Shared, double>> powers) {
+std::vector<double> Weights(const DropTestRoad& road, std::initializer_list<PowerOf> powers) {
   std::vector<double> weights(road.jacobian.columns, 0.0);
   for (const auto& [parameter, power] : powers) {
     const bool is_logarithm = parameter != Shared::kForceConstantSquared;
@@ -192,8 +192,7 @@ std::vector<double> Weights(const DropTestRoad& road,
   return weights;
 }
 
-double ProductAt(const DropTestRoad& road,
-                 std::initializer_list<std::pair<Shared, double>> powers) {
+double ProductAt(const DropTestRoad& road, std::initializer_list<PowerOf> powers) {
   double logarithm = 0;
   for (const auto& [parameter, power] : powers) {
     const double value = road.point.shared[Index(parameter)];
@@ -317,16 +316,25 @@ void TakeRelative(const Spread& spread, FittedValue& value) {
 }
 
 FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
-                     std::initializer_list<std::pair<Shared, double>> powers, double factor,
-                     std::string unit) {
+                     std::initializer_list<PowerOf> powers, double factor, std::string unit) {
   const Spread spread = SpreadOf(road, model, Weights(road, powers));
   FittedValue value;
   value.unit = std::move(unit);
-  value.determined = road.solver.converged && spread.blur < kMostBlur &&
-                     spread.statistical < kMostRelativeUncertainty;
-  if (!value.determined) return value;
-  value.value = factor * ProductAt(road, powers);
+  if (!road.solver.converged || spread.blur >= kMostBlur) return value;
+  const double product = factor * ProductAt(road, powers);
+  const double reach = kCoverage95 * spread.combined;
+  const auto damping = std::ranges::find(powers, Shared::kDamping, &PowerOf::first);
+  const double power = damping == powers.end() ? 0 : damping->second;
+  value.determined = power == 0 ? spread.statistical < kMostLogarithmicUncertainty : reach < 1;
+  if (!value.determined) {
+    if (power > 0) value.at_most = product * (1 + reach);
+    return value;
+  }
+  value.value = product;
   TakeRelative(spread, value);
+  if (power == 0) return value;
+  value.lower = product * (power > 0 ? 1 - reach : 1 / (1 + reach));
+  value.upper = product * (power > 0 ? 1 + reach : 1 / (1 - reach));
   return value;
 }
 

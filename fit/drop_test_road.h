@@ -46,14 +46,16 @@ struct DropTestRoad {
 /// Whether the road's result depends on the input.
 [[nodiscard]] bool DependsOn(const DropTestRoad& road, const DropTestInput& input);
 
+/// A shared quantity and its power in a product.
+using PowerOf = std::pair<Shared, double>;
+
 /// Weights over the Jacobian's columns that make the logarithm of a product of powers of the shared
 /// quantities (Kv, Bv, Km^2, M, R) move as it does at the solution.
 [[nodiscard]] std::vector<double> Weights(const DropTestRoad& road,
-                                          std::initializer_list<std::pair<Shared, double>> powers);
+                                          std::initializer_list<PowerOf> powers);
 
 /// That product at the solution.
-[[nodiscard]] double ProductAt(const DropTestRoad& road,
-                               std::initializer_list<std::pair<Shared, double>> powers);
+[[nodiscard]] double ProductAt(const DropTestRoad& road, std::initializer_list<PowerOf> powers);
 
 /// Whether the records see the product: it moves by less than 1e-3 while an unseen combination
 /// passes through a factor e.
@@ -80,12 +82,15 @@ inline constexpr double kMostBlur = 1e-3;
 /// Writes the uncertainties and the interval of `value.value`, of whose logarithm `spread` is.
 void TakeRelative(const Spread& spread, FittedValue& value);
 
-/// `factor` times the product, without Km^2, with its uncertainties; the interval is that of its
-/// logarithm. Determined: converged, seen, and the statistical standard uncertainty below 25 %,
-/// beyond which a logarithm's interval says nothing. An unseen combination's last influence (see
-/// IsSeen) is added to the combined uncertainty.
+/// `factor` times the product, without Km^2, with its uncertainties. An unseen combination's last
+/// influence (see IsSeen) is added to the combined uncertainty.
+///
+/// Where the damping is no part of it, the interval is that of its logarithm; determined:
+/// converged, seen, and the statistical standard uncertainty below 25 %. A damping's interval is
+/// its own, to which the records answer in proportion, and a quality factor's that of its
+/// reciprocal; determined: the interval excludes 0. Else a damping has an upper limit.
 [[nodiscard]] FittedValue Evaluate(const DropTestRoad& road, const DropTestModel& model,
-                                   std::initializer_list<std::pair<Shared, double>> powers,
-                                   double factor, std::string unit);
+                                   std::initializer_list<PowerOf> powers, double factor,
+                                   std::string unit);
 
 }  // namespace haptometer::fit

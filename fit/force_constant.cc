@@ -8,8 +8,7 @@ namespace haptometer::fit {
 namespace {
 
 constexpr std::size_t kColumn = Index(Shared::kForceConstantSquared);
-constexpr double kOneSided95 = 1.645;  // of a normal distribution
-constexpr double kGaussian = 0.05;     // relative uncertainty of Km up to which its square is
+constexpr double kGaussian = 0.05;  // relative uncertainty of Km up to which its square is
 
 double SquareSum(const std::vector<double>& values) {
   double sum = 0;
@@ -67,7 +66,7 @@ FittedValue EvaluateForceConstant(const DropTestRoad& road, const DropTestModel&
   const double below = HalfWidth(road, model, spread, -1, kCoverage95);
   value.determined = square > 0 && (road.uses_heights || square > below);
   if (!value.determined) {
-    const double above = HalfWidth(road, model, spread, 1, kOneSided95);
+    const double above = HalfWidth(road, model, spread, 1, kCoverage95);
     value.at_most = std::sqrt(std::max(square, 0.0) + above);
     return value;
   }

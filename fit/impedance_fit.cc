@@ -22,7 +22,6 @@ using P = ImpedanceParameter;
 using Weights = std::vector<double>;
 
 constexpr std::size_t kLeastPoints = 6;
-constexpr double kOneSided95 = 1.645;
 // of the residual's mean square; a resonance's four shapes of noise alone stay below
 constexpr double kLeastGain = 30;
 constexpr double kMostResistanceShare = 0.05;
@@ -267,7 +266,7 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
       .unit = "H",
       .determined = stated || value > 3 * own};
   if (fit->inductance.determined) return;
-  fit->inductance.at_most = std::max(value, 0.0) + kOneSided95 * own;
+  fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * own;
   fit->undetermined.push_back(fmt::format(
       "L: it is below {:.2g} uH (95 %), which the constants do not feel; points at 1 to 10 kHz "
       "would show it",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <string>
 
@@ -203,19 +204,56 @@ std::size_t PartQuietFromRinging(const std::vector<double>& values, double step_
   return best;
 }
 
+// Sum of squares of what a record is not, parted before sample `n`: constant, then a ring-down;
+// infinite where the rest is none.
+double Misfit(const std::vector<double>& values, double step_s, const Blow& blow, std::size_t n) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  const auto ringing = From(values, n, blow.middle_v);
+  const auto poles = EstimatePoles(ringing, step_s);
+  if (!poles || IsHeavilyDamped(*poles)) return kNone;
+  const LinearFit fit = FitLinear(ringing, step_s, *poles);
+  double sum = fit.residual_rms_v * fit.residual_rms_v * static_cast<double>(ringing.size());
+  for (std::size_t k = 0; k < n; ++k) {
+    const double quiet = values[k] - blow.middle_v - fit.offset_v;
+    sum += quiet * quiet;
+  }
+  return sum;
+}
+
+// of a record too short for its amplitude to be followed: the best parting to a sixteenth of a
+// period, or `first_large` where that is better
+std::size_t BestParting(const std::vector<double>& values, double step_s, const Blow& blow,
+                        std::size_t first_large) {
+  const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
+  const std::size_t stride = std::max<std::size_t>(period / 16, 1);
+  std::size_t best = first_large;
+  double least = Misfit(values, step_s, blow, first_large);
+  for (std::size_t n = 0; n + 2 * period < values.size(); n += stride) {
+    const double misfit = Misfit(values, step_s, blow, n);
+    if (misfit >= least) continue;
+    least = misfit;
+    best = n;
+  }
+  return best;
+}
+
 // where the amplitude at the resonance has risen to half of its largest, and around there the best
 // parting; for a motion too damped for that, the first sample beyond half of the largest
 std::size_t FindBlow(const std::vector<double>& values, double step_s, const Blow& blow) {
   const std::size_t first_large = FindLargeSample(values, blow.middle_v);
   const auto period = static_cast<std::size_t>(std::ceil(blow.period_samples));
   const auto amplitudes = FollowingAmplitude(values, blow.middle_v, blow.period_samples);
-  if (6 * period > values.size() || amplitudes.empty()) return first_large;
+  if (6 * period > values.size() || amplitudes.empty()) {
+    return BestParting(values, step_s, blow, first_large);
+  }
   const double half = *std::ranges::max_element(amplitudes) / 2;
   const auto risen = static_cast<std::size_t>(
       std::ranges::find_if(amplitudes, [half](double a) { return a >= half; }) -
       amplitudes.begin());
   const std::size_t known = risen + period + period / 4;
-  if (known + 3 * period > values.size()) return first_large;
+  if (known + 3 * period > values.size()) {
+    return BestParting(values, step_s, blow, first_large);
+  }
   const std::size_t first = risen > period ? risen - period : 0;
   return PartQuietFromRinging(values, step_s, blow, first, known);
 }

@@ -24,22 +24,20 @@ struct Case {
   double step_s = 2e-4;
 };
 
-// how often a stated interval or limit holds the truth
+// how often an interval or a limit is stated and holds the truth
 struct Count {
-  int asked = 0;
-  int held = 0;
+  int intervals = 0;
   int limits = 0;
-  int none = 0;
+  int wrong = 0;
 
   void Add(const FittedValue& value, double truth) {
-    if (!value.determined && !value.at_most) {
-      ++none;
-      return;
+    if (value.determined) {
+      ++intervals;
+      wrong += value.lower <= truth && truth <= value.upper ? 0 : 1;
+    } else if (value.at_most) {
+      ++limits;
+      wrong += truth <= *value.at_most ? 0 : 1;
     }
-    ++asked;
-    limits += value.determined ? 0 : 1;
-    held += value.determined ? (value.lower <= truth && truth <= value.upper ? 1 : 0)
-                             : (truth <= *value.at_most ? 1 : 0);
   }
 };
 
@@ -81,12 +79,11 @@ TEST_P(LittleEnergy, IsInsideItsIntervalOrRefused) {
   for (const auto& [name, count] :
        {std::pair{"Kv", stiffness}, std::pair{"Bv", damping}, std::pair{"Km", force}}) {
     SCOPED_TRACE(name);
-    std::printf("  %s: %d of %d hold, %d of these limits; %d not determined\n", name, count.held,
-                count.asked, count.limits, count.none);
-    if (count.asked == 0) continue;
-    // two and a half deviations of a share of 95 %
-    const double slack = 2.5 * std::sqrt(0.95 * 0.05 * count.asked);
-    EXPECT_GE(count.held, 0.95 * count.asked - slack);
+    std::printf("  %s: %d intervals, %d limits, %d of both wrong\n", name, count.intervals,
+                count.limits, count.wrong);
+    // of all records: which ones are answered depends on their noise
+    const double slack = 2.5 * std::sqrt(0.95 * 0.05 * repetitions);
+    EXPECT_LE(count.wrong, 0.05 * repetitions + slack);
   }
 }
 

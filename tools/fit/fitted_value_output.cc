@@ -24,7 +24,7 @@ int Decimals(double uncertainty) {
 
 std::string FittedLine(std::string_view name, const fit::FittedValue& value) {
   if (!value.determined && value.at_most) {
-    return fmt::format("  {:<6} at most {:.2g} {} (95 %, one-sided); not determined\n", name,
+    return fmt::format("  {:<6} at most {:.2g} {} (95 % interval from 0); not determined\n", name,
                        *value.at_most, value.unit);
   }
   if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
