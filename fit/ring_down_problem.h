@@ -80,7 +80,8 @@ struct RingDownPoint {
 ///               + cosine cos(2 pi hum t) + sine sin(2 pi hum t),
 ///
 /// u being the voltage's ratio there at true seconds, so that the ringing begins with the sign of
-/// `polarity`. Derivatives are automatic for the circuit and written down for the rest.
+/// `polarity`. Derivatives are automatic for the circuit's poles and gain, and written down for
+/// each sample (ringing_moments.h).
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
