@@ -51,30 +51,21 @@ class FreeProblem {
     return Residuals().norm();
   }
 
-  // Upper triangle T with T'T = [J r]'[J r], J over the free columns: the same least-squares
-  // problem in as many rows as it has columns. Rows are taken in by Householder reflections, a
-  // stretch at a time that stays in the cache.
-  bool Triangle(Eigen::MatrixXd* triangle) {
+  // A matrix T with T'T = [J r]'[J r], J over the free columns: the same least-squares problem in
+  // as many rows as it has columns. Rows are taken in by Householder reflections, a stretch at a
+  // time that stays in the cache. The last columns come first, so that what each record has for
+  // itself does not mix with the others'.
+  bool Reduce(Eigen::MatrixXd* reduced) {
     jacobian_.resize(problem_.residuals * problem_.parameters);
     if (!problem_.evaluate(point_, residuals_, jacobian_)) return false;
     const Position size = count() + 1;
-    const Position rows = Residuals().size();
-    const Eigen::Map<const RowMajor> whole(jacobian_.data(), rows, std::ssize(point_));
-    Eigen::MatrixXd work = Eigen::MatrixXd::Zero(size + kStretch, size);
-    Position kept = 0;
-    for (Position row = 0; row < rows; row += kStretch) {
-      const Position taken = std::min(kStretch, rows - row);
-      for (Position k = 0; k < count(); ++k) {
-        work.col(k).segment(kept, taken) =
-            whole.col(columns_[static_cast<std::size_t>(k)]).segment(row, taken);
-      }
-      work.col(count()).segment(kept, taken) = Residuals().segment(row, taken);
-      Eigen::Ref<Eigen::MatrixXd> filled = work.topRows(kept + taken);
-      const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(filled);
-      work.triangularView<Eigen::StrictlyLower>().setZero();
-      kept = std::min(size, kept + taken);
+    triangle_.setZero(size, size);
+    for (Position row = 0; row < Residuals().size(); row += kStretch) {
+      TakeIn(row, std::min(kStretch, Residuals().size() - row));
     }
-    *triangle = work.topRows(size);
+    reduced->resize(size, size);
+    reduced->leftCols(count()) = triangle_.leftCols(count()).rowwise().reverse();
+    reduced->col(count()) = triangle_.col(count());
     return true;
   }
 
@@ -85,15 +76,63 @@ class FreeProblem {
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> Residuals() const {
     return {residuals_.data(), std::ssize(residuals_)};
   }
+  // of the triangle's column `k`, over some rows
+  [[nodiscard]] auto Rows(Position k, Position row, Position taken) const {
+    const Eigen::Map<const RowMajor> whole(jacobian_.data(), Residuals().size(),
+                                           std::ssize(point_));
+    return whole.col(columns_[static_cast<std::size_t>(count() - 1 - k)]).segment(row, taken);
+  }
+
+  // the triangle's columns that rows and what they meet in the triangle are not 0 in
+  [[nodiscard]] std::vector<Position> Touched(Position row, Position taken) const {
+    std::vector<Position> touched;
+    std::vector<bool> meets(static_cast<std::size_t>(count()), false);
+    for (Position k = 0; k < count(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (!meets[at] && (Rows(k, row, taken).array() == 0).all()) continue;
+      touched.push_back(k);
+      for (Position further = k + 1; further < count(); ++further) {
+        if (triangle_(k, further) != 0) meets[static_cast<std::size_t>(further)] = true;
+      }
+    }
+    touched.push_back(count());
+    return touched;
+  }
+
+  void TakeIn(Position row, Position taken) {
+    const auto touched = Touched(row, taken);
+    const Position width = std::ssize(touched);
+    Eigen::MatrixXd work(width + taken, width);
+    Position kept = 0;
+    for (const Position k : touched) {
+      if ((triangle_.row(k).array() == 0).all()) continue;
+      work.row(kept++) = triangle_(k, touched);
+    }
+    for (Position k = 0; k + 1 < width; ++k) {
+      work.col(k).segment(kept, taken) = Rows(touched[static_cast<std::size_t>(k)], row, taken);
+    }
+    work.col(width - 1).segment(kept, taken) = Residuals().segment(row, taken);
+    Eigen::Ref<Eigen::MatrixXd> filled = work.topRows(kept + taken);
+    const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(filled);
+    for (Position k = 0; k < width; ++k) {
+      const Position to = touched[static_cast<std::size_t>(k)];
+      triangle_.row(to).setZero();
+      if (k >= kept + taken) continue;
+      for (Position further = k; further < width; ++further) {
+        triangle_(to, touched[static_cast<std::size_t>(further)]) = work(k, further);
+      }
+    }
+  }
 
   const LeastSquares& problem_;
   std::vector<Position> columns_;
   std::vector<double> point_;
   std::vector<double> residuals_;
   std::vector<double> jacobian_;
+  Eigen::MatrixXd triangle_;
 };
 
-// the problem's triangle as one block of residuals over one block of parameters
+// the reduced problem as one block of residuals over one block of parameters
 class Block : public ceres::CostFunction {
  public:
   explicit Block(FreeProblem& problem) : problem_(problem) {
@@ -110,10 +149,10 @@ class Block : public ceres::CostFunction {
       out[size - 1] = problem_.Length();
       return std::isfinite(out[size - 1]);
     }
-    Eigen::MatrixXd triangle;
-    if (!problem_.Triangle(&triangle)) return false;
-    out = triangle.col(size - 1);
-    Eigen::Map<RowMajor>(jacobians[0], size, size - 1) = triangle.leftCols(size - 1);
+    Eigen::MatrixXd reduced;
+    if (!problem_.Reduce(&reduced)) return false;
+    out = reduced.col(size - 1);
+    Eigen::Map<RowMajor>(jacobians[0], size, size - 1) = reduced.leftCols(size - 1);
     return true;
   }
 
@@ -142,13 +181,13 @@ struct NewtonStep {
 };
 
 // in units of the columns' lengths
-NewtonStep StepFrom(const Eigen::MatrixXd& triangle) {
-  const Position count = triangle.cols() - 1;
-  Eigen::MatrixXd scaled = triangle.leftCols(count);
+NewtonStep StepFrom(const Eigen::MatrixXd& reduced) {
+  const Position count = reduced.cols() - 1;
+  Eigen::MatrixXd scaled = reduced.leftCols(count);
   Eigen::VectorXd lengths = scaled.colwise().norm();
   lengths = (lengths.array() > 0).select(lengths, 1.0);
   scaled *= lengths.cwiseInverse().asDiagonal();
-  const Eigen::VectorXd step = -scaled.colPivHouseholderQr().solve(triangle.col(count));
+  const Eigen::VectorXd step = -scaled.colPivHouseholderQr().solve(reduced.col(count));
   return {step.cwiseQuotient(lengths), (scaled * step).norm()};
 }
 
@@ -163,9 +202,9 @@ void Polish(FreeProblem& problem) {
   Eigen::VectorXd best = problem.free_point();
   Eigen::VectorXd tried = best;
   const double length = problem.Length();
-  Eigen::MatrixXd triangle;
-  for (int k = 0; k < kMostSteps && problem.Triangle(&triangle); ++k) {
-    const NewtonStep step = StepFrom(triangle);
+  Eigen::MatrixXd reduced;
+  for (int k = 0; k < kMostSteps && problem.Reduce(&reduced); ++k) {
+    const NewtonStep step = StepFrom(reduced);
     if (!(step.length < 0.9 * previous) || step.length == 0) break;
     best = tried;
     previous = step.length;

@@ -99,8 +99,8 @@ struct RingDownPoint {
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
-/// with the sign of `polarity`. Derivatives are automatic for the circuit and written down for the
-/// rest.
+/// with the sign of `polarity`. Derivatives are automatic for the circuit's poles and shapes, and
+/// written down for each sample (ringing_moments.h).
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);

@@ -1,19 +1,16 @@
 #include "fit/ring_fit.h"
 
-#include <ceres/jet.h>
-
 #include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 #include <span>
 
 #include "base/check.h"
+#include "fit/ringing_moments.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
 namespace {
-
-using Jet = ceres::Jet<double, 2>;
 
 constexpr std::size_t kPoleParameters = 2;
 constexpr std::size_t kEven = kPoleParameters;
@@ -76,27 +73,27 @@ std::vector<double> StartPoint(const RingSamples& samples, const PolePair& poles
 bool Evaluate(const RingSamples& samples, const Background& background,
               std::span<const double> point, std::span<double> residuals,
               std::span<double> jacobian) {
-  using std::exp;
-  const Jet decay = exp(Jet(point[0], 0));
-  const Jet stiffness = exp(Jet(point[1], 1));
+  const double decay = std::exp(point[0]);
+  const double stiffness = std::exp(point[1]);
+  RingingMoments moments(decay, stiffness, 0, samples.step_s);
   std::vector<double> columns(point.size() - kPoleParameters);
   for (std::size_t n = 0; n < residuals.size(); ++n) {
-    const double since_s = samples.times_s[n] - samples.times_s.front();
-    const auto pair = sim::DampedFundamentals(decay, stiffness, Jet(since_s));
-    const Jet ringing = point[kEven] * pair.even + point[kOdd] * pair.odd;
-    columns[0] = pair.even.a;
-    columns[1] = pair.odd.a;
+    const RingingMoment moment = moments.At(samples.times_s[n] - samples.times_s.front());
+    columns[0] = moment.even;
+    columns[1] = moment.odd;
     columns[2] = 1;
     background.Write(samples.times_s[n], columns.data() + 3);
-    residuals[n] = ringing.a - samples.values_v[n];
-    for (std::size_t k = 2; k < columns.size(); ++k) {
+    residuals[n] = -samples.values_v[n];
+    for (std::size_t k = 0; k < columns.size(); ++k) {
       residuals[n] += point[kPoleParameters + k] * columns[k];
     }
     if (!std::isfinite(residuals[n])) return false;
     if (jacobian.empty()) continue;
+    const RingingSlopes slopes = moments.SlopesAt(moment);
     double* row = jacobian.data() + n * point.size();
-    row[0] = ringing.v[0];
-    row[1] = ringing.v[1];
+    row[0] = decay * (point[kEven] * slopes.even_by_decay + point[kOdd] * slopes.odd_by_decay);
+    row[1] = stiffness *
+             (point[kEven] * slopes.even_by_stiffness + point[kOdd] * slopes.odd_by_stiffness);
     std::ranges::copy(columns, row + kPoleParameters);
   }
   return true;

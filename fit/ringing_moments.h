@@ -16,7 +16,7 @@ struct RingingMoment {
   double electrical = 0;  ///< e^(-p t); 0 before the blow
 };
 
-/// E, O and their derivatives: of O where d and q change, whatever the damping.
+/// Derivatives of E and O by d, q and the time, whatever the damping.
 struct RingingSlopes {
   double even_by_decay = 0;
   double even_by_stiffness = 0;
@@ -35,7 +35,8 @@ struct RingingSlopes {
 ///
 /// from a table of 64 steps, which holds for any damping and costs no sine and no exponential.
 /// Relative to the envelope the error is below 1e-15 and that of the angle. A sample that is off
-/// the grid, or behind a longer hole, begins a stretch of its own. No allocation.
+/// the grid, behind a longer hole, or before the blow (where the sums cancel under heavy damping)
+/// is a stretch of its own. No allocation.
 class RingingMoments {
  public:
   /// @param electrical_rate_per_s p; 0: there is no such current
@@ -62,7 +63,8 @@ class RingingMoments {
 
   RingingMoment Moved(double since_s) {
     const double steps = (since_s - first_.since_s) * steps_per_s_;
-    const bool is_near = steps > -0.5 && steps < static_cast<double>(kSteps) - 0.5;
+    const bool is_near =
+        first_.since_s >= 0 && steps > -0.5 && steps < static_cast<double>(kSteps) - 0.5;
     const std::size_t step = is_near ? static_cast<std::size_t>(steps + 0.5) : 0;
     if (!is_near || steps_per_s_ == 0 || std::abs(steps - static_cast<double>(step)) > kOffGrid) {
       return Begin(since_s);
