@@ -8,7 +8,9 @@
 
 #include "base/result.h"
 #include "fit/impulse_record.h"
+#include "fit/poles.h"
 #include "fit/residual_density.h"
+#include "fit/uncertain_pole.h"
 
 namespace haptometer::fit {
 
@@ -59,6 +61,9 @@ struct FittedRecord {
   std::size_t first_sample = 0;  ///< of the fitted part
   std::size_t samples = 0;       ///< fitted, measurements only
   std::vector<double> model_v;   ///< for every sample of the part, offset and disturbances included
+  std::vector<double> residual_v;  ///< sample less model; NaN where a sample is not fitted
+  UncertainPole pole;              ///< of the fit of all records, with its combined covariance
+  PolePair start;                  ///< where the search began: this record by itself
   std::vector<std::string>
       found;  ///< sentences: clipping, later blows, hum, drift, and what is done
 };
