@@ -25,6 +25,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kSlices = 2000;
 constexpr std::size_t kMostPoints = 2 * kSlices;
 constexpr std::size_t kMostInSegment = std::size_t{1} << 22U;
+constexpr double kCellsADecade = 400;  // of frequency: 0.6 %, half the width of a resonance of Q 80
 constexpr std::size_t kEllipsePoints = 180;
 
 std::string Lines(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
@@ -143,7 +144,26 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
                  [&](std::size_t row) { return fitted.residual_v[row - part.first] / unit; })}};
 }
 
-// a one-sided density without its line at 0, which has no place on a logarithmic axis
+// a density on logarithmic axes: its means over cells of equal width there, which hold one line at
+// the low end and many at the high one. The line at 0 has no place on such an axis
+plot::Series InCells(std::string title, std::string_view colour,
+                     const dsp::PowerSpectrum& spectrum) {
+  plot::Series series{std::move(title), Lines(colour), {}, {}};
+  const auto cell_of = [](std::size_t line) {
+    return std::floor(kCellsADecade * std::log10(static_cast<double>(line)));
+  };
+  for (std::size_t k = 1; k < spectrum.density.size();) {
+    const std::size_t first = k;
+    double sum = 0;
+    for (; k < spectrum.density.size() && cell_of(k) == cell_of(first); ++k) {
+      sum += spectrum.density[k];
+    }
+    series.x.push_back(0.5 * static_cast<double>(first + k - 1) * spectrum.grid.resolution_hz);
+    series.y.push_back(sum > 0 ? sum / static_cast<double>(k - first) : kNan);
+  }
+  return series;
+}
+
 Result<plot::Series> Density(std::string title, std::string_view colour,
                              const std::vector<double>& values, double step_s) {
   const auto spectrum =
@@ -153,17 +173,7 @@ Result<plot::Series> Density(std::string title, std::string_view colour,
                                   .overlap = 0,
                                   .detrend = dsp::Detrend::kNothing});
   if (!spectrum) return std::unexpected(spectrum.error());
-  std::vector<double> x;
-  std::vector<double> y;
-  x.reserve(spectrum->density.size());
-  y.reserve(spectrum->density.size());
-  for (std::size_t k = 1; k < spectrum->density.size(); ++k) {
-    x.push_back(static_cast<double>(k) * spectrum->grid.resolution_hz);
-    y.push_back(spectrum->density[k] > 0 ? spectrum->density[k] : kNan);
-  }
-  plot::Series series{std::move(title), Lines(colour), {}, {}};
-  plot::AppendEnvelope(x, y, kSlices, &series.x, &series.y);
-  return series;
+  return InCells(std::move(title), colour, *spectrum);
 }
 
 // the fitted part's samples less the offset, the model where one is missing; and the residuals
