@@ -13,7 +13,6 @@
 #include "fit/drop_test_road.h"
 #include "fit/force_constant.h"
 #include "fit/huber.h"
-#include "sim/ring_down.h"
 
 namespace haptometer::fit {
 namespace {
@@ -109,28 +108,22 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
 }
 
 FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& road,
-                            const FittedValue& force_constant, std::size_t r) {
+                            const FittedValue& force_constant, const UncertainPole& pole,
+                            std::size_t r) {
   const auto& [record, start, part] = prepared;
   const auto& samples = road.problem.records()[r];
   const auto& own = road.point.own[r];
-  const auto& shared = road.point.shared;
-  const sim::RingDown<double> circuit(
-      {.stiffness_n_per_m = std::exp(shared[Index(Shared::kStiffness)]),
-       .damping_n_s_per_m = std::exp(shared[Index(Shared::kDamping)]),
-       .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
-       .mass_kg = RingingMass(samples, std::exp(shared[Index(Shared::kMass)])),
-       .coil_resistance_ohm = std::exp(shared[Index(Shared::kResistance)]),
-       .inductance_h = road.problem.inductance_h(),
-       .load_ohm = samples.load_ohm});
-
   FittedRecord fitted;
   fitted.name = record.name;
+  fitted.signal = record.signal;
   fitted.load_ohm = samples.load_ohm;
   fitted.impact_s = own[Index(Own::kImpact)];
   fitted.offset_v = own[Index(Own::kOffset)];
-  fitted.decay_per_s = circuit.decay_per_s();
-  const double square = circuit.stiffness_per_s2() - fitted.decay_per_s * fitted.decay_per_s;
-  fitted.damped_frequency_hz = square > 0 ? std::sqrt(square) / (2 * std::numbers::pi) : 0;
+  fitted.pole = pole;
+  fitted.decay_per_s = pole.decay_per_s;
+  fitted.damped_frequency_hz = pole.frequency_hz;
+  const double scale = samples.time_scale;  // shown over true seconds, of which the poles are
+  fitted.start = {scale * start.poles.decay_per_s, scale * scale * start.poles.stiffness_per_s2};
   fitted.quiet_noise_v = start.quiet_noise_v;
   fitted.first_sample = part.first_sample;
   fitted.samples = samples.times_s.size();
@@ -158,10 +151,12 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   }
   fitted.model_v = road.problem.Voltages(road.point, r, times);
   double square_sum = 0;
+  fitted.residual_v.assign(times.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t n = 0; n < times.size(); ++n) {
     const double sample = record.voltage_v[part.first_sample + n];
-    if (!std::isfinite(sample)) continue;
-    square_sum += (sample - fitted.model_v[n]) * (sample - fitted.model_v[n]);
+    if (!std::isfinite(sample) || times[n] < samples.times_s.front()) continue;
+    fitted.residual_v[n] = sample - fitted.model_v[n];
+    square_sum += fitted.residual_v[n] * fitted.residual_v[n];
     fitted.peak_v = std::max(fitted.peak_v, std::abs(sample - fitted.offset_v));
   }
   fitted.residual_rms_v = std::sqrt(square_sum / static_cast<double>(fitted.samples));
@@ -253,7 +248,8 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
       Evaluate(road, *model,
                {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
   for (std::size_t r = 0; r < records.size(); ++r) {
-    fit.records.push_back(DescribeRecord(model->records[r], road, fit.force_constant, r));
+    fit.records.push_back(
+        DescribeRecord(model->records[r], road, fit.force_constant, PoleOf(road, *model, r), r));
   }
   DescribeInfluences(road, *model, fit);
   DescribeCovariance(road, *model, fit);

@@ -9,7 +9,9 @@
 
 #include "base/result.h"
 #include "fit/impulse_record.h"
+#include "fit/poles.h"
 #include "fit/residual_density.h"
+#include "fit/uncertain_pole.h"
 
 namespace haptometer::fit {
 
@@ -54,8 +56,9 @@ struct InputInfluence {
 /// How one record was read and met.
 struct FittedRecord {
   std::string name;
-  double load_ohm = 0;              ///< infinite: open
-  double impact_s = 0;              ///< on the record's own time axis
+  RecordedSignal signal = RecordedSignal::kVoltage;  ///< of a displacement, every V is a metre
+  double load_ohm = 0;                               ///< infinite: open
+  double impact_s = 0;                               ///< on the record's own time axis
   double impact_speed_m_per_s = 0;  ///< of mover against case, its magnitude; see below
   bool speed_determined = false;    ///< whether the impact speed is known or measured
   double offset_v = 0;
@@ -69,6 +72,9 @@ struct FittedRecord {
   std::size_t first_sample = 0;  ///< of the fitted part
   std::size_t samples = 0;       ///< fitted, measurements only
   std::vector<double> model_v;   ///< for every sample of the part, offset and disturbances included
+  std::vector<double> residual_v;  ///< sample less model; NaN where a sample is not fitted
+  UncertainPole pole;              ///< of the fit of all records, with its combined covariance
+  PolePair start;                  ///< where the search began: this record by itself
   std::vector<std::string>
       found;  ///< sentences: clipping, later blows, hum, drift, and what is done
 };

@@ -1,6 +1,7 @@
 #include "fit/drop_test_road.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <span>
@@ -306,6 +307,34 @@ Spread SpreadOf(const DropTestRoad& road, const DropTestModel& model,
   spread.given = std::sqrt(GivenCovariance(road, model, weights, weights));
   spread.combined = std::hypot(spread.statistical, spread.given, spread.blur);
   return spread;
+}
+
+UncertainPole PoleOf(const DropTestRoad& road, const DropTestModel& model, std::size_t record) {
+  const RecordPoles at = road.problem.Poles(road.point, record);
+  const double decay = at.poles.decay_per_s;
+  const double square = at.poles.stiffness_per_s2 - decay * decay;
+  UncertainPole pole;
+  pole.decay_per_s = decay;
+  if (!(square > 0)) return pole;
+  pole.frequency_hz = std::sqrt(square) / (2 * std::numbers::pi);
+  if (!(decay > 0)) return pole;  // noise has made Km^2 negative
+
+  // of the logarithms, as everywhere: f^2 ~ q - d^2
+  std::array<std::vector<double>, 2> weights;
+  weights.fill(std::vector<double>(road.jacobian.columns, 0.0));
+  for (std::size_t k = 0; k < kSharedCount; ++k) {
+    weights[0][k] = (0.5 * at.stiffness_slopes[k] - decay * at.decay_slopes[k]) / square;
+    weights[1][k] = at.decay_slopes[k] / decay;
+  }
+  const std::array scale{pole.frequency_hz, decay};
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t j = 0; j < 2; ++j) {
+      pole.covariance[i][j] =
+          scale[i] * scale[j] * CovarianceOf(road, model, weights[i], weights[j]);
+    }
+  }
+  pole.determined = road.solver.converged && IsSeen(road, weights[0]) && IsSeen(road, weights[1]);
+  return pole;
 }
 
 void TakeRelative(const Spread& spread, FittedValue& value) {

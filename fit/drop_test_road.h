@@ -11,6 +11,7 @@
 #include "fit/rank.h"
 #include "fit/residual_density.h"
 #include "fit/ring_down_problem.h"
+#include "fit/uncertain_pole.h"
 
 namespace haptometer::fit {
 
@@ -75,6 +76,11 @@ struct Spread {
 [[nodiscard]] double CovarianceOf(const DropTestRoad& road, const DropTestModel& model,
                                   const std::vector<double>& first,
                                   const std::vector<double>& second);
+
+/// A record's pole with the covariance of CovarianceOf. Determined: converged, it oscillates, and
+/// both numbers are seen (see IsSeen).
+[[nodiscard]] UncertainPole PoleOf(const DropTestRoad& road, const DropTestModel& model,
+                                   std::size_t record);
 
 /// A blur below which a combination counts as seen, and how an unseen one's e-fold would move it.
 inline constexpr double kMostBlur = 1e-3;

@@ -263,4 +263,15 @@ std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::s
   return voltages;
 }
 
+RecordPoles RingDownProblem::Poles(const RingDownPoint& point, std::size_t record) const {
+  const Jets jets = MakeJets(point.shared.data(), point.own[record].data());
+  const auto circuit = Circuit(records_[record], inductance_h_, jets.shared.data());
+  RecordPoles poles{{circuit.decay_per_s().a, circuit.stiffness_per_s2().a}};
+  for (std::size_t k = 0; k < kSharedCount; ++k) {
+    poles.decay_slopes[k] = circuit.decay_per_s().v[static_cast<int>(k)];
+    poles.stiffness_slopes[k] = circuit.stiffness_per_s2().v[static_cast<int>(k)];
+  }
+  return poles;
+}
+
 }  // namespace haptometer::fit

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fit/least_squares.h"
+#include "fit/poles.h"
 
 namespace haptometer::fit {
 
@@ -91,6 +92,13 @@ struct RingDownPoint {
   return kSharedCount + kOwnCount * record + Index(parameter);
 }
 
+/// A record's pole pair, and its derivatives by the shared parameters.
+struct RecordPoles {
+  PolePair poles;
+  std::array<double, kSharedCount> decay_slopes{};
+  std::array<double, kSharedCount> stiffness_slopes{};
+};
+
 /// All records of a drop test as one least-squares problem over the circuit model of
 /// sim/ring_down.h:
 ///
@@ -118,6 +126,9 @@ class RingDownProblem {
   /// The model's voltage at `times_s` for a record, offset and disturbances included.
   [[nodiscard]] std::vector<double> Voltages(const RingDownPoint& point, std::size_t record,
                                              const std::vector<double>& times_s) const;
+
+  /// The pole pair with which a record rings, in true seconds, its load included.
+  [[nodiscard]] RecordPoles Poles(const RingDownPoint& point, std::size_t record) const;
 
   [[nodiscard]] const std::vector<RingDownSamples>& records() const { return records_; }
   [[nodiscard]] std::vector<RingDownSamples>& records() { return records_; }

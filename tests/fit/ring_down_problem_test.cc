@@ -94,6 +94,31 @@ TEST(RingDownProblem, DerivativesAreThoseOfFiniteDifferences) {
   }
 }
 
+TEST(RingDownProblem, PolesMoveAsByFiniteDifferences) {
+  const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 0.3)}, 130e-6);
+  const auto point = Point();
+  for (std::size_t r = 0; r < 2; ++r) {
+    const RecordPoles at = problem.Poles(point, r);
+    for (std::size_t k = 0; k < kSharedCount; ++k) {
+      constexpr double kStep = 1e-5;
+      auto more = point;
+      auto less = point;
+      more.shared[k] += kStep;
+      less.shared[k] -= kStep;
+      const PolePair above = problem.Poles(more, r).poles;
+      const PolePair below = problem.Poles(less, r).poles;
+      EXPECT_ABS(at.decay_slopes[k] / at.poles.decay_per_s,
+                 (above.decay_per_s - below.decay_per_s) / (2 * kStep) / at.poles.decay_per_s, 1e-9,
+                 "a step of 1e-5, squared; rounding over it");
+      EXPECT_ABS(at.stiffness_slopes[k] / at.poles.stiffness_per_s2,
+                 (above.stiffness_per_s2 - below.stiffness_per_s2) / (2 * kStep) /
+                     at.poles.stiffness_per_s2,
+                 1e-9, "the same");
+    }
+  }
+  EXPECT_REL(problem.Poles(point, 0).poles.decay_per_s, 0.0322 / 2.8e-3, 1e-15, "Bv/2M, open");
+}
+
 TEST(RingDownProblem, HeldParametersStay) {
   const RingDownProblem problem({Samples(kOpen, 1), Samples(33, 1)}, 0);
   auto point = Point();

@@ -328,7 +328,7 @@ TEST_F(FitLraFiles, ThePlotHoldsRecordAndFit) {
   EXPECT_EQ(FitLra({kOpenFile, "--plot", path}).status, 0);
   std::ifstream in(path);
   const std::string svg{std::istreambuf_iterator<char>(in), {}};
-  for (const char* word : {"impulse.csv (open)", "voltage / V", "residual / mV", "time / ms"}) {
+  for (const char* word : {"impulse.csv (open)", "voltage / V", "residual / noise", "time / ms"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
 }

@@ -180,7 +180,7 @@ int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import,
   Taps taps = ReadTaps(*paths, import);
   int status = 0;
   for (const auto& error : taps.left_out) {
-    status = std::max(status, cli::ReportError(kVerb, error));
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
   if (taps.records.empty()) return status;
   for (const auto& remark : taps.remarks) cli::Remark(kVerb, remark);
@@ -188,12 +188,12 @@ int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import,
   const auto fit = fit::FitAdapter(taps.records, *words.mass_kg);
   if (!fit) return cli::ReportError(kVerb, fit.error());
   for (const auto& error : fit->left_out) {
-    status = std::max(status, cli::ReportError(kVerb, error));
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
     taps.left_out.push_back(error);
   }
   fmt::print("{}", json ? Json(*fit, taps.remarks, taps.left_out) : Text(*fit));
   const bool answered = fit->stiffness.determined && fit->damping.determined;
-  return answered ? status : std::max(status, ExitStatus(Cause::kCannotAnswer));
+  return answered ? status : cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
 }
 
 }  // namespace haptometer::tools

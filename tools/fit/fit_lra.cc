@@ -7,6 +7,7 @@
 
 #include "fit/drop_test_fit.h"
 #include "fit/plausibility.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
@@ -14,11 +15,15 @@
 #include "tools/fit/fit_adapter.h"
 #include "tools/fit/fit_impedance.h"
 #include "tools/fit/fit_lra_input.h"
+#include "tools/fit/fit_lra_json.h"
 #include "tools/fit/fit_lra_output.h"
+#include "tools/fit/fit_lra_panels.h"
+#include "tools/fit/fit_lra_report.h"
 #include "tools/fit/fit_lra_save.h"
 #include "tools/fit/fit_plan.h"
 #include "tools/fit/fit_plan_options.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/report/html_page.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -71,6 +76,7 @@ int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& 
 // the files that are asked for beside the answer, and one that is read
 struct FitLraFiles {
   std::string plot;
+  std::string report;
   std::string save;
   std::string impedance;  // a sweep in place of drops
 };
@@ -105,22 +111,54 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                    "Status 3 where this constant is not determined; may be repeated");
   options.Text("--save", &files.save, "FILE.toml",
                "Write the actuator with uncertainties and correlations, for scenes and --actuator");
-  options.Text("--plot", &files.plot, "FILE.svg|png|pdf", "Draw records, fit and residuals");
+  options.Text("--plot", &files.plot, "FILE.svg|png|pdf",
+               "Draw records, fit, residuals, spectra and poles");
+  options.Text("--report", &files.report, "FILE.html",
+               "Write one page with figures, budget, assumptions and settings");
   options.Text(
       "--impedance", &files.impedance, "FILE.csv",
       "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
   cli::DeclareImport(&options, &import, cli::Scaled::kVoltage);
 }
 
+// where the files shall stand; to be asked before long work
+Result<void> CheckPaths(const FitLraFiles& files) {
+  if (!files.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) return drawable;
+  }
+  return files.report.empty() ? Result<void>{} : report::CheckReportPath(files.report);
+}
+
+Result<void> WritePage(const std::string& path, const ReportedFit& reported) {
+  const auto page = FitLraReport(reported);
+  if (!page) return std::unexpected(page.error());
+  return report::WriteReport(path, *page);
+}
+
+// `command` is how the program was called
 Result<void> WriteFiles(const FitLraFiles& files, const fit::DropTestFit& fit,
-                        const FitLraInput& input) {
+                        const std::vector<std::string>& doubts, const FitLraInput& input,
+                        const std::string& command) {
   if (!files.save.empty()) {
     const auto text = ActuatorText(fit, input.knowns);
     if (!text) return std::unexpected(text.error());
     if (auto written = cli::WriteWholeFile(files.save, *text); !written) return written;
   }
-  if (files.plot.empty()) return {};
-  return PlotFitLra(files.plot, fit, input.records);
+  if (files.plot.empty() && files.report.empty()) return {};
+  auto figures = FitLraFigures(fit, input.records, input.left_out_drops);
+  if (!files.plot.empty()) {
+    if (auto drawn = DrawFigures(files.plot, figures); !drawn) return drawn;
+  }
+  if (files.report.empty()) return {};
+  return WritePage(files.report,
+                   {fit, doubts, input.remarks, input.left_out, std::move(figures), command});
+}
+
+// the status of drops of which none could be fitted; a plot shows them nonetheless
+int DrawUnfitted(const FitLraFiles& files, const std::vector<LeftOutDrop>& drops, int status) {
+  if (files.plot.empty() || drops.empty()) return status;
+  const auto drawn = DrawFigures(files.plot, UnfittedFigures(drops));
+  return drawn ? status : cli::WorseStatus(status, cli::ReportError(kVerb, drawn.error()));
 }
 
 // the status with which a plan ends, or one of its options without it; `others` is what goes only
@@ -132,9 +170,42 @@ std::optional<int> AnswerPlan(const PlanWords& plan, const FitLraOptions& wanted
     return checked ? std::nullopt : std::optional(cli::ReportError(kVerb, checked.error()));
   }
   if (others.empty()) return RunFitPlan(plan, wanted, json);
-  return cli::ReportError(kVerb, Usage("--plan", "goes without --plot, --save and --impedance",
-                                       "make the drops, then fit them without --plan")
-                                     .error());
+  return cli::ReportError(kVerb,
+                          Usage("--plan", "goes without --plot, --report, --save and --impedance",
+                                "make the drops, then fit them without --plan")
+                              .error());
+}
+
+// fits the drops, and answers what can be answered
+int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std::string& command,
+                bool json) {
+  const auto input = GatherFitLraInput(wanted);
+  if (!input) return cli::ReportError(kVerb, input.error());
+  int status = 0;
+  for (const Error& error : input->left_out) {
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
+  }
+  if (input->records.empty()) return DrawUnfitted(files, input->left_out_drops, status);
+  for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
+
+  const auto fit = fit::FitDropTest(input->records, input->knowns,
+                                    wanted.is_robust ? fit::Loss::kHuber : fit::Loss::kSquares);
+  if (!fit) {
+    std::vector<LeftOutDrop> drops = input->left_out_drops;
+    for (const auto& record : input->records) drops.push_back({record, fit.error()});
+    return DrawUnfitted(files, drops, cli::ReportError(kVerb, fit.error()));
+  }
+  const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
+  fmt::print("{}", json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
+                        : FitLraText(*fit, doubts));
+  status = cli::WorseStatus(status, ReportRequired(*fit, wanted.required));
+  if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
+    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
+  }
+  if (auto written = WriteFiles(files, *fit, doubts, *input, command); !written) {
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, written.error()));
+  }
+  return status;
 }
 
 }  // namespace
@@ -153,51 +224,22 @@ int RunFitLra(int argc, const char* const* argv) {
   auto import = cli::ImportOf(import_words);
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
-  if (const auto status =
-          AnswerPlan(plan, wanted, files.plot + files.save + files.impedance, options.json())) {
+  if (const auto status = AnswerPlan(
+          plan, wanted, files.plot + files.report + files.save + files.impedance, options.json())) {
     return *status;
   }
   const bool has_drops = !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() ||
                          !files.impedance.empty();
   if (adapter.given()) return AnswerAdapter(adapter, wanted.import, has_drops, options.json());
-  if (!files.plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) {
-      return cli::ReportError(kVerb, drawable.error());
-    }
-  }
-
+  if (auto good = CheckPaths(files); !good) return cli::ReportError(kVerb, good.error());
   if (auto named = CheckRequired(wanted.required); !named) {
     return cli::ReportError(kVerb, named.error());
   }
-
   if (!files.impedance.empty()) {
     return AnswerImpedance(files.impedance, wanted, files.plot, options.json());
   }
-
-  // what cannot be used is reported, the rest is answered
-  const auto input = GatherFitLraInput(wanted);
-  if (!input) return cli::ReportError(kVerb, input.error());
-  int status = 0;
-  for (const Error& error : input->left_out) {
-    status = std::max(status, cli::ReportError(kVerb, error));
-  }
-  if (input->records.empty()) return status;
-  for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
-
-  const auto fit = fit::FitDropTest(input->records, input->knowns,
-                                   wanted.is_robust ? fit::Loss::kHuber : fit::Loss::kSquares);
-  if (!fit) return cli::ReportError(kVerb, fit.error());
-  const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
-  fmt::print("{}", options.json() ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
-                                  : FitLraText(*fit, doubts));
-  status = std::max(status, ReportRequired(*fit, wanted.required));
-  if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
-    status = ExitStatus(Cause::kCannotAnswer);
-  }
-  if (auto written = WriteFiles(files, *fit, *input); !written) {
-    return cli::ReportError(kVerb, written.error());
-  }
-  return status;
+  const std::vector<std::string> typed(argv, argv + argc);
+  return AnswerDrops(wanted, files, cli::CommandLine(typed), options.json());
 }
 
 }  // namespace haptometer::tools

@@ -197,6 +197,7 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
   for (const fit::ImpulseRecord& drop : drops) {
     if (auto start = fit::FindRingStart(drop); !start) {
       input->left_out.push_back(start.error());
+      input->left_out_drops.push_back({drop, start.error()});
     } else {
       files->push_back({ThinnedOrWhole(drop, *start, &input->remarks), file.knowns, {}});
     }

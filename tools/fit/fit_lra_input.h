@@ -34,13 +34,20 @@ struct FitLraOptions {
   trial::ImportOptions import;  ///< how to read tables of other programs
 };
 
+/// A drop that was read and holds no ring-down that can be fitted.
+struct LeftOutDrop {
+  fit::ImpulseRecord record;
+  Error why;
+};
+
 /// The drops that can be fitted, what is known of the actuator, and what was left out.
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
   fit::ActuatorKnowns knowns;
   std::vector<std::string>
       remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
-  std::vector<Error> left_out;  ///< files that cannot be fitted; the others still are
+  std::vector<Error> left_out;              ///< files that cannot be fitted; the others still are
+  std::vector<LeftOutDrop> left_out_drops;  ///< those of them that could be read
 };
 
 /// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "base/result.h"
 #include "fit/drop_test_fit.h"
-#include "fit/impulse_record.h"
 
 namespace haptometer::tools {
 
@@ -14,14 +13,28 @@ namespace haptometer::tools {
 [[nodiscard]] std::string FitLraText(const fit::DropTestFit& fit,
                                      const std::vector<std::string>& doubts);
 
-/// The same as one JSON document (docs/commands.md); what is not determined is null.
-[[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
-                                     const std::vector<std::string>& doubts,
-                                     const std::vector<std::string>& remarks,
-                                     const std::vector<Error>& left_out);
+/// A result and how it is called.
+struct NamedValue {
+  std::string_view name;
+  const fit::FittedValue* value = nullptr;
+};
 
-/// Two panels a record: samples with the fit, and the residual. Errors: see plot::DrawPanels.
-[[nodiscard]] Result<void> PlotFitLra(const std::string& path, const fit::DropTestFit& fit,
-                                      const std::vector<fit::ImpulseRecord>& records);
+/// Kv, Bv, Km, f0, Q and the ratios to the mass, in the order in which they are told.
+[[nodiscard]] std::vector<NamedValue> ValuesOf(const fit::DropTestFit& fit);
+
+/// "open", "33 ohm".
+[[nodiscard]] std::string LoadText(double load_ohm);
+
+/// What is told of a record: its ringing, its residual, what was found in it; at least two lines.
+[[nodiscard]] std::vector<std::string> RecordLines(const fit::FittedRecord& record);
+
+/// A given number and what it does: "moving mass 1.4 g", "taken as exact; +1 % of it: Kv +1.000 %".
+struct GivenLine {
+  std::string what;
+  std::string text;
+};
+
+/// The given numbers that move a constant.
+[[nodiscard]] std::vector<GivenLine> GivenLines(const fit::DropTestFit& fit);
 
 }  // namespace haptometer::tools

@@ -108,14 +108,14 @@ int RunFitSkin(int argc, const char* const* argv) {
   }
   int status = 0;
   for (const auto& error : sweeps->left_out) {
-    status = std::max(status, cli::ReportError(kVerb, error));
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
   if (contacts.empty()) return status;
   const auto areas = fit::FitSkinAreas(contacts);
   fmt::print("{}", options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
                                   : FitSkinText(contacts, areas, actuator->name));
   if (!std::ranges::all_of(contacts, IsAnswered)) {
-    status = std::max(status, ExitStatus(Cause::kCannotAnswer));
+    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }
   if (plot.empty()) return status;
   if (auto drawn = PlotFitSkin(plot, contacts, areas); !drawn) {

@@ -22,22 +22,33 @@ int Decimals(double uncertainty) {
 
 }  // namespace
 
-std::string FittedLine(std::string_view name, const fit::FittedValue& value) {
-  if (!value.determined && value.at_most) {
-    return fmt::format("  {:<6} at most {:.2g} {} (95 % interval from 0); not determined\n", name,
-                       *value.at_most, value.unit);
+FittedCells CellsOf(const fit::FittedValue& value) {
+  if (!value.determined) {
+    return {"not determined", value.at_most
+                                  ? fmt::format("at most {:.2g} {} (95 % interval from 0)",
+                                                *value.at_most, value.unit)
+                                  : ""};
   }
-  if (!value.determined) return fmt::format("  {:<6} not determined\n", name);
   const double half = (value.upper - value.lower) / 2;
   const int decimals = Decimals(half);
   const bool is_lopsided =
       std::abs(value.upper + value.lower - 2 * value.value) > 2 * kLopsided * half;
-  const std::string interval =
-      is_lopsided ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
-                  : fmt::format("+- {:.{}f}",
-                                fit::kCoverage95 * value.combined_standard_uncertainty, decimals);
-  return fmt::format("  {:<6} {:>14.{}f}{} {}{}{}\n", name, value.value, decimals,
-                     is_lopsided ? "," : "", interval, value.unit.empty() ? "" : " ", value.unit);
+  return {fmt::format("{:.{}f}", value.value, decimals),
+          is_lopsided
+              ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
+              : fmt::format("+- {:.{}f}", fit::kCoverage95 * value.combined_standard_uncertainty,
+                            decimals)};
+}
+
+std::string FittedLine(std::string_view name, const fit::FittedValue& value) {
+  const auto [number, interval] = CellsOf(value);
+  if (!value.determined) {
+    return value.at_most ? fmt::format("  {:<6} {}; {}\n", name, interval, number)
+                         : fmt::format("  {:<6} {}\n", name, number);
+  }
+  return fmt::format("  {:<6} {:>14}{} {}{}{}\n", name, number,
+                     interval.starts_with('+') ? "" : ",", interval, value.unit.empty() ? "" : " ",
+                     value.unit);
 }
 
 nlohmann::ordered_json FittedJson(const fit::FittedValue& value) {

@@ -9,6 +9,14 @@
 
 namespace haptometer::tools {
 
+/// A value and its 95 % interval, each for a cell: "8200.00" and "+- 0.51", of a lopsided one both
+/// ends, "0.72 to 1.25". "not determined" and, where there is one, the upper limit.
+struct FittedCells {
+  std::string value;
+  std::string interval;
+};
+[[nodiscard]] FittedCells CellsOf(const fit::FittedValue& value);
+
 /// "  Ka   8200.00 +- 0.51 N/m" with a line end; of a lopsided interval both ends, "1.00, 0.72 to
 /// 1.25 N/A". "at most" and the limit, or "not determined", where it is not.
 [[nodiscard]] std::string FittedLine(std::string_view name, const fit::FittedValue& value);

@@ -106,6 +106,8 @@ std::string RangeOfX(const Panel& panel) {
 // both axes as they are without, so that no panel inherits from the one before
 std::string AxisWords(const Panel& panel) {
   std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
+  words += panel.has_margins ? "set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n"
+                             : "unset offsets\n";
   if (panel.ticks.empty()) return words + "set xtics autofreq\n" + RangeOfX(panel);
   double least = 1;  // between two of them
   for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
@@ -144,7 +146,7 @@ std::string Script(const std::string& path, const Terminal& terminal,
       fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
       "\nset termoption noenhanced\nset output " + Quoted(path) +
       "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n"
-      "set boxwidth 0.6\nset format '%g'\n";
+      "set boxwidth 0.6\nset format '%.10g'\n";
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
       script += DataBlock(p, s, panels[p].series[s]);

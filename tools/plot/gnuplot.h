@@ -13,7 +13,7 @@ namespace haptometer::plot {
 struct Series {
   std::string title;      ///< in the key; empty: not listed
   std::string style;      ///< gnuplot's words: "lines lc rgb '#1f77b4'", "points pt 7 ps 0.3"
-  std::vector<double> x;  ///< (n), ascending
+  std::vector<double> x;  ///< (n), ascending where there are more than 4000
   std::vector<double> y;  ///< (n)
   /// (n), half the length of each point's error bar, with "yerrorbars" as the style; empty: none
   std::vector<double> y_error = {};
@@ -39,6 +39,7 @@ struct Panel {
   std::vector<Tick> ticks = {};  ///< ascending, in the place of numbers
   bool y_from_zero = false;
   bool x_from_zero = false;  ///< and a twentieth further than the last point
+  bool has_margins = false;  ///< room between the outermost points and the frame
 };
 
 /// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).

@@ -1,0 +1,70 @@
+"""The page of `fit-lra --report`, looked at in a real browser: it shows the constants that `--json`
+gives with their budget, draws its figures, fetches nothing, fits a narrow screen and prints.
+"""
+import json
+import os
+import re
+import shutil
+import sys
+import tempfile
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+import browser  # noqa: E402
+from programs import check, run  # noqa: E402
+
+MOST_PAGES = 9
+
+
+def main():
+    with tempfile.TemporaryDirectory() as directory:
+        opened = os.path.join(directory, "open <1> & on.csv")
+        shutil.copy("fixtures/impulse.csv", opened)
+        silent = os.path.join(directory, "silent.csv")
+        with open(silent, "w", encoding="utf-8") as file:
+            file.write("time_s,voltage_v\n")
+            file.writelines(f"{k * 1e-4:.4f},0.25\n" for k in range(500))
+        words = ["fit-lra", opened, "fixtures/impulse_33ohm.csv", silent, "--moving-mass", "1.40(3)g"]
+        report = os.path.join(directory, "fit.html")
+        done = run(*words, "--report", report, "--json", status=3)  # of one file nothing can be said
+        answer = json.loads(done.stdout)
+        check(os.path.getsize(report) < 3_000_000, "the page is no larger than 3 MB")
+
+        with browser.page(report) as shown:
+            text = shown.text()
+            check("2 drops" in shown.title(), shown.title())
+            for name, value in answer["parameters"].items():
+                row = re.search(rf"^{name} ([\d.]+) \+- ([\d.]+) (N[ \w/]*)$", text, re.M)
+                check(row, f"{name} stands in a table: {text[:800]}")
+                half = 1.96 * value["combined_standard_uncertainty"]
+                check(abs(float(row.group(1)) - value["value"]) < 0.1 * half, row.group(0))
+                check(abs(float(row.group(2)) - half) < 0.1 * half, row.group(0))
+                check(row.group(3) == value["unit"], row.group(0))
+            for row in answer["budget"]:
+                cells = " ".join(f"{row[k]:.2g}" for k in ("kv_percent", "bv_percent", "km_percent"))
+                check(f"{row['cause']} {row['type'] or ''}".strip() in text, row)
+                check(cells in text, f"{cells} of {row['cause']} is in the budget")
+            sentences = [*answer["assumptions"], *answer["remarks"], *answer["left_out"]]
+            check(len(sentences) >= 5, sentences)
+            for words_shown in [*sentences, "haptometer 0.", "--report", "converged after",
+                                "open <1> & on.csv", f"{answer['correlation_kv_bv_km'][0][1]:+.4f}"]:
+                check(words_shown in text, f"'{words_shown}' is on the page")
+            check("nan" not in text.lower().split(), "no NaN is shown")
+
+            figures = shown.figures()
+            check(len(figures) == 4, "a figure a record, one of the poles, one of what is left out")
+            for width, height, marks in figures:
+                check(width > 300 and height > 200 and marks > 20, figures)
+            drawn = shown.figure_text()
+            for label in ("time / ms", "residual / noise", "frequency / Hz", "decay rate / (1/s)"):
+                check(label in drawn, f"an axis says {label}: {drawn}")
+            check(any("silent.csv: not fitted: " in word for word in drawn), drawn)
+
+            check(shown.fetched() == [], shown.fetched())
+            check(shown.complaints() == [], shown.complaints())
+            check(shown.overflow(browser.NARROW) <= 0, "a telephone shows all of it")
+            check(shown.overflow(browser.WIDE) <= 0, "a screen shows all of it")
+            check(1 <= shown.printed_pages() <= MOST_PAGES, shown.printed_pages())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/result.h"
+#include "fit/drop_test_fit.h"
+
+namespace haptometer::tools {
+
+/// The answer of fit-lra as one JSON document (docs/commands.md): everything that FitLraText says;
+/// what is not determined is null.
+[[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
+                                     const std::vector<std::string>& doubts,
+                                     const std::vector<std::string>& remarks,
+                                     const std::vector<Error>& left_out);
+
+}  // namespace haptometer::tools
