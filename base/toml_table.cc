@@ -15,10 +15,12 @@ namespace haptometer {
 struct TomlTable::State {
   toml::table root;                    // only in the file's own table
   const toml::table* table = nullptr;  // what this table reads
-  std::string where;
+  std::string file;
+  std::string where;  // the file and this table's place in it
   mutable std::set<std::string, std::less<>> asked;
   std::map<std::string, TomlTable, std::less<>> children;
   std::optional<Error> first_error;
+  bool lacks_a_key = false;  // that is the first error
 
   const toml::node* Find(std::string_view key) const {
     asked.emplace(key);
@@ -29,15 +31,29 @@ struct TomlTable::State {
     if (found == children.end()) {
       auto child = std::make_unique<State>();
       child->table = &content;
+      child->file = file;
       child->where = fmt::format("{}: {}", where, place);
       found = children.emplace(place, TomlTable(std::move(child))).first;
     }
     return found->second;
   }
+  // "scene.toml:12: [drive]": where a node of this table stands
+  std::string PlaceOf(const toml::node& node) const {
+    const auto line = node.source().begin.line;
+    if (line == 0 || &node == &root) return where;
+    return fmt::format("{}:{}{}", file, line, std::string_view(where).substr(file.size()));
+  }
+  void Keep(Error error) {
+    if (first_error && !lacks_a_key) return;
+    first_error = std::move(error);
+    lacks_a_key = false;
+  }
   void Fail(std::string_view key, std::string what, std::string remedy = {}) {
-    if (first_error) return;
-    first_error =
-        Error{Cause::kUsage, fmt::format("{}: {}", where, key), std::move(what), std::move(remedy)};
+    const toml::node* node = table->get(key);
+    const std::string place = PlaceOf(node == nullptr ? *table : *node);
+    if (node == nullptr && first_error) return;
+    Keep({Cause::kUsage, fmt::format("{}: {}", place, key), std::move(what), std::move(remedy)});
+    lacks_a_key = node == nullptr;
   }
 };
 
@@ -87,6 +103,7 @@ Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where)
                         std::string(error.description()), "mend the TOML there");
   }
   state->table = &state->root;
+  state->file = where;
   state->where = std::move(where);
   return TomlTable(std::move(state));
 }
@@ -168,9 +185,10 @@ Quantity TomlTable::RequireQuantity(std::string_view key, Dimension dimension) {
                  unit.empty() ? "add it" : fmt::format("add it, in {} or with a unit", unit));
     return {};
   }
-  auto quantity = ReadQuantity(*node, dimension, fmt::format("{}: {}", state_->where, key));
+  auto quantity =
+      ReadQuantity(*node, dimension, fmt::format("{}: {}", state_->PlaceOf(*node), key));
   if (!quantity) {
-    if (!state_->first_error) state_->first_error = quantity.error();
+    state_->Keep(quantity.error());
     return {};
   }
   return *quantity;
@@ -281,10 +299,11 @@ void TomlTable::Refuse(std::string_view key, std::string what, std::string remed
 }
 
 Result<void> TomlTable::Finish() const {
-  // an unknown key explains a missing one, so it is told first
+  // a wrong value may leave keys unasked for; an unknown key explains a missing one
+  if (state_->first_error && !state_->lacks_a_key) return std::unexpected(*state_->first_error);
   for (const auto& [key, node] : *state_->table) {
     if (!state_->asked.contains(key.str())) {
-      return Usage(state_->where, fmt::format("key {} is not known", key.str()),
+      return Usage(state_->PlaceOf(node), fmt::format("key {} is not known", key.str()),
                    NearestRemedy(key.str(), state_->asked));
     }
   }

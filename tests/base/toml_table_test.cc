@@ -43,7 +43,7 @@ TEST(TomlTable, AnUnknownKeyIsNamedWithTheNearestKnownOne) {
   ASSERT_NE(skin, nullptr);
   EXPECT_EQ(skin->Require("stiffness_n_per_m", Dimension::kStiffness), 0);
   EXPECT_EQ(root.Finish().error().Text(),
-            "x.toml: [skin]: key stifness_n_per_m is not known; did you mean stiffness_n_per_m?");
+            "x.toml:2: [skin]: key stifness_n_per_m is not known; did you mean stiffness_n_per_m?");
   EXPECT_EQ(root.Finish().error().cause, Cause::kUsage);
 }
 
@@ -53,10 +53,10 @@ TEST(TomlTable, APartOfAKeyIsNamedWithAllThatHaveIt) {
     for (const char* key : {"moving_mass_kg", "case_mass_kg", "load_ohm"}) (void)table.Has(key);
     return table.Finish().error().Text();
   };
-  EXPECT_EQ(told("load = 33"), "x.toml: key load is not known; did you mean load_ohm?");
+  EXPECT_EQ(told("load = 33"), "x.toml:1: key load is not known; did you mean load_ohm?");
   EXPECT_EQ(told("mass_kg = 1e-3"),
-            "x.toml: key mass_kg is not known; did you mean case_mass_kg or moving_mass_kg?");
-  EXPECT_EQ(told("oad = 33"), "x.toml: key oad is not known; remove it") << "no part of its own";
+            "x.toml:1: key mass_kg is not known; did you mean case_mass_kg or moving_mass_kg?");
+  EXPECT_EQ(told("oad = 33"), "x.toml:1: key oad is not known; remove it") << "no part of its own";
 }
 
 TEST(TomlTable, AListOfTablesIsReadInOrderAndStrictly) {
@@ -67,7 +67,7 @@ TEST(TomlTable, AListOfTablesIsReadInOrderAndStrictly) {
   EXPECT_EQ(sensors[1]->Text("name"), "b");
   (void)sensors[1]->Text("port");
   EXPECT_EQ(root.Finish().error().Text(),
-            "x.toml: [[sensor]] 2: key prot is not known; did you mean port?");
+            "x.toml:5: [[sensor]] 2: key prot is not known; did you mean port?");
   EXPECT_TRUE(Parsed("").Tables("sensor").empty());
 }
 
@@ -75,7 +75,7 @@ TEST(TomlTable, ATableIsNoListOfTables) {
   TomlTable root = Parsed("[sensor]\nname = 'a'\n");
   EXPECT_TRUE(root.Tables("sensor").empty());
   EXPECT_EQ(root.Finish().error().Text(),
-            "x.toml: sensor: is not a list of tables; write [[sensor]]");
+            "x.toml:1: sensor: is not a list of tables; write [[sensor]]");
 }
 
 TEST(TomlTable, ReadsListsOfTexts) {
@@ -103,7 +103,7 @@ TEST(TomlTable, TextsUnderTheUsersOwnKeys) {
   TomlTable number = Parsed("[labels]\nsubject = 3\n");
   (void)number.Texts("labels");
   EXPECT_EQ(number.Finish().error().Text(),
-            "x.toml: [labels]: subject: is not a text; put it in quotes");
+            "x.toml:2: [labels]: subject: is not a text; put it in quotes");
 }
 
 struct Fault {
@@ -130,17 +130,17 @@ INSTANTIATE_TEST_SUITE_P(
     Kinds, TomlFaults,
     ::testing::Values(
         Fault{"mass_kg = true",
-              "x.toml: mass_kg: is not a number; write an SI number or a string with a unit"},
-        Fault{"mass_kg = nan", "x.toml: mass_kg: is not a finite number; write an SI number"},
-        Fault{"load_ohm = -inf", "x.toml: load_ohm: is not a finite number; write an SI number"},
+              "x.toml:1: mass_kg: is not a number; write an SI number or a string with a unit"},
+        Fault{"mass_kg = nan", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
+        Fault{"load_ohm = -inf", "x.toml:1: load_ohm: is not a finite number; write an SI number"},
         Fault{"mass_kg = \"3mm\"",
-              "x.toml: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},
-        Fault{"on = 1", "x.toml: on: is neither true nor false; write true or false"},
+              "x.toml:1: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},
+        Fault{"on = 1", "x.toml:1: on: is neither true nor false; write true or false"},
         Fault{"count = 1.5",
-              "x.toml: count: is not a whole number; write it without a point or quotes"},
-        Fault{"kind = \"saw\"", "x.toml: kind: \"saw\" is not known; use one of sine, chirp"},
-        Fault{"kind = 3", "x.toml: kind: is not a text; put it in quotes"},
-        Fault{"skin = 3", "x.toml: skin: is not a table; write [skin]"}));
+              "x.toml:1: count: is not a whole number; write it without a point or quotes"},
+        Fault{"kind = \"saw\"", "x.toml:1: kind: \"saw\" is not known; use one of sine, chirp"},
+        Fault{"kind = 3", "x.toml:1: kind: is not a text; put it in quotes"},
+        Fault{"skin = 3", "x.toml:1: skin: is not a table; write [skin]"}));
 
 TEST(TomlTable, MissingAndRefusedValuesAreTold) {
   TomlTable missing = Parsed("");
@@ -151,7 +151,29 @@ TEST(TomlTable, MissingAndRefusedValuesAreTold) {
   if (refused.Require("mass_kg", Dimension::kMass) < 0) {
     refused.Refuse("mass_kg", "must be positive");
   }
-  EXPECT_EQ(refused.Finish().error().Text(), "x.toml: mass_kg: must be positive");
+  EXPECT_EQ(refused.Finish().error().Text(), "x.toml:1: mass_kg: must be positive");
+}
+
+TEST(TomlTable, AWrongValueIsToldBeforeTheKeysThatItLeavesUnread) {
+  TomlTable table = Parsed("amplitude = 5\nkind = 'saw'\n");
+  EXPECT_FALSE(table.Choice("kind", {"sine", "chirp"}));
+  EXPECT_EQ(table.Finish().error().Text(),
+            "x.toml:2: kind: \"saw\" is not known; use one of sine, chirp");
+  // but a missing key after the unknown one that may be it
+  TomlTable missing = Parsed("[drive]\nfrequenzy_hz = 5\n");
+  TomlTable* drive = missing.Table("drive");
+  (void)drive->Require("frequency_hz", Dimension::kFrequency);
+  EXPECT_EQ(missing.Finish().error().Text(),
+            "x.toml:2: [drive]: key frequenzy_hz is not known; did you mean frequency_hz?");
+}
+
+TEST(TomlTable, AMissingKeyIsPlacedAtItsTable) {
+  TomlTable table = Parsed("# scene\n[drive]\nkind = 'sine'\n");
+  TomlTable* drive = table.Table("drive");
+  (void)drive->Text("kind");
+  (void)drive->Require("frequency_hz", Dimension::kFrequency);
+  EXPECT_EQ(table.Finish().error().Text(),
+            "x.toml:2: [drive]: frequency_hz: is missing; add it, in Hz or with a unit");
 }
 
 TEST(TomlTable, BrokenTomlIsPlacedByLineAndColumn) {
