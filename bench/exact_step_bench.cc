@@ -13,6 +13,7 @@
 #include "sim/sensor_model.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
+#include "sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {
@@ -109,12 +110,14 @@ void CountErrors(benchmark::State& state, const Eigen::MatrixXd& samples) {
   state.counters["error_worst"] = error.maxCoeff();
 }
 
+// from the scene's numbers on: the model, one exponential, a product a sample
 void LadderExact(benchmark::State& state) {
   const Scene scene = AdapterScene();
-  const TimeResponse response(AssembleModel(scene), scene.drive, Start::kRest);
   Eigen::MatrixXd samples;
   for (auto _ : state) {
-    samples = response.Sample(0, kRateHz, kSamples);
+    const LinearModel model = AssembleModel(scene);
+    samples = UniformMotion(model, scene.drive, Eigen::VectorXd::Zero(model.states()), 0, kRateHz,
+                            kSamples);
     benchmark::DoNotOptimize(samples.data());
   }
   CountErrors(state, samples);

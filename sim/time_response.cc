@@ -1,14 +1,14 @@
 #include "sim/time_response.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "base/check.h"
+#include "sim/driven_step.h"
 #include "sim/matrix_exponential.h"
 #include "sim/steady_state.h"
+#include "sim/uniform_motion.h"
 
 namespace haptometer::sim {
 
@@ -18,26 +18,6 @@ namespace {
 // microseconds) stands still to the last bit, up to 2^19 s.
 constexpr int kSmallestExponent = -64;
 constexpr int kPowers = 84;
-
-// [sin, cos] of the drive's phase; whole cycles leave in 64 bits before the sine sees the rest
-Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
-  const long double cycles = static_cast<long double>(frequency_hz) * t_s;
-  const double phase_rad =
-      2 * std::numbers::pi * static_cast<double>(cycles - std::nearbyint(cycles));
-  return {std::sin(phase_rad), std::cos(phase_rad)};
-}
-
-// G of z = [x, sin w t, cos w t]
-Eigen::MatrixXd Generator(const LinearModel& model, const SineDrive& drive) {
-  const Eigen::Index n = model.states();
-  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-  Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + 2, n + 2);
-  generator.topLeftCorner(n, n) = model.a;
-  generator.block(0, n, n, 1) = drive.amplitude_v * model.b;
-  generator(n, n + 1) = omega;
-  generator(n + 1, n) = -omega;
-  return generator;
-}
 
 Eigen::VectorXd InitialState(const LinearModel& model, const SineDrive& drive, Start start) {
   if (start == Start::kRest) return Eigen::VectorXd::Zero(model.states());
@@ -65,26 +45,16 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Sta
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
                            Eigen::VectorXd initial)
     : states_(model.states()),
-      frequency_hz_(drive.frequency_hz),
-      generator_(Generator(model, drive)),
+      model_(model),
+      drive_(drive),
+      generator_(DrivenGenerator(model, drive)),
       initial_(std::move(initial)) {
   HAPTOMETER_CHECK(initial_.size() == states_, "{} of {} states", initial_.size(), states_);
   // each exponential on its own: squaring the smallest would lose what distinguishes it from 1
   powers_.reserve(kPowers);
   for (int k = 0; k < kPowers; ++k) {
-    powers_.push_back(StepOver(std::ldexp(1.0, k + kSmallestExponent)));
+    powers_.push_back(DrivenStep(generator_, std::ldexp(1.0, k + kSmallestExponent)));
   }
-}
-
-// exp(G h) = [[E, V], [0, R]], R the drive's turn over h. [E, V R^-1] gives the states from the
-// states before and the drive *after* the step: what the bodies still feel of the drive lies near
-// the end of a long step, so its phase is not carried across thousands of cycles.
-Eigen::MatrixXd TimeResponse::StepOver(double h_s) const {
-  const Eigen::MatrixXd exponential = MatrixExponential(h_s * generator_);
-  Eigen::MatrixXd step = exponential.topRows(states_);
-  const Eigen::Matrix2d turn = exponential.bottomRightCorner(2, 2);
-  step.rightCols(2) *= turn.inverse();
-  return step;
 }
 
 Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
@@ -98,28 +68,14 @@ Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
     const double step_s = std::ldexp(1.0, k + kSmallestExponent);
     if (t_s - passed_s < step_s) continue;
     passed_s += step_s;
-    z.tail(2) = DriveAt(frequency_hz_, static_cast<long double>(passed_s));
+    z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
     z.head(states_) = (powers_[static_cast<std::size_t>(k)] * z).eval();
   }
   return z.head(states_);
 }
 
 Eigen::MatrixXd TimeResponse::Sample(double start_s, double rate_hz, std::size_t count) const {
-  HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
-  Eigen::MatrixXd samples(states_, static_cast<Eigen::Index>(count));
-  if (count == 0) return samples;
-  const Eigen::MatrixXd step = StepOver(1 / rate_hz);
-  Eigen::VectorXd z(states_ + 2);
-  samples.col(0) = StateAt(start_s);
-  for (Eigen::Index i = 1; i < samples.cols(); ++i) {
-    // the drive at this sample, from its number and not from a sum of steps
-    const long double t_s = static_cast<long double>(start_s) +
-                            static_cast<long double>(i) / static_cast<long double>(rate_hz);
-    z.head(states_) = samples.col(i - 1);
-    z.tail(2) = DriveAt(frequency_hz_, t_s);
-    samples.col(i).noalias() = step * z;
-  }
-  return samples;
+  return UniformMotion(model_, drive_, StateAt(start_s), start_s, rate_hz, count);
 }
 
 double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
@@ -141,7 +97,7 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
     gramian += (e.transpose() * gramian * e).eval();
   }
   Eigen::VectorXd z(states_ + 2);
-  z << StateAt(begin_s), DriveAt(frequency_hz_, static_cast<long double>(begin_s));
+  z << StateAt(begin_s), DriveAt(drive_.frequency_hz, static_cast<long double>(begin_s));
   z = z.cwiseQuotient(balanced.scale);
   return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
 }

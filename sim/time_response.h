@@ -31,7 +31,7 @@ class TimeResponse {
   [[nodiscard]] Eigen::VectorXd StateAt(double t_s) const;
 
   /// States at start_s + i / rate_hz for i = 0 .. count - 1, one column each: (n, count).
-  /// One exponential, then one product a sample.
+  /// See uniform_motion.h, which does without the powers where the motion begins at t = 0.
   [[nodiscard]] Eigen::MatrixXd Sample(double start_s, double rate_hz, std::size_t count) const;
 
   /// sqrt(1/(end - begin) x integral of state^2 dt over [begin_s, end_s]), exact, not sampled.
@@ -42,13 +42,12 @@ class TimeResponse {
   [[nodiscard]] double WindowRms(Eigen::Index state, double begin_s, double end_s) const;
 
  private:
-  [[nodiscard]] Eigen::MatrixXd StepOver(double h_s) const;
-
   Eigen::Index states_;
-  double frequency_hz_;
+  LinearModel model_;
+  SineDrive drive_;
   Eigen::MatrixXd generator_;            // (n + 2, n + 2)
   Eigen::VectorXd initial_;              // (n)
-  std::vector<Eigen::MatrixXd> powers_;  // StepOver(2^k s), (n, n + 2), smallest k first
+  std::vector<Eigen::MatrixXd> powers_;  // DrivenStep over 2^k s, (n, n + 2), smallest k first
 };
 
 }  // namespace haptometer::sim

@@ -98,13 +98,13 @@ TEST_F(ActuatorFile, TellsWhatIsWrongWithIt) {
   EXPECT_EQ(text("moving_mass_kg = 1.4e-3\n"),
             path_ + ": case_mass_kg: is missing; add it, in kg or with a unit");
   EXPECT_EQ(text(std::string(kDataSheet) + "stifness_n_per_m = 2800\n"),
-            path_ + ": key stifness_n_per_m is not known; did you mean stiffness_n_per_m?");
+            path_ + ":5: key stifness_n_per_m is not known; did you mean stiffness_n_per_m?");
   EXPECT_EQ(text(std::string(kDataSheet) + "stiffness_n_per_m = -2800\n"),
-            path_ + ": stiffness_n_per_m: must be greater than 0; check its sign");
+            path_ + ":5: stiffness_n_per_m: must be greater than 0; check its sign");
   EXPECT_EQ(text(std::string(kDataSheet) + "damping_n_s_per_m = -1\n"),
-            path_ + ": damping_n_s_per_m: must not be negative; check its sign");
+            path_ + ":5: damping_n_s_per_m: must not be negative; check its sign");
   EXPECT_EQ(text(std::string(kDataSheet) + "[correlation]\nMv_Kv = 1.5\n"),
-            path_ + ": [correlation]: Mv_Kv: lies from -1 to 1; check it");
+            path_ + ":6: [correlation]: Mv_Kv: lies from -1 to 1; check it");
   EXPECT_THAT(text(std::string(kDataSheet) + "[correlation]\nKv_Mv = 0.5\n"),
               ::testing::HasSubstr("Kv_Mv is not known"));
   EXPECT_THAT(text("moving_mass_kg = '1.4'\n"), ::testing::HasSubstr("did you mean 1.4g?"));
