@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "fit/poles.h"
+#include "tests/fit/fitted_drops.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
@@ -18,20 +19,12 @@ namespace {
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
+using tests::Fit;
 using tests::kOpen;
 using tests::MakeRecord;
 using tests::MakeRecordWithHeight;
 using tests::SyntheticDrop;
 using tests::ThesisKnowns;
-
-DropTestFit Fit(const std::vector<ImpulseRecord>& records,
-                const ActuatorKnowns& knowns = ThesisKnowns()) {
-  auto fit = FitDropTest(records, knowns);
-  EXPECT_TRUE(fit) << (fit ? "" : fit.error().Text());
-  if (!fit) return {};
-  EXPECT_TRUE(fit->converged) << fit->termination;
-  return *fit;
-}
 
 SyntheticDrop Loaded(double load_ohm) {
   SyntheticDrop drop;

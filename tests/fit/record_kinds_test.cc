@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fit/drop_test_fit.h"
+#include "tests/fit/fitted_drops.h"
 #include "tests/fit/pulls.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/repetitions.h"
@@ -14,19 +15,11 @@ namespace haptometer::fit {
 namespace {
 
 using ::testing::HasSubstr;
+using tests::Fit;
 using tests::MakeRecord;
 using tests::Pulls;
 using tests::SyntheticDrop;
 using tests::ThesisKnowns;
-
-DropTestFit Fit(const std::vector<ImpulseRecord>& records,
-                const ActuatorKnowns& knowns = ThesisKnowns()) {
-  auto fit = FitDropTest(records, knowns);
-  EXPECT_TRUE(fit) << (fit ? "" : fit.error().Text());
-  if (!fit) return {};
-  EXPECT_TRUE(fit->converged) << fit->termination;
-  return *fit;
-}
 
 ActuatorKnowns WithoutMasses() {
   auto knowns = ThesisKnowns();

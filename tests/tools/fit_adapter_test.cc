@@ -1,22 +1,20 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -25,10 +23,8 @@ Outcome FitLra(const std::vector<std::string>& words) {
   return Captured(RunFitLra, "fit-lra", words);
 }
 
-class FitAdapterFiles : public ::testing::Test {
+class FitAdapterFiles : public tests::TemporaryFiles {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
   // a tap of 8200 N/m, 0.01 N s/m and 4.6 g in noise of 0.3 um, the readings times `scale`
   std::string Tap(const std::string& name, double scale = 1, int rows = 3000,
                   unsigned seed = 1) const {
@@ -46,8 +42,6 @@ class FitAdapterFiles : public ::testing::Test {
     }
     return directory_ / name;
   }
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / fmt::format("fit_adapter_test_{}", ::getpid());
 };
 
 TEST_F(FitAdapterFiles, OneTapGivesKaAndBaWithinTheirIntervals) {

@@ -1,24 +1,21 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <complex>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
 
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -27,15 +24,8 @@ Outcome FitLra(const std::vector<std::string>& words) {
   return Captured(RunFitLra, "fit-lra", words);
 }
 
-class FitImpedanceFiles : public ::testing::Test {
+class FitImpedanceFiles : public tests::TemporaryFiles {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-  std::string File(const std::string& name, const std::string& text) const {
-    std::ofstream out(directory_ / name);
-    out << text;
-    return directory_ / name;
-  }
   // the thesis's actuator, held, by an instrument of 0.1 % and 0.1 degrees; a cell in line `line`
   // is replaced by `cell`
   std::string Sweep(const std::string& name,
@@ -54,8 +44,6 @@ class FitImpedanceFiles : public ::testing::Test {
     }
     return File(name, text);
   }
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / fmt::format("fit_impedance_test_{}", ::getpid());
 };
 
 TEST_F(FitImpedanceFiles, ASweepGivesTheConstantsWithinTheirIntervals) {

@@ -1,24 +1,21 @@
 // fit-lra on files of every kind of record, and on files that somebody got wrong.
 #include <fmt/core.h>
-#include <fmt/os.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "tests/fit/synthetic_drop.h"
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
@@ -37,11 +34,8 @@ struct Written {
   std::string statements{};
 };
 
-class FitLraRecords : public ::testing::Test {
+class FitLraRecords : public tests::TemporaryFiles {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-
   [[nodiscard]] std::string Write(const std::string& name, const SyntheticDrop& drop,
                                   const Written& as = {}) const {
     const auto record = tests::MakeRecord(drop);
@@ -53,13 +47,7 @@ class FitLraRecords : public ::testing::Test {
       text += as.swapped ? fmt::format("{:.9g},{:.17g}\n", value, time)
                          : fmt::format("{:.9g},{:.17g}\n", time, value);
     }
-    return WriteText(name, text);
-  }
-  [[nodiscard]] std::string WriteText(const std::string& name, const std::string& text) const {
-    const std::string path = directory_ / name;
-    auto file = fmt::output_file(path);
-    file.print("{}", text);
-    return path;
+    return File(name, text);
   }
   // exit status 3, and one line that says what is wrong and what to do
   static void ExpectRefused(const std::string& path, const std::string& what) {
@@ -68,9 +56,6 @@ class FitLraRecords : public ::testing::Test {
     EXPECT_THAT(outcome.err, HasSubstr(what));
     EXPECT_THAT(outcome.err, HasSubstr("; ")) << "no remedy";
   }
-
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / ("fit_lra_records_test_" + std::to_string(::getpid()));
 };
 
 SyntheticDrop Noisy() {
@@ -141,7 +126,7 @@ TEST_F(FitLraRecords, SwappedColumnsAreRefused) {
 }
 
 TEST_F(FitLraRecords, WhatHoldsNoRingDownIsRefused) {
-  ExpectRefused(WriteText("two.csv", "time_s,voltage_v\n0,0.1\n1e-4,0.2\n"), "two.csv");
+  ExpectRefused(File("two.csv", "time_s,voltage_v\n0,0.1\n1e-4,0.2\n"), "two.csv");
   std::string constant = "time_s,voltage_v\n";
   std::string noise = constant;
   std::mt19937_64 engine(3);
@@ -150,8 +135,8 @@ TEST_F(FitLraRecords, WhatHoldsNoRingDownIsRefused) {
     constant += fmt::format("{:.6f},0.25\n", n * 1e-4);
     noise += fmt::format("{:.6f},{:.6f}\n", n * 1e-4, 0.01 * normal(engine));
   }
-  ExpectRefused(WriteText("constant.csv", constant), "ring-down");
-  ExpectRefused(WriteText("noise.csv", noise), "noise");
+  ExpectRefused(File("constant.csv", constant), "ring-down");
+  ExpectRefused(File("noise.csv", noise), "noise");
 }
 
 TEST_F(FitLraRecords, NotANumberIsNoMeasurement) {
@@ -163,7 +148,7 @@ TEST_F(FitLraRecords, NotANumberIsNoMeasurement) {
     text += n % 9 == 4 ? fmt::format("{:.9g},nan\n", time)
                        : fmt::format("{:.9g},{:.17g}\n", time, record.voltage_v[n]);
   }
-  const Outcome outcome = FitLra({WriteText("nan.csv", text), "--moving-mass", "1.4g", "--json"});
+  const Outcome outcome = FitLra({File("nan.csv", text), "--moving-mass", "1.4g", "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const json kv = json::parse(outcome.out).at("parameters").at("Kv");
   EXPECT_LE(std::abs(kv.at("value").get<double>() - 2800),

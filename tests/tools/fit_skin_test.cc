@@ -1,12 +1,9 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
 #include <complex>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <random>
@@ -14,6 +11,7 @@
 #include "sim/skin.h"
 #include "sim/steady_state.h"
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/fit/fit_skin_input.h"
 #include "tools/verbs.h"
@@ -21,7 +19,6 @@
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
@@ -31,17 +28,8 @@ Outcome FitSkin(const std::vector<std::string>& words) {
 
 const std::vector<std::string> kActuator{"--actuator", "thesis-c10-100"};
 
-class FitSkinFiles : public ::testing::Test {
+class FitSkinFiles : public tests::TemporaryFiles {
  protected:
-  void SetUp() override { fs::create_directories(directory_); }
-  void TearDown() override { fs::remove_all(directory_); }
-
-  std::string File(const std::string& name, const std::string& text) const {
-    std::ofstream out(directory_ / name);
-    out << text;
-    return directory_ / name;
-  }
-
   // 25 frequencies under a skin, by sim's five states, in noise of 1 %
   static std::string Rows(const sim::Skin& skin, const std::string& prefix, unsigned seed) {
     std::mt19937_64 engine(seed);
@@ -78,9 +66,6 @@ class FitSkinFiles : public ::testing::Test {
     words.insert(words.end(), kActuator.begin(), kActuator.end());
     return words;
   }
-
-  const fs::path directory_ =
-      fs::path(::testing::TempDir()) / fmt::format("fit_skin_test_{}", ::getpid());
 };
 
 constexpr auto kHeader = "frequency_hz,displacement_amplitude_um,current_amplitude_ma\n";
