@@ -194,6 +194,10 @@ double Share(const Input& input, const Product& product) {
   return share;
 }
 
+double RelativeUncertainty(const Input& input) {
+  return input.quantity.value == 0 ? 0 : input.quantity.standard_uncertainty / input.quantity.value;
+}
+
 FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
                      const Product& product) {
   if (product.mass_power != 0 && !mass_kg) return {.at_most = {}, .unit = product.unit};
@@ -204,9 +208,7 @@ FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
   }
   double input_variance = 0;
   for (const auto& input : solved.inputs) {
-    if (input.quantity.value == 0) continue;
-    const double relative = input.quantity.standard_uncertainty / input.quantity.value;
-    input_variance += std::pow(Share(input, product) * relative, 2);
+    input_variance += std::pow(Share(input, product) * RelativeUncertainty(input), 2);
   }
   FittedValue value = FromLogarithm(logarithm, Variance(solved.solution.seen, product.weights),
                                     input_variance, product.unit);
@@ -247,6 +249,7 @@ void Conclude(const Solved& solved, const std::optional<double>& mass_kg, Impeda
     InputInfluence influence{.input = input.name,
                              .value = input.quantity.value,
                              .standard_uncertainty = input.quantity.standard_uncertainty,
+                             .relative_standard_uncertainty = RelativeUncertainty(input),
                              .unit = input.unit};
     for (std::size_t k = 0; k < 3; ++k)
       influence.percent_per_percent[k] = Share(input, constants[k]);
@@ -271,6 +274,32 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
       "L: it is below {:.2g} uH (95 %), which the constants do not feel; points at 1 to 10 kHz "
       "would show it",
       1e6 * *fit->inductance.at_most));
+}
+
+// of the logarithms of Kv, Bv, Km, R and L, where determined
+void ConcludeCovariance(const Solved& solved, ImpedanceFit* fit) {
+  const auto constants = Constants();
+  Weights of_inductance = Power(P::kInductance, 1);
+  of_inductance[Index(P::kInductance)] /= fit->inductance.value;
+  const std::array<std::pair<const FittedValue*, Product>, 5> rows{
+      {{&fit->stiffness, constants[0]},
+       {&fit->damping, constants[1]},
+       {&fit->force_constant, constants[2]},
+       {&fit->resistance, {Power(P::kResistance, 1), 0, 1, "ohm"}},
+       {&fit->inductance, {of_inductance, 0, 1, "H"}}}};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const auto& [one, of_one] = rows[i];
+      const auto& [other, of_other] = rows[j];
+      if (!one->determined || !other->determined) continue;
+      double sum = Covariance(solved.solution.seen, of_one.weights, of_other.weights);
+      for (const auto& input : solved.inputs) {
+        const double relative = RelativeUncertainty(input);
+        sum += Share(input, of_one) * Share(input, of_other) * relative * relative;
+      }
+      fit->relative_covariance[i][j] = sum;
+    }
+  }
 }
 
 void Describe(const Solved& solved, ImpedanceFit* fit) {
@@ -342,6 +371,7 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
   Conclude(solved, mass_kg, &fit);
   Describe(solved, &fit);
   ConcludeInductance(solved, knowns, &fit);
+  ConcludeCovariance(solved, &fit);
   SetIntervals(fit.coverage_95,
                {&fit.stiffness, &fit.damping, &fit.force_constant, &fit.stiffness_over_mass,
                 &fit.damping_over_mass, &fit.coupling_over_mass, &fit.natural_frequency,

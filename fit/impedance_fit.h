@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -37,7 +38,10 @@ struct ImpedanceFit {
   double farthest_hz = 0;               ///< the frequency of the point with the largest residual
   std::vector<double> singular_values;  ///< of the column-scaled Jacobian, largest first
   std::vector<double> correlation;      ///< (5 x 5) of ln Kv/M, ln Bv/M, ln Km^2/M, ln R, L; type A
-  std::vector<ImpedanceValue> model;    ///< at each point
+  /// Combined relative covariance (that of logarithms) of Kv, Bv, Km, R and L; 0 in the rows and
+  /// columns of what is not determined.
+  std::array<std::array<double, 5>, 5> relative_covariance{};
+  std::vector<ImpedanceValue> model;  ///< at each point
   std::vector<InputInfluence> influences;
   std::vector<std::string> assumptions;   ///< sentences
   std::vector<std::string> undetermined;  ///< sentences: what is not determined, what would help

@@ -220,6 +220,27 @@ TEST(ImpedanceFit, TheMassIsTypeB) {
   EXPECT_REL(fit.influences[0].percent_per_percent[2], 0.5, 1e-12, "closed form");
 }
 
+TEST(ImpedanceFit, CovarianceIsThatOfTheConstants) {
+  auto knowns = Masses();
+  knowns.moving_mass_kg = Quantity{kMv, 0.02 * kMv};
+  const auto fit = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns);
+  const FittedValue* values[]{&fit.stiffness, &fit.damping, &fit.force_constant, &fit.resistance,
+                              &fit.inductance};
+  for (std::size_t k = 0; k < 5; ++k) {
+    ASSERT_TRUE(values[k]->determined) << k;
+    EXPECT_REL(std::sqrt(fit.relative_covariance[k][k]),
+               values[k]->combined_standard_uncertainty / values[k]->value, 1e-9, "the same sums");
+  }
+  // Kv and Bv go by M, Km by its root; R and L do not
+  EXPECT_REL(fit.relative_covariance[0][1], 4e-4, 1e-2, "noise of 1e-5");
+  EXPECT_REL(fit.relative_covariance[0][2], 2e-4, 1e-2, "noise of 1e-5");
+  EXPECT_LT(std::abs(fit.relative_covariance[0][3]), 1e-6);
+  EXPECT_EQ(fit.relative_covariance[2][3], fit.relative_covariance[3][2]);
+  const auto faint = Fit(Points({GoodFrequencies(), 5e-2, 5e-2}));
+  ASSERT_FALSE(faint.inductance.determined);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(faint.relative_covariance[4][k], 0);
+}
+
 TEST(ImpedanceFit, AStatedResistanceServesWhereTheSweepTellsNone) {
   // eight points within a sixth of the resonance's width: a circle's small arc
   const Sweep sweep{

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "sim/actuator.h"
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
@@ -103,6 +104,50 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
   EXPECT_EQ(FitLra({"--impedance", sweep, "--held", "--free"}).status, 2);
   EXPECT_EQ(FitLra({"drop.csv", "--impedance", sweep}).status, 2);
   EXPECT_THAT(FitLra({"--impedance", sweep, "--moving-mass", "1.4kg"}).out, HasSubstr("g or mg"));
+}
+
+TEST_F(FitImpedanceFiles, WhatASweepTellsIsSavedForScenes) {
+  const std::string sweep = Sweep("z.csv");
+  const std::string saved = directory_ / "actuator.toml";
+  const std::vector<std::string> words{"--impedance", sweep,    "--held", "--moving-mass",
+                                       "1.40(3)g",    "--save", saved};
+  const Outcome lacking = FitLra(words);
+  EXPECT_EQ(lacking.status, 2);
+  EXPECT_THAT(lacking.err, HasSubstr("state it with --case-mass"));
+  EXPECT_THAT(lacking.out, HasSubstr("Kv")) << "the rest is answered";
+  EXPECT_FALSE(fs::exists(saved));
+  auto all = words;
+  all.insert(all.end(), {"--case-mass", "0.6g"});
+  const json document = [&] {
+    auto with = all;
+    with.emplace_back("--json");
+    return json::parse(FitLra(with).out);
+  }();
+  const auto actuator = sim::FindActuator(saved);
+  ASSERT_TRUE(actuator) << actuator.error().Text();
+  const json& km = document.at("parameters").at("Km");
+  EXPECT_REL(actuator->force_constant_n_per_a->value, km.at("value").get<double>(), 1e-11,
+             "digits");
+  EXPECT_REL(actuator->force_constant_n_per_a->standard_uncertainty,
+             km.at("combined_standard_uncertainty").get<double>(), 1e-3, "four digits");
+  // R and L are the sweep's own
+  EXPECT_REL(actuator->resistance_ohm.value, document.at("resistance").at("value").get<double>(),
+             1e-11, "digits");
+  EXPECT_GT(actuator->resistance_ohm.standard_uncertainty, 0);
+  EXPECT_GT(actuator->inductance_h.standard_uncertainty, 0);
+  EXPECT_REL(actuator->correlations.at("Mv_Kv"), 1.0, 1e-3, "nearly all of it");
+  EXPECT_REL(actuator->correlations.at("Kv_Km"), 1.0, 0.1, "the mass moves both");
+  EXPECT_TRUE(actuator->correlations.contains("Km_R"));
+  EXPECT_TRUE(actuator->correlations.contains("R_L"));
+  EXPECT_TRUE(sim::Complete(*actuator));
+  // an ohmmeter's R stands for itself
+  auto stated = all;
+  stated.insert(stated.end(), {"--resistance", "27.0(3)ohm"});
+  EXPECT_EQ(FitLra(stated).status, 0);
+  const auto measured = sim::FindActuator(saved);
+  ASSERT_TRUE(measured);
+  EXPECT_EQ(measured->resistance_ohm.value, 27);
+  EXPECT_FALSE(measured->correlations.contains("Km_R"));
 }
 
 }  // namespace

@@ -254,6 +254,13 @@ TEST(FitLra, WrongCommandLinesSaySo) {
       {{"--load", "33ohm"}, "no file follows"},
       {{"--load", "0", kOpenFile}, "short circuit"},
       {{kOpenFile, "--plot", "fit.jpg"}, "use .svg, .png or .pdf"},
+      {{kOpenFile, "--report", "fit.svg"}, "give it the ending .html"},
+      {{"--impedance", "z.csv", "--report", "fit.html"}, "--report: is for drops"},
+      {{"--adapter", "tap.bin", "--mass", "4g", "--plot", "fit.svg"}, "goes without --plot"},
+      {{"--adapter", "tap.bin", "--mass", "4g", "--save", "a.toml"}, "goes without --plot"},
+      {{"--plan", "--resistance", "27ohm", "--f0", "225Hz", "--mass", "4g"}, "and --adapter"},
+      {{"--plan", "--resistance", "27ohm", "--f0", "225Hz", "--report", "a.html"}, "--report"},
+      {{"--plan", "--resistance", "27ohm", "--f0", "225Hz", "--case-mass", "1g"}, "--case-mass"},
   };
   for (const Row& row : rows) {
     SCOPED_TRACE(row.message);
@@ -331,6 +338,26 @@ TEST_F(FitLraFiles, ThePlotHoldsRecordAndFit) {
   for (const char* word : {"impulse.csv (open)", "voltage / V", "residual / noise", "time / ms"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
+}
+
+TEST_F(FitLraFiles, ADropWithoutARingDownIsDrawnWithTheReason) {
+  const std::string silent = directory_ / "silent.csv";
+  std::ofstream out(silent);
+  out << "time_s,voltage_v\n";
+  for (int n = 0; n < 400; ++n) out << fmt::format("{:.4f},{:.3f}\n", 1e-4 * n, 0.001 * (n % 3));
+  out.close();
+  const auto plot = directory_ / "fit.svg";
+  const auto drawn = [&plot] {
+    std::ifstream in(plot);
+    return std::string{std::istreambuf_iterator<char>(in), {}};
+  };
+  EXPECT_EQ(FitLra({silent, "--plot", plot}).status, 3);
+  EXPECT_THAT(drawn(), HasSubstr("silent.csv: not fitted: "));
+  EXPECT_EQ(FitLra({silent, kOpenFile, "--plot", plot}).status, 3);
+  EXPECT_THAT(drawn(), HasSubstr("silent.csv: not fitted: "));
+  EXPECT_THAT(drawn(), HasSubstr("pole of "));
+  // of two statuses the one that counts more, which is not the larger one
+  EXPECT_EQ(FitLra({silent, kOpenFile, "--save", directory_ / "no" / "a.toml"}).status, 2);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "sim/actuator.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
+#include "tools/fit/fit_lra_save.h"
 #include "tools/fit/fitted_value_output.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/text_table.h"
@@ -226,32 +227,37 @@ int StatusOf(const ImpedanceFit& fit, const std::vector<std::string>& required) 
                    .error());
   }
   if (!fit.natural_frequency.determined || !fit.quality_factor.determined) {
-    status = ExitStatus(Cause::kCannotAnswer);
+    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }
   return status;
 }
 
 }  // namespace
 
-int AnswerImpedance(const std::string& path, const FitLraOptions& options, const std::string& plot,
-                    bool json) {
+int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, bool json) {
   if (auto good = CheckOptions(options); !good) return cli::ReportError(kVerb, good.error());
   const auto knowns = KnownsOf(options);
   if (!knowns) return cli::ReportError(kVerb, knowns.error());
-  const auto points = ReadSweep(path);
+  const auto points = ReadSweep(files.sweep);
   if (!points) return cli::ReportError(kVerb, points.error());
   const auto condition = options.is_free ? fit::CaseCondition::kFree : fit::CaseCondition::kHeld;
-  auto fit = fit::FitImpedance(*points, *knowns, condition, path);
+  auto fit = fit::FitImpedance(*points, *knowns, condition, files.sweep);
   if (!fit) return cli::ReportError(kVerb, fit.error());
   if (!options.held && !options.is_free) {
     fit->assumptions.emplace_back(
         "the case was held (neither --held nor --free is given); free, the ringing mass would be "
         "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)");
   }
-  fmt::print("{}", json ? Json(*fit, path) : Text(*fit));
-  const int status = StatusOf(*fit, options.required);
-  if (plot.empty()) return status;
-  if (auto drawn = Plot(plot, *fit, *points); !drawn) return cli::ReportError(kVerb, drawn.error());
+  fmt::print("{}", json ? Json(*fit, files.sweep) : Text(*fit));
+  int status = StatusOf(*fit, options.required);
+  if (!files.save.empty()) {
+    const auto saved = SaveActuator(files.save, FittedActuator(*fit, *knowns));
+    if (!saved) status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
+  }
+  if (!files.plot.empty()) {
+    const auto drawn = Plot(files.plot, *fit, *points);
+    if (!drawn) status = cli::WorseStatus(status, cli::ReportError(kVerb, drawn.error()));
+  }
   return status;
 }
 

@@ -6,14 +6,20 @@
 
 namespace haptometer::tools {
 
+/// A sweep, and the files that are asked for beside the answer; empty: none.
+struct ImpedanceFiles {
+  std::string sweep;
+  std::string plot;
+  std::string save;  ///< see fit_lra_save.h
+};
+
 /// Answers `fit-lra --impedance z.csv`: reads the sweep, fits (fit/impedance_fit.h), prints the
-/// constants as text or JSON, draws them where `plot` names a file. Returns the program's exit
-/// status.
+/// constants as text or JSON, draws and saves them. Returns the program's exit status.
 ///
 /// The table has the columns frequency_hz (or frequency), impedance_ohm (or ohm) and phase_deg (or
 /// degrees), voltage against current; RFC 4180, '#' begins a comment. Of `options` the masses, R,
 /// L, --held, --free, --actuator and --require count; drops beside it are refused.
-[[nodiscard]] int AnswerImpedance(const std::string& path, const FitLraOptions& options,
-                                  const std::string& plot, bool json);
+[[nodiscard]] int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options,
+                                  bool json);
 
 }  // namespace haptometer::tools

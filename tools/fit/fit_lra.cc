@@ -11,7 +11,6 @@
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
-#include "tools/cli/whole_file.h"
 #include "tools/fit/fit_adapter.h"
 #include "tools/fit/fit_impedance.h"
 #include "tools/fit/fit_lra_input.h"
@@ -140,9 +139,8 @@ Result<void> WriteFiles(const FitLraFiles& files, const fit::DropTestFit& fit,
                         const std::vector<std::string>& doubts, const FitLraInput& input,
                         const std::string& command) {
   if (!files.save.empty()) {
-    const auto text = ActuatorText(fit, input.knowns);
-    if (!text) return std::unexpected(text.error());
-    if (auto written = cli::WriteWholeFile(files.save, *text); !written) return written;
+    auto saved = SaveActuator(files.save, FittedActuator(fit, input.knowns));
+    if (!saved) return saved;
   }
   if (files.plot.empty() && files.report.empty()) return {};
   auto figures = FitLraFigures(fit, input.records, input.left_out_drops);
@@ -161,19 +159,23 @@ int DrawUnfitted(const FitLraFiles& files, const std::vector<LeftOutDrop>& drops
   return drawn ? status : cli::WorseStatus(status, cli::ReportError(kVerb, drawn.error()));
 }
 
-// the status with which a plan ends, or one of its options without it; `others` is what goes only
-// with a fit
-std::optional<int> AnswerPlan(const PlanWords& plan, const FitLraOptions& wanted,
-                              const std::string& others, bool json) {
+// what is asked in place of drops goes with few of the others
+Result<void> CheckTogether(const PlanWords& plan, const AdapterWords& adapter,
+                           const FitLraFiles& files) {
+  const std::string written = files.plot + files.report + files.save;
   if (!plan.asked) {
-    const auto checked = CheckNotPlanned(plan);
-    return checked ? std::nullopt : std::optional(cli::ReportError(kVerb, checked.error()));
+    if (auto checked = CheckNotPlanned(plan); !checked) return checked;
+  } else if (!written.empty() || !files.impedance.empty() || adapter.given()) {
+    return Usage("--plan", "goes without --plot, --report, --save, --impedance and --adapter",
+                 "make the drops, then fit them without --plan");
   }
-  if (others.empty()) return RunFitPlan(plan, wanted, json);
-  return cli::ReportError(kVerb,
-                          Usage("--plan", "goes without --plot, --report, --save and --impedance",
-                                "make the drops, then fit them without --plan")
-                              .error());
+  if (adapter.given() && !written.empty()) {
+    return Usage("--adapter", "goes without --plot, --report and --save", "leave these out");
+  }
+  if (!files.impedance.empty() && !files.report.empty()) {
+    return Usage("--report", "is for drops", "leave it out beside --impedance");
+  }
+  return {};
 }
 
 // fits the drops, and answers what can be answered
@@ -224,10 +226,10 @@ int RunFitLra(int argc, const char* const* argv) {
   auto import = cli::ImportOf(import_words);
   if (!import) return cli::ReportError(kVerb, import.error());
   wanted.import = std::move(*import);
-  if (const auto status = AnswerPlan(
-          plan, wanted, files.plot + files.report + files.save + files.impedance, options.json())) {
-    return *status;
+  if (auto good = CheckTogether(plan, adapter, files); !good) {
+    return cli::ReportError(kVerb, good.error());
   }
+  if (plan.asked) return RunFitPlan(plan, wanted, options.json());
   const bool has_drops = !wanted.files.empty() || !wanted.open.empty() || !wanted.loads.empty() ||
                          !files.impedance.empty();
   if (adapter.given()) return AnswerAdapter(adapter, wanted.import, has_drops, options.json());
@@ -236,7 +238,7 @@ int RunFitLra(int argc, const char* const* argv) {
     return cli::ReportError(kVerb, named.error());
   }
   if (!files.impedance.empty()) {
-    return AnswerImpedance(files.impedance, wanted, files.plot, options.json());
+    return AnswerImpedance({files.impedance, files.plot, files.save}, wanted, options.json());
   }
   const std::vector<std::string> typed(argv, argv + argc);
   return AnswerDrops(wanted, files, cli::CommandLine(typed), options.json());

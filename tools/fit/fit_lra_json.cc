@@ -70,29 +70,39 @@ ordered_json StartJson(const fit::PolePair& start) {
       {"decay_per_s", cli::NumberOrNull(start.decay_per_s)}};
 }
 
+// under `key` with its unit's ending; null under the other unit's
+void AddSignal(const std::string& key, const ordered_json& value, fit::RecordedSignal signal,
+               ordered_json& json) {
+  const bool is_voltage = signal == fit::RecordedSignal::kVoltage;
+  json[key + "_v"] = is_voltage ? value : ordered_json(nullptr);
+  json[key + "_m"] = is_voltage ? ordered_json(nullptr) : value;
+}
+
 ordered_json RecordJson(const fit::FittedRecord& record) {
   const bool open = std::isinf(record.load_ohm);
-  return {{"file", record.name},
-          {"signal", record.signal == fit::RecordedSignal::kVoltage ? "voltage" : "displacement"},
-          {"open_circuit", open},
-          {"load_ohm", cli::NumberOrNull(record.load_ohm)},
-          {"impact_s", record.impact_s},
-          {"impact_speed_m_per_s", record.speed_determined
-                                       ? cli::NumberOrNull(record.impact_speed_m_per_s)
-                                       : ordered_json(nullptr)},
-          {"offset_v", record.offset_v},
-          {"decay_per_s", record.decay_per_s},
-          {"damped_frequency_hz", PositiveOrNull(record.damped_frequency_hz)},
-          {"pole", PoleJson(record.pole)},
-          {"start", StartJson(record.start)},
-          {"residual_rms_v", record.residual_rms_v},
-          {"peak_v", record.peak_v},
-          {"quiet_noise_rms_v", PositiveOrNull(record.quiet_noise_v)},
-          {"first_sample", record.first_sample},
-          {"samples", record.samples},
-          {"residual_density_ratio", record.density.ratio},
-          {"residual_is_coloured", record.density.is_coloured},
-          {"disturbances", record.found}};
+  const bool is_voltage = record.signal == fit::RecordedSignal::kVoltage;
+  ordered_json json{{"file", record.name},
+                    {"signal", is_voltage ? "voltage" : "displacement"},
+                    {"open_circuit", open},
+                    {"load_ohm", cli::NumberOrNull(record.load_ohm)},
+                    {"impact_s", record.impact_s},
+                    {"impact_speed_m_per_s", record.speed_determined
+                                                 ? cli::NumberOrNull(record.impact_speed_m_per_s)
+                                                 : ordered_json(nullptr)},
+                    {"decay_per_s", record.decay_per_s},
+                    {"damped_frequency_hz", PositiveOrNull(record.damped_frequency_hz)},
+                    {"pole", PoleJson(record.pole)},
+                    {"start", StartJson(record.start)},
+                    {"first_sample", record.first_sample},
+                    {"samples", record.samples},
+                    {"residual_density_ratio", record.density.ratio},
+                    {"residual_is_coloured", record.density.is_coloured},
+                    {"disturbances", record.found}};
+  AddSignal("offset", record.offset_v, record.signal, json);
+  AddSignal("peak", record.peak_v, record.signal, json);
+  AddSignal("residual_rms", record.residual_rms_v, record.signal, json);
+  AddSignal("quiet_noise_rms", PositiveOrNull(record.quiet_noise_v), record.signal, json);
+  return json;
 }
 
 ordered_json InfluenceJson(const fit::InputInfluence& influence) {
@@ -128,6 +138,7 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& d
   document["mass"] = fit.mass_symbol;
   AddPlain(document, "natural_frequency_hz", fit.natural_frequency);
   AddPlain(document, "quality_factor", fit.quality_factor);
+  document["moving_mass_kg"] = FittedJson(fit.moving_mass);
   document["derived"] = {{"kv_over_mass", FittedJson(fit.stiffness_over_mass)},
                          {"bv_over_mass", FittedJson(fit.damping_over_mass)},
                          {"natural_frequency", FittedJson(fit.natural_frequency)},

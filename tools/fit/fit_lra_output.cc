@@ -65,20 +65,6 @@ std::string RecordsText(const DropTestFit& fit) {
   return text;
 }
 
-std::string AmountText(fit::RecordedSignal signal, double value) {
-  return signal == fit::RecordedSignal::kVoltage ? fmt::format("{:.3g} mV", value * 1e3)
-                                                 : fmt::format("{:.3g} um", value * 1e6);
-}
-
-fit::FittedValue InGrams(fit::FittedValue mass) {
-  for (double* number : {&mass.value, &mass.standard_uncertainty,
-                         &mass.combined_standard_uncertainty, &mass.lower, &mass.upper}) {
-    *number *= 1e3;
-  }
-  mass.unit = "g";
-  return mass;
-}
-
 std::string Section(std::string_view title, const std::string& lines) {
   return lines.empty() ? std::string() : fmt::format("{}\n{}", title, lines);
 }
@@ -87,6 +73,11 @@ std::string Section(std::string_view title, const std::string& lines) {
 
 std::string LoadText(double load_ohm) {
   return std::isinf(load_ohm) ? "open" : fmt::format("{:g} ohm", load_ohm);
+}
+
+std::string AmountText(fit::RecordedSignal signal, double value) {
+  return signal == fit::RecordedSignal::kVoltage ? fmt::format("{:.3g} mV", value * 1e3)
+                                                 : fmt::format("{:.3g} um", value * 1e6);
 }
 
 std::vector<std::string> RecordLines(const fit::FittedRecord& record) {
@@ -132,20 +123,21 @@ std::vector<GivenLine> GivenLines(const DropTestFit& fit) {
 
 std::vector<NamedValue> ValuesOf(const DropTestFit& fit) {
   const bool reduced = fit.mass_symbol != "Mv";
-  return {{"Kv", &fit.stiffness},
-          {"Bv", &fit.damping},
-          {"Km", &fit.force_constant},
-          {"f0", &fit.natural_frequency},
-          {"Q", &fit.quality_factor},
-          {reduced ? "Kv/M" : "Kv/Mv", &fit.stiffness_over_mass},
-          {reduced ? "Bv/M" : "Bv/Mv", &fit.damping_over_mass}};
+  std::vector<NamedValue> values{{"Kv", fit.stiffness},
+                                 {"Bv", fit.damping},
+                                 {"Km", fit.force_constant},
+                                 {"f0", fit.natural_frequency},
+                                 {"Q", fit.quality_factor},
+                                 {reduced ? "Kv/M" : "Kv/Mv", fit.stiffness_over_mass},
+                                 {reduced ? "Bv/M" : "Bv/Mv", fit.damping_over_mass}};
+  if (fit.moving_mass.determined) values.push_back({"Mv", InGrams(fit.moving_mass)});
+  return values;
 }
 
 std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& doubts) {
   std::string text = fmt::format(
       "Result (95 % interval: {} standard uncertainties where it is even)\n", fit::kCoverage95);
-  for (const auto& [name, value] : ValuesOf(fit)) text += FittedLine(name, *value);
-  if (fit.moving_mass.determined) text += FittedLine("Mv", InGrams(fit.moving_mass));
+  for (const auto& [name, value] : ValuesOf(fit)) text += FittedLine(name, value);
   if (fit.mass_symbol != "Mv") text += fmt::format("  M is the reduced mass {}\n", fit.mass_symbol);
   text += Section("Standard uncertainty in %", BudgetLines(fit));
   text += SentenceSection("Not determined", fit.undetermined);

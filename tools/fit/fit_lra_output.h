@@ -16,14 +16,18 @@ namespace haptometer::tools {
 /// A result and how it is called.
 struct NamedValue {
   std::string_view name;
-  const fit::FittedValue* value = nullptr;
+  fit::FittedValue value;
 };
 
-/// Kv, Bv, Km, f0, Q and the ratios to the mass, in the order in which they are told.
+/// Kv, Bv, Km, f0, Q, the ratios to the mass and, where it was found, the mass; in the order in
+/// which they are told.
 [[nodiscard]] std::vector<NamedValue> ValuesOf(const fit::DropTestFit& fit);
 
 /// "open", "33 ohm".
 [[nodiscard]] std::string LoadText(double load_ohm);
+
+/// "1.2 mV"; of a displacement "0.1 um".
+[[nodiscard]] std::string AmountText(fit::RecordedSignal signal, double value);
 
 /// What is told of a record: its ringing, its residual, what was found in it; at least two lines.
 [[nodiscard]] std::vector<std::string> RecordLines(const fit::FittedRecord& record);

@@ -74,9 +74,22 @@ bool IsFitted(const FittedRecord& fitted, std::size_t row) {
   return row >= part.first && row < part.end && std::isfinite(fitted.residual_v[row - part.first]);
 }
 
+// how a record's values are shown: volts as they are, a displacement about its offset in um
+struct Shown {
+  std::string label;
+  double offset = 0;
+  double factor = 1;
+  [[nodiscard]] double Of(double value) const { return (value - offset) * factor; }
+};
+
+Shown ShownOf(const ImpulseRecord& record, double offset) {
+  if (record.signal == fit::RecordedSignal::kVoltage) return {"voltage / V"};
+  return {"displacement / um", offset, 1e6};
+}
+
 // a vertical line as high as the record
-plot::Series Mark(const ImpulseRecord& record, Rows rows, std::string title, std::string style,
-                  double time_s) {
+plot::Series Mark(const ImpulseRecord& record, const Shown& shown, Rows rows, std::string title,
+                  std::string style, double time_s) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (std::size_t row = rows.first; row < rows.end; ++row) {
@@ -84,34 +97,34 @@ plot::Series Mark(const ImpulseRecord& record, Rows rows, std::string title, std
     low = std::min(low, record.voltage_v[row]);
     high = std::max(high, record.voltage_v[row]);
   }
-  return {std::move(title), std::move(style), {1e3 * time_s, 1e3 * time_s}, {low, high}};
-}
-
-std::string ValueLabel(const ImpulseRecord& record) {
-  return record.unit == "V" ? "voltage / V" : fmt::format("signal / {}", record.unit);
+  return {std::move(title),
+          std::move(style),
+          {1e3 * time_s, 1e3 * time_s},
+          {shown.Of(low), shown.Of(high)}};
 }
 
 // the samples, the fit over them, the impact and the begin of what is fitted
 plot::Panel RecordPanel(const ImpulseRecord& record, const FittedRecord& fitted, Rows rows,
                         std::string title) {
   const Rows part = PartOf(fitted);
+  const Shown shown = ShownOf(record, fitted.offset_v);
   const auto sample = [&](std::size_t row, bool used) {
-    return IsFitted(fitted, row) == used ? record.voltage_v[row] : kNan;
+    return IsFitted(fitted, row) == used ? shown.Of(record.voltage_v[row]) : kNan;
   };
   const auto model = [&](std::size_t row) {
-    return row >= part.first && row < part.end ? fitted.model_v[row - part.first] : kNan;
+    return row >= part.first && row < part.end ? shown.Of(fitted.model_v[row - part.first]) : kNan;
   };
   const double first_s = TimeMs(record, part.first) * 1e-3;
   return {std::move(title),
           "time / ms",
-          ValueLabel(record),
+          shown.label,
           {Curve(record, rows, "not used", SampleStyle(rows.count(), plot::kGrey),
                  [&](std::size_t row) { return sample(row, false); }),
            Curve(record, rows, "used", SampleStyle(rows.count(), plot::kOrange),
                  [&](std::size_t row) { return sample(row, true); }),
            Curve(record, rows, "fit", Lines(plot::kBlue), model),
-           Mark(record, rows, "impact", "lines dt 2 lc rgb '#404040'", fitted.impact_s),
-           Mark(record, rows, "fit begins", "lines dt 3 lc rgb '#404040'", first_s)}};
+           Mark(record, shown, rows, "impact", "lines dt 2 lc rgb '#404040'", fitted.impact_s),
+           Mark(record, shown, rows, "fit begins", "lines dt 3 lc rgb '#404040'", first_s)}};
 }
 
 // from a period and a half before the impact to five behind it
@@ -135,9 +148,9 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
   // without noise every residual is 0 of it
   const double unit = std::max(knows_noise ? fitted.quiet_noise_v : fitted.residual_rms_v, 1e-300);
   const Rows part = PartOf(fitted);
-  return {fmt::format("residual in units of {}: {:.3g} m{}",
-                      knows_noise ? "the noise before the impact" : "its own RMS", unit * 1e3,
-                      record.unit),
+  return {fmt::format("residual in units of {}: {}",
+                      knows_noise ? "the noise before the impact" : "its own RMS",
+                      AmountText(record.signal, unit)),
           "time / ms",
           "residual / noise",
           {Curve(record, part, "", SampleStyle(part.count(), plot::kOrange),
@@ -220,13 +233,14 @@ std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const Fitte
 }
 
 FitFigure UnfittedFigure(const ImpulseRecord& record, const std::string& reason) {
+  const Shown shown = ShownOf(record, 0);
   return {
       fmt::format("{}: no fit.", record.name),
       {{fmt::format("{}: not fitted: {}", record.name, reason),
         "time / ms",
-        ValueLabel(record),
+        shown.label,
         {Curve(record, AllOf(record), "not used", SampleStyle(record.voltage_v.size(), plot::kGrey),
-               [&](std::size_t row) { return record.voltage_v[row]; })}}}};
+               [&](std::size_t row) { return shown.Of(record.voltage_v[row]); })}}}};
 }
 
 FitFigure RecordFigure(const ImpulseRecord& record, const FittedRecord& fitted) {

@@ -27,8 +27,8 @@ std::string Title(const DropTestFit& fit) {
 void AddConstants(const DropTestFit& fit, HtmlPage& page) {
   Rows rows;
   for (const auto& [name, value] : ValuesOf(fit)) {
-    auto [number, interval] = CellsOf(*value);
-    rows.push_back({std::string(name), std::move(number), std::move(interval), value->unit});
+    auto [number, interval] = CellsOf(value);
+    rows.push_back({std::string(name), std::move(number), std::move(interval), value.unit});
   }
   page.Section("Constants");
   page.Table({"", "value", "95 % interval", "unit"}, rows);

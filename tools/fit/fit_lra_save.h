@@ -4,17 +4,26 @@
 
 #include "base/result.h"
 #include "fit/drop_test_fit.h"
+#include "fit/impedance_fit.h"
 #include "fit/impulse_record.h"
+#include "sim/actuator.h"
 
 namespace haptometer::tools {
 
-/// The fitted actuator as a file for scenes, `simulate` and --actuator (sim/actuator.h): what was
-/// given, Kv, Bv and Km with combined standard uncertainties, and their correlations with each
-/// other and with what was given.
-///
-/// Errors (Cause::kUsage): one of the four given numbers, without which no scene runs, is missing.
-/// A constant that is not determined is left out.
-[[nodiscard]] Result<std::string> ActuatorText(const fit::DropTestFit& fit,
-                                               const fit::ActuatorKnowns& knowns);
+/// The fitted actuator: what was given, Kv, Bv and Km with combined standard uncertainties, and
+/// their correlations with each other and with what was given. A constant that is not determined
+/// is left out. Errors (Cause::kUsage): one of Mv, Mc, R, L, without which no scene runs, is not
+/// known.
+[[nodiscard]] Result<sim::StatedActuator> FittedActuator(const fit::DropTestFit& fit,
+                                                         const fit::ActuatorKnowns& knowns);
+
+/// The same of a sweep. R and L are those that were stated, else the sweep's own.
+[[nodiscard]] Result<sim::StatedActuator> FittedActuator(const fit::ImpedanceFit& fit,
+                                                         const fit::ActuatorKnowns& knowns);
+
+/// Writes it as a file for scenes, `simulate` and --actuator (sim/actuator.h). Errors: those of
+/// `actuator`; Cause::kFailed for a place that cannot be written.
+[[nodiscard]] Result<void> SaveActuator(const std::string& path,
+                                        const Result<sim::StatedActuator>& actuator);
 
 }  // namespace haptometer::tools

@@ -109,6 +109,9 @@ Result<void> CheckPlanWords(const PlanWords& words, const FitLraOptions& stated)
   if (!stated.required.empty()) {
     return Usage("--require", "is for fits", "write --want \"Km 2%\" for a plan");
   }
+  if (stated.case_mass_kg) {
+    return Usage("--case-mass", "says nothing of a held case, which a plan is for", "leave it out");
+  }
   if (auto checked = CheckRanges(words, stated); !checked) return checked;
   return CheckFitLraOptions(stated);
 }

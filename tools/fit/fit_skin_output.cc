@@ -42,16 +42,9 @@ std::string InfluenceLine(const fit::SkinInfluence& influence) {
 }
 
 std::string ContactText(const SkinFit& contact) {
-  fit::FittedValue grams = contact.mass;
-  grams.value *= 1e3;
-  grams.standard_uncertainty *= 1e3;
-  grams.combined_standard_uncertainty *= 1e3;
-  grams.lower *= 1e3;
-  grams.upper *= 1e3;
-  grams.unit = "g";
   std::string text = fmt::format("{} (value +- 95 % interval)\n", contact.name);
   text += FittedLine("Ks", contact.stiffness) + FittedLine("Bs", contact.damping) +
-          FittedLine("m", grams);
+          FittedLine("m", InGrams(contact.mass));
   text += fmt::format("  correlation Ks-Bs {:+.2f}, Ks-m {:+.2f}, Bs-m {:+.2f}\n",
                       contact.correlation[1], contact.correlation[2], contact.correlation[5]);
   text += NoiseLine(contact);

@@ -22,6 +22,17 @@ int Decimals(double uncertainty) {
 
 }  // namespace
 
+fit::FittedValue InGrams(fit::FittedValue kilograms) {
+  for (double* number :
+       {&kilograms.value, &kilograms.standard_uncertainty, &kilograms.combined_standard_uncertainty,
+        &kilograms.lower, &kilograms.upper}) {
+    *number *= 1e3;
+  }
+  if (kilograms.at_most) *kilograms.at_most *= 1e3;
+  kilograms.unit = "g";
+  return kilograms;
+}
+
 FittedCells CellsOf(const fit::FittedValue& value) {
   if (!value.determined) {
     return {"not determined", value.at_most

@@ -9,6 +9,9 @@
 
 namespace haptometer::tools {
 
+/// A mass in kg as people say it.
+[[nodiscard]] fit::FittedValue InGrams(fit::FittedValue kilograms);
+
 /// A value and its 95 % interval, each for a cell: "8200.00" and "+- 0.51", of a lopsided one both
 /// ends, "0.72 to 1.25". "not determined" and, where there is one, the upper limit.
 struct FittedCells {
