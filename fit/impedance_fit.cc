@@ -314,6 +314,7 @@ void Describe(const Solved& solved, ImpedanceFit* fit) {
   fit->residuals = LookAtResiduals(solution.jacobian.residuals, fit->points);
   fit->farthest_hz = solved.points[fit->residuals.farthest].frequency_hz;
   fit->singular_values = solution.seen.singular_values;
+  fit->parameters = solved.parameters;
   fit->converged = solution.solver.converged;
   fit->iterations = solution.solver.iterations;
   const auto& covariance = solution.seen.covariance;

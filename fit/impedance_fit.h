@@ -41,7 +41,8 @@ struct ImpedanceFit {
   /// Combined relative covariance (that of logarithms) of Kv, Bv, Km, R and L; 0 in the rows and
   /// columns of what is not determined.
   std::array<std::array<double, 5>, 5> relative_covariance{};
-  std::vector<ImpedanceValue> model;  ///< at each point
+  std::vector<double> parameters;     ///< by ImpedanceParameter, see ImpedanceAt
+  std::vector<ImpedanceValue> model;  ///< at each point, in the order of frequency
   std::vector<InputInfluence> influences;
   std::vector<std::string> assumptions;   ///< sentences
   std::vector<std::string> undetermined;  ///< sentences: what is not determined, what would help

@@ -106,6 +106,18 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
   EXPECT_THAT(FitLra({"--impedance", sweep, "--moving-mass", "1.4kg"}).out, HasSubstr("g or mg"));
 }
 
+TEST_F(FitImpedanceFiles, ThePlotHoldsSweepFitAndResiduals) {
+  const fs::path plot = directory_ / "z.svg";
+  EXPECT_EQ(FitLra({"--impedance", Sweep("z.csv"), "--plot", plot}).status, 0);
+  std::ifstream in(plot);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  for (const char* word :
+       {"|Z| / ohm", "phase / deg", "residual / noise", "units of a point's noise", "magnitude",
+        "frequency / Hz", ">200<"}) {
+    EXPECT_THAT(svg, HasSubstr(word));
+  }
+}
+
 TEST_F(FitImpedanceFiles, WhatASweepTellsIsSavedForScenes) {
   const std::string sweep = Sweep("z.csv");
   const std::string saved = directory_ / "actuator.toml";

@@ -111,6 +111,21 @@ TEST_F(FitSkinFiles, TheThesissOwnFormulaIsToldFromACubeRoot) {
   EXPECT_ABS(law.at("exponent").get<double>(), thesis, 0.01, "noise of 1 %");
 }
 
+TEST_F(FitSkinFiles, ThePlotHoldsSweepsFitsAndResiduals) {
+  const fs::path plot = directory_ / "skin.svg";
+  auto words = kActuator;
+  words.push_back(Areas("areas.csv", [](double mm2) {
+    return sim::Skin{600 * std::cbrt(mm2), 0.5 * std::cbrt(mm2)};
+  }));
+  words.insert(words.end(), {"--plot", plot});
+  EXPECT_EQ(FitSkin(words).status, 0);
+  std::ifstream in(plot);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  for (const char* word : {"areas.csv (20 mm2)", "amplitude / um", "residual / %", "Ks / N/m"}) {
+    EXPECT_THAT(svg, HasSubstr(word));
+  }
+}
+
 TEST_F(FitSkinFiles, RmsAndAmplitudeColumnsSayTheSame) {
   const std::string rows = Rows({1200, 1.5}, "", 1);
   const auto amplitude = ReadSkinSweeps(File("a.csv", kHeader + rows));

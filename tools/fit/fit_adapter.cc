@@ -105,6 +105,7 @@ ordered_json TapJson(const fit::FittedTap& tap) {
           {"residual_rms", tap.residual_rms},
           {"unit", tap.unit},
           {"residual_density_ratio", tap.density.ratio},
+          {"residual_is_coloured", tap.density.is_coloured},
           {"disturbances", tap.found}};
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <tuple>
@@ -16,6 +17,7 @@
 #include "tools/cli/report.h"
 #include "tools/fit/fit_lra_save.h"
 #include "tools/fit/fitted_value_output.h"
+#include "tools/fit/sweep_panels.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/text_table.h"
 
@@ -156,23 +158,30 @@ std::string Json(const ImpedanceFit& fit, const std::string& path) {
   document["resistance"] = FittedJson(fit.resistance);
   document["inductance"] = FittedJson(fit.inductance);
   document["points"] = fit.points;
+  document["lowest_hz"] = fit.lowest_hz;
+  document["highest_hz"] = fit.highest_hz;
   document["points_near_resonance"] = fit.points_near_resonance;
   document["magnitude_noise"] = fit.magnitude_noise;
   document["phase_noise_rad"] = fit.phase_noise_rad;
   document["degrees_of_freedom"] = fit.degrees_of_freedom;
   document["coverage_factor_95"] = fit.coverage_95;
   document["serial_correlation"] = cli::NumberOrNull(fit.residuals.serial_correlation);
+  document["farthest_hz"] = fit.farthest_hz;
+  document["farthest_spread"] = cli::NumberOrNull(fit.residuals.farthest_spread);
   document["singular_values"] = fit.singular_values;
   document["correlation"] = CorrelationJson(fit);
+  document["relative_covariance_kv_bv_km_r_l"] = fit.relative_covariance;
   document["inputs"] = ordered_json::array();
   for (const auto& input : fit.influences) {
-    document["inputs"].push_back({{"input", input.input},
-                                  {"value", cli::NumberOrNull(input.value)},
-                                  {"standard_uncertainty", input.standard_uncertainty},
-                                  {"unit", input.unit},
-                                  {"kv_percent_per_percent", input.percent_per_percent[0]},
-                                  {"bv_percent_per_percent", input.percent_per_percent[1]},
-                                  {"km_percent_per_percent", input.percent_per_percent[2]}});
+    document["inputs"].push_back(
+        {{"input", input.input},
+         {"value", cli::NumberOrNull(input.value)},
+         {"standard_uncertainty", input.standard_uncertainty},
+         {"relative_standard_uncertainty", input.relative_standard_uncertainty},
+         {"unit", input.unit},
+         {"kv_percent_per_percent", input.percent_per_percent[0]},
+         {"bv_percent_per_percent", input.percent_per_percent[1]},
+         {"km_percent_per_percent", input.percent_per_percent[2]}});
   }
   document["assumptions"] = fit.assumptions;
   document["not_determined"] = fit.undetermined;
@@ -182,36 +191,51 @@ std::string Json(const ImpedanceFit& fit, const std::string& path) {
   return cli::JsonText(document);
 }
 
-Result<void> Plot(const std::string& path, const ImpedanceFit& fit,
-                  std::vector<fit::ImpedancePoint> points) {
+// the fit between the points too
+struct ModelCurves {
+  FrequencyCurve ohm;
+  FrequencyCurve degrees;
+};
+
+ModelCurves CurvesOf(const ImpedanceFit& fit) {
+  constexpr int kPlaces = 1000;
+  ModelCurves curves;
+  for (int k = 0; k <= kPlaces; ++k) {
+    const double hertz =
+        fit.lowest_hz * std::pow(fit.highest_hz / fit.lowest_hz, static_cast<double>(k) / kPlaces);
+    const auto value = fit::ImpedanceAt(fit.parameters, hertz).ohm;
+    for (FrequencyCurve* curve : {&curves.ohm, &curves.degrees}) curve->hertz.push_back(hertz);
+    curves.ohm.values.push_back(std::abs(value));
+    curves.degrees.values.push_back(kDegrees * std::arg(value));
+  }
+  return curves;
+}
+
+// magnitudes, phases, and what the fit leaves of both in units of their noises
+std::vector<plot::Panel> Panels(const ImpedanceFit& fit, std::vector<fit::ImpedancePoint> points) {
   std::ranges::sort(points, {}, [](const fit::ImpedancePoint& point) {
     return std::tuple(point.frequency_hz, point.ohm.real(), point.ohm.imag());
   });
-  std::vector<double> hertz;
-  std::vector<double> ohm[2];
-  std::vector<double> degrees[2];
+  FrequencyCurve ohm;
+  FrequencyCurve degrees;
+  std::vector<SweepResiduals> left{{"magnitude", {}}, {"phase", {}}};
   for (std::size_t n = 0; n < points.size(); ++n) {
-    hertz.push_back(points[n].frequency_hz);
-    ohm[0].push_back(std::abs(points[n].ohm));
-    ohm[1].push_back(std::abs(fit.model[n].ohm));
-    degrees[0].push_back(kDegrees * std::arg(points[n].ohm));
-    degrees[1].push_back(kDegrees * std::arg(fit.model[n].ohm));
+    ohm.values.push_back(std::abs(points[n].ohm));
+    degrees.values.push_back(kDegrees * std::arg(points[n].ohm));
+    ohm.hertz.push_back(points[n].frequency_hz);
+    const std::complex<double> ratio = std::log(points[n].ohm / fit.model[n].ohm);
+    left[0].values.push_back(ratio.real() / std::max(fit.magnitude_noise, 1e-300));
+    left[1].values.push_back(ratio.imag() / std::max(fit.phase_noise_rad, 1e-300));
   }
-  const auto panel = [&](std::string label, const std::vector<double>* values) {
-    return plot::Panel{
-        .title = "",
-        .x_label = "frequency / Hz",
-        .y_label = std::move(label),
-        .series = {{.title = "sweep",
-                    .style = fmt::format("points pt 7 ps 0.4 lc rgb '{}'", plot::kOrange),
-                    .x = hertz,
-                    .y = values[0]},
-                   {.title = "fit",
-                    .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
-                    .x = hertz,
-                    .y = values[1]}}};
-  };
-  return plot::DrawPanels(path, {panel("|Z| / ohm", ohm), panel("phase / deg", degrees)});
+  degrees.hertz = ohm.hertz;
+  const ModelCurves model = CurvesOf(fit);
+  const std::string noise =
+      fmt::format("residual in units of a point's noise: {:.2g} %, {:.2g} deg",
+                  100 * fit.magnitude_noise, kDegrees * fit.phase_noise_rad);
+  constexpr auto kX = plot::LogAxes::kX;
+  return {SweepPanel("", "|Z| / ohm", ohm, model.ohm, kX),
+          SweepPanel("", "phase / deg", degrees, model.degrees, kX),
+          SweepResidualPanel(noise, "residual / noise", ohm.hertz, left, kX)};
 }
 
 int StatusOf(const ImpedanceFit& fit, const std::vector<std::string>& required) {
@@ -255,7 +279,7 @@ int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, b
     if (!saved) status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
   }
   if (!files.plot.empty()) {
-    const auto drawn = Plot(files.plot, *fit, *points);
+    const auto drawn = plot::DrawPanels(files.plot, Panels(*fit, *points));
     if (!drawn) status = cli::WorseStatus(status, cli::ReportError(kVerb, drawn.error()));
   }
   return status;

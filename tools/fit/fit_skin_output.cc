@@ -6,9 +6,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "tools/cli/json.h"
 #include "tools/fit/fitted_value_output.h"
+#include "tools/fit/sweep_panels.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -134,6 +136,7 @@ ordered_json ContactJson(const SkinFit& contact) {
           {"degrees_of_freedom", contact.degrees_of_freedom},
           {"coverage_factor_95", contact.coverage_95},
           {"serial_correlation", cli::NumberOrNull(contact.residuals.serial_correlation)},
+          {"farthest_spread", cli::NumberOrNull(contact.residuals.farthest_spread)},
           {"inputs", inputs},
           {"assumptions", contact.assumptions},
           {"not_determined", contact.undetermined},
@@ -158,25 +161,19 @@ ordered_json LawJson(const std::optional<AreaDependence>& dependence) {
           {"thesis_exponent_600_1200", cli::NumberOrNull(dependence->thesis_table)}};
 }
 
-plot::Panel ContactPanel(const SkinFit& contact) {
-  std::vector<double> measured_um;
-  std::vector<double> model_um;
-  measured_um.reserve(contact.measured_m.size());
-  model_um.reserve(contact.model_m.size());
-  for (const double value : contact.measured_m) measured_um.push_back(1e6 * value);
-  for (const double value : contact.model_m) model_um.push_back(1e6 * value);
-  return {.title = contact.name,
-          .x_label = "frequency / Hz",
-          .y_label = "amplitude / um",
-          .series = {{.title = "sweep",
-                      .style = fmt::format("points pt 7 ps 0.4 lc rgb '{}'", plot::kOrange),
-                      .x = contact.frequencies_hz,
-                      .y = std::move(measured_um)},
-                     {.title = "fit",
-                      .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
-                      .x = contact.frequencies_hz,
-                      .y = std::move(model_um)}},
-          .log_axes = plot::LogAxes::kBoth};
+// the amplitudes with the fit, and what it leaves of them
+std::vector<plot::Panel> ContactPanels(const SkinFit& contact) {
+  FrequencyCurve measured{contact.frequencies_hz, {}};
+  FrequencyCurve model{contact.frequencies_hz, {}};
+  SweepResiduals left;
+  for (std::size_t n = 0; n < contact.measured_m.size(); ++n) {
+    measured.values.push_back(1e6 * contact.measured_m[n]);
+    model.values.push_back(1e6 * contact.model_m[n]);
+    left.values.push_back(100 * std::log(contact.measured_m[n] / contact.model_m[n]));
+  }
+  return {
+      SweepPanel(contact.name, "amplitude / um", measured, model, plot::LogAxes::kBoth),
+      SweepResidualPanel("", "residual / %", contact.frequencies_hz, {left}, plot::LogAxes::kX)};
 }
 
 plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& dependence) {
@@ -236,8 +233,10 @@ std::string FitSkinJson(const std::vector<SkinFit>& contacts, const fit::SkinAre
 Result<void> PlotFitSkin(const std::string& path, const std::vector<SkinFit>& contacts,
                          const fit::SkinAreas& areas) {
   std::vector<plot::Panel> panels;
-  panels.reserve(contacts.size() + 1);
-  for (const auto& contact : contacts) panels.push_back(ContactPanel(contact));
+  panels.reserve(2 * contacts.size() + 1);
+  for (const auto& contact : contacts) {
+    for (auto& panel : ContactPanels(contact)) panels.push_back(std::move(panel));
+  }
   if (areas.stiffness) panels.push_back(AreaPanel(contacts, *areas.stiffness));
   return plot::DrawPanels(path, panels);
 }

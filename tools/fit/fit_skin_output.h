@@ -18,7 +18,8 @@ namespace haptometer::tools {
                                       const fit::SkinAreas& areas, const std::string& actuator,
                                       const std::vector<Error>& left_out);
 
-/// Amplitudes with the model, a panel a contact, and Ks over the area where a law was fitted.
+/// Amplitudes with the model and what it leaves, two panels a contact, and Ks over the area where a
+/// law was fitted.
 /// Errors: see plot::DrawPanels.
 [[nodiscard]] Result<void> PlotFitSkin(const std::string& path,
                                        const std::vector<fit::SkinFit>& contacts,

@@ -103,12 +103,43 @@ std::string RangeOfX(const Panel& panel) {
   return fmt::format("set xrange [0:{:.9g}]\n", 1.05 * last);
 }
 
+// Of an axis, x or y: on a logarithmic one of less than three decades 1, 2 and 5 of each, because
+// gnuplot would name the decades alone, of which it may hold one.
+std::string NumbersOn(char axis, bool is_logarithmic, const Panel& panel,
+                      std::vector<double> Series::* values) {
+  const std::string automatic = fmt::format("set {}tics autofreq\n", axis);
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (const Series& series : panel.series) {
+    for (const double value : series.*values) {
+      if (!(value > 0)) continue;
+      least = std::min(least, value);
+      most = std::max(most, value);
+    }
+  }
+  if (!is_logarithmic || !(most < 1000 * least)) return automatic;
+  std::string numbers;
+  const int last = static_cast<int>(std::ceil(std::log10(most)));
+  for (int decade = static_cast<int>(std::floor(std::log10(least))); decade <= last; ++decade) {
+    for (const double step : {1.0, 2.0, 5.0}) {
+      fmt::format_to(std::back_inserter(numbers), "{}{:.9g}", numbers.empty() ? "" : ", ",
+                     step * std::pow(10.0, decade));
+    }
+  }
+  return fmt::format("set {}tics ({})\n", axis, numbers);
+}
+
 // both axes as they are without, so that no panel inherits from the one before
 std::string AxisWords(const Panel& panel) {
   std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
   words += panel.has_margins ? "set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n"
                              : "unset offsets\n";
-  if (panel.ticks.empty()) return words + "set xtics autofreq\n" + RangeOfX(panel);
+  const bool both = panel.log_axes == LogAxes::kBoth;
+  words += NumbersOn('y', both || panel.log_axes == LogAxes::kY, panel, &Series::y);
+  if (panel.ticks.empty()) {
+    return words + NumbersOn('x', both || panel.log_axes == LogAxes::kX, panel, &Series::x) +
+           RangeOfX(panel);
+  }
   double least = 1;  // between two of them
   for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
     const double distance = panel.ticks[i].x - panel.ticks[i - 1].x;

@@ -1,0 +1,41 @@
+#include "tools/fit/sweep_panels.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <utility>
+
+#include "base/check.h"
+
+namespace haptometer::tools {
+namespace {
+
+std::string Points(std::string_view colour) {
+  return fmt::format("points pt 7 ps 0.4 lc rgb '{}'", colour);
+}
+
+}  // namespace
+
+plot::Panel SweepPanel(std::string title, std::string label, const FrequencyCurve& measured,
+                       const FrequencyCurve& fitted, plot::LogAxes axes) {
+  return {std::move(title),
+          "frequency / Hz",
+          std::move(label),
+          {{"sweep", Points(plot::kOrange), measured.hertz, measured.values},
+           {"fit", fmt::format("lines lc rgb '{}'", plot::kBlue), fitted.hertz, fitted.values}},
+          axes};
+}
+
+plot::Panel SweepResidualPanel(std::string title, std::string label,
+                               const std::vector<double>& hertz,
+                               const std::vector<SweepResiduals>& residuals, plot::LogAxes axes) {
+  constexpr std::array kColours{plot::kOrange, plot::kBlue};
+  HAPTOMETER_CHECK(residuals.size() <= kColours.size(), "{} quantities", residuals.size());
+  plot::Panel panel{std::move(title), "frequency / Hz", std::move(label), {}, axes};
+  for (std::size_t k = 0; k < residuals.size(); ++k) {
+    panel.series.push_back({residuals[k].title, Points(kColours[k]), hertz, residuals[k].values});
+  }
+  return panel;
+}
+
+}  // namespace haptometer::tools
