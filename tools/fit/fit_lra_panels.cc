@@ -23,16 +23,18 @@ using fit::ImpulseRecord;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kSlices = 2000;
-constexpr std::size_t kMostPoints = 2 * kSlices;
+// points that stay apart: a ringing's samples lie on a curve, noise has no shape but its points
+constexpr std::size_t kMostOfRinging = 1000;
+constexpr std::size_t kMostOfNoise = 2 * kSlices;
 constexpr std::size_t kMostInSegment = std::size_t{1} << 22U;
 constexpr double kCellsADecade = 400;  // of frequency: 0.6 %, half the width of a resonance of Q 80
 constexpr std::size_t kEllipsePoints = 180;
 
 std::string Lines(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
 
-// samples as points as long as these stay apart
-std::string SampleStyle(std::size_t rows, std::string_view colour) {
-  if (rows > kMostPoints) return Lines(colour);
+// samples as points where these stay apart, as a line where there are more than `most`
+std::string SampleStyle(std::size_t rows, std::size_t most, std::string_view colour) {
+  if (rows > most) return Lines(colour);
   constexpr std::size_t kFew = 500;
   return fmt::format("points pt 7 ps {} lc rgb '{}'", rows > kFew ? 0.25 : 0.5, colour);
 }
@@ -118,9 +120,9 @@ plot::Panel RecordPanel(const ImpulseRecord& record, const FittedRecord& fitted,
   return {std::move(title),
           "time / ms",
           shown.label,
-          {Curve(record, rows, "not used", SampleStyle(rows.count(), plot::kGrey),
+          {Curve(record, rows, "not used", SampleStyle(rows.count(), kMostOfRinging, plot::kGrey),
                  [&](std::size_t row) { return sample(row, false); }),
-           Curve(record, rows, "used", SampleStyle(rows.count(), plot::kOrange),
+           Curve(record, rows, "used", SampleStyle(rows.count(), kMostOfRinging, plot::kOrange),
                  [&](std::size_t row) { return sample(row, true); }),
            Curve(record, rows, "fit", Lines(plot::kBlue), model),
            Mark(record, shown, rows, "impact", "lines dt 2 lc rgb '#404040'", fitted.impact_s),
@@ -153,7 +155,7 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
                       AmountText(record.signal, unit)),
           "time / ms",
           "residual / noise",
-          {Curve(record, part, "", SampleStyle(part.count(), plot::kOrange),
+          {Curve(record, part, "", SampleStyle(part.count(), kMostOfNoise, plot::kOrange),
                  [&](std::size_t row) { return fitted.residual_v[row - part.first] / unit; })}};
 }
 
@@ -234,13 +236,13 @@ std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const Fitte
 
 FitFigure UnfittedFigure(const ImpulseRecord& record, const std::string& reason) {
   const Shown shown = ShownOf(record, 0);
-  return {
-      fmt::format("{}: no fit.", record.name),
-      {{fmt::format("{}: not fitted: {}", record.name, reason),
-        "time / ms",
-        shown.label,
-        {Curve(record, AllOf(record), "not used", SampleStyle(record.voltage_v.size(), plot::kGrey),
-               [&](std::size_t row) { return shown.Of(record.voltage_v[row]); })}}}};
+  return {fmt::format("{}: no fit.", record.name),
+          {{fmt::format("{}: not fitted: {}", record.name, reason),
+            "time / ms",
+            shown.label,
+            {Curve(record, AllOf(record), "not used",
+                   SampleStyle(record.voltage_v.size(), kMostOfRinging, plot::kGrey),
+                   [&](std::size_t row) { return shown.Of(record.voltage_v[row]); })}}}};
 }
 
 FitFigure RecordFigure(const ImpulseRecord& record, const FittedRecord& fitted) {
