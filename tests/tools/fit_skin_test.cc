@@ -85,6 +85,7 @@ TEST_F(FitSkinFiles, OneSweepGivesTheSkinWithinItsIntervals) {
   EXPECT_TRUE(contact.at("contact_area_m2").is_null());
   EXPECT_TRUE(contact.at("doubts").empty());
   EXPECT_TRUE(document.at("area_law").at("Ks").is_null());
+  EXPECT_THAT(document.at("assumptions").at(0).get<std::string>(), HasSubstr("thesis-c10-100"));
 }
 
 TEST_F(FitSkinFiles, ACubeRootOverAreasIsFound) {

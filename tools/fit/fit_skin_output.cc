@@ -204,6 +204,14 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
           .log_axes = plot::LogAxes::kBoth};
 }
 
+// of all contacts
+std::string CommonAssumption(const std::string& actuator) {
+  return fmt::format(
+      "the case lies on the skin, which is a spring, a damper and a mass to ground; its constants "
+      "and those of the actuator ({}) do not depend on the amplitude",
+      actuator);
+}
+
 }  // namespace
 
 std::string FitSkinText(const std::vector<SkinFit>& contacts, const fit::SkinAreas& areas,
@@ -211,11 +219,7 @@ std::string FitSkinText(const std::vector<SkinFit>& contacts, const fit::SkinAre
   std::string text;
   for (const auto& contact : contacts) text += ContactText(contact);
   text += AreasText(areas);
-  text += fmt::format(
-      "Assumed\n  the case lies on the skin, which is a spring, a damper and a mass to ground; its "
-      "constants and those of the actuator ({}) do not depend on the amplitude\n",
-      actuator);
-  return text;
+  return text + SentenceSection("Assumed", {CommonAssumption(actuator)});
 }
 
 std::string FitSkinJson(const std::vector<SkinFit>& contacts, const fit::SkinAreas& areas,
@@ -225,6 +229,7 @@ std::string FitSkinJson(const std::vector<SkinFit>& contacts, const fit::SkinAre
   document["contacts"] = ordered_json::array();
   for (const auto& contact : contacts) document["contacts"].push_back(ContactJson(contact));
   document["area_law"] = {{"Ks", LawJson(areas.stiffness)}, {"Bs", LawJson(areas.damping)}};
+  document["assumptions"] = {CommonAssumption(actuator)};
   document["left_out"] = ordered_json::array();
   for (const auto& error : left_out) document["left_out"].push_back(error.Text());
   return cli::JsonText(document);

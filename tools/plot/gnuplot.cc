@@ -107,7 +107,7 @@ std::string RangeOfX(const Panel& panel) {
 // gnuplot would name the decades alone, of which it may hold one.
 std::string NumbersOn(char axis, bool is_logarithmic, const Panel& panel,
                       std::vector<double> Series::* values) {
-  const std::string automatic = fmt::format("set {}tics autofreq\n", axis);
+  std::string automatic = fmt::format("set {}tics autofreq\n", axis);
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
   for (const Series& series : panel.series) {
