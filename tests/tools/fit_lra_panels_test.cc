@@ -157,6 +157,25 @@ TEST(FitLraFigures, LongRecordsAreDrawnAsTheirEnvelope) {
   EXPECT_EQ(drawn, highest);
 }
 
+TEST(FitLraFigures, ALasersRecordIsShownInMicrometresAboutItsOffset) {
+  SyntheticDrop drop;
+  drop.displacement_share = 0.7;
+  drop.condition = fit::CaseCondition::kFree;
+  drop.step_s = 1e-4;
+  drop.noise_v = 1e-7;
+  drop.offset_v = 0.03;
+  const Fitted fitted = FitOf({drop});
+  const auto panels = FiguresOf(fitted)[0].panels;
+  EXPECT_EQ(panels[0].y_label, "displacement / um");
+  const fit::FittedRecord& record = fitted.fit.records[0];
+  EXPECT_ABS(SeriesOf(panels[0], "fit").y[record.first_sample],
+             1e6 * (record.model_v[0] - record.offset_v), 1e-6, "0.03 m cancels");
+  EXPECT_THAT(panels[2].title, testing::EndsWith(" um"));
+  EXPECT_EQ(panels[3].y_label, "density / um^2/Hz");
+  EXPECT_REL(SeriesOf(panels[3], "noise before the impact").y[0],
+             2e-4 * std::pow(1e6 * record.quiet_noise_v, 2), 1e-12, "one-sided");
+}
+
 TEST(FitLraFigures, WithoutAnOscillationThereIsNoPole) {
   SyntheticDrop drop;
   drop.damping_n_s_per_m = 3 * std::sqrt(2800 * 1.4e-3);

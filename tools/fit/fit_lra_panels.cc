@@ -79,14 +79,15 @@ bool IsFitted(const FittedRecord& fitted, std::size_t row) {
 // how a record's values are shown: volts as they are, a displacement about its offset in um
 struct Shown {
   std::string label;
+  std::string unit;
   double offset = 0;
   double factor = 1;
   [[nodiscard]] double Of(double value) const { return (value - offset) * factor; }
 };
 
 Shown ShownOf(const ImpulseRecord& record, double offset) {
-  if (record.signal == fit::RecordedSignal::kVoltage) return {"voltage / V"};
-  return {"displacement / um", offset, 1e6};
+  if (record.signal == fit::RecordedSignal::kVoltage) return {"voltage / V", "V"};
+  return {"displacement / um", "um", offset, 1e6};
 }
 
 // a vertical line as high as the record
@@ -192,19 +193,20 @@ Result<plot::Series> Density(std::string title, std::string_view colour,
 }
 
 // the fitted part's samples less the offset, the model where one is missing; and the residuals
-std::vector<double> RingingOf(const FittedRecord& fitted) {
+std::vector<double> RingingOf(const FittedRecord& fitted, const Shown& shown) {
   std::vector<double> ringing(fitted.model_v.size());
   for (std::size_t n = 0; n < ringing.size(); ++n) {
     const double residual = fitted.residual_v[n];
-    ringing[n] = fitted.model_v[n] + (std::isfinite(residual) ? residual : 0) - fitted.offset_v;
+    ringing[n] = (fitted.model_v[n] + (std::isfinite(residual) ? residual : 0) - fitted.offset_v) *
+                 shown.factor;
   }
   return ringing;
 }
 
-std::vector<double> ResidualsOf(const FittedRecord& fitted) {
+std::vector<double> ResidualsOf(const FittedRecord& fitted, const Shown& shown) {
   std::vector<double> residuals = fitted.residual_v;
   for (double& residual : residuals) {
-    if (!std::isfinite(residual)) residual = 0;
+    residual = std::isfinite(residual) ? residual * shown.factor : 0;
   }
   return residuals;
 }
@@ -215,17 +217,19 @@ bool HasPoints(const plot::Series& series) {
 
 // nothing of a record that is silent
 std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const FittedRecord& fitted) {
-  const auto ringing = Density("record", plot::kBlue, RingingOf(fitted), record.step_s);
-  const auto residual = Density("residual", plot::kOrange, ResidualsOf(fitted), record.step_s);
+  const Shown shown = ShownOf(record, fitted.offset_v);
+  const auto ringing = Density("record", plot::kBlue, RingingOf(fitted, shown), record.step_s);
+  const auto residual =
+      Density("residual", plot::kOrange, ResidualsOf(fitted, shown), record.step_s);
   if (!ringing || !residual || !HasPoints(*ringing)) return {};
   plot::Panel panel{"spectra of the fitted part (rectangular window)",
                     "frequency / Hz",
-                    fmt::format("density / {}^2/Hz", record.unit),
+                    fmt::format("density / {}^2/Hz", shown.unit),
                     {*ringing},
                     plot::LogAxes::kBoth};
   if (HasPoints(*residual)) panel.series.push_back(*residual);
   if (fitted.quiet_noise_v > 0) {
-    const double white = 2 * fitted.quiet_noise_v * fitted.quiet_noise_v * record.step_s;
+    const double white = 2 * std::pow(fitted.quiet_noise_v * shown.factor, 2) * record.step_s;
     panel.series.push_back({"noise before the impact",
                             "lines dt 2 lc rgb '#404040'",
                             {ringing->x.front(), ringing->x.back()},
