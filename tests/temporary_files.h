@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 namespace haptometer::tests {
@@ -20,6 +21,12 @@ class TemporaryFiles : public ::testing::Test {
     std::ofstream out(directory_ / name);
     out << text;
     return directory_ / name;
+  }
+
+  /// What the file `name` holds; nothing where there is none.
+  [[nodiscard]] std::string Content(const std::string& name) const {
+    std::ifstream in(directory_ / name);
+    return {std::istreambuf_iterator<char>(in), {}};
   }
 
   const std::filesystem::path directory_ =

@@ -10,6 +10,7 @@
 
 #include "fit/drop_test_fit.h"
 #include "sim/ring_down.h"
+#include "tests/fit/fitted_drops.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
@@ -17,6 +18,7 @@
 namespace haptometer::fit {
 namespace {
 
+using tests::Fit;
 using tests::MakeRecord;
 using tests::SyntheticDrop;
 using tests::ThesisKnowns;
@@ -54,13 +56,6 @@ TEST(EllipseOf, ACovarianceOfOneDirectionIsALine) {
   }
   const UncertainPole exact{225, 11.5, {}, true};
   EXPECT_EQ(EllipseOf(exact, 3)[1].frequency_hz, 225);
-}
-
-DropTestFit Fit(const std::vector<ImpulseRecord>& records,
-                const ActuatorKnowns& knowns = ThesisKnowns()) {
-  auto fit = FitDropTest(records, knowns);
-  EXPECT_TRUE(fit) << (fit ? "" : fit.error().Text());
-  return fit ? *fit : DropTestFit{};
 }
 
 PolePlace Truth(const SyntheticDrop& drop) {

@@ -107,13 +107,10 @@ TEST_F(FitImpedanceFiles, MistakesAreNamed) {
 }
 
 TEST_F(FitImpedanceFiles, ThePlotHoldsSweepFitAndResiduals) {
-  const fs::path plot = directory_ / "z.svg";
-  EXPECT_EQ(FitLra({"--impedance", Sweep("z.csv"), "--plot", plot}).status, 0);
-  std::ifstream in(plot);
-  const std::string svg{std::istreambuf_iterator<char>(in), {}};
-  for (const char* word :
-       {"|Z| / ohm", "phase / deg", "residual / noise", "units of a point's noise", "magnitude",
-        "frequency / Hz", ">200<"}) {
+  EXPECT_EQ(FitLra({"--impedance", Sweep("z.csv"), "--plot", directory_ / "z.svg"}).status, 0);
+  const std::string svg = Content("z.svg");
+  for (const char* word : {"|Z| / ohm", "phase / deg", "residual / noise",
+                           "units of a point's noise", "magnitude", "frequency / Hz", ">200<"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
 }
@@ -127,7 +124,7 @@ TEST_F(FitImpedanceFiles, WhatASweepTellsIsSavedForScenes) {
   EXPECT_EQ(lacking.status, 2);
   EXPECT_THAT(lacking.err, HasSubstr("state it with --case-mass"));
   EXPECT_THAT(lacking.out, HasSubstr("Kv")) << "the rest is answered";
-  EXPECT_FALSE(fs::exists(saved));
+  EXPECT_FALSE(std::filesystem::exists(saved));
   auto all = words;
   all.insert(all.end(), {"--case-mass", "0.6g"});
   const json document = [&] {

@@ -1,21 +1,18 @@
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/residual.h"
+#include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::HasSubstr;
 
@@ -31,10 +28,12 @@ json Document(std::vector<std::string> words) {
   return json::parse(FitLra(words).out);
 }
 
+using FitLraJson = tests::TemporaryFiles;
+
 const std::vector<std::string> kWords{kOpenFile,  kLoadedFile,    "--moving-mass",
                                       "1.40(3)g", "--resistance", "26.8(3)ohm"};
 
-TEST(FitLraJson, HoldsTheBudgetThatTheTextPrints) {
+TEST_F(FitLraJson, HoldsTheBudgetThatTheTextPrints) {
   const json document = Document(kWords);
   const std::string text = FitLra(kWords).out;
   const json& budget = document.at("budget");
@@ -58,7 +57,7 @@ TEST(FitLraJson, HoldsTheBudgetThatTheTextPrints) {
              1e-12, "the same");
 }
 
-TEST(FitLraJson, HoldsIntervalsCorrelationsPolesAndStarts) {
+TEST_F(FitLraJson, HoldsIntervalsCorrelationsPolesAndStarts) {
   const json document = Document(kWords);
   for (const char* name : {"kv_over_mass", "bv_over_mass", "natural_frequency", "quality_factor"}) {
     const json& value = document.at("derived").at(name);
@@ -83,19 +82,13 @@ TEST(FitLraJson, HoldsIntervalsCorrelationsPolesAndStarts) {
   }
 }
 
-TEST(FitLraJson, WhatIsNotDeterminedIsNullAndNeverAbsent) {
-  const fs::path directory =
-      fs::path(::testing::TempDir()) / fmt::format("fit_json_{}", ::getpid());
-  fs::create_directories(directory);
-  const std::string path = directory / "plain.csv";
-  std::ofstream out(path);
-  out << "time_s,voltage_v\n";
+TEST_F(FitLraJson, WhatIsNotDeterminedIsNullAndNeverAbsent) {
+  std::string text = "time_s,voltage_v\n";
   for (int n = 0; n < 1500; ++n) {
     const double t = 2e-4 * n;
-    out << fmt::format("{:.4f},{:.6f}\n", t, 0.4 * std::exp(-11.5 * t) * std::cos(1414 * t));
+    text += fmt::format("{:.4f},{:.6f}\n", t, 0.4 * std::exp(-11.5 * t) * std::cos(1414 * t));
   }
-  out.close();
-  const json document = Document({path});
+  const json document = Document({File("plain.csv", text)});
   EXPECT_TRUE(document.at("parameters").at("Kv").at("value").is_null());
   EXPECT_EQ(document.at("budget").size(), 0U) << "none of the three is determined";
   for (const json& row : document.at("correlation_kv_bv_km")) {
@@ -106,7 +99,6 @@ TEST(FitLraJson, WhatIsNotDeterminedIsNullAndNeverAbsent) {
   const json full = Document(kWords);
   EXPECT_EQ(document.size(), full.size()) << "the same keys, whatever is known";
   for (const auto& [key, value] : full.items()) EXPECT_TRUE(document.contains(key)) << key;
-  fs::remove_all(directory);
 }
 
 }  // namespace

@@ -113,15 +113,13 @@ TEST_F(FitSkinFiles, TheThesissOwnFormulaIsToldFromACubeRoot) {
 }
 
 TEST_F(FitSkinFiles, ThePlotHoldsSweepsFitsAndResiduals) {
-  const fs::path plot = directory_ / "skin.svg";
   auto words = kActuator;
   words.push_back(Areas("areas.csv", [](double mm2) {
     return sim::Skin{600 * std::cbrt(mm2), 0.5 * std::cbrt(mm2)};
   }));
-  words.insert(words.end(), {"--plot", plot});
+  words.insert(words.end(), {"--plot", directory_ / "skin.svg"});
   EXPECT_EQ(FitSkin(words).status, 0);
-  std::ifstream in(plot);
-  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  const std::string svg = Content("skin.svg");
   for (const char* word : {"areas.csv (20 mm2)", "amplitude / um", "residual / %", "Ks / N/m"}) {
     EXPECT_THAT(svg, HasSubstr(word));
   }
