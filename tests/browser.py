@@ -7,7 +7,7 @@ import os
 import pathlib
 import tempfile
 
-from programs import skip
+from programs import check, skip
 
 WIDE = (1280, 900)
 NARROW = (375, 700)
@@ -65,6 +65,17 @@ class Page:
         import re
         pdf = base64.b64decode(self.driver.print_page())
         return len(re.findall(rb"/Type\s*/Page\b", pdf))
+
+    def check_that_it_is_sound(self, most_pages):
+        """Complete in itself, without errors, legible on every screen and on paper."""
+        check("nan" not in self.text().lower().split(), "no NaN is shown")
+        for width, height, marks in self.figures():
+            check(width > 300 and height > 200 and marks > 20, self.figures())
+        check(self.fetched() == [], self.fetched())
+        check(self.complaints() == [], self.complaints())
+        check(self.overflow(NARROW) <= 0, "a telephone shows all of it")
+        check(self.overflow(WIDE) <= 0, "a screen shows all of it")
+        check(1 <= self.printed_pages() <= most_pages, self.printed_pages())
 
     def picture(self):
         """A screenshot, as PNG."""

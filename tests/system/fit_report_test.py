@@ -48,22 +48,15 @@ def main():
             for words_shown in [*sentences, "haptometer 0.", "--report", "converged after",
                                 "open <1> & on.csv", f"{answer['correlation_kv_bv_km'][0][1]:+.4f}"]:
                 check(words_shown in text, f"'{words_shown}' is on the page")
-            check("nan" not in text.lower().split(), "no NaN is shown")
 
             figures = shown.figures()
             check(len(figures) == 4, "a figure a record, one of the poles, one of what is left out")
-            for width, height, marks in figures:
-                check(width > 300 and height > 200 and marks > 20, figures)
             drawn = shown.figure_text()
             for label in ("time / ms", "residual / noise", "frequency / Hz", "decay rate / (1/s)"):
                 check(label in drawn, f"an axis says {label}: {drawn}")
             check(any("silent.csv: not fitted: " in word for word in drawn), drawn)
 
-            check(shown.fetched() == [], shown.fetched())
-            check(shown.complaints() == [], shown.complaints())
-            check(shown.overflow(browser.NARROW) <= 0, "a telephone shows all of it")
-            check(shown.overflow(browser.WIDE) <= 0, "a screen shows all of it")
-            check(1 <= shown.printed_pages() <= MOST_PAGES, shown.printed_pages())
+            shown.check_that_it_is_sound(MOST_PAGES)
 
 
 if __name__ == "__main__":
