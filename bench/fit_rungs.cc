@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "dsp/spectrum/fft.h"
+#include "dsp/statistics/robust.h"
 #include "fit/poles.h"
-#include "fit/ring_amplitude.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -24,7 +24,7 @@ namespace {
 
 // what follows the largest voltage, about the record's median
 std::vector<double> BehindThePeak(const ImpulseRecord& record) {
-  const double middle_v = Median(record.voltage_v);
+  const double middle_v = dsp::Median(record.voltage_v);
   const auto peak = std::ranges::max_element(
       record.voltage_v, {}, [middle_v](double v) { return std::abs(v - middle_v); });
   std::vector<double> values(peak, record.voltage_v.end());
