@@ -15,8 +15,8 @@
 #include <utility>
 
 #include "dsp/spectrum/fft.h"
+#include "dsp/statistics/robust.h"
 #include "fit/poles.h"
-#include "fit/ring_amplitude.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -24,7 +24,7 @@ namespace {
 
 // what follows the largest voltage, about the record's median
 std::vector<double> BehindThePeak(const ImpulseRecord& record) {
-  const double middle_v = Median(record.voltage_v);
+  const double middle_v = dsp::Median(record.voltage_v);
   const auto peak = std::ranges::max_element(
       record.voltage_v, {}, [middle_v](double v) { return std::abs(v - middle_v); });
   std::vector<double> values(peak, record.voltage_v.end());
@@ -155,11 +155,14 @@ std::optional<JointProblem> MakeJointProblem(const RecordPair& records,
   return joint;
 }
 
-void StartFromSpectrum(const RecordPair& records, JointProblem* joint) {
+double SpectrumLine(const ImpulseRecord& record) {
+  return StrongestFrequency(BehindThePeak(record), record.step_s).value_or(1);
+}
+
+void StartFrom(double frequency_hz, JointProblem* joint) {
   constexpr double kQuality = 30;
   constexpr double kForceConstantSquared = 0.25;
-  const auto frequency_hz = StrongestFrequency(BehindThePeak(records[0]), records[0].step_s);
-  const double angular = 2 * std::numbers::pi * frequency_hz.value_or(100);
+  const double angular = 2 * std::numbers::pi * frequency_hz;
   auto& shared = joint->start.shared;
   const double log_mass = shared[Index(Shared::kMass)];
   shared[Index(Shared::kStiffness)] = log_mass + 2 * std::log(angular);

@@ -45,8 +45,11 @@ struct JointProblem {
 [[nodiscard]] std::optional<JointProblem> MakeJointProblem(const RecordPair& records,
                                                            const ActuatorKnowns& knowns);
 
-/// The poles of `joint.start` replaced by the spectrum's highest line with Q = 30, Km by 0.5 N/A.
-void StartFromSpectrum(const RecordPair& records, JointProblem* joint);
+/// Guesses in place of the start's poles: this frequency, Q = 30, Km = 0.5 N/A.
+void StartFrom(double frequency_hz, JointProblem* joint);
+
+/// The frequency of the spectrum's highest line, zero-padded to twice the length.
+[[nodiscard]] double SpectrumLine(const ImpulseRecord& record);
 
 [[nodiscard]] Constants ConstantsAt(const RingDownPoint& point);
 

@@ -197,7 +197,7 @@ NewtonStep StepFrom(const Eigen::MatrixXd& reduced) {
 void Polish(FreeProblem& problem) {
   constexpr int kMostSteps = 50;
   constexpr double kFlat = 1e-9;       // what the cost may rise by and still be flat
-  constexpr double kNoChange = 1e-13;  // of the residuals, by the last step
+  constexpr double kNoChange = 3e-11;  // of the residuals, by the last step
   double previous = std::numeric_limits<double>::infinity();
   Eigen::VectorXd best = problem.free_point();
   Eigen::VectorXd tried = best;

@@ -38,12 +38,11 @@ struct SolverReport {
 /// Gauss-Newton steps from there until rounding stops them.
 ///
 /// Ceres runs to function tolerance 1e-14, parameter and gradient tolerance 1e-15, at most 1000
-/// iterations. Its
-/// own settings stop at 1e-6 of the cost and solve 24 of NIST's 54 nonlinear problems; these solve
-/// 53. A cost that no longer changes leaves half of the digits open, which the last steps give
-/// back: 10 digits in the mean where NIST certifies 11 (tests/fit/nist_nonlinear_test.cc). Its
-/// gradient tolerance is absolute, so residuals belong in units of their noise, and positive
-/// parameters are best given as logarithms.
+/// iterations. Its own settings stop at 1e-6 of the cost and solve 24 of NIST's 54 nonlinear
+/// problems; these solve 53. A cost that no longer changes leaves half of the digits open, which
+/// the last steps give back: 10 digits in the mean where NIST certifies 11
+/// (tests/fit/nist_nonlinear_test.cc). Its gradient tolerance is absolute, so residuals belong in
+/// units of their noise, and positive parameters are best given as logarithms.
 ///
 /// @param is_free one flag a parameter; the others stay where they are
 /// Cost of an iteration: one evaluation with derivatives, and reflections of its rows, a stretch at

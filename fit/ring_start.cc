@@ -13,6 +13,7 @@
 #include "dsp/statistics/robust.h"
 #include "fit/ring_amplitude.h"
 #include "fit/ring_fit.h"
+#include "fit/ringing_moments.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -65,10 +66,10 @@ struct LinearFit {
 LinearFit FitLinear(const std::vector<double>& values, double step_s, const PolePair& poles) {
   const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::MatrixX3d basis(count, 3);
+  RingingMoments moments(poles.decay_per_s, poles.stiffness_per_s2, 0, step_s);
   for (Eigen::Index n = 0; n < count; ++n) {
-    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2,
-                                              static_cast<double>(n) * step_s);
-    basis.row(n) << pair.even, pair.odd, 1.0;
+    const RingingMoment moment = moments.At(static_cast<double>(n) * step_s);
+    basis.row(n) << moment.even, moment.odd, 1.0;
   }
   const Eigen::Map<const Eigen::VectorXd> samples(values.data(), count);
   const Eigen::Vector3d fitted = basis.householderQr().solve(samples);
