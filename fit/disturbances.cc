@@ -237,13 +237,15 @@ void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
 }
 
 // what lies below the converter's step says nothing but the offset's code
-void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double quiet_noise_v,
+void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double noise_v,
                       Disturbances* part) {
   const double step_v = ConverterStep(record.voltage_v);
-  if (step_v == 0 || quiet_noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return;
+  if (step_v == 0 || noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return;
   const double since_s = std::log(fit.Envelope(0) / step_v) / fit.poles.decay_per_s;
   const std::size_t end = part->first_sample + static_cast<std::size_t>(since_s / record.step_s);
-  if (end >= part->end_sample) return;
+  const double periods =
+      static_cast<double>(end - part->first_sample) * record.step_s / PeriodOf(fit.poles);
+  if (end >= part->end_sample || periods < kLeastPeriods) return;
   part->end_sample = end;
   part->found.push_back(
       fmt::format("a tail below one step of the converter, {:.3g} {}: left out from {:.4g} s on",
@@ -280,7 +282,8 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
                                        worst.amplitude_v, record.unit));
     } else {
       // what changes with the amplitude is for consistency.h to judge
-      CutQuantisedTail(record, fit, start.quiet_noise_v, &part);
+      CutQuantisedTail(record, fit,
+                       start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, &part);
       break;
     }
   }

@@ -42,7 +42,18 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   return std::move(*by_heights);
 }
 
+// what a contact of half a sine takes from the amplitude: cos(w T/2)/(1 - (w T/pi)^2)
+double ContactShare(double angular_per_s, double contact_s) {
+  const double x = angular_per_s * contact_s;
+  return std::cos(x / 2) / (1 - std::pow(x / std::numbers::pi, 2));
+}
+
 void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assumptions) {
+  const double angular = std::sqrt(model.records[0].start.poles.stiffness_per_s2);
+  assumptions.push_back(fmt::format(
+      "the blow is short: a contact of 0.2 ms makes Km by the height {:.1f} % too small, 0.5 ms "
+      "{:.1f} %",
+      100 * (1 - ContactShare(angular, 0.2e-3)), 100 * (1 - ContactShare(angular, 0.5e-3))));
   for (const auto& input : model.inputs) {
     if (input.kind != Kind::kRebound) continue;
     assumptions.push_back(
@@ -160,6 +171,10 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
     fitted.peak_v = std::max(fitted.peak_v, std::abs(sample - fitted.offset_v));
   }
   fitted.residual_rms_v = std::sqrt(square_sum / static_cast<double>(fitted.samples));
+  if (fitted.quiet_noise_v > 2 * fitted.residual_rms_v) {
+    fitted.found.emplace_back("what precedes the blow is louder than the residual: not quiet");
+    fitted.quiet_noise_v = 0;
+  }
   return fitted;
 }
 
@@ -198,6 +213,32 @@ void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, Dr
   }
 }
 
+// a load that slows the decay
+void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model,
+                        std::vector<std::string>& doubts) {
+  constexpr double kDeviations = 4;
+  std::vector<double> weights(road.jacobian.columns, 0.0);
+  weights[Index(Shared::kForceConstantSquared)] = 1;
+  const double square = road.point.shared[Index(Shared::kForceConstantSquared)];
+  if (square > -kDeviations * SpreadOf(road, model, weights).combined) return;
+  doubts.emplace_back(
+      "the records with the smaller load decay more slowly, as no coil does: are files or loads "
+      "exchanged? Do not use Bv and Km");
+}
+
+// a blow found away from where the motion, continued backwards, begins
+void DoubtBeginning(const RingStart& start, const FittedRecord& record,
+                    std::vector<std::string>& doubts) {
+  if (start.quiet_samples == 0 || record.damped_frequency_hz == 0) return;
+  const double periods = (start.blow_s - record.impact_s) * record.damped_frequency_hz;
+  if (std::abs(periods) < 1.0 / 8) return;
+  doubts.push_back(fmt::format(
+      "{}: the motion would begin {:.2g} ms {} the signal does: a long contact, or a blow for a "
+      "released current or the reverse; do not use Km by height or current",
+      record.name, 1e3 * std::abs(start.blow_s - record.impact_s),
+      periods > 0 ? "before" : "after"));
+}
+
 // pooled over the records with a quiet stretch: residual power over noise power
 double ChiSquare(const std::vector<FittedRecord>& records) {
   double sum = 0;
@@ -218,6 +259,11 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   auto model = MakeDropTestModel(records, knowns);
   if (!model) return std::unexpected(model.error());
   model->loss = loss;
+  RingDownProblem problem = MakeProblem(*model);
+  if (!problem.IsDefined(StartPoint(*model, false, &problem))) {
+    return CannotAnswer(model->records[0].record.name, "no ring-down fits these records",
+                        "record three decay times of one free ring-down each");
+  }
   DropTestFit fit;
   fit.assumptions = model->assumptions;
   std::optional<DropTestRoad> by_heights;
@@ -257,6 +303,10 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.frequency_birge_ratio = road.consistency.frequency_ratio;
   fit.decay_birge_ratio = road.consistency.decay_ratio;
   fit.doubts = road.consistency.doubts;
+  DoubtForceConstant(road, *model, fit.doubts);
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    DoubtBeginning(model->records[r].start, fit.records[r], fit.doubts);
+  }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;
   fit.iterations = road.solver.iterations;

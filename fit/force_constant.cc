@@ -28,7 +28,8 @@ double HalfWidth(const DropTestRoad& road, const DropTestModel& model, const Spr
   const double square = road.point.shared[kColumn];
   const bool is_gaussian = spread.statistical < 2 * kGaussian * square;
   const double statistical =
-      is_gaussian ? coverage * spread.statistical : ProfileWidth(road, model, side, coverage);
+      is_gaussian ? coverage * spread.statistical
+                  : road.consistency.decay_widening * ProfileWidth(road, model, side, coverage);
   return std::hypot(statistical, coverage * spread.given, coverage * spread.blur);
 }
 

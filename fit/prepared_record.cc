@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <utility>
 
@@ -10,6 +12,8 @@
 
 namespace haptometer::fit {
 namespace {
+
+constexpr std::ptrdiff_t kLeastSamples = 32;
 
 double PeriodSamples(const ImpulseRecord& record, const RingStart& start) {
   return 2 * std::numbers::pi / (std::sqrt(start.poles.stiffness_per_s2) * record.step_s);
@@ -44,6 +48,16 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
     prepared.part.found.insert(
         prepared.part.found.begin(),
         fmt::format("clipped: {} samples at the recorder's limits are left out", clipped));
+  }
+  const auto begin = prepared.record.voltage_v.begin();
+  const auto measured =
+      std::count_if(begin + static_cast<std::ptrdiff_t>(prepared.part.first_sample),
+                    begin + static_cast<std::ptrdiff_t>(prepared.part.end_sample),
+                    [](double v) { return std::isfinite(v); });
+  if (measured < kLeastSamples) {
+    return CannotAnswer(record.name,
+                        fmt::format("holds only {} samples that a fit can use", measured),
+                        "record three decay times of one free ring-down");
   }
   if (!prepared.part.follows_a_later_blow) return prepared;
 

@@ -244,6 +244,11 @@ Jacobian RingDownProblem::Linearise(const RingDownPoint& point) const {
   return fit::Linearise(Whole(), ToColumns(point));
 }
 
+bool RingDownProblem::IsDefined(const RingDownPoint& point) const {
+  std::vector<double> residuals(RowCount(records_));
+  return Whole().evaluate(ToColumns(point), residuals, {});
+}
+
 std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const {
   std::vector<double> residuals(RowCount(records_));
   Whole().evaluate(ToColumns(point), residuals, {});

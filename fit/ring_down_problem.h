@@ -120,6 +120,9 @@ class RingDownProblem {
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
 
+  /// Whether the voltages at a point can be computed: no overflow, no root of a negative Km^2.
+  [[nodiscard]] bool IsDefined(const RingDownPoint& point) const;
+
   /// Weighted residuals alone, records in order.
   [[nodiscard]] std::vector<double> Residuals(const RingDownPoint& point) const;
 

@@ -313,6 +313,7 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   RingStart start;
   const auto eighth = static_cast<std::size_t>(std::ceil(blow->period_samples / 8));
   start.first_sample = blow->sample + eighth;
+  start.blow_s = record.start_s + static_cast<double>(blow->sample) * record.step_s;
   start.quiet_samples = blow->sample > 2 * eighth ? blow->sample - 2 * eighth : 0;
   if (start.quiet_samples < kLeastQuietSamples) start.quiet_samples = 0;
   if (start.quiet_samples > 0) start.quiet_noise_v = RmsAboutMean(values, start.quiet_samples);

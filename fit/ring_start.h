@@ -13,6 +13,7 @@ namespace haptometer::fit {
 struct RingStart {
   double quiet_noise_v = 0;       ///< RMS about the mean of what precedes the blow; 0: nothing does
   std::size_t quiet_samples = 0;  ///< samples certainly before the blow
+  double blow_s = 0;              ///< of the first sample behind the blow
   std::size_t first_sample = 0;   ///< the fit begins here, an eighth of a period behind the blow
   PolePair poles;                 ///< with the record's own load
   double impact_s = 0;          ///< when the motion, continued backwards, starts from rest at x = 0

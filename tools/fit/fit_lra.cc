@@ -66,9 +66,12 @@ int ReportRequired(const fit::DropTestFit& fit, const std::vector<std::string>& 
     const auto why =
         std::ranges::find_if(fit.undetermined, [&name](const auto& s) { return s.contains(name); });
     status = cli::ReportError(
-        kVerb, CannotAnswer("", fmt::format("{} is required and not determined", name),
-                            why == fit.undetermined.end() ? "see the result" : *why)
-                   .error());
+        kVerb,
+        CannotAnswer("", fmt::format("{} is required and not determined", name),
+                     why != fit.undetermined.end() ? *why
+                     : value->at_most ? "more drops, less noise or a load nearer to the coil's ohms"
+                                      : "see the result")
+            .error());
   }
   return status;
 }
@@ -203,7 +206,11 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
                         : FitLraText(*fit, doubts));
   status = cli::WorseStatus(status, ReportRequired(*fit, wanted.required));
   if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
-    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
+    const std::string why =
+        fit->undetermined.empty() ? "record at least three decay times" : fit->undetermined.front();
+    status = cli::WorseStatus(
+        status,
+        cli::ReportError(kVerb, CannotAnswer("", "f0 or Q is not determined", why).error()));
   }
   if (auto written = WriteFiles(files, *fit, doubts, *input, command); !written) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, written.error()));
