@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "fit/row_reduction.h"
 
 namespace haptometer::fit {
 namespace {
@@ -18,10 +19,10 @@ namespace {
 using Position = Eigen::Index;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::vector<Position> FreeColumns(const std::vector<bool>& is_free) {
-  std::vector<Position> columns;
+std::vector<std::size_t> FreeColumns(const std::vector<bool>& is_free) {
+  std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < is_free.size(); ++k) {
-    if (is_free[k]) columns.push_back(static_cast<Position>(k));
+    if (is_free[k]) columns.push_back(k);
   }
   return columns;
 }
@@ -51,85 +52,27 @@ class FreeProblem {
     return Residuals().norm();
   }
 
-  // A matrix T with T'T = [J r]'[J r], J over the free columns: the same least-squares problem in
-  // as many rows as it has columns. Rows are taken in by Householder reflections, a stretch at a
-  // time that stays in the cache. The last columns come first, so that what each record has for
-  // itself does not mix with the others'.
+  // [J r] in as many rows as it has columns (row_reduction.h); false where it is not defined
   bool Reduce(Eigen::MatrixXd* reduced) {
     jacobian_.resize(problem_.residuals * problem_.parameters);
     if (!problem_.evaluate(point_, residuals_, jacobian_)) return false;
-    const Position size = count() + 1;
-    triangle_.setZero(size, size);
-    for (Position row = 0; row < Residuals().size(); row += kStretch) {
-      TakeIn(row, std::min(kStretch, Residuals().size() - row));
-    }
-    reduced->resize(size, size);
-    reduced->leftCols(count()) = triangle_.leftCols(count()).rowwise().reverse();
-    reduced->col(count()) = triangle_.col(count());
+    const auto values = ReduceRows({jacobian_, problem_.parameters, residuals_}, columns_);
+    *reduced = Eigen::Map<const RowMajor>(values.data(), count() + 1, count() + 1);
     return true;
   }
 
  private:
-  static constexpr Position kStretch = 128;
   static constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] Eigen::Map<const Eigen::VectorXd> Residuals() const {
     return {residuals_.data(), std::ssize(residuals_)};
   }
-  // of the triangle's column `k`, over some rows
-  [[nodiscard]] auto Rows(Position k, Position row, Position taken) const {
-    const Eigen::Map<const RowMajor> whole(jacobian_.data(), Residuals().size(),
-                                           std::ssize(point_));
-    return whole.col(columns_[static_cast<std::size_t>(count() - 1 - k)]).segment(row, taken);
-  }
-
-  // the triangle's columns that rows and what they meet in the triangle are not 0 in
-  [[nodiscard]] std::vector<Position> Touched(Position row, Position taken) const {
-    std::vector<Position> touched;
-    std::vector<bool> meets(static_cast<std::size_t>(count()), false);
-    for (Position k = 0; k < count(); ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      if (!meets[at] && (Rows(k, row, taken).array() == 0).all()) continue;
-      touched.push_back(k);
-      for (Position further = k + 1; further < count(); ++further) {
-        if (triangle_(k, further) != 0) meets[static_cast<std::size_t>(further)] = true;
-      }
-    }
-    touched.push_back(count());
-    return touched;
-  }
-
-  void TakeIn(Position row, Position taken) {
-    const auto touched = Touched(row, taken);
-    const Position width = std::ssize(touched);
-    Eigen::MatrixXd work(width + taken, width);
-    Position kept = 0;
-    for (const Position k : touched) {
-      if ((triangle_.row(k).array() == 0).all()) continue;
-      work.row(kept++) = triangle_(k, touched);
-    }
-    for (Position k = 0; k + 1 < width; ++k) {
-      work.col(k).segment(kept, taken) = Rows(touched[static_cast<std::size_t>(k)], row, taken);
-    }
-    work.col(width - 1).segment(kept, taken) = Residuals().segment(row, taken);
-    Eigen::Ref<Eigen::MatrixXd> filled = work.topRows(kept + taken);
-    const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(filled);
-    for (Position k = 0; k < width; ++k) {
-      const Position to = touched[static_cast<std::size_t>(k)];
-      triangle_.row(to).setZero();
-      if (k >= kept + taken) continue;
-      for (Position further = k; further < width; ++further) {
-        triangle_(to, touched[static_cast<std::size_t>(further)]) = work(k, further);
-      }
-    }
-  }
 
   const LeastSquares& problem_;
-  std::vector<Position> columns_;
+  std::vector<std::size_t> columns_;
   std::vector<double> point_;
   std::vector<double> residuals_;
   std::vector<double> jacobian_;
-  Eigen::MatrixXd triangle_;
 };
 
 // the reduced problem as one block of residuals over one block of parameters

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/check.h"
+#include "fit/row_reduction.h"
 
 namespace haptometer::fit {
 namespace {
@@ -60,7 +61,12 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
                    "{} columns, {} and {} flags", jacobian.columns, is_free.size(),
                    is_logarithm.size());
   const auto columns = FreeColumns(is_free);
-  Eigen::MatrixXd scaled = View(jacobian)(Eigen::all, columns);
+  const std::vector<std::size_t> used(columns.begin(), columns.end());
+  const std::vector<double> nothing(jacobian.rows, 0.0);
+  const auto rows = ReduceRows({jacobian.values, jacobian.columns, nothing}, used);
+  const Position size = std::ssize(columns) + 1;
+  Eigen::MatrixXd scaled =
+      Eigen::Map<const RowMajor>(rows.data(), size, size).topLeftCorner(size - 1, size - 1);
   // unit columns; one that alone is unseen becomes empty, lest its rounding drown the others
   Eigen::VectorXd lengths = scaled.colwise().norm();
   for (Position k = 0; k < lengths.size(); ++k) {
@@ -70,10 +76,7 @@ Identifiability FindIdentifiability(const Jacobian& jacobian, const std::vector<
     scaled.col(k) *= empty ? 0 : 1 / lengths[k];
   }
   const Position free_count = scaled.cols();
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(scaled);
-  const Eigen::MatrixXd triangle =
-      qr.matrixQR().topRows(free_count).template triangularView<Eigen::Upper>();
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(triangle, Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeFullV);
   const Eigen::VectorXd& values = svd.singularValues();
 
   // a standard deviation along each direction, in the parameters' own units
