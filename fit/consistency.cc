@@ -32,7 +32,9 @@ struct Estimate {
 struct Rates {
   Estimate frequency;  // natural
   Estimate decay;
-  double noise_v = 0;  // of one sample, if it were white
+  double noise_v = 0;      // of one sample, if it were white
+  double amplitude_v = 0;  // of the ringing at its begin
+  double blocks = 0;
 };
 
 // `poles` of the blocks from `first` on, with uncertainties from the residuals' density
@@ -63,7 +65,9 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   };
   return Rates{{0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * deviation(1)},
                {std::log(fit.poles.decay_per_s), deviation(0)},
-               std::sqrt(square * static_cast<double>(block))};
+               std::sqrt(square * static_cast<double>(block)),
+               fit.Envelope(0),
+               rows};
 }
 
 // sqrt(chi^2 / (n - 1)) where that is significant, else 1
@@ -131,9 +135,11 @@ void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
 // what a drop's own ring-down explains and the fit of all together does not
 void DoubtBelonging(const ComparedDrop& drop, const Rates& whole,
                     std::vector<std::string>& doubts) {
-  constexpr double kMostRatio = 1.1;  // 21 % more power: 7 deviations of that of 2000 samples
+  // both are estimates from some blocks, of noise that may be coloured by chance; and what is below
+  // a millionth of the ringing is rounding
+  const double most_ratio = 1.1 + 4 / std::sqrt(2 * whole.blocks);
   const double ratio = drop.noise_v / whole.noise_v;
-  if (ratio < kMostRatio) return;
+  if (ratio < most_ratio || drop.noise_v < 1e-6 * whole.amplitude_v) return;
   doubts.push_back(fmt::format(
       "{}: the fit of all records together leaves {:.3g} times what its own ring-down leaves: its "
       "load, case or mass is not as stated, or it is of another actuator; do not use the constants",
