@@ -80,6 +80,33 @@ TEST(ZeroPhaseBlocks, ChunksOrderOfBlocksAndThreadsLeaveTheBytes) {
   EXPECT_TRUE(SameBytes(FilterZeroPhase(design, in, Continuation::kOdd, 2), whole));
 }
 
+TEST(ZeroPhaseBlocks, PiecesAreTheBlocksAndCanBeFilteredAgain) {
+  const FilterDesign design = DesignBandPass({3, 20, 300}, 2e3).value();
+  const std::vector<double> in = HandHeld(2e3, 140);  // 5 blocks, 9 pieces, the last not whole
+  const ZeroPhaseBlocks blocks(design, in.size());
+  ASSERT_EQ(blocks.blocks(), 5U);
+  ASSERT_EQ(blocks.pieces(), 9U);
+  const std::vector<double> whole = FilterZeroPhase(design, in);
+  std::vector<ZeroPhaseBlocks::PieceStates> states(blocks.pieces());
+  std::vector<double> taken(in.size());
+  ZeroPhaseBlocks::Scratch scratch;
+  for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+    const auto take = [&](std::size_t first, std::span<double> samples) {
+      std::ranges::copy(samples, &taken[first]);
+    };
+    EXPECT_TRUE(
+        blocks.FilterPieces(block, ReadFrom(in), Continuation::kOdd, take, states, scratch));
+  }
+  EXPECT_TRUE(SameBytes(taken, whole));
+  std::vector<double> again(in.size());
+  for (std::size_t k = blocks.pieces(); k-- > 0;) {
+    const SampleRange range = blocks.PieceRange(k);
+    EXPECT_TRUE(blocks.FilterPiece(k, states[k], ReadFrom(in), Continuation::kOdd,
+                                   std::span(again).subspan(range.first, range.count), scratch));
+  }
+  EXPECT_TRUE(SameBytes(again, whole));
+}
+
 // two passes of the scalar cascade over the signal with its continuation
 std::vector<double> ByCascade(const FilterDesign& design, const std::vector<double>& in,
                               Continuation continuation, std::size_t padding) {
