@@ -16,6 +16,7 @@
 
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
+#include "trial/crc32.h"
 #include "trial/open_rows.h"
 
 namespace haptometer::trial {
