@@ -64,20 +64,45 @@ void FillColumns(const Question& question, const PhasorBlocks& phasors, std::siz
   }
 }
 
+// sum over the samples of cos(multiple w t): Dirichlet's kernel. Their sines sum to 0, t being from
+// the middle.
+double CosineSum(const Question& question, int multiple) {
+  const double half_turn = 0.5 * multiple * question.rad_per_sample;
+  const double turns = std::round(half_turn / std::numbers::pi);
+  const double rest = std::fma(-turns, std::numbers::pi, half_turn);
+  const auto n = static_cast<double>(question.values.size());
+  const bool odd = std::fmod(turns * (n - 1), 2) != 0;
+  return (odd ? -1 : 1) * (rest == 0 ? n : std::sin(n * rest) / std::sin(rest));
+}
+
+// products of the cosines and sines with each other, summed over the samples
+void FillTurns(const Question& question, MatrixXd& matrix) {
+  for (int h = 1; h <= question.count; ++h) {
+    for (int k = 1; k <= question.count; ++k) {
+      const double apart = CosineSum(question, h - k);
+      const double together = CosineSum(question, h + k);
+      const Index row = 2 * Index{h - 1};
+      const Index column = 2 * Index{k - 1};
+      matrix(row, column) = 0.5 * (apart + together);
+      matrix(row + 1, column + 1) = 0.5 * (apart - together);
+    }
+  }
+}
+
 struct Normal {
   MatrixXd matrix;
   VectorXd right;
   double square_sum = 0;  // of the residuals
 };
 
-// Normal equations about `at`, block by block; the matrix is the same about every `at`, and most of
-// the work.
+// Normal equations about `at`, block by block; the matrix is the same about every `at`.
 enum class WithMatrix : bool { kNo, kYes };
 
 Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_matrix) {
   const Index p = question.parameters();
   const PhasorBlocks phasors(question.rad_per_sample);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
+  const Index drift = 1 + Index{question.drift_degree};
   MatrixXd columns;
   for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
     const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
@@ -86,12 +111,16 @@ Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_m
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
     const VectorXd residual = values - columns * at;
     if (with_matrix == WithMatrix::kYes) {
-      total.matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+      total.matrix.bottomRows(drift).noalias() += columns.rightCols(drift).transpose() * columns;
     }
     total.right.noalias() += columns.transpose() * residual;
     total.square_sum += residual.squaredNorm();
   }
-  total.matrix.triangularView<Eigen::StrictlyUpper>() = total.matrix.transpose();
+  if (with_matrix == WithMatrix::kYes) {
+    FillTurns(question, total.matrix);
+    total.matrix.topRightCorner(p - drift, drift) =
+        total.matrix.bottomLeftCorner(drift, p - drift).transpose();
+  }
   return total;
 }
 
@@ -184,25 +213,27 @@ Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& opt
   const double freedom = n * share - static_cast<double>(question.parameters());
   if (!(freedom > 0)) return found;
 
-  // one step solves it, the second removes its rounding
+  // one step solves it, the second removes its rounding; what a step takes from the squares is its
+  // product with the right side
   VectorXd at = VectorXd::Zero(question.parameters());
   Normal normal = Linearise(question, at, WithMatrix::kYes);
   const Eigen::LDLT<MatrixXd> solver(normal.matrix);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kLeastCondition)) return found;
-  for (int step = 0; step < 2; ++step) {
-    at += solver.solve(normal.right);
-    normal = Linearise(question, at, WithMatrix::kNo);
-  }
+  at = solver.solve(normal.right);
+  normal = Linearise(question, at, WithMatrix::kNo);
+  const VectorXd last = solver.solve(normal.right);
+  at += last;
   if (!at.allFinite()) return found;
+  const double square_sum = std::max(0.0, normal.square_sum - last.dot(normal.right));
 
   const MatrixXd covariance =
-      solver.solve(MatrixXd::Identity(at.size(), at.size())) * (normal.square_sum / freedom);
+      solver.solve(MatrixXd::Identity(at.size(), at.size())) * (square_sum / freedom);
   found.harmonics.reserve(static_cast<std::size_t>(count));
   for (int order = 1; order <= count; ++order) {
     found.harmonics.push_back(Describe(question, at, covariance, order));
     found.harmonics.back().frequency_hz = order * fundamental_hz;
   }
-  found.residual_rms = std::sqrt(normal.square_sum / n);
+  found.residual_rms = std::sqrt(square_sum / n);
   found.degrees_of_freedom = freedom;
   found.converged = true;
   DescribeDistortion(found);
