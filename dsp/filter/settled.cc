@@ -17,34 +17,37 @@ constexpr double kRmsTimeConstants = 4;
 // what the filter makes, in the `inner` samples of a signal, of what lies beyond them
 class Inside {
  public:
-  Inside(const FilterDesign& design, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
-      : design_(design), filtered_(inner), scratch_(scratch) {}
+  Inside(const ZeroPhaseBlocks& blocks, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
+      : blocks_(blocks), filtered_(inner), turned_(inner), scratch_(scratch) {}
 
-  // of `before` (nearest first) ahead of them and `after` behind them; valid until the next call
+  // of `before` ahead of them and `after` behind them, where there are any; valid until the next
+  // call
   std::span<const double> Of(std::span<const double> before, std::span<const double> after) {
-    const std::size_t inner = filtered_.size();
-    around_.assign(before.size() + inner + after.size(), 0.0);
-    std::ranges::reverse_copy(before, around_.begin());
-    std::ranges::copy_backward(after, around_.end());
-    const auto done = ZeroPhaseBlocks(design_, around_.size())
-                          .Filter(SampleRange{before.size(), inner}, ReadFrom(around_),
-                                  Continuation::kConstant, filtered_, scratch_);
-    HAPTOMETER_CHECK(done, "memory cannot fail");
+    if (before.empty()) {
+      std::ranges::fill(filtered_, 0.0);
+    } else {
+      blocks_.FilterAhead(before, filtered_, scratch_);
+    }
+    if (after.empty()) return filtered_;
+    blocks_.FilterAhead(after, turned_, scratch_);
+    for (std::size_t k = 0; k < filtered_.size(); ++k) {
+      filtered_[k] += turned_[turned_.size() - 1 - k];
+    }
     return filtered_;
   }
 
  private:
-  const FilterDesign& design_;
-  std::vector<double> around_;
+  const ZeroPhaseBlocks& blocks_;
   std::vector<double> filtered_;
+  std::vector<double> turned_;
   ZeroPhaseBlocks::Scratch& scratch_;
 };
 
 // the dependence of `inner` samples on either end; an end that is far away has no continuations
-std::vector<double> DependenceOf(const FilterDesign& design, const EndContinuations& before,
+std::vector<double> DependenceOf(const ZeroPhaseBlocks& blocks, const EndContinuations& before,
                                  std::size_t inner, const EndContinuations& after,
                                  ZeroPhaseBlocks::Scratch& scratch) {
-  Inside inside(design, inner, scratch);
+  Inside inside(blocks, inner, scratch);
   std::vector<double> dependence(inner);
   const auto add = [&](std::span<const double> filtered, double tolerance) {
     for (std::size_t k = 0; k < inner; ++k) {
@@ -125,10 +128,10 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   const EndContinuations before = ContinueEnd(design, first, lead_in);
   const EndContinuations after = ContinueEnd(design, last, lead_in);
   if (is_short) {
-    dependence.first = DependenceOf(design, before, size, after, scratch);
+    dependence.first = DependenceOf(blocks, before, size, after, scratch);
   } else {
-    dependence.first = DependenceOf(design, before, lead_in, {}, scratch);
-    dependence.last = DependenceOf(design, {}, lead_in, after, scratch);
+    dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
+    dependence.last = DependenceOf(blocks, {}, lead_in, after, scratch);
   }
   return dependence;
 }

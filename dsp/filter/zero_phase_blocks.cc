@@ -235,6 +235,36 @@ Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const Read
   return {};
 }
 
+void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<double> out,
+                                  Scratch& scratch) const {
+  HAPTOMETER_CHECK(before.size() == lead_in_, "{} samples ahead", before.size());
+  const std::size_t inner = WholeTiles(out.size());
+  // behind a lead-in nothing is left of it
+  const std::size_t beyond = inner < lead_in_ ? lead_in_ : 0;
+  const std::span<double> rows = Aligned(scratch.rows_, inner + beyond);
+  const auto piece_of = [&](std::size_t left) {
+    return std::span(scratch.read_).first(std::min(kReadSamples, left));
+  };
+  scratch.read_.resize(kReadSamples);
+  LaneCascade cascade(plan_);
+  cascade.StartFrom(before.back());
+  for (std::size_t left = lead_in_; left > 0;) {
+    const auto piece = piece_of(left);
+    std::ranges::reverse_copy(before.subspan(left - piece.size(), piece.size()), piece.begin());
+    cascade.AdvanceForward(piece);
+    left -= piece.size();
+  }
+  std::ranges::fill(scratch.read_, 0.0);
+  for (std::size_t at = 0; at < rows.size();) {
+    const auto zeros = piece_of(rows.size() - at);
+    cascade.ProcessForward(zeros, rows.subspan(at, zeros.size()));
+    at += zeros.size();
+  }
+  cascade.StartFrom(rows.back());
+  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.ProcessBackward(rows.first(inner), out);
+}
+
 ReadSamples ReadFrom(std::span<const double> signal) {
   return [signal](std::size_t first, std::span<double> out) -> Result<void> {
     HAPTOMETER_CHECK(first + out.size() <= signal.size(), "{} + {} of {}", first, out.size(),

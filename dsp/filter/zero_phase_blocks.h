@@ -115,6 +115,11 @@ class ZeroPhaseBlocks {
                                     Continuation continuation, std::span<double> out,
                                     Scratch& scratch) const;
 
+  /// What the filter makes, in the first out.size() samples of a signal of nothing but zeros, of
+  /// what lies ahead of it: `before`, lead_in() samples, the nearest first, and the last of them
+  /// for ever. What it makes of samples behind a signal is the same in turned time.
+  void FilterAhead(std::span<const double> before, std::span<double> out, Scratch& scratch) const;
+
  private:
   // the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on;
   // `states`, where there are any, get the pieces' states

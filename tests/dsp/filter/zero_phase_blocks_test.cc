@@ -107,6 +107,29 @@ TEST(ZeroPhaseBlocks, PiecesAreTheBlocksAndCanBeFilteredAgain) {
   EXPECT_TRUE(SameBytes(again, whole));
 }
 
+// the oracle is the filter over all of it, with zeros in the signal's place
+TEST(ZeroPhaseBlocks, SamplesAheadAreFilteredAlone) {
+  for (const int order : {2, 3, 6}) {
+    const FilterDesign design = DesignBandPass({order, 20, 500}, 5e3).value();
+    const ZeroPhaseBlocks blocks(design, 1000);
+    std::vector<double> before = HandHeld(5e3, 30);
+    before.resize(blocks.lead_in());
+    for (const std::size_t inner : {std::size_t{1}, std::size_t{700}, blocks.lead_in()}) {
+      std::vector<double> all(before.rbegin(), before.rend());
+      all.resize(before.size() + inner);
+      const std::vector<double> expected = FilterZeroPhase(design, all, Continuation::kConstant);
+      std::vector<double> out(inner);
+      ZeroPhaseBlocks::Scratch scratch;
+      blocks.FilterAhead(before, out, scratch);
+      double largest = 0;
+      for (std::size_t k = 0; k < inner; ++k) {
+        largest = std::max(largest, std::abs(out[k] - expected[before.size() + k]));
+      }
+      EXPECT_ABS(largest, 0, 3e-20, "what a lead-in leaves of 30 mm");
+    }
+  }
+}
+
 // two passes of the scalar cascade over the signal with its continuation
 std::vector<double> ByCascade(const FilterDesign& design, const std::vector<double>& in,
                               Continuation continuation, std::size_t padding) {
