@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "base/check.h"
@@ -94,9 +95,11 @@ Result<void> BandSignal::FilterAll(int threads) {
   // the ends first, then the blocks
   EndDependence dependence;
   const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
-    return [&, scratch = ZeroPhaseBlocks::Scratch()](std::size_t job) mutable -> Result<void> {
-      if (job > 0) return FilterBlock(job - 1, scratch);
-      auto measured = MeasureEndDependence(blocks_, reading(), scratch);
+    // a worker may be copied, its buffers not
+    const auto scratch = std::make_shared<ZeroPhaseBlocks::Scratch>();
+    return [&, scratch](std::size_t job) -> Result<void> {
+      if (job > 0) return FilterBlock(job - 1, *scratch);
+      auto measured = MeasureEndDependence(blocks_, reading(), *scratch);
       if (!measured) return std::unexpected(measured.error());
       dependence = std::move(*measured);
       return {};

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -55,7 +57,15 @@ class ZeroPhaseBlocks {
   class Scratch {
    private:
     friend class ZeroPhaseBlocks;
-    std::vector<double> rows_;   // the forward pass's output: block_size() + lead_in(), 64 bytes
+    struct Free {
+      void operator()(double* rows) const { std::free(rows); }
+    };
+    // `count` rows of no known values, from a multiple of 64 bytes on
+    std::span<double> Rows(std::size_t count);
+
+    // the forward pass's output: block_size() + lead_in()
+    std::unique_ptr<double, Free> rows_;
+    std::size_t rows_size_ = 0;
     std::vector<double> read_;   // of the signal
     std::vector<double> piece_;  // filtered
   };
