@@ -35,32 +35,51 @@ struct Question {
   [[nodiscard]] double half() const { return 0.5 * static_cast<double>(values.size() - 1); }
 };
 
-// columns of the rows from `begin`: cosines and sines by turning, Legendre's polynomials by their
-// recurrence
-void FillColumns(const Question& question, const PhasorBlocks& phasors, std::size_t begin,
-                 MatrixXd& columns) {
-  const auto rows = static_cast<std::size_t>(columns.rows());
-  const double first = static_cast<double>(begin) - question.half();
-  phasors.Fill(first, {columns.col(0).data(), rows}, {columns.col(1).data(), rows});
-  const auto c = columns.col(0).array();
-  const auto s = columns.col(1).array();
+// cosines and sines of all harmonics in one block of rows, time counted from its first: by turning
+MatrixXd TurnsOfBlock(const Question& question) {
+  MatrixXd turns(kBlock, 2 * Index{question.count});
+  PhasorBlocks(question.rad_per_sample)
+      .Fill(0, {turns.col(0).data(), kBlock}, {turns.col(1).data(), kBlock});
+  const auto c = turns.col(0).array();
+  const auto s = turns.col(1).array();
   for (Index h = 1; h < question.count; ++h) {
-    const auto c_before = columns.col(2 * h - 2).array();
-    const auto s_before = columns.col(2 * h - 1).array();
-    columns.col(2 * h) = c * c_before - s * s_before;
-    columns.col(2 * h + 1) = s * c_before + c * s_before;
+    const auto c_before = turns.col(2 * h - 2).array();
+    const auto s_before = turns.col(2 * h - 1).array();
+    turns.col(2 * h) = c * c_before - s * s_before;
+    turns.col(2 * h + 1) = s * c_before + c * s_before;
   }
-  const Index drift = 2 * Index{question.count};
-  columns.col(drift).setOnes();
+  return turns;
+}
+
+// Pairs of rows, the parts of each harmonic's cosine and sine, in a time that begins `later`: parts
+// of a sum turn by that, sums of products with them by -`later`.
+void Turn(const Question& question, double later, MatrixXd& pairs) {
+  for (int h = 1; h <= question.count; ++h) {
+    const double angle = h * question.rad_per_sample * later;
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    const Index row = 2 * Index{h - 1};
+    for (Index column = 0; column < pairs.cols(); ++column) {
+      const double of_cosine = pairs(row, column);
+      const double of_sine = pairs(row + 1, column);
+      pairs(row, column) = c * of_cosine + s * of_sine;
+      pairs(row + 1, column) = c * of_sine - s * of_cosine;
+    }
+  }
+}
+
+// Legendre's polynomials over the samples, of the rows from `first` on, by their recurrence
+void FillDrift(const Question& question, double first, MatrixXd& drift) {
+  drift.col(0).setOnes();
   const VectorXd tau =
-      VectorXd::LinSpaced(columns.rows(), first, first + static_cast<double>(rows - 1)) /
+      VectorXd::LinSpaced(drift.rows(), first, first + static_cast<double>(drift.rows() - 1)) /
       question.half();
-  if (question.drift_degree >= 1) columns.col(drift + 1) = tau;
+  if (question.drift_degree >= 1) drift.col(1) = tau;
   for (Index k = 2; k <= question.drift_degree; ++k) {
     const auto degree = static_cast<double>(k);
-    columns.col(drift + k) = ((2 * degree - 1) * tau.cwiseProduct(columns.col(drift + k - 1)) -
-                              (degree - 1) * columns.col(drift + k - 2)) /
-                             degree;
+    drift.col(k) =
+        ((2 * degree - 1) * tau.cwiseProduct(drift.col(k - 1)) - (degree - 1) * drift.col(k - 2)) /
+        degree;
   }
 }
 
@@ -100,26 +119,36 @@ enum class WithMatrix : bool { kNo, kYes };
 
 Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_matrix) {
   const Index p = question.parameters();
-  const PhasorBlocks phasors(question.rad_per_sample);
+  const Index turning = 2 * Index{question.count};
+  const Index drifting = p - turning;
+  const MatrixXd turns_of_block = TurnsOfBlock(question);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
-  const Index drift = 1 + Index{question.drift_degree};
-  MatrixXd columns;
+  MatrixXd drift;
   for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
     const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
-    columns.resize(rows, p);
-    FillColumns(question, phasors, begin, columns);
+    const double first = static_cast<double>(begin) - question.half();
+    const auto turns = turns_of_block.topRows(rows);
+    drift.resize(rows, drifting);
+    FillDrift(question, first, drift);
+    MatrixXd parts = at.head(turning);
+    Turn(question, first, parts);
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
-    const VectorXd residual = values - columns * at;
-    if (with_matrix == WithMatrix::kYes) {
-      total.matrix.bottomRows(drift).noalias() += columns.rightCols(drift).transpose() * columns;
-    }
-    total.right.noalias() += columns.transpose() * residual;
+    const VectorXd residual = values - turns * parts.col(0) - drift * at.tail(drifting);
+    MatrixXd products = turns.transpose() * residual;
+    Turn(question, -first, products);
+    total.right.head(turning) += products.col(0);
+    total.right.tail(drifting) += drift.transpose() * residual;
     total.square_sum += residual.squaredNorm();
+    if (with_matrix == WithMatrix::kNo) continue;
+    MatrixXd shared = turns.transpose() * drift;
+    Turn(question, -first, shared);
+    total.matrix.topRightCorner(turning, drifting) += shared;
+    total.matrix.bottomRightCorner(drifting, drifting) += drift.transpose() * drift;
   }
   if (with_matrix == WithMatrix::kYes) {
     FillTurns(question, total.matrix);
-    total.matrix.topRightCorner(p - drift, drift) =
-        total.matrix.bottomLeftCorner(drift, p - drift).transpose();
+    total.matrix.bottomLeftCorner(drifting, turning) =
+        total.matrix.topRightCorner(turning, drifting).transpose();
   }
   return total;
 }
