@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -36,8 +37,7 @@ struct Question {
 };
 
 // cosines and sines of all harmonics in one block of rows, time counted from its first: by turning
-MatrixXd TurnsOfBlock(const Question& question) {
-  MatrixXd turns(kBlock, 2 * Index{question.count});
+void FillTurns(const Question& question, MatrixXd& turns) {
   PhasorBlocks(question.rad_per_sample)
       .Fill(0, {turns.col(0).data(), kBlock}, {turns.col(1).data(), kBlock});
   const auto c = turns.col(0).array();
@@ -48,11 +48,10 @@ MatrixXd TurnsOfBlock(const Question& question) {
     turns.col(2 * h) = c * c_before - s * s_before;
     turns.col(2 * h + 1) = s * c_before + c * s_before;
   }
-  return turns;
 }
 
-// Pairs of rows, the parts of each harmonic's cosine and sine, in a time that begins `later`: parts
-// of a sum turn by that, sums of products with them by -`later`.
+// The first pairs of rows, the parts of each harmonic's cosine and sine, in a time that begins
+// `later`: parts of a sum turn by that, sums of products with them by -`later`.
 void Turn(const Question& question, double later, MatrixXd& pairs) {
   for (int h = 1; h <= question.count; ++h) {
     const double angle = h * question.rad_per_sample * later;
@@ -68,18 +67,15 @@ void Turn(const Question& question, double later, MatrixXd& pairs) {
   }
 }
 
-// Legendre's polynomials over the samples, of the rows from `first` on, by their recurrence
-void FillDrift(const Question& question, double first, MatrixXd& drift) {
-  drift.col(0).setOnes();
-  const VectorXd tau =
-      VectorXd::LinSpaced(drift.rows(), first, first + static_cast<double>(drift.rows() - 1)) /
-      question.half();
-  if (question.drift_degree >= 1) drift.col(1) = tau;
-  for (Index k = 2; k <= question.drift_degree; ++k) {
+// Legendre's polynomials at `tau`, by their recurrence
+void FillLegendre(const Eigen::Ref<const VectorXd>& tau, MatrixXd& legendre) {
+  legendre.col(0).setOnes();
+  if (legendre.cols() > 1) legendre.col(1) = tau;
+  for (Index k = 2; k < legendre.cols(); ++k) {
     const auto degree = static_cast<double>(k);
-    drift.col(k) =
-        ((2 * degree - 1) * tau.cwiseProduct(drift.col(k - 1)) - (degree - 1) * drift.col(k - 2)) /
-        degree;
+    legendre.col(k) = ((2 * degree - 1) * tau.cwiseProduct(legendre.col(k - 1)) -
+                       (degree - 1) * legendre.col(k - 2)) /
+                      degree;
   }
 }
 
@@ -94,8 +90,35 @@ double CosineSum(const Question& question, int multiple) {
   return (odd ? -1 : 1) * (rest == 0 ? n : std::sin(n * rest) / std::sin(rest));
 }
 
+// what all blocks of rows have in common, in their own time
+struct BlockBasis {
+  MatrixXd columns;   // cosine and sine of each harmonic, Legendre's polynomials over the block
+  VectorXd nodes;     // rows, as many as there are polynomials,
+  MatrixXd by_nodes;  // and any polynomial in terms of those over the block, by its values there
+
+  explicit BlockBasis(const Question& question) : columns(kBlock, question.parameters()) {
+    FillTurns(question, columns);
+    const Index drifting = 1 + Index{question.drift_degree};
+    constexpr double kLast = kBlock - 1;
+    MatrixXd legendre(kBlock, drifting);
+    FillLegendre(VectorXd::LinSpaced(kBlock, -1, 1), legendre);
+    columns.rightCols(drifting) = legendre;
+    nodes = VectorXd::LinSpaced(drifting, 0, kLast);
+    MatrixXd at_nodes(drifting, drifting);
+    FillLegendre((nodes * (2 / kLast)).array() - 1, at_nodes);
+    by_nodes = at_nodes.inverse();
+  }
+
+  // the polynomials over the samples in terms of those over the block that begins at `first`
+  [[nodiscard]] MatrixXd DriftFrom(double first, double half) const {
+    MatrixXd values(nodes.size(), nodes.size());
+    FillLegendre((nodes.array() + first) / half, values);
+    return by_nodes * values;
+  }
+};
+
 // products of the cosines and sines with each other, summed over the samples
-void FillTurns(const Question& question, MatrixXd& matrix) {
+void FillProducts(const Question& question, MatrixXd& matrix) {
   for (int h = 1; h <= question.count; ++h) {
     for (int k = 1; k <= question.count; ++k) {
       const double apart = CosineSum(question, h - k);
@@ -121,32 +144,36 @@ Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_m
   const Index p = question.parameters();
   const Index turning = 2 * Index{question.count};
   const Index drifting = p - turning;
-  const MatrixXd turns_of_block = TurnsOfBlock(question);
+  const BlockBasis basis(question);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
-  MatrixXd drift;
+  MatrixXd with_drift;  // of a block's columns, products with its polynomials
   for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
     const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
     const double first = static_cast<double>(begin) - question.half();
-    const auto turns = turns_of_block.topRows(rows);
-    drift.resize(rows, drifting);
-    FillDrift(question, first, drift);
-    MatrixXd parts = at.head(turning);
+    const auto columns = basis.columns.topRows(rows);
+    const MatrixXd drift = basis.DriftFrom(first, question.half());
+    MatrixXd parts = at;
     Turn(question, first, parts);
+    parts.bottomRows(drifting) = drift * at.tail(drifting);
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
-    const VectorXd residual = values - turns * parts.col(0) - drift * at.tail(drifting);
-    MatrixXd products = turns.transpose() * residual;
+    const VectorXd residual = values - columns * parts.col(0);
+    MatrixXd products = columns.transpose() * residual;
     Turn(question, -first, products);
-    total.right.head(turning) += products.col(0);
-    total.right.tail(drifting) += drift.transpose() * residual;
+    total.right.head(turning) += products.col(0).head(turning);
+    total.right.tail(drifting) += drift.transpose() * products.col(0).tail(drifting);
     total.square_sum += residual.squaredNorm();
     if (with_matrix == WithMatrix::kNo) continue;
-    MatrixXd shared = turns.transpose() * drift;
+    if (begin == 0 || rows < basis.columns.rows()) {
+      with_drift = columns.transpose() * columns.rightCols(drifting);
+    }
+    MatrixXd shared = with_drift * drift;
     Turn(question, -first, shared);
-    total.matrix.topRightCorner(turning, drifting) += shared;
-    total.matrix.bottomRightCorner(drifting, drifting) += drift.transpose() * drift;
+    total.matrix.topRightCorner(turning, drifting) += shared.topRows(turning);
+    total.matrix.bottomRightCorner(drifting, drifting) +=
+        drift.transpose() * shared.bottomRows(drifting);
   }
   if (with_matrix == WithMatrix::kYes) {
-    FillTurns(question, total.matrix);
+    FillProducts(question, total.matrix);
     total.matrix.bottomLeftCorner(drifting, turning) =
         total.matrix.topRightCorner(turning, drifting).transpose();
   }
