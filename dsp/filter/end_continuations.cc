@@ -97,25 +97,21 @@ EndContinuations ContinueEnd(const FilterDesign& design, std::span<const double>
   const SlowChange slow(Seen(design, toneless, kSeen), 1);
   const SlowChange others[] = {{Seen(design, toneless, kOtherViews[0].seen), kOtherViews[0].sines},
                                {Seen(design, toneless, kOtherViews[1].seen), kOtherViews[1].sines}};
-  ends.expected = ends.constant;
-  ends.fast.resize(count);
-  for (auto& doubt : ends.doubts) doubt.resize(count);
   const std::size_t ahead =
       std::min({Seen(design, signal, kExpected).size(), count, seen.size() - 1});
   const std::vector<double> change = slow.From(1, ahead);
   const std::vector<double> before = slow.From(-static_cast<double>(ahead), ahead);
-  for (std::size_t k = 0; k < ahead; ++k) {
-    ends.expected[k] += change[k];
-    ends.fast[k] = ends.constant[k] - before[ahead - 1 - k];
-  }
+  ends.expected = change;
+  ends.fast.resize(ahead);
+  for (std::size_t k = 0; k < ahead; ++k) ends.fast[k] = ends.constant[k] - before[ahead - 1 - k];
   if (tone) {
     const std::vector<double> turning = tone->From(1, ahead);
     const double at_last = tone->At(0);
     for (std::size_t k = 0; k < ahead; ++k) ends.expected[k] += turning[k] - at_last;
   }
   for (std::size_t other = 0; other < ends.doubts.size(); ++other) {
-    const std::vector<double> differently = others[other].From(1, ahead);
-    for (std::size_t k = 0; k < ahead; ++k) ends.doubts[other][k] = differently[k] - change[k];
+    ends.doubts[other] = others[other].From(1, ahead);
+    for (std::size_t k = 0; k < ahead; ++k) ends.doubts[other][k] -= change[k];
   }
   return ends;
 }

@@ -18,28 +18,28 @@ constexpr double kRmsTimeConstants = 4;
 class Inside {
  public:
   Inside(const ZeroPhaseBlocks& blocks, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
-      : blocks_(blocks), filtered_(inner), turned_(inner), scratch_(scratch) {}
+      : blocks_(blocks), filtered_(inner), scratch_(scratch) {}
 
   // of `before` ahead of them and `after` behind them, where there are any; valid until the next
   // call
   std::span<const double> Of(std::span<const double> before, std::span<const double> after) {
-    if (before.empty()) {
-      std::ranges::fill(filtered_, 0.0);
-    } else {
+    if (after.empty()) {
       blocks_.FilterAhead(before, filtered_, scratch_);
+      return filtered_;
     }
-    if (after.empty()) return filtered_;
-    blocks_.FilterAhead(after, turned_, scratch_);
-    for (std::size_t k = 0; k < filtered_.size(); ++k) {
-      filtered_[k] += turned_[turned_.size() - 1 - k];
-    }
+    blocks_.FilterAhead(after, filtered_, scratch_);
+    std::ranges::reverse(filtered_);
+    if (before.empty()) return filtered_;
+    ahead_.resize(filtered_.size());
+    blocks_.FilterAhead(before, ahead_, scratch_);
+    for (std::size_t k = 0; k < filtered_.size(); ++k) filtered_[k] += ahead_[k];
     return filtered_;
   }
 
  private:
   const ZeroPhaseBlocks& blocks_;
   std::vector<double> filtered_;
-  std::vector<double> turned_;
+  std::vector<double> ahead_;
   ZeroPhaseBlocks::Scratch& scratch_;
 };
 
@@ -54,20 +54,20 @@ std::vector<double> DependenceOf(const ZeroPhaseBlocks& blocks, const EndContinu
       dependence[k] = std::max(dependence[k], std::abs(filtered[k]) / tolerance);
     }
   };
+  const std::span<const double> constant = inside.Of(before.constant, after.constant);
   if (before.expected.empty() && after.expected.empty()) {
-    add(inside.Of(before.constant, after.constant), kFastTolerance);
+    add(constant, kFastTolerance);
     return dependence;
   }
-  std::vector<double> expected(inner);
-  const auto add_expected = [&](std::span<const double> filtered) {
-    for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(filtered[k]);
-  };
-  add_expected(inside.Of(before.expected, after.expected));
+  add(constant, kConstantTolerance);
+  std::vector<double> expected(constant.begin(), constant.end());
+  const std::span<const double> change = inside.Of(before.expected, after.expected);
+  for (std::size_t k = 0; k < inner; ++k) expected[k] = std::abs(expected[k] + change[k]);
   for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
-    add_expected(inside.Of(before.doubts[doubt], after.doubts[doubt]));
+    const std::span<const double> more = inside.Of(before.doubts[doubt], after.doubts[doubt]);
+    for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(more[k]);
   }
   add(expected, kExpectedTolerance);
-  add(inside.Of(before.constant, after.constant), kConstantTolerance);
   add(inside.Of(before.fast, after.fast), kFastTolerance);
   return dependence;
 }
@@ -119,18 +119,16 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   EndDependence dependence;
   if (size == 0) return dependence;
   const bool is_short = size <= 2 * lead_in;
-  const std::size_t seen = is_short ? size : lead_in + 1;
-  std::vector<double> first(seen);
-  std::vector<double> last(seen);
-  if (auto done = read(0, first); !done) return std::unexpected(done.error());
-  if (auto done = read(size - seen, last); !done) return std::unexpected(done.error());
-  std::ranges::reverse(first);  // so that its end is the signal's begin
-  const EndContinuations before = ContinueEnd(design, first, lead_in);
-  const EndContinuations after = ContinueEnd(design, last, lead_in);
+  std::vector<double> seen(is_short ? size : lead_in + 1);
+  if (auto done = read(0, seen); !done) return std::unexpected(done.error());
+  std::ranges::reverse(seen);  // so that its end is the signal's begin
+  const EndContinuations before = ContinueEnd(design, seen, lead_in);
+  if (!is_short) dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
+  if (auto done = read(size - seen.size(), seen); !done) return std::unexpected(done.error());
+  const EndContinuations after = ContinueEnd(design, seen, lead_in);
   if (is_short) {
     dependence.first = DependenceOf(blocks, before, size, after, scratch);
   } else {
-    dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
     dependence.last = DependenceOf(blocks, {}, lead_in, after, scratch);
   }
   return dependence;

@@ -247,7 +247,7 @@ Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const Read
 
 void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<double> out,
                                   Scratch& scratch) const {
-  HAPTOMETER_CHECK(before.size() == lead_in_, "{} samples ahead", before.size());
+  HAPTOMETER_CHECK(before.size() <= lead_in_, "{} samples ahead", before.size());
   const std::size_t inner = WholeTiles(out.size());
   // behind a lead-in nothing is left of it
   const std::size_t beyond = inner < lead_in_ ? lead_in_ : 0;
@@ -257,12 +257,13 @@ void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<doub
   };
   scratch.read_.resize(kReadSamples);
   LaneCascade cascade(plan_);
-  cascade.StartFrom(before.back());
-  for (std::size_t left = lead_in_; left > 0;) {
+  for (std::size_t left = WholeTiles(before.size()); left > 0;) {
     const auto piece = piece_of(left);
-    std::ranges::reverse_copy(before.subspan(left - piece.size(), piece.size()), piece.begin());
-    cascade.AdvanceForward(piece);
     left -= piece.size();
+    const auto there = before.subspan(left, std::min(piece.size(), before.size() - left));
+    std::ranges::fill(piece, 0.0);
+    std::ranges::copy(there, piece.rbegin());
+    cascade.AdvanceForward(piece);
   }
   std::ranges::fill(scratch.read_, 0.0);
   for (std::size_t at = 0; at < rows.size();) {

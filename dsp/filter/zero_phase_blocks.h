@@ -126,8 +126,8 @@ class ZeroPhaseBlocks {
                                     Scratch& scratch) const;
 
   /// What the filter makes, in the first out.size() samples of a signal of nothing but zeros, of
-  /// what lies ahead of it: `before`, lead_in() samples, the nearest first, and the last of them
-  /// for ever. What it makes of samples behind a signal is the same in turned time.
+  /// what lies ahead of it: `before`, at most lead_in() samples, the nearest first. What it makes
+  /// of samples behind a signal is the same in turned time.
   void FilterAhead(std::span<const double> before, std::span<double> out, Scratch& scratch) const;
 
  private:
