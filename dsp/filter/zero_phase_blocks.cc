@@ -13,9 +13,9 @@ namespace {
 
 // of the begin of a pass: 1000 times the signal then is 1e-15 of it
 constexpr double kLeadInRemainder = 1e-18;
-// lead-ins a block: the more, the less is computed twice, up to blocks of 36 MiB
+// lead-ins a block: the more, the less is computed twice, up to blocks of 24 MiB
 constexpr std::size_t kLeadInsPerBlock = 16;
-constexpr std::size_t kMostBlockPieces = 146;
+constexpr std::size_t kMostBlockPieces = 97;
 
 // read at a time: an eighth of a megabyte, which stays in the processor's second cache
 constexpr std::size_t kReadSamples = 4 * kTileSamples;

@@ -48,7 +48,7 @@ struct SampleRange {
 /// What the passes of a block remember where its pieces meet may be kept: then each piece can be
 /// filtered again, to the same bytes, without a lead-in.
 ///
-/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 41 MB at 392 kHz.
+/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 30 MB at 392 kHz.
 /// Cost: 2.9 + 2.4 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
 /// Scratch of its own.
 class ZeroPhaseBlocks {
