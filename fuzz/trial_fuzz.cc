@@ -8,6 +8,7 @@
 
 #include "base/check.h"
 #include "trial/block.h"
+#include "trial/crc32.h"
 #include "trial/trial_reader.h"
 
 namespace {

@@ -1,8 +1,7 @@
 #include "trial/block.h"
 
-#include <zlib.h>
-
 #include "base/check.h"
+#include "trial/crc32.h"
 
 namespace haptometer::trial {
 namespace {
@@ -18,11 +17,6 @@ constexpr std::size_t kPayloadCrcAt = 40;
 constexpr std::size_t kHeadCrcAt = 44;
 
 }  // namespace
-
-std::uint32_t Crc32(std::span<const std::byte> bytes) {
-  return static_cast<std::uint32_t>(
-      crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-}
 
 std::array<std::byte, kBlockHeadBytes> EncodeBlockHead(const BlockHead& head) {
   std::array<std::byte, kBlockHeadBytes> bytes{};

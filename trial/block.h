@@ -71,9 +71,6 @@ struct BlockHead {
   std::uint32_t payload_crc = 0;
 };
 
-/// CRC-32 as in zlib, PNG and Ethernet (polynomial 0xEDB88320, start and final xor 0xFFFFFFFF).
-[[nodiscard]] std::uint32_t Crc32(std::span<const std::byte> bytes);
-
 /// The 48 bytes of `head`, with magic and CRC.
 [[nodiscard]] std::array<std::byte, kBlockHeadBytes> EncodeBlockHead(const BlockHead& head);
 

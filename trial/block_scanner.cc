@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "trial/crc32.h"
+
 namespace haptometer::trial {
 namespace {
 

@@ -9,6 +9,7 @@
 
 #include "base/jobs.h"
 #include "trial/block.h"
+#include "trial/crc32.h"
 
 namespace haptometer::trial {
 namespace {

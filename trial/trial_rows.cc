@@ -1,11 +1,11 @@
 #include "trial/trial_rows.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "base/check.h"
 #include "trial/block.h"
+#include "trial/row_column.h"
 #include "trial/uniform_grid.h"
 
 namespace haptometer::trial {
@@ -13,59 +13,6 @@ namespace {
 
 // bytes that are decoded in one go: they stay in the processor's nearer cache
 constexpr std::size_t kPieceBytes = std::size_t{1} << 16U;
-
-// what a value's place in a row and its meaning are
-struct Column {
-  std::size_t row_bytes = 0;
-  std::size_t value_at = 0;
-  std::size_t status_at = 0;
-  double scale = 1;
-  double offset = 0;
-};
-
-template <typename Raw>
-void DecodeCarefully(const std::byte* row, const Column& column, std::span<double> values,
-                     std::span<SampleStatus> statuses) {
-  for (std::size_t k = 0; k < values.size(); ++k, row += column.row_bytes) {
-    const auto byte = std::to_integer<std::uint8_t>(row[column.status_at]);
-    // a status of a later version is no measurement that this one can vouch for
-    const auto status =
-        byte < kSampleStatusCount ? static_cast<SampleStatus>(byte) : SampleStatus::kInvalid;
-    const auto raw = static_cast<double>(LoadLittleEndian<Raw>(row + column.value_at));
-    const double value = raw * column.scale + column.offset;
-    values[k] = IsMeasurement(status) ? value : std::numeric_limits<double>::quiet_NaN();
-    statuses[k] = status;
-  }
-}
-
-// the same; where every status is kOk, as nearly always, without a branch for each row
-template <typename Raw>
-void Decode(const std::byte* row, const Column& column, std::span<double> values,
-            std::span<SampleStatus> statuses) {
-  static_assert(static_cast<int>(SampleStatus::kOk) == 0);
-  std::byte seen{};
-  const std::byte* at = row;
-  for (double& value : values) {
-    seen |= at[column.status_at];
-    const auto raw = static_cast<double>(LoadLittleEndian<Raw>(at + column.value_at));
-    value = raw * column.scale + column.offset;
-    at += column.row_bytes;
-  }
-  if (seen != std::byte{}) return DecodeCarefully<Raw>(row, column, values, statuses);
-  std::ranges::fill(statuses, SampleStatus::kOk);
-}
-
-void Decode(Encoding encoding, const std::byte* row, const Column& column, std::span<double> values,
-            std::span<SampleStatus> statuses) {
-  switch (encoding) {
-    case Encoding::kI32:
-      return Decode<std::int32_t>(row, column, values, statuses);
-    case Encoding::kF32:
-      return Decode<float>(row, column, values, statuses);
-    case Encoding::kF64:
-      return Decode<double>(row, column, values, statuses);
-  }
-}
 
 }  // namespace
 
@@ -127,8 +74,12 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
                                   std::span<SampleStatus> statuses) const {
   const RowLayout layout = LayoutOf(header_);
   const ChannelFormat& format = header_.channels[channel];
-  const Column column{layout.row_bytes, layout.value_offsets[channel],
-                      layout.status_offset + channel, format.scale, format.offset};
+  const RowColumn column{format.encoding,
+                         layout.row_bytes,
+                         layout.value_offsets[channel],
+                         layout.status_offset + channel,
+                         format.scale,
+                         format.offset};
   const std::size_t rows_at_once = std::max(std::size_t{1}, kPieceBytes / layout.row_bytes);
   // for overwriting: clearing it would cost as much as decoding it
   const std::size_t most_bytes = std::min(rows_at_once, values.size()) * layout.row_bytes;
@@ -142,7 +93,7 @@ Result<void> TrialRows::ReadPiece(std::size_t channel, std::uint64_t offset,
     if (*got < piece.size()) {
       return Failed(name_, "was cut shorter while it was read", "leave it alone meanwhile");
     }
-    Decode(format.encoding, piece.data(), column, values.first(count), statuses.first(count));
+    column.Decode(piece, values.first(count), statuses.first(count));
     offset += piece.size();
     values = values.subspan(count);
     statuses = statuses.subspan(count);

@@ -72,6 +72,25 @@ Result<std::vector<BandSignal>> FilterAll(const Displacement& displacement,
   return all;
 }
 
+// what `decimator` leaves of `size` samples from `first` on, read piece by piece
+Result<std::vector<double>> Decimated(const SegmentSamples& samples, std::size_t first,
+                                      std::size_t size, const Decimator& decimator) {
+  constexpr std::size_t kPiece = std::size_t{1} << 15U;
+  const std::size_t at_once = std::max(std::size_t{1}, kPiece / decimator.factor());
+  std::vector<double> slow;
+  slow.reserve(decimator.SizeOf(size));
+  std::vector<double> piece;
+  while (slow.size() < decimator.SizeOf(size)) {
+    const std::size_t count = std::min(at_once, decimator.SizeOf(size) - slow.size());
+    piece.resize((count - 1) * decimator.factor() + decimator.taps());
+    const auto read = samples.Read(first + slow.size() * decimator.factor(), piece);
+    if (!read) return std::unexpected(read.error());
+    const std::vector<double> more = decimator.Decimate(piece);
+    slow.insert(slow.end(), more.begin(), more.end());
+  }
+  return slow;
+}
+
 // whether what leaks from below the band is small enough to answer all the same
 Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
   const auto below = FindBelowBand(signal, lower_hz);
@@ -114,15 +133,12 @@ Result<std::optional<BelowBand>> FindBelowBand(const BandSignal& signal, double 
   const std::size_t size = std::min(signal.size(), kMostSearched);
   const double least_hz = 2 * signal.rate_hz() / static_cast<double>(size);
   if (least_hz >= lower_hz) return std::nullopt;
-  std::vector<double> samples(size);
-  if (auto read = signal.samples().Read((signal.size() - size) / 2, samples); !read) {
-    return std::unexpected(read.error());
-  }
   const Decimator decimator(Decimator::FactorFor(size, signal.rate_hz(), lower_hz),
                             signal.rate_hz());
-  const std::vector<double> slow = decimator.Decimate(samples);
-  const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow.size());
-  const auto tone = StrongestTone(slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
+  const auto slow = Decimated(signal.samples(), (signal.size() - size) / 2, size, decimator);
+  if (!slow) return std::unexpected(slow.error());
+  const double slowest_hz = 2 * decimator.rate_hz() / static_cast<double>(slow->size());
+  const auto tone = StrongestTone(*slow, {decimator.rate_hz(), slowest_hz, lower_hz, 0});
   if (!tone) return std::nullopt;
   const double gain = std::norm(Response(signal.design(), tone->frequency_hz));
   const double amplitude_m = tone->amplitude / decimator.GainAt(tone->frequency_hz);

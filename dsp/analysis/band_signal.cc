@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
 #include "base/check.h"
@@ -17,7 +18,7 @@ namespace {
 constexpr double kLongestCellS = 1e-3;
 constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 
-// a divisor of kTileSamples, so that no cell lies in two blocks
+// a divisor of kTileSamples, so that no cell lies in two pieces
 std::size_t CellSamples(std::size_t size, double rate_hz) {
   std::size_t samples = 1;
   for (std::size_t next = 2; next <= kTileSamples; ++next) {
@@ -67,9 +68,10 @@ BandSignal::BandSignal(const SegmentSamples& samples, const FilterDesign& design
       model_(std::move(model)),
       blocks_(design, samples.size()),
       cell_samples_(CellSamples(samples.size(), samples.rate_hz())),
-      cells_((samples.size() + cell_samples_ - 1) / cell_samples_) {
-  HAPTOMETER_CHECK(blocks_.block_size() % cell_samples_ == 0, "cells of {} in blocks of {}",
-                   cell_samples_, blocks_.block_size());
+      cells_((samples.size() + cell_samples_ - 1) / cell_samples_),
+      states_(blocks_.pieces()) {
+  HAPTOMETER_CHECK(ZeroPhaseBlocks::kPieceSamples % cell_samples_ == 0, "cells of {} in pieces",
+                   cell_samples_);
 }
 
 Result<BandSignal> BandSignal::Filter(const SegmentSamples& samples, const FilterDesign& design,
@@ -93,9 +95,11 @@ Result<void> BandSignal::FilterAll(int threads) {
   // the ends first, then the blocks
   EndDependence dependence;
   const auto filtered = RunJobs(1 + blocks_.blocks(), threads, [&] {
-    return [&, buffers = Buffers{}](std::size_t job) mutable -> Result<void> {
-      if (job > 0) return FilterBlock(job - 1, buffers);
-      auto measured = MeasureEndDependence(blocks_, reading(), buffers.scratch);
+    // a worker may be copied, its buffers not
+    const auto scratch = std::make_shared<ZeroPhaseBlocks::Scratch>();
+    return [&, scratch](std::size_t job) -> Result<void> {
+      if (job > 0) return FilterBlock(job - 1, *scratch);
+      auto measured = MeasureEndDependence(blocks_, reading(), *scratch);
       if (!measured) return std::unexpected(measured.error());
       dependence = std::move(*measured);
       return {};
@@ -113,26 +117,23 @@ ReadSamples BandSignal::reading() const {
   };
 }
 
-Result<std::span<double>> BandSignal::Filtered(const SampleRange& block, Buffers& buffers) const {
-  if (buffers.samples.size() < block.count) buffers.samples.resize(block.count);
-  const std::span<double> samples = std::span(buffers.samples).first(block.count);
-  const auto done = blocks_.Filter(block, reading(), Continuation::kOdd, samples, buffers.scratch);
-  if (!done) return std::unexpected(done.error());
-  if (model_) model_->AddFiltered(design_, block.first, samples);
-  return samples;
+Result<void> BandSignal::FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch) {
+  return blocks_.FilterPieces(
+      block, reading(), Continuation::kOdd,
+      [this](std::size_t first, std::span<double> samples) {
+        if (model_) model_->AddFiltered(design_, first, samples);
+        TakeCells(first, samples);
+      },
+      states_, scratch);
 }
 
-Result<void> BandSignal::FilterBlock(std::size_t block, Buffers& buffers) {
-  const SampleRange range = blocks_.Range(block);
-  const auto filtered = Filtered(range, buffers);
-  if (!filtered) return std::unexpected(filtered.error());
-  std::span<const double> left = *filtered;
-  for (std::size_t k = range.first / cell_samples_; !left.empty(); ++k) {
-    const std::size_t count = std::min(cell_samples_, left.size());
-    cells_[k] = CellOf(left.first(count));
-    left = left.subspan(count);
+// of samples from `first` on, where a cell begins
+void BandSignal::TakeCells(std::size_t first, std::span<const double> samples) {
+  for (std::size_t k = first / cell_samples_; !samples.empty(); ++k) {
+    const std::size_t count = std::min(cell_samples_, samples.size());
+    cells_[k] = CellOf(samples.first(count));
+    samples = samples.subspan(count);
   }
-  return {};
 }
 
 // by cells: the greatest dependence in each, and the RMS over whole ones
@@ -157,12 +158,17 @@ void BandSignal::FindSettled(const EndDependence& dependence) {
 Result<void> BandSignal::Read(std::size_t first, std::span<double> out) const {
   HAPTOMETER_CHECK(first <= size() && out.size() <= size() - first, "samples {} + {} of {}", first,
                    out.size(), size());
-  Buffers buffers;
+  ZeroPhaseBlocks::Scratch scratch;
+  std::vector<double> filtered;
   while (!out.empty()) {
-    const SampleRange block = blocks_.Range(first / blocks_.block_size());
-    const auto filtered = Filtered(block, buffers);
-    if (!filtered) return std::unexpected(filtered.error());
-    const auto wanted = filtered->subspan(first - block.first);
+    const std::size_t piece = first / ZeroPhaseBlocks::kPieceSamples;
+    const SampleRange range = blocks_.PieceRange(piece);
+    filtered.resize(range.count);
+    const auto done = blocks_.FilterPiece(piece, states_[piece], reading(), Continuation::kOdd,
+                                          filtered, scratch);
+    if (!done) return done;
+    if (model_) model_->AddFiltered(design_, range.first, filtered);
+    const auto wanted = std::span(filtered).subspan(first - range.first);
     const std::size_t count = std::min(wanted.size(), out.size());
     std::ranges::copy(wanted.first(count), out.begin());
     first += count;

@@ -29,9 +29,10 @@ struct Extremes {
 
 /// One segment, filtered forward and backward, readable by range whatever its length.
 ///
-/// Only the cells stay in memory (24 B each); samples are filtered again when they are read. They
-/// are counted from the segment's first. Every number depends on the samples alone: not on the
-/// ranges that are asked for, nor on the number of threads. Threads may read at the same time.
+/// Only the cells stay in memory (24 B each), and 384 B for each 32 256 samples; samples are
+/// filtered again when they are read. They are counted from the segment's first. Every number
+/// depends on the samples alone: not on the ranges that are asked for, nor on the number of
+/// threads. Threads may read at the same time.
 class BandSignal {
  public:
   /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
@@ -73,8 +74,8 @@ class BandSignal {
   [[nodiscard]] std::size_t cell_samples() const { return cell_samples_; }
 
   /// Filtered samples [first, first + out.size()), within size().
-  /// Errors: as SegmentSamples::Read. Cost: every block that the range touches is filtered; read in
-  /// large pieces.
+  /// Errors: as SegmentSamples::Read. Cost: every piece of 32 256 samples that the range touches is
+  /// filtered.
   [[nodiscard]] Result<void> Read(std::size_t first, std::span<double> out) const;
 
   /// Sum of the squares of samples [begin, end): whole cells, and the cut ones at the two ends
@@ -85,22 +86,14 @@ class BandSignal {
   [[nodiscard]] Result<Extremes> ExtremesOf(std::size_t begin, std::size_t end) const;
 
  private:
-  // what filtering a block needs; of one thread
-  struct Buffers {
-    ZeroPhaseBlocks::Scratch scratch;
-    std::vector<double> samples;
-  };
-
   BandSignal(const SegmentSamples& samples, const FilterDesign& design,
              std::optional<BelowBandModel> model);
 
   // what the segment's samples are asked for by
   [[nodiscard]] ReadSamples reading() const;
   [[nodiscard]] Result<void> FilterAll(int threads);
-  // a block, filtered; it lies in `buffers`
-  [[nodiscard]] Result<std::span<double>> Filtered(const SampleRange& block,
-                                                   Buffers& buffers) const;
-  [[nodiscard]] Result<void> FilterBlock(std::size_t block, Buffers& buffers);
+  [[nodiscard]] Result<void> FilterBlock(std::size_t block, ZeroPhaseBlocks::Scratch& scratch);
+  void TakeCells(std::size_t first, std::span<const double> samples);
   void FindSettled(const EndDependence& dependence);
 
   // what a range falls into: whole cells and the samples of the cut ones at its ends
@@ -119,6 +112,7 @@ class BandSignal {
   std::size_t settled_end_ = 0;
   std::size_t cell_samples_ = 1;
   std::vector<BandCell> cells_;
+  std::vector<ZeroPhaseBlocks::PieceStates> states_;  // from which each piece can be read again
 };
 
 /// RMS of every sample of all `signals` (one at least), unsettled ends and pauses included.

@@ -39,7 +39,7 @@ Result<std::vector<double>> ReadChannel(const trial::RowSource& source, std::siz
 
 Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal, std::size_t begin,
                                                     std::size_t end, double upper_hz) {
-  const std::size_t size = std::min(end - begin, kMostFitted);
+  const std::size_t size = FittedOf(end - begin);
   const std::size_t first = begin + (end - begin - size) / 2;
   const std::size_t before = std::min(first - signal.settled_begin(), kBeside);
   const std::size_t after = std::min(signal.settled_end() - first - size, kBeside);

@@ -12,9 +12,9 @@
 /// What a window says besides its vibration's size: how fast it moves, and what drives it.
 namespace haptometer::dsp {
 
-/// Velocity and acceleration of filtered samples [begin, end), or of their middle kMostFitted, with
-/// the settled samples beside them; `begin` and `end` of the result are rows of the record. Nothing
-/// where no differentiator reaches `upper_hz`. Errors: as RowSource::Read.
+/// Velocity and acceleration of filtered samples [begin, end), or of the FittedOf(end - begin) in
+/// their middle, with the settled samples beside them; `begin` and `end` of the result are rows of
+/// the record. Nothing where no differentiator reaches `upper_hz`. Errors: as RowSource::Read.
 [[nodiscard]] Result<std::optional<Kinematics>> MeasureKinematics(const BandSignal& signal,
                                                                   std::size_t begin,
                                                                   std::size_t end, double upper_hz);

@@ -33,35 +33,23 @@ std::span<const double> Seen(const FilterDesign& design, std::span<const double>
   return signal.last(std::min(static_cast<std::size_t>(samples), signal.size()));
 }
 
-// a tone by samples from the signal's last one
-class Tone {
- public:
-  Tone(const SineFit& fit, double rate_hz, std::size_t size)
-      : amplitude_(fit.amplitude),
-        rad_per_sample_(2 * std::numbers::pi * fit.frequency_hz / rate_hz),
-        phase_rad_(fit.phase_rad + rad_per_sample_ * static_cast<double>(size - 1)) {}
-  [[nodiscard]] double At(double away) const {
-    return amplitude_ * std::cos(rad_per_sample_ * away + phase_rad_);
-  }
-
- private:
-  double amplitude_;
-  double rad_per_sample_;
-  double phase_rad_;  // at the last sample
-};
-
-// the strongest tone beside the slow motion
-std::optional<Tone> FindTone(const FilterDesign& design, std::span<const double> signal) {
-  const ExpectedMotion slow = FitExpectedMotion(signal, 1);
+// the strongest tone beside the slow motion, by samples from the signal's last one
+std::optional<ExpectedMotion> FindTone(const FilterDesign& design, std::span<const double> signal) {
+  const std::vector<double> slow = FitExpectedMotion(signal, 1).From(0, signal.size());
   std::vector<double> rest(signal.begin(), signal.end());
-  for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= slow.At(static_cast<double>(k));
+  for (std::size_t k = 0; k < rest.size(); ++k) rest[k] -= slow[k];
   const double slowest_hz = kFastestExpectedRad / (2 * std::numbers::pi) * design.rate_hz /
                             static_cast<double>(signal.size());
   const double fastest_hz = kFastestTone * design.rate_hz;
   if (!(slowest_hz < fastest_hz)) return std::nullopt;
   const auto found = StrongestTone(rest, {design.rate_hz, slowest_hz, fastest_hz, 0});
   if (!found) return std::nullopt;
-  return Tone(*found, design.rate_hz, signal.size());
+  const double rad_per_sample = 2 * std::numbers::pi * found->frequency_hz / design.rate_hz;
+  const double phase_rad =
+      found->phase_rad + rad_per_sample * static_cast<double>(signal.size() - 1);
+  const ExpectedMotion::Sine sine{rad_per_sample, found->amplitude * std::cos(phase_rad),
+                                  -found->amplitude * std::sin(phase_rad)};
+  return ExpectedMotion{.sines = {sine}};
 }
 
 // slow motion by samples from the signal's last one, less that there
@@ -71,7 +59,13 @@ struct SlowChange {
 
   SlowChange(std::span<const double> signal, int sines)
       : motion(FitExpectedMotion(signal, sines)), last(static_cast<double>(signal.size() - 1)) {}
-  [[nodiscard]] double At(double away) const { return motion.At(last + away) - motion.At(last); }
+  // at `count` samples from `first` on
+  [[nodiscard]] std::vector<double> From(double first, std::size_t count) const {
+    std::vector<double> change = motion.From(last + first, count);
+    const double at_last = motion.At(last);
+    for (double& value : change) value -= at_last;
+    return change;
+  }
 };
 
 // the signal stays where it ends, less the odd continuation
@@ -91,28 +85,33 @@ EndContinuations ContinueEnd(const FilterDesign& design, std::span<const double>
   ends.constant = StaysLessOdd(signal, count);
   const std::span<const double> seen = Seen(design, signal, kSeen);
   if (Seen(design, signal, kOtherViews[1].seen).size() < kLeastExpectedMotionSamples) return ends;
-  const std::optional<Tone> tone = FindTone(design, seen);
+  const std::optional<ExpectedMotion> tone = FindTone(design, seen);
   // the means that slow motion is fitted to hold a little of the tone
-  std::vector<double> toneless(signal.begin(), signal.end());
-  for (std::size_t k = 0; tone && k < toneless.size(); ++k) {
-    toneless[k] -= tone->At(static_cast<double>(k) - static_cast<double>(toneless.size() - 1));
+  const std::span<const double> longest = Seen(design, signal, kOtherViews[0].seen);
+  std::vector<double> toneless(longest.begin(), longest.end());
+  if (tone) {
+    const auto first = 1 - static_cast<double>(toneless.size());
+    const std::vector<double> taken = tone->From(first, toneless.size());
+    for (std::size_t k = 0; k < toneless.size(); ++k) toneless[k] -= taken[k];
   }
   const SlowChange slow(Seen(design, toneless, kSeen), 1);
   const SlowChange others[] = {{Seen(design, toneless, kOtherViews[0].seen), kOtherViews[0].sines},
                                {Seen(design, toneless, kOtherViews[1].seen), kOtherViews[1].sines}};
-  ends.expected = ends.constant;
-  ends.fast.resize(count);
-  for (auto& doubt : ends.doubts) doubt.resize(count);
   const std::size_t ahead =
       std::min({Seen(design, signal, kExpected).size(), count, seen.size() - 1});
-  for (std::size_t k = 0; k < ahead; ++k) {
-    const auto away = static_cast<double>(k + 1);
-    const double change = slow.At(away);
-    ends.expected[k] += change + (tone ? tone->At(away) - tone->At(0) : 0.0);
-    ends.fast[k] = ends.constant[k] - slow.At(-away);
-    for (std::size_t other = 0; other < ends.doubts.size(); ++other) {
-      ends.doubts[other][k] = others[other].At(away) - change;
-    }
+  const std::vector<double> change = slow.From(1, ahead);
+  const std::vector<double> before = slow.From(-static_cast<double>(ahead), ahead);
+  ends.expected = change;
+  ends.fast.resize(ahead);
+  for (std::size_t k = 0; k < ahead; ++k) ends.fast[k] = ends.constant[k] - before[ahead - 1 - k];
+  if (tone) {
+    const std::vector<double> turning = tone->From(1, ahead);
+    const double at_last = tone->At(0);
+    for (std::size_t k = 0; k < ahead; ++k) ends.expected[k] += turning[k] - at_last;
+  }
+  for (std::size_t other = 0; other < ends.doubts.size(); ++other) {
+    ends.doubts[other] = others[other].From(1, ahead);
+    for (std::size_t k = 0; k < ahead; ++k) ends.doubts[other][k] -= change[k];
   }
   return ends;
 }

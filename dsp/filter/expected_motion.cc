@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/QR>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "dsp/spectrum/phasor_blocks.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -150,6 +152,27 @@ double ExpectedMotion::At(double k) const {
     value += s.cosine * std::cos(s.rad_per_sample * t) + s.sine * std::sin(s.rad_per_sample * t);
   }
   return value;
+}
+
+std::vector<double> ExpectedMotion::From(double first, std::size_t count) const {
+  std::vector<double> values(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    values[k] = offset + slope * (first + static_cast<double>(k) - middle);
+  }
+  std::array<double, PhasorBlocks::kBlock> c;
+  std::array<double, PhasorBlocks::kBlock> s;
+  for (const Sine& sine_of : sines) {
+    const PhasorBlocks phasors(sine_of.rad_per_sample);
+    for (std::size_t begin = 0; begin < count; begin += PhasorBlocks::kBlock) {
+      const std::size_t size = std::min(PhasorBlocks::kBlock, count - begin);
+      phasors.Fill(first + static_cast<double>(begin) - middle, std::span(c).first(size),
+                   std::span(s).first(size));
+      for (std::size_t k = 0; k < size; ++k) {
+        values[begin + k] += sine_of.cosine * c[k] + sine_of.sine * s[k];
+      }
+    }
+  }
+  return values;
 }
 
 ExpectedMotion FitExpectedMotion(std::span<const double> signal, int sines) {

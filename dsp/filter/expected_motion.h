@@ -25,6 +25,8 @@ struct ExpectedMotion {
 
   /// Its value at index `k`, also beyond the signal.
   [[nodiscard]] double At(double k) const;
+  /// Its values at the `count` indices from `first` on, each within rounding of At.
+  [[nodiscard]] std::vector<double> From(double first, std::size_t count) const;
 };
 
 /// Fewest samples that FitExpectedMotion takes.

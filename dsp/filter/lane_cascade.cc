@@ -95,11 +95,11 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
 
 void LaneCascade::StartFrom(double input) {
   state_ = {};
-  last_input_ = input;
-  input_before_last_ = input;
+  state_.last_input_ = input;
+  state_.input_before_last_ = input;
   for (std::size_t k = 0; k < plan_->sections_; ++k) {
     input *= ConstantGain(plan_->design_.sections[k]);
-    state_[k] = input;
+    state_.sections_[k] = input;
   }
 }
 
@@ -110,8 +110,8 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
   const double* row_before = forward ? last_row - kLanes : last_row + kLanes;
   const bool sums = TakesSums(plan_->design_.sections.front().kind);
   lanes_ = {};
-  double last = last_input_;
-  double before = input_before_last_;
+  double last = state_.last_input_;
+  double before = state_.input_before_last_;
   for (std::size_t k = 0; k < kLanes; ++k) {
     const std::size_t lane = forward ? k : kLanes - 1 - k;
     lanes_.last_input[lane] = last;
@@ -119,15 +119,15 @@ void LaneCascade::TakeRows(const double* rows, Direction direction) {
     last = last_row[lane];
     before = row_before[lane];
   }
-  last_input_ = last;
-  input_before_last_ = before;
+  state_.last_input_ = last;
+  state_.input_before_last_ = before;
   plan_->kernel_->weigh(plan_->design_, direction, rows, plan_->weights_.data(), lanes_);
 }
 
 // from lanes_, run from rest, the true state at each lane's begin and at the tile's end
 void LaneCascade::HandOver(Direction direction) {
   plan_->kernel_->hand_over(plan_->design_, direction, plan_->handover_.front().data(),
-                            state_.data(), lanes_);
+                            state_.sections_.data(), lanes_);
 }
 
 void LaneCascade::AdvanceForward(std::span<const double> tiles) {

@@ -19,6 +19,9 @@ namespace haptometer::dsp {
 /// one run gives the outputs. A^M is made by the kernel itself, from unit states, the weights by
 /// Cascade.
 class LanePlan {
+  // y of each section, then d of each
+  struct alignas(64) StateVector : std::array<double, kMostStates> {};
+
  public:
   explicit LanePlan(const FilterDesign& design, InstructionSet set = WidestInstructionSet());
 
@@ -26,8 +29,6 @@ class LanePlan {
 
  private:
   friend class LaneCascade;
-  // y of each section, then d of each
-  struct alignas(64) StateVector : std::array<double, kMostStates> {};
 
   FilterDesign design_;
   const LaneKernel* kernel_;
@@ -44,11 +45,23 @@ class LanePlan {
 /// call has. Finite samples only; no subnormal numbers. Not for two threads at once.
 class LaneCascade {
  public:
+  /// All that a run remembers of the samples behind it.
+  class State {
+    friend class LaneCascade;
+    LanePlan::StateVector sections_{};
+    double last_input_ = 0;         // x[n-1]
+    double input_before_last_ = 0;  // x[n-2]
+  };
+
   /// `plan` outlives this.
   explicit LaneCascade(const LanePlan& plan) : plan_(&plan) {}
 
   /// As Cascade::StartFrom.
   void StartFrom(double input);
+
+  /// The state between two tiles, and back to it: the tile that follows gives the same bytes.
+  [[nodiscard]] const State& state() const { return state_; }
+  void GoOnFrom(const State& state) { state_ = state; }
 
   /// Takes in tiles, in order of time, without giving their output: a third of the work.
   void AdvanceForward(std::span<const double> tiles);
@@ -66,9 +79,7 @@ class LaneCascade {
   void HandOver(Direction direction);
 
   const LanePlan* plan_;
-  LanePlan::StateVector state_{};
-  double last_input_ = 0;         // x[n-1]
-  double input_before_last_ = 0;  // x[n-2]
+  State state_{};
   LaneStates lanes_{};
   alignas(64) std::array<double, kTileSamples> rows_;
   alignas(64) std::array<double, kTileSamples> tile_;

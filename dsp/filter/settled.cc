@@ -17,54 +17,57 @@ constexpr double kRmsTimeConstants = 4;
 // what the filter makes, in the `inner` samples of a signal, of what lies beyond them
 class Inside {
  public:
-  Inside(const FilterDesign& design, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
-      : design_(design), filtered_(inner), scratch_(scratch) {}
+  Inside(const ZeroPhaseBlocks& blocks, std::size_t inner, ZeroPhaseBlocks::Scratch& scratch)
+      : blocks_(blocks), filtered_(inner), scratch_(scratch) {}
 
-  // of `before` (nearest first) ahead of them and `after` behind them; valid until the next call
+  // of `before` ahead of them and `after` behind them, where there are any; valid until the next
+  // call
   std::span<const double> Of(std::span<const double> before, std::span<const double> after) {
-    const std::size_t inner = filtered_.size();
-    around_.assign(before.size() + inner + after.size(), 0.0);
-    std::ranges::reverse_copy(before, around_.begin());
-    std::ranges::copy_backward(after, around_.end());
-    const auto done = ZeroPhaseBlocks(design_, around_.size())
-                          .Filter(SampleRange{before.size(), inner}, ReadFrom(around_),
-                                  Continuation::kConstant, filtered_, scratch_);
-    HAPTOMETER_CHECK(done, "memory cannot fail");
+    if (after.empty()) {
+      blocks_.FilterAhead(before, filtered_, scratch_);
+      return filtered_;
+    }
+    blocks_.FilterAhead(after, filtered_, scratch_);
+    std::ranges::reverse(filtered_);
+    if (before.empty()) return filtered_;
+    ahead_.resize(filtered_.size());
+    blocks_.FilterAhead(before, ahead_, scratch_);
+    for (std::size_t k = 0; k < filtered_.size(); ++k) filtered_[k] += ahead_[k];
     return filtered_;
   }
 
  private:
-  const FilterDesign& design_;
-  std::vector<double> around_;
+  const ZeroPhaseBlocks& blocks_;
   std::vector<double> filtered_;
+  std::vector<double> ahead_;
   ZeroPhaseBlocks::Scratch& scratch_;
 };
 
 // the dependence of `inner` samples on either end; an end that is far away has no continuations
-std::vector<double> DependenceOf(const FilterDesign& design, const EndContinuations& before,
+std::vector<double> DependenceOf(const ZeroPhaseBlocks& blocks, const EndContinuations& before,
                                  std::size_t inner, const EndContinuations& after,
                                  ZeroPhaseBlocks::Scratch& scratch) {
-  Inside inside(design, inner, scratch);
+  Inside inside(blocks, inner, scratch);
   std::vector<double> dependence(inner);
   const auto add = [&](std::span<const double> filtered, double tolerance) {
     for (std::size_t k = 0; k < inner; ++k) {
       dependence[k] = std::max(dependence[k], std::abs(filtered[k]) / tolerance);
     }
   };
+  const std::span<const double> constant = inside.Of(before.constant, after.constant);
   if (before.expected.empty() && after.expected.empty()) {
-    add(inside.Of(before.constant, after.constant), kFastTolerance);
+    add(constant, kFastTolerance);
     return dependence;
   }
-  std::vector<double> expected(inner);
-  const auto add_expected = [&](std::span<const double> filtered) {
-    for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(filtered[k]);
-  };
-  add_expected(inside.Of(before.expected, after.expected));
+  add(constant, kConstantTolerance);
+  std::vector<double> expected(constant.begin(), constant.end());
+  const std::span<const double> change = inside.Of(before.expected, after.expected);
+  for (std::size_t k = 0; k < inner; ++k) expected[k] = std::abs(expected[k] + change[k]);
   for (std::size_t doubt = 0; doubt < before.doubts.size(); ++doubt) {
-    add_expected(inside.Of(before.doubts[doubt], after.doubts[doubt]));
+    const std::span<const double> more = inside.Of(before.doubts[doubt], after.doubts[doubt]);
+    for (std::size_t k = 0; k < inner; ++k) expected[k] += std::abs(more[k]);
   }
   add(expected, kExpectedTolerance);
-  add(inside.Of(before.constant, after.constant), kConstantTolerance);
   add(inside.Of(before.fast, after.fast), kFastTolerance);
   return dependence;
 }
@@ -116,19 +119,17 @@ Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks, const 
   EndDependence dependence;
   if (size == 0) return dependence;
   const bool is_short = size <= 2 * lead_in;
-  const std::size_t seen = is_short ? size : lead_in + 1;
-  std::vector<double> first(seen);
-  std::vector<double> last(seen);
-  if (auto done = read(0, first); !done) return std::unexpected(done.error());
-  if (auto done = read(size - seen, last); !done) return std::unexpected(done.error());
-  std::ranges::reverse(first);  // so that its end is the signal's begin
-  const EndContinuations before = ContinueEnd(design, first, lead_in);
-  const EndContinuations after = ContinueEnd(design, last, lead_in);
+  std::vector<double> seen(is_short ? size : lead_in + 1);
+  if (auto done = read(0, seen); !done) return std::unexpected(done.error());
+  std::ranges::reverse(seen);  // so that its end is the signal's begin
+  const EndContinuations before = ContinueEnd(design, seen, lead_in);
+  if (!is_short) dependence.first = DependenceOf(blocks, before, lead_in, {}, scratch);
+  if (auto done = read(size - seen.size(), seen); !done) return std::unexpected(done.error());
+  const EndContinuations after = ContinueEnd(design, seen, lead_in);
   if (is_short) {
-    dependence.first = DependenceOf(design, before, size, after, scratch);
+    dependence.first = DependenceOf(blocks, before, size, after, scratch);
   } else {
-    dependence.first = DependenceOf(design, before, lead_in, {}, scratch);
-    dependence.last = DependenceOf(design, {}, lead_in, after, scratch);
+    dependence.last = DependenceOf(blocks, {}, lead_in, after, scratch);
   }
   return dependence;
 }

@@ -1,7 +1,8 @@
 #include "dsp/filter/zero_phase_blocks.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -14,18 +15,24 @@ namespace {
 constexpr double kLeadInRemainder = 1e-18;
 // lead-ins a block: the more, the less is computed twice, up to blocks of 24 MiB
 constexpr std::size_t kLeadInsPerBlock = 16;
-constexpr std::size_t kMostBlockSamples = std::size_t{3} << 20;
+constexpr std::size_t kMostBlockPieces = 97;
 
 // read at a time: an eighth of a megabyte, which stays in the processor's second cache
-constexpr std::size_t kPieceSamples = 4 * kTileSamples;
+constexpr std::size_t kReadSamples = 4 * kTileSamples;
 
-std::size_t WholeTiles(std::size_t samples) {
-  return (samples + kTileSamples - 1) / kTileSamples * kTileSamples;
+constexpr std::size_t kPieceSamples = ZeroPhaseBlocks::kPieceSamples;
+static_assert(kLeadInsPerBlock * kTileSamples % kPieceSamples == 0 &&
+              kPieceSamples % kReadSamples == 0);
+
+std::size_t WholeOf(std::size_t samples, std::size_t unit) {
+  return (samples + unit - 1) / unit * unit;
 }
 
+std::size_t WholeTiles(std::size_t samples) { return WholeOf(samples, kTileSamples); }
+
 std::size_t BlockSize(std::size_t lead_in) {
-  const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, WholeTiles(kMostBlockSamples));
-  return std::max(lead_in, wanted);
+  const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, kMostBlockPieces * kPieceSamples);
+  return std::max(WholeOf(lead_in, kPieceSamples), wanted);
 }
 
 // reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
@@ -90,22 +97,31 @@ class Continued {
   const ReadSamples& read_;
 };
 
-// `count` samples in `storage`, from a multiple of 64 bytes on; its memory only grows
-std::span<double> Aligned(std::vector<double>& storage, std::size_t count) {
-  constexpr std::size_t kAlignment = 64;
-  constexpr std::size_t kMore = kAlignment / sizeof(double);
-  if (storage.size() < count + kMore) storage.resize(count + kMore);
-  const auto address = std::bit_cast<std::uintptr_t>(storage.data());
-  const std::size_t skipped = (kAlignment - address % kAlignment) % kAlignment / sizeof(double);
-  return std::span(storage).subspan(skipped, count);
-}
-
 }  // namespace
 
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
   HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
   return static_cast<std::size_t>(
       std::ceil(-std::log(remainder) / SlowestDecayPerS(design) * design.rate_hz));
+}
+
+// its memory only grows; in pages of 2 MiB where it takes several: others cost a fifth of the time,
+// by being cleared one by one and by being looked up
+std::span<double> ZeroPhaseBlocks::Scratch::Rows(std::size_t count) {
+  if (rows_size_ < count) {
+    constexpr std::size_t kCacheLine = 64;
+    constexpr std::size_t kHugePage = std::size_t{1} << 21U;
+    const bool is_large = count * sizeof(double) > 2 * kHugePage;
+    const std::size_t unit = is_large ? kHugePage : kCacheLine;
+    const std::size_t bytes = WholeOf(count * sizeof(double), unit);
+    rows_.reset();
+    rows_.reset(static_cast<double*>(std::aligned_alloc(unit, bytes)));
+    HAPTOMETER_CHECK(rows_, "no memory for {} samples", count);
+    if (is_large)
+      madvise(rows_.get(), bytes, MADV_HUGEPAGE);  // advice: refused, it costs time only
+    rows_size_ = count;
+  }
+  return {rows_.get(), count};
 }
 
 ZeroPhaseBlocks::ZeroPhaseBlocks(const FilterDesign& design, std::size_t size, InstructionSet set)
@@ -135,9 +151,9 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
   const std::size_t inner = WholeTiles(range.count);
-  const std::span<double> rows = Aligned(scratch.rows_, inner + lead_in_);
+  const std::span<double> rows = scratch.Rows(inner + lead_in_);
   LaneCascade cascade(plan_);
-  auto done = FilterForward(range, read, continuation, rows, scratch, cascade);
+  auto done = FilterForward(range, read, continuation, rows, {}, scratch, cascade);
   if (!done) return done;
   cascade.StartFrom(rows.back());  // the last row's last lane: the last output
   cascade.AdvanceBackward(rows.subspan(inner));
@@ -145,30 +161,119 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
   return {};
 }
 
-// the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on
+SampleRange ZeroPhaseBlocks::PieceRange(std::size_t piece) const {
+  HAPTOMETER_CHECK(piece < pieces(), "piece {} of {}", piece, pieces());
+  const std::size_t first = piece * kPieceSamples;
+  return {first, std::min(kPieceSamples, size_ - first)};
+}
+
+Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples& read,
+                                           Continuation continuation, const TakePiece& take,
+                                           std::span<PieceStates> states, Scratch& scratch) const {
+  HAPTOMETER_CHECK(states.size() == pieces(), "{} states of {}", states.size(), pieces());
+  const SampleRange range = Range(block);
+  const std::size_t inner = WholeTiles(range.count);
+  const std::span<double> rows = scratch.Rows(inner + lead_in_);
+  const std::size_t first_piece = range.first / kPieceSamples;
+  std::size_t piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
+  const auto mine = states.subspan(first_piece, piece - first_piece);
+  LaneCascade cascade(plan_);
+  auto done = FilterForward(range, read, continuation, rows, mine, scratch, cascade);
+  if (!done) return done;
+  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(rows.subspan(inner));
+  scratch.piece_.resize(kPieceSamples);
+  while (piece-- > first_piece) {
+    states[piece].backward = cascade.state();
+    const SampleRange part = PieceRange(piece);
+    const auto out = std::span(scratch.piece_).first(part.count);
+    cascade.ProcessBackward(rows.subspan(part.first - range.first, WholeTiles(part.count)), out);
+    take(part.first, out);
+  }
+  return {};
+}
+
+Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& states,
+                                          const ReadSamples& read, Continuation continuation,
+                                          std::span<double> out, Scratch& scratch) const {
+  const SampleRange range = PieceRange(piece);
+  HAPTOMETER_CHECK(out.size() == range.count, "{} out for {}", out.size(), range.count);
+  const std::span<double> rows = scratch.Rows(WholeTiles(range.count));
+  scratch.read_.resize(kReadSamples);
+  const Continued signal(size_, read, continuation);
+  LaneCascade cascade(plan_);
+  cascade.GoOnFrom(states.forward);
+  for (std::size_t at = 0; at < rows.size();) {
+    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
+    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
+    if (auto done = signal.Read(first, part); !done) return done;
+    cascade.ProcessForward(part, rows.subspan(at, part.size()));
+    at += part.size();
+  }
+  cascade.GoOnFrom(states.backward);
+  cascade.ProcessBackward(rows, out);
+  return {};
+}
+
 Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const ReadSamples& read,
                                             Continuation continuation, std::span<double> rows,
-                                            Scratch& scratch, LaneCascade& cascade) const {
+                                            std::span<PieceStates> states, Scratch& scratch,
+                                            LaneCascade& cascade) const {
   const Continued signal(size_, read, continuation);
-  scratch.piece_.resize(kPieceSamples);
+  scratch.read_.resize(kReadSamples);
   const std::size_t whole = lead_in_ + rows.size();
   for (std::size_t at = 0; at < whole;) {
     const std::size_t end = at < lead_in_ ? lead_in_ : whole;
-    const std::span<double> piece =
-        std::span(scratch.piece_).first(std::min(kPieceSamples, end - at));
+    const std::span<double> part = std::span(scratch.read_).first(std::min(kReadSamples, end - at));
     const auto first = static_cast<std::ptrdiff_t>(range.first + at);
-    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), piece); !done) {
+    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), part); !done) {
       return done;
     }
-    if (at == 0) cascade.StartFrom(piece.front());
+    if (at == 0) cascade.StartFrom(part.front());
     if (at < lead_in_) {
-      cascade.AdvanceForward(piece);
+      cascade.AdvanceForward(part);
     } else {
-      cascade.ProcessForward(piece, rows.subspan(at - lead_in_, piece.size()));
+      const std::size_t inner = at - lead_in_;
+      const std::size_t piece = inner / kPieceSamples;
+      if (inner % kPieceSamples == 0 && piece < states.size()) {
+        states[piece].forward = cascade.state();
+      }
+      cascade.ProcessForward(part, rows.subspan(inner, part.size()));
     }
-    at += piece.size();
+    at += part.size();
   }
   return {};
+}
+
+void ZeroPhaseBlocks::FilterAhead(std::span<const double> before, std::span<double> out,
+                                  Scratch& scratch) const {
+  HAPTOMETER_CHECK(before.size() <= lead_in_, "{} samples ahead", before.size());
+  const std::size_t inner = WholeTiles(out.size());
+  // behind a lead-in nothing is left of it
+  const std::size_t beyond = inner < lead_in_ ? lead_in_ : 0;
+  const std::span<double> rows = scratch.Rows(inner + beyond);
+  const auto piece_of = [&](std::size_t left) {
+    return std::span(scratch.read_).first(std::min(kReadSamples, left));
+  };
+  scratch.read_.resize(kReadSamples);
+  LaneCascade cascade(plan_);
+  for (std::size_t left = WholeTiles(before.size()); left > 0;) {
+    const auto piece = piece_of(left);
+    left -= piece.size();
+    const auto there = before.subspan(left, std::min(piece.size(), before.size() - left));
+    std::ranges::fill(piece, 0.0);
+    std::ranges::copy(there, piece.rbegin());
+    cascade.AdvanceForward(piece);
+  }
+  std::ranges::fill(scratch.read_, 0.0);
+  for (std::size_t at = 0; at < rows.size();) {
+    const auto zeros = piece_of(rows.size() - at);
+    cascade.ProcessForward(zeros, rows.subspan(at, zeros.size()));
+    at += zeros.size();
+  }
+  cascade.StartFrom(rows.back());
+  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.ProcessBackward(rows.first(inner), out);
 }
 
 ReadSamples ReadFrom(std::span<const double> signal) {

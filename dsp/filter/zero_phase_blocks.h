@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -43,6 +45,9 @@ struct SampleRange {
 /// continuation takes the place of samples; what it cannot know is in the first and last tenths of
 /// a second (dsp/filter/settled.h finds where that ends).
 ///
+/// What the passes of a block remember where its pieces meet may be kept: then each piece can be
+/// filtered again, to the same bytes, without a lead-in.
+///
 /// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 30 MB at 392 kHz.
 /// Cost: 2.9 + 2.4 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
 /// Scratch of its own.
@@ -52,9 +57,31 @@ class ZeroPhaseBlocks {
   class Scratch {
    private:
     friend class ZeroPhaseBlocks;
-    std::vector<double> rows_;   // the forward pass's output: block_size() + lead_in(), 64 bytes
-    std::vector<double> piece_;  // of the signal
+    struct Free {
+      void operator()(double* rows) const { std::free(rows); }
+    };
+    // `count` rows of no known values, from a multiple of 64 bytes on
+    std::span<double> Rows(std::size_t count);
+
+    // the forward pass's output: block_size() + lead_in()
+    std::unique_ptr<double, Free> rows_;
+    std::size_t rows_size_ = 0;
+    std::vector<double> read_;   // of the signal
+    std::vector<double> piece_;  // filtered
   };
+
+  /// Samples of every piece but a block's last, which may have fewer: as many as the processor's
+  /// second cache holds beside what a pass needs.
+  static constexpr std::size_t kPieceSamples = 8 * kTileSamples;
+
+  /// What one piece begins from.
+  struct PieceStates {
+    LaneCascade::State forward;   ///< where it begins
+    LaneCascade::State backward;  ///< where it ends
+  };
+
+  /// Takes filtered samples from `first` on, which it may change.
+  using TakePiece = std::function<void(std::size_t first, std::span<double> samples)>;
 
   /// `size` samples: any number, also far beyond memory.
   ZeroPhaseBlocks(const FilterDesign& design, std::size_t size,
@@ -72,19 +99,43 @@ class ZeroPhaseBlocks {
   /// Where `block` lies; below blocks().
   [[nodiscard]] SampleRange Range(std::size_t block) const;
 
+  /// Number of pieces of all blocks, and where a piece lies.
+  [[nodiscard]] std::size_t pieces() const { return (size_ + kPieceSamples - 1) / kPieceSamples; }
+  [[nodiscard]] SampleRange PieceRange(std::size_t piece) const;
+
   /// Filters `block` into `out`, which has Range(block).count samples. Errors: those of `read`.
   [[nodiscard]] Result<void> Filter(std::size_t block, const ReadSamples& read,
                                     Continuation continuation, std::span<double> out,
                                     Scratch& scratch) const;
+
+  /// The same piece by piece, the last one first; `states`, one for each of pieces(), has those of
+  /// the block filled in.
+  [[nodiscard]] Result<void> FilterPieces(std::size_t block, const ReadSamples& read,
+                                          Continuation continuation, const TakePiece& take,
+                                          std::span<PieceStates> states, Scratch& scratch) const;
+
+  /// Filters one piece again into `out`, which has PieceRange(piece).count samples. Cost: that of
+  /// the piece alone. Errors: those of `read`.
+  [[nodiscard]] Result<void> FilterPiece(std::size_t piece, const PieceStates& states,
+                                         const ReadSamples& read, Continuation continuation,
+                                         std::span<double> out, Scratch& scratch) const;
 
   /// The same for a range of one's own, begun as a block is: within rounding of the blocks' values.
   [[nodiscard]] Result<void> Filter(const SampleRange& range, const ReadSamples& read,
                                     Continuation continuation, std::span<double> out,
                                     Scratch& scratch) const;
 
+  /// What the filter makes, in the first out.size() samples of a signal of nothing but zeros, of
+  /// what lies ahead of it: `before`, at most lead_in() samples, the nearest first. What it makes
+  /// of samples behind a signal is the same in turned time.
+  void FilterAhead(std::span<const double> before, std::span<double> out, Scratch& scratch) const;
+
  private:
+  // the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on;
+  // `states`, where there are any, get the pieces' states
   Result<void> FilterForward(const SampleRange& range, const ReadSamples& read,
-                             Continuation continuation, std::span<double> rows, Scratch& scratch,
+                             Continuation continuation, std::span<double> rows,
+                             std::span<PieceStates> states, Scratch& scratch,
                              LaneCascade& cascade) const;
 
   LanePlan plan_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -35,32 +36,98 @@ struct Question {
   [[nodiscard]] double half() const { return 0.5 * static_cast<double>(values.size() - 1); }
 };
 
-// columns of the rows from `begin`: cosines and sines by turning, Legendre's polynomials by their
-// recurrence
-void FillColumns(const Question& question, const PhasorBlocks& phasors, std::size_t begin,
-                 MatrixXd& columns) {
-  const auto rows = static_cast<std::size_t>(columns.rows());
-  const double first = static_cast<double>(begin) - question.half();
-  phasors.Fill(first, {columns.col(0).data(), rows}, {columns.col(1).data(), rows});
-  const auto c = columns.col(0).array();
-  const auto s = columns.col(1).array();
+// cosines and sines of all harmonics in one block of rows, time counted from its first: by turning
+void FillTurns(const Question& question, MatrixXd& turns) {
+  PhasorBlocks(question.rad_per_sample)
+      .Fill(0, {turns.col(0).data(), kBlock}, {turns.col(1).data(), kBlock});
+  const auto c = turns.col(0).array();
+  const auto s = turns.col(1).array();
   for (Index h = 1; h < question.count; ++h) {
-    const auto c_before = columns.col(2 * h - 2).array();
-    const auto s_before = columns.col(2 * h - 1).array();
-    columns.col(2 * h) = c * c_before - s * s_before;
-    columns.col(2 * h + 1) = s * c_before + c * s_before;
+    const auto c_before = turns.col(2 * h - 2).array();
+    const auto s_before = turns.col(2 * h - 1).array();
+    turns.col(2 * h) = c * c_before - s * s_before;
+    turns.col(2 * h + 1) = s * c_before + c * s_before;
   }
-  const Index drift = 2 * Index{question.count};
-  columns.col(drift).setOnes();
-  const VectorXd tau =
-      VectorXd::LinSpaced(columns.rows(), first, first + static_cast<double>(rows - 1)) /
-      question.half();
-  if (question.drift_degree >= 1) columns.col(drift + 1) = tau;
-  for (Index k = 2; k <= question.drift_degree; ++k) {
+}
+
+// The first pairs of rows, the parts of each harmonic's cosine and sine, in a time that begins
+// `later`: parts of a sum turn by that, sums of products with them by -`later`.
+void Turn(const Question& question, double later, MatrixXd& pairs) {
+  for (int h = 1; h <= question.count; ++h) {
+    const double angle = h * question.rad_per_sample * later;
+    const double c = std::cos(angle);
+    const double s = std::sin(angle);
+    const Index row = 2 * Index{h - 1};
+    for (Index column = 0; column < pairs.cols(); ++column) {
+      const double of_cosine = pairs(row, column);
+      const double of_sine = pairs(row + 1, column);
+      pairs(row, column) = c * of_cosine + s * of_sine;
+      pairs(row + 1, column) = c * of_sine - s * of_cosine;
+    }
+  }
+}
+
+// Legendre's polynomials at `tau`, by their recurrence
+void FillLegendre(const Eigen::Ref<const VectorXd>& tau, MatrixXd& legendre) {
+  legendre.col(0).setOnes();
+  if (legendre.cols() > 1) legendre.col(1) = tau;
+  for (Index k = 2; k < legendre.cols(); ++k) {
     const auto degree = static_cast<double>(k);
-    columns.col(drift + k) = ((2 * degree - 1) * tau.cwiseProduct(columns.col(drift + k - 1)) -
-                              (degree - 1) * columns.col(drift + k - 2)) /
-                             degree;
+    legendre.col(k) = ((2 * degree - 1) * tau.cwiseProduct(legendre.col(k - 1)) -
+                       (degree - 1) * legendre.col(k - 2)) /
+                      degree;
+  }
+}
+
+// sum over the samples of cos(multiple w t): Dirichlet's kernel. Their sines sum to 0, t being from
+// the middle.
+double CosineSum(const Question& question, int multiple) {
+  const double half_turn = 0.5 * multiple * question.rad_per_sample;
+  const double turns = std::round(half_turn / std::numbers::pi);
+  const double rest = std::fma(-turns, std::numbers::pi, half_turn);
+  const auto n = static_cast<double>(question.values.size());
+  const bool odd = std::fmod(turns * (n - 1), 2) != 0;
+  return (odd ? -1 : 1) * (rest == 0 ? n : std::sin(n * rest) / std::sin(rest));
+}
+
+// what all blocks of rows have in common, in their own time
+struct BlockBasis {
+  MatrixXd columns;   // cosine and sine of each harmonic, Legendre's polynomials over the block
+  VectorXd nodes;     // rows, as many as there are polynomials,
+  MatrixXd by_nodes;  // and any polynomial in terms of those over the block, by its values there
+
+  explicit BlockBasis(const Question& question) : columns(kBlock, question.parameters()) {
+    FillTurns(question, columns);
+    const Index drifting = 1 + Index{question.drift_degree};
+    constexpr double kLast = kBlock - 1;
+    MatrixXd legendre(kBlock, drifting);
+    FillLegendre(VectorXd::LinSpaced(kBlock, -1, 1), legendre);
+    columns.rightCols(drifting) = legendre;
+    nodes = VectorXd::LinSpaced(drifting, 0, kLast);
+    MatrixXd at_nodes(drifting, drifting);
+    FillLegendre((nodes * (2 / kLast)).array() - 1, at_nodes);
+    by_nodes = at_nodes.inverse();
+  }
+
+  // the polynomials over the samples in terms of those over the block that begins at `first`
+  [[nodiscard]] MatrixXd DriftFrom(double first, double half) const {
+    MatrixXd values(nodes.size(), nodes.size());
+    FillLegendre((nodes.array() + first) / half, values);
+    return by_nodes * values;
+  }
+};
+
+// products of the cosines and sines with each other, summed over the samples
+void FillProducts(const Question& question, MatrixXd& matrix) {
+  for (int h = 1; h <= question.count; ++h) {
+    for (int k = 1; k <= question.count; ++k) {
+      const double apart = CosineSum(question, h - k);
+      const double together = CosineSum(question, h + k);
+      const Index row = 2 * Index{h - 1};
+      const Index column = 2 * Index{k - 1};
+      matrix(row, column) = 0.5 * (apart + together);
+      matrix(row + 1, column + 1) = 0.5 * (apart - together);
+    }
   }
 }
 
@@ -70,28 +137,46 @@ struct Normal {
   double square_sum = 0;  // of the residuals
 };
 
-// Normal equations about `at`, block by block; the matrix is the same about every `at`, and most of
-// the work.
+// Normal equations about `at`, block by block; the matrix is the same about every `at`.
 enum class WithMatrix : bool { kNo, kYes };
 
 Normal Linearise(const Question& question, const VectorXd& at, WithMatrix with_matrix) {
   const Index p = question.parameters();
-  const PhasorBlocks phasors(question.rad_per_sample);
+  const Index turning = 2 * Index{question.count};
+  const Index drifting = p - turning;
+  const BlockBasis basis(question);
   Normal total{MatrixXd::Zero(p, p), VectorXd::Zero(p), 0};
-  MatrixXd columns;
+  MatrixXd with_drift;  // of a block's columns, products with its polynomials
   for (std::size_t begin = 0; begin < question.values.size(); begin += kBlock) {
     const auto rows = static_cast<Index>(std::min(kBlock, question.values.size() - begin));
-    columns.resize(rows, p);
-    FillColumns(question, phasors, begin, columns);
+    const double first = static_cast<double>(begin) - question.half();
+    const auto columns = basis.columns.topRows(rows);
+    const MatrixXd drift = basis.DriftFrom(first, question.half());
+    MatrixXd parts = at;
+    Turn(question, first, parts);
+    parts.bottomRows(drifting) = drift * at.tail(drifting);
     const Eigen::Map<const VectorXd> values(question.values.data() + begin, rows);
-    const VectorXd residual = values - columns * at;
-    if (with_matrix == WithMatrix::kYes) {
-      total.matrix.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
-    }
-    total.right.noalias() += columns.transpose() * residual;
+    const VectorXd residual = values - columns * parts.col(0);
+    MatrixXd products = columns.transpose() * residual;
+    Turn(question, -first, products);
+    total.right.head(turning) += products.col(0).head(turning);
+    total.right.tail(drifting) += drift.transpose() * products.col(0).tail(drifting);
     total.square_sum += residual.squaredNorm();
+    if (with_matrix == WithMatrix::kNo) continue;
+    if (begin == 0 || rows < basis.columns.rows()) {
+      with_drift = columns.transpose() * columns.rightCols(drifting);
+    }
+    MatrixXd shared = with_drift * drift;
+    Turn(question, -first, shared);
+    total.matrix.topRightCorner(turning, drifting) += shared.topRows(turning);
+    total.matrix.bottomRightCorner(drifting, drifting) +=
+        drift.transpose() * shared.bottomRows(drifting);
   }
-  total.matrix.triangularView<Eigen::StrictlyUpper>() = total.matrix.transpose();
+  if (with_matrix == WithMatrix::kYes) {
+    FillProducts(question, total.matrix);
+    total.matrix.bottomLeftCorner(drifting, turning) =
+        total.matrix.topRightCorner(turning, drifting).transpose();
+  }
   return total;
 }
 
@@ -184,25 +269,27 @@ Harmonics FitHarmonics(std::span<const double> signal, const SineFitOptions& opt
   const double freedom = n * share - static_cast<double>(question.parameters());
   if (!(freedom > 0)) return found;
 
-  // one step solves it, the second removes its rounding
+  // one step solves it, the second removes its rounding; what a step takes from the squares is its
+  // product with the right side
   VectorXd at = VectorXd::Zero(question.parameters());
   Normal normal = Linearise(question, at, WithMatrix::kYes);
   const Eigen::LDLT<MatrixXd> solver(normal.matrix);
   if (solver.info() != Eigen::Success || !(solver.rcond() > kLeastCondition)) return found;
-  for (int step = 0; step < 2; ++step) {
-    at += solver.solve(normal.right);
-    normal = Linearise(question, at, WithMatrix::kNo);
-  }
+  at = solver.solve(normal.right);
+  normal = Linearise(question, at, WithMatrix::kNo);
+  const VectorXd last = solver.solve(normal.right);
+  at += last;
   if (!at.allFinite()) return found;
+  const double square_sum = std::max(0.0, normal.square_sum - last.dot(normal.right));
 
   const MatrixXd covariance =
-      solver.solve(MatrixXd::Identity(at.size(), at.size())) * (normal.square_sum / freedom);
+      solver.solve(MatrixXd::Identity(at.size(), at.size())) * (square_sum / freedom);
   found.harmonics.reserve(static_cast<std::size_t>(count));
   for (int order = 1; order <= count; ++order) {
     found.harmonics.push_back(Describe(question, at, covariance, order));
     found.harmonics.back().frequency_hz = order * fundamental_hz;
   }
-  found.residual_rms = std::sqrt(normal.square_sum / n);
+  found.residual_rms = std::sqrt(square_sum / n);
   found.degrees_of_freedom = freedom;
   found.converged = true;
   DescribeDistortion(found);

@@ -106,6 +106,19 @@ void AddBend(const Block& block, const Coefficients& at, const Rows& residual, V
       turned.cwiseProduct(block.tau).dot(at.linear[0] * cosines + at.linear[1] * sines);
 }
 
+// adds a block's rows: product by product of columns, which for so few is several times as fast as
+// Eigen's products of matrices
+void AddRows(const Block& block, const Rows& residual, Normal& total) {
+  for (Eigen::Index k = 0; k < total.right.size(); ++k) {
+    const auto column = block.columns.col(k);
+    for (Eigen::Index other = 0; other <= k; ++other) {
+      total.matrix(k, other) += column.dot(block.columns.col(other));
+    }
+    total.right[k] += column.dot(residual);
+  }
+  total.square_sum += residual.squaredNorm();
+}
+
 // Linearises about `at`, blockwise so that rounding grows with the block and the blocks only. With
 // `free_frequency` the last parameter is w * half.
 Normal Linearise(const Signal& signal, const Coefficients& at, bool free_frequency) {
@@ -130,12 +143,12 @@ Normal Linearise(const Signal& signal, const Coefficients& at, bool free_frequen
                                                          at.linear[0] * block.columns.col(1));
     }
     const Eigen::Map<const Eigen::VectorXd> values(signal.values.data() + block.begin, rows);
-    const Rows residual = values - block.columns.leftCols(linear) * at.linear;
-    total.matrix.noalias() += block.columns.transpose() * block.columns;
-    total.right.noalias() += block.columns.transpose() * residual;
-    total.square_sum += residual.squaredNorm();
+    Rows residual = values;
+    for (Eigen::Index k = 0; k < linear; ++k) residual -= at.linear[k] * block.columns.col(k);
+    AddRows(block, residual, total);
     if (free_frequency) AddBend(block, at, residual, total.bend);
   }
+  total.matrix.triangularView<Eigen::StrictlyUpper>() = total.matrix.transpose();
   return total;
 }
 

@@ -18,6 +18,7 @@ constexpr std::size_t kBatches = 8;
 constexpr std::size_t kLeastSamples = 2 * kBatches;
 constexpr double kLeastDuration_s = 1;
 constexpr double kSegment_s = 4;
+constexpr std::size_t kUnit = 16;
 constexpr double kRatePerTremor = 4;
 
 struct Line {
@@ -92,7 +93,8 @@ std::optional<SlowMotion> DescribeSlowMotion(std::span<const double> signal, dou
   const double duration_s = static_cast<double>(signal.size()) / rate_hz;
   if (duration_s < kLeastDuration_s || rate_hz < kRatePerTremor * kTremorUpper_hz) return motion;
   const std::vector<double> rest = WithoutLine(signal, line.slope);
-  const auto longest = static_cast<std::size_t>(std::round(kSegment_s * rate_hz));
+  // of small primes only, which transform several times as fast
+  const auto longest = kUnit * static_cast<std::size_t>(std::round(kSegment_s * rate_hz / kUnit));
   const auto spectrum = WelchSpectrum(rest, {rate_hz, std::min(rest.size(), longest)});
   if (!spectrum) return motion;
   DescribeBand(*spectrum, duration_s, motion);

@@ -80,6 +80,56 @@ TEST(ZeroPhaseBlocks, ChunksOrderOfBlocksAndThreadsLeaveTheBytes) {
   EXPECT_TRUE(SameBytes(FilterZeroPhase(design, in, Continuation::kOdd, 2), whole));
 }
 
+TEST(ZeroPhaseBlocks, PiecesAreTheBlocksAndCanBeFilteredAgain) {
+  const FilterDesign design = DesignBandPass({3, 20, 300}, 2e3).value();
+  const std::vector<double> in = HandHeld(2e3, 140);  // 5 blocks, 9 pieces, the last not whole
+  const ZeroPhaseBlocks blocks(design, in.size());
+  ASSERT_EQ(blocks.blocks(), 5U);
+  ASSERT_EQ(blocks.pieces(), 9U);
+  const std::vector<double> whole = FilterZeroPhase(design, in);
+  std::vector<ZeroPhaseBlocks::PieceStates> states(blocks.pieces());
+  std::vector<double> taken(in.size());
+  ZeroPhaseBlocks::Scratch scratch;
+  for (std::size_t block = 0; block < blocks.blocks(); ++block) {
+    const auto take = [&](std::size_t first, std::span<double> samples) {
+      std::ranges::copy(samples, &taken[first]);
+    };
+    EXPECT_TRUE(
+        blocks.FilterPieces(block, ReadFrom(in), Continuation::kOdd, take, states, scratch));
+  }
+  EXPECT_TRUE(SameBytes(taken, whole));
+  std::vector<double> again(in.size());
+  for (std::size_t k = blocks.pieces(); k-- > 0;) {
+    const SampleRange range = blocks.PieceRange(k);
+    EXPECT_TRUE(blocks.FilterPiece(k, states[k], ReadFrom(in), Continuation::kOdd,
+                                   std::span(again).subspan(range.first, range.count), scratch));
+  }
+  EXPECT_TRUE(SameBytes(again, whole));
+}
+
+// the oracle is the filter over all of it, with zeros in the signal's place
+TEST(ZeroPhaseBlocks, SamplesAheadAreFilteredAlone) {
+  for (const int order : {2, 3, 6}) {
+    const FilterDesign design = DesignBandPass({order, 20, 500}, 5e3).value();
+    const ZeroPhaseBlocks blocks(design, 1000);
+    std::vector<double> before = HandHeld(5e3, 30);
+    before.resize(blocks.lead_in());
+    for (const std::size_t inner : {std::size_t{1}, std::size_t{700}, blocks.lead_in()}) {
+      std::vector<double> all(before.rbegin(), before.rend());
+      all.resize(before.size() + inner);
+      const std::vector<double> expected = FilterZeroPhase(design, all, Continuation::kConstant);
+      std::vector<double> out(inner);
+      ZeroPhaseBlocks::Scratch scratch;
+      blocks.FilterAhead(before, out, scratch);
+      double largest = 0;
+      for (std::size_t k = 0; k < inner; ++k) {
+        largest = std::max(largest, std::abs(out[k] - expected[before.size() + k]));
+      }
+      EXPECT_ABS(largest, 0, 3e-20, "what a lead-in leaves of 30 mm");
+    }
+  }
+}
+
 // two passes of the scalar cascade over the signal with its continuation
 std::vector<double> ByCascade(const FilterDesign& design, const std::vector<double>& in,
                               Continuation continuation, std::size_t padding) {
