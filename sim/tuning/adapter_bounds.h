@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "sim/scene.h"
+#include "sim/skin.h"
+
+namespace haptometer::sim {
+
+/// From `lower` to `upper`, both included; equal ends hold a quantity fixed.
+struct Range {
+  double lower = 0;
+  double upper = 0;
+  [[nodiscard]] double At(double part) const { return lower + (upper - lower) * part; }
+};
+
+/// Where the adapter's five numbers may lie.
+struct AdapterBounds {
+  Range motor_side_mass_kg;  ///< Ma1 >= 0
+  Range skin_side_mass_kg;   ///< Ma2 > 0
+  Range stiffness_n_per_m;   ///< Ka > 0
+  Range damping_n_s_per_m;   ///< Ba >= 0
+  Range contact_area_m2;     ///< A, within the skin law's; of no meaning for a fixed skin
+};
+
+/// Lindsay 2013, Table 2.2: Ma1 and Ma2 0.25-10 g, Ka 2000-12000 N/m, Ba 0.01-0.1 N s/m, A 1-100
+/// mm2.
+[[nodiscard]] AdapterBounds ThesisBounds();
+
+/// What is tuned: the actuator and its drive, the skin, and where the adapter may lie.
+struct TuningProblem {
+  Actuator actuator;
+  SineDrive drive;
+  SkinRange skin_range = SkinRange::kText;
+  std::optional<Skin> fixed_skin{};  ///< present: the skin whatever the area, instead of the law
+  AdapterBounds bounds;
+};
+
+/// The thesis's search: its actuator, 5 V at 225 Hz, its bounds and its skin law.
+[[nodiscard]] TuningProblem ThesisProblem();
+
+/// An adapter and the area of its contact.
+struct AdapterPoint {
+  Adapter adapter;
+  double contact_area_m2 = 0;
+};
+
+/// The skin under a contact of `contact_area_m2`.
+[[nodiscard]] Skin SkinOf(const TuningProblem& problem, double contact_area_m2);
+
+/// The area whose cube root lies `part` of the way between those of the ends: 0 the lower end, 1
+/// the upper. Stiffness and damping of the skin are straight lines over that part.
+[[nodiscard]] double AreaAt(const Range& contact_area_m2, double part);
+
+/// What is wrong with the bounds, or nothing.
+[[nodiscard]] std::optional<const char*> Fault(const TuningProblem& problem);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,95 @@
+#include "sim/tuning/adapter_objective.h"
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace haptometer::sim {
+
+namespace {
+
+struct Words {
+  Objective objective;
+  std::string_view name, unit;
+};
+constexpr auto kWords = std::to_array<Words>({{Objective::kSkinRms, "skin-rms", "m"},
+                                              {Objective::kStimulus, "stimulus", "m"},
+                                              {Objective::kSkinPower, "skin-power", "W"},
+                                              {Objective::kRmsPerWatt, "rms-per-watt", "m/W"}});
+
+const Words& WordsOf(Objective objective) {
+  for (const Words& words : kWords) {
+    if (words.objective == objective) return words;
+  }
+  return kWords.front();
+}
+
+// |Xs| of the best load with the lowest dampings
+double LargestSkinPeak(const MotorSource& source, double b, double e) {
+  const double q = source.stiffness_n_per_m.imag();
+  return std::abs(source.force_n) / (2 * std::sqrt((b + e) * (q + e)) - 2 * e);
+}
+
+double LargestRmsPerWatt(const MotorSource& source, double b) {
+  const double q = source.stiffness_n_per_m.imag();
+  const std::complex<double> g = source.power_slope_w_per_m * source.force_n / (2 * q);
+  const double P1 = source.blocked_power_w + g.imag();
+  return std::abs(source.force_n) / std::sqrt(8 * q * b * (P1 * P1 - std::norm(g)));
+}
+
+}  // namespace
+
+std::string_view Name(Objective objective) { return WordsOf(objective).name; }
+
+std::string_view UnitOf(Objective objective) { return WordsOf(objective).unit; }
+
+std::optional<Objective> ObjectiveOf(std::string_view name) {
+  for (const Words& words : kWords) {
+    if (words.name == name) return words.objective;
+  }
+  return std::nullopt;
+}
+
+double ValueOf(Objective objective, const TuningProblem& problem, const MotorSource& source,
+               const ReceptorField& receptors, const AdapterPoint& point) {
+  const Skin skin = SkinOf(problem, point.contact_area_m2);
+  const AdapterMotion motion = MotionOf(source, point.adapter, skin);
+  const double rms_m = std::abs(motion.skin_m) / std::numbers::sqrt2;
+  const double w = source.omega_rad_per_s;
+  switch (objective) {
+    case Objective::kSkinRms:
+      return rms_m;
+    case Objective::kStimulus:
+      return rms_m * StimulatedReceptors(receptors, ContactRadius(point.contact_area_m2));
+    case Objective::kSkinPower:
+      return w * w * skin.damping_n_s_per_m * rms_m * rms_m;
+    case Objective::kRmsPerWatt:
+      return rms_m / ElectricalPower(source, motion.case_m);
+  }
+  return rms_m;
+}
+
+double MatchedLoadBound(Objective objective, const TuningProblem& problem,
+                        const MotorSource& source, const ReceptorField& receptors) {
+  const double w = source.omega_rad_per_s;
+  const Skin softest = SkinOf(problem, problem.bounds.contact_area_m2.lower);
+  const double b = w * softest.damping_n_s_per_m;
+  const double e = w * problem.bounds.damping_n_s_per_m.lower;
+  const double allowed = 1 + source.rounding_allowance;
+  const double rms_m = LargestSkinPeak(source, b, e) / std::numbers::sqrt2;
+  switch (objective) {
+    case Objective::kSkinRms:
+      return allowed * rms_m;
+    case Objective::kStimulus:
+      return allowed * rms_m *
+             StimulatedReceptors(receptors, ContactRadius(problem.bounds.contact_area_m2.upper));
+    case Objective::kSkinPower:
+      return allowed * w * std::norm(source.force_n) / (8 * source.stiffness_n_per_m.imag());
+    case Objective::kRmsPerWatt:
+      return allowed * LargestRmsPerWatt(source, b);
+  }
+  return allowed * rms_m;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "sim/receptors.h"
+#include "sim/tuning/adapter_bounds.h"
+#include "sim/tuning/motor_source.h"
+
+namespace haptometer::sim {
+
+/// What is made as large as it can be.
+enum class Objective : std::uint8_t {
+  kSkinRms,     ///< RMS of the skin, m
+  kStimulus,    ///< S = Nr x RMS, m (sim/receptors.h)
+  kSkinPower,   ///< mean power that the skin dissipates, (w^2 Bs |Xs|^2) / 2, W
+  kRmsPerWatt,  ///< RMS of the skin over mean electrical power, m/W
+};
+
+/// "skin-rms", "stimulus", "skin-power", "rms-per-watt"; its unit.
+[[nodiscard]] std::string_view Name(Objective objective);
+[[nodiscard]] std::string_view UnitOf(Objective objective);
+/// The objective of that name, or nothing.
+[[nodiscard]] std::optional<Objective> ObjectiveOf(std::string_view name);
+
+/// The objective at one point: for a point within the bounds, whatever the bounds.
+[[nodiscard]] double ValueOf(Objective objective, const TuningProblem& problem,
+                             const MotorSource& source, const ReceptorField& receptors,
+                             const AdapterPoint& point);
+
+/// What no adapter of any size can exceed with damping Ba at least and skin damping Bs at least the
+/// lowest that the bounds allow; of kStimulus with every receptor reached.
+///
+/// With b = w Bs, e = w Ba, q = Im kc, t = |D1 + ka| / |ka| (sim/tuning/motor_source.h) and Ma2
+/// where it serves best,
+///
+///   |Xs| = |Fc| / (b t + q / t + e |D1|^2 / (|ka|^2 t)),
+///
+/// and |D1| >= | |D1 + ka| - |ka| |, so that the bracket is at least (b + e) t + (q + e) / t - 2 e:
+///
+///   |Xs| <= |Fc| / (2 sqrt((b + e)(q + e)) - 2 e),        met at t^2 = (q + e) / (b + e).
+///
+/// With e = 0 this is the available power |Fc|^2 w / (8 q), and any Ma1 has a Ka that gives the t
+/// it takes: three reactances match two numbers. That is why the ridge is flat.
+/// kSkinPower: the available power. kRmsPerWatt: with lossless matching the case's phasor is
+/// Fc (z - j) / (2 q), |z| <= 1, b |Xs|^2 = |Fc|^2 (1 - |z|^2) / (4 q) and P = P1 + Re(g z), so
+///
+///   RMS / P <= |Fc| / (sqrt(8 q b) sqrt(P1^2 - |g|^2)),   g = beta Fc / (2 q), P1 = P0 + Im g.
+///
+/// No upper bound where the skin's damping is 0. A stated rounding allowance is added.
+[[nodiscard]] double MatchedLoadBound(Objective objective, const TuningProblem& problem,
+                                      const MotorSource& source, const ReceptorField& receptors);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sim/tuning/adapter_objective.h"
+
+namespace haptometer::sim {
+
+/// How an upper bound was proved.
+enum class Proof : std::uint8_t {
+  kBranchAndBound,  ///< boxes that cover the bounds, by interval arithmetic
+  kMatchedLoad,     ///< MatchedLoadBound(): true of any adapter, looser
+};
+
+/// The best adapter within the bounds.
+struct AdapterOptimum {
+  AdapterPoint point;
+  double value = 0;        ///< the objective there, in its unit
+  double upper_bound = 0;  ///< no point within the bounds gives more
+  Proof proof = Proof::kMatchedLoad;
+  std::size_t boxes = 0;  ///< that the proof took
+};
+
+/// The best point alone: a compass search from the best of an even lattice, without proof.
+[[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
+                                       const ReceptorField& receptors);
+
+/// The best point with a certified upper bound. The problem must have no Fault().
+///
+/// The proof, for kSkinRms, kStimulus and kSkinPower. |Xs| depends on Ma2 through one square only,
+///
+///   |Fc|^2 / |Xs|^2 = H^2 + (t (Ks + Re Z - Ma2 w^2))^2,
+///   H = b t + q / t + e |D1|^2 / (|ka| |D1 + ka|),        t, b, e, q as in MatchedLoadBound(),
+///
+/// so Ma2 takes the value nearest to (Ks + Re Z) / w^2 and four numbers are left: Ma1, Ka, Ba and
+/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds. Boxes
+/// that cover the bounds are bounded from below, H by the mean value form
+/// H(middle) + sum of H'(box) (box - middle) and by its natural extension, whichever is higher, the
+/// second square by its natural extension, all in interval arithmetic that rounds outwards. The box
+/// with the weakest bound is halved across its widest contribution until that bound is within
+/// `relative_gap` of the best point, or `most_boxes` have been looked at; whichever comes first,
+/// the weakest bound that is left is the answer. kStimulus is the same for each step of Nr, whose
+/// weight is constant on it (sharp field edges only); kSkinPower divides by b.
+/// kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
+///
+/// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance (1e-12
+/// for the thesis's actuator) is added for that.
+///
+/// Worked: the thesis's problem gives Ma1 0.25 g, Ma2 4.9205 g, Ka 9276.2 N/m, Ba 0.01 N s/m, A 1
+/// mm2, 0.20188526 mm, and a bound 1e-6 above it. Cost: docs/results.md; allocates the boxes.
+[[nodiscard]] AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
+                                                const ReceptorField& receptors,
+                                                double relative_gap = 1e-6,
+                                                std::size_t most_boxes = 1'000'000);
+
+/// One point of the ridge: the best there is with that mass on the motor's side.
+struct RidgePoint {
+  AdapterPoint point;
+  double value = 0;
+};
+
+/// The best point at each of `values` >= 2 masses on the motor's side, evenly over its bounds.
+[[nodiscard]] std::vector<RidgePoint> RidgeOf(Objective objective, const TuningProblem& problem,
+                                              const ReceptorField& receptors, std::size_t values);
+
+/// What a spring costs that is not the one that was asked for.
+struct SpringCost {
+  double factor = 1;      ///< stiffness over the wanted one
+  double as_built = 0;    ///< the objective with nothing else changed
+  double rebalanced = 0;  ///< with the skin side's mass chosen anew within its bounds
+};
+
+[[nodiscard]] SpringCost CostOfSpring(Objective objective, const TuningProblem& problem,
+                                      const ReceptorField& receptors, const AdapterPoint& point,
+                                      double factor);
+
+}  // namespace haptometer::sim
