@@ -12,5 +12,6 @@ int RunFitSkin(int argc, const char* const* argv);
 int RunSimulate(int argc, const char* const* argv);
 int RunStudy(int argc, const char* const* argv);
 int RunTrial(int argc, const char* const* argv);
+int RunTune(int argc, const char* const* argv);
 
 }  // namespace haptometer::tools

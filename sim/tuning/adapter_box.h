@@ -6,6 +6,7 @@
 #include "sim/tuning/adapter_bounds.h"
 #include "sim/tuning/interval.h"
 #include "sim/tuning/motor_source.h"
+#include "sim/tuning/slope.h"
 
 namespace haptometer::sim {
 
@@ -30,6 +31,9 @@ class AdapterCost {
   [[nodiscard]] BoxCost Over(const AdapterBox& box) const;
 
  private:
+  using Number = Slope<Interval, kBoxAxes>;
+  [[nodiscard]] Number At(const AdapterBox& box) const;
+
   Interval omega_, case_stiffness_, passive_;  // w; Re kc - Mc w^2 and Im kc
   Range motor_side_mass_kg_, stiffness_n_per_m_, damping_n_s_per_m_;
   Interval least_inertia_, most_inertia_;  // of Ma2 w^2

@@ -35,14 +35,14 @@ struct AdapterOptimum {
 ///   H = b t + q / t + e |D1|^2 / (|ka| |D1 + ka|),        t, b, e, q as in MatchedLoadBound(),
 ///
 /// so Ma2 takes the value nearest to (Ks + Re Z) / w^2 and four numbers are left: Ma1, Ka, Ba and
-/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds. Boxes
-/// that cover the bounds are bounded from below, H by the mean value form
-/// H(middle) + sum of H'(box) (box - middle) and by its natural extension, whichever is higher, the
-/// second square by its natural extension, all in interval arithmetic that rounds outwards. The box
-/// with the weakest bound is halved across its widest contribution until that bound is within
-/// `relative_gap` of the best point, or `most_boxes` have been looked at; whichever comes first,
-/// the weakest bound that is left is the answer. kStimulus is the same for each step of Nr, whose
-/// weight is constant on it (sharp field edges only); kSkinPower divides by b.
+/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds, and
+/// the square of a distance has a continuous derivative also where Ma2 meets its bound. Boxes that
+/// cover the bounds are bounded from below by the mean value form f(middle) + sum of f'(box) (box -
+/// middle) and by the natural extension, whichever is higher, in interval arithmetic that rounds
+/// outwards. The box with the weakest bound is halved across its widest contribution until that
+/// bound is within `relative_gap` of the best point, or `most_boxes` have been looked at; whichever
+/// comes first, the weakest bound that is left is the answer. kStimulus is the same for each step
+/// of Nr, whose weight is constant on it (sharp field edges only); kSkinPower divides by b.
 /// kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
 ///
 /// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance (1e-12
@@ -53,7 +53,7 @@ struct AdapterOptimum {
 [[nodiscard]] AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                                 const ReceptorField& receptors,
                                                 double relative_gap = 1e-6,
-                                                std::size_t most_boxes = 1'000'000);
+                                                std::size_t most_boxes = 300'000);
 
 /// One point of the ridge: the best there is with that mass on the motor's side.
 struct RidgePoint {

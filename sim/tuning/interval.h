@@ -64,7 +64,9 @@ struct Interval {
   return {std::max(0.0, root.lower), root.upper};
 }
 
-[[nodiscard]] inline double Square(double x) { return x * x; }
-[[nodiscard]] inline double SquareRoot(double x) { return std::sqrt(x); }
+/// max(0, x): exact.
+[[nodiscard]] inline Interval AboveZero(Interval x) {
+  return {std::max(0.0, x.lower), std::max(0.0, x.upper)};
+}
 
 }  // namespace haptometer::sim

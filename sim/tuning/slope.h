@@ -68,4 +68,13 @@ template <typename T, std::size_t N>
   return root;
 }
 
+/// max(0, a)^2, which has a continuous derivative.
+template <typename T, std::size_t N>
+[[nodiscard]] Slope<T, N> SquareAboveZero(const Slope<T, N>& a) {
+  const T above = AboveZero(a.value);
+  Slope<T, N> square{.value = Square(above)};
+  for (std::size_t k = 0; k < N; ++k) square.by[k] = (above + above) * a.by[k];
+  return square;
+}
+
 }  // namespace haptometer::sim

@@ -1,0 +1,95 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tools/cli/options.h"
+#include "tools/cli/report.h"
+#include "tools/tune/tune_options.h"
+#include "tools/tune/tune_output.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::string_view kVerb = "tune";
+constexpr std::size_t kRidgePoints = 6;
+constexpr double kSpringError = 0.05;
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Find the adapter that moves the skin most, with a proof that none is better.",
+    .examples = {"haptometer tune", "haptometer tune scene.toml --stiffness 5000:9000 --json",
+                 "haptometer tune --objective stimulus --skin table"}};
+
+// one an area of the grid, so that the best score is the best of the objective
+std::vector<double> GridWeights(const TuneQuestion& question) {
+  std::vector<double> weights;
+  if (question.objective == sim::Objective::kSkinRms || question.problem.fixed_skin) return weights;
+  weights.reserve(question.grid_values);
+  for (const double area_m2 :
+       sim::EqualSteps(question.problem.bounds.contact_area_m2, question.grid_values)) {
+    weights.push_back(
+        question.objective == sim::Objective::kStimulus
+            ? sim::StimulatedReceptors(question.receptors, sim::ContactRadius(area_m2))
+            : std::sqrt(sim::SkinOf(question.problem, area_m2).damping_n_s_per_m));
+  }
+  return weights;
+}
+
+void AddSurroundings(TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::Objective objective = question.objective;
+  if (objective != sim::Objective::kRmsPerWatt) {
+    answer.grid = sim::BestOnGrid(question.problem, question.grid_values, GridWeights(question));
+  }
+  const sim::Range& mass_kg = question.problem.bounds.motor_side_mass_kg;
+  if (mass_kg.lower < mass_kg.upper) {
+    answer.ridge = sim::RidgeOf(objective, question.problem, question.receptors, kRidgePoints);
+  }
+  for (const double factor : {1 - kSpringError, 1 + kSpringError}) {
+    answer.springs.push_back(sim::CostOfSpring(objective, question.problem, question.receptors,
+                                               answer.optimum.point, factor));
+  }
+}
+
+TuneAnswer Answer(const TuneQuestion& question) {
+  const sim::TuningProblem& problem = question.problem;
+  TuneAnswer answer;
+  answer.question = question;
+  answer.optimum = sim::FindAdapterOptimum(question.objective, problem, question.receptors);
+  answer.matched_load_bound =
+      sim::MatchedLoadBound(question.objective, problem,
+                            sim::SourceOf(problem.actuator, problem.drive), question.receptors);
+
+  // the numbers that simulate gives, by its seven states
+  const sim::AdapterPoint& best = answer.optimum.point;
+  const sim::Skin skin = sim::SkinOf(problem, best.contact_area_m2);
+  answer.steady = sim::SolveSteadyState(sim::AssembleModel(problem.actuator, best.adapter, skin),
+                                        problem.drive, skin);
+  const double velocity_rms =
+      2 * std::numbers::pi * problem.drive.frequency_hz * answer.steady.skin_rms_m;
+  answer.skin_power_w = skin.damping_n_s_per_m * velocity_rms * velocity_rms;
+  if (!problem.fixed_skin) {
+    answer.stimulus_m = sim::SkinStimulus(
+        question.receptors, sim::ContactRadius(best.contact_area_m2), answer.steady.skin_rms_m);
+  }
+  AddSurroundings(answer);
+  return answer;
+}
+
+}  // namespace
+
+int RunTune(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  TuneWords words;
+  Declare(options, words);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  const auto question = ReadQuestion(words);
+  if (!question) return cli::ReportError(kVerb, question.error());
+  const TuneAnswer answer = Answer(*question);
+  fmt::print("{}", options.json() ? TuneJson(answer) : TuneText(answer));
+  return 0;
+}
+
+}  // namespace haptometer::tools

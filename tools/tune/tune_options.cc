@@ -1,0 +1,165 @@
+#include "tools/tune/tune_options.h"
+
+#include <fmt/core.h>
+
+#include "sim/scene_file.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr double kM2PerMm2 = 1e-6;
+
+// "LOW:HIGH" or one number for both
+template <typename Read>
+Result<sim::Range> ReadEnds(const std::string& text, const Read& read) {
+  const std::size_t colon = text.find(':');
+  const auto lower = read(text.substr(0, colon));
+  if (!lower) return std::unexpected(lower.error());
+  if (colon == std::string::npos) return sim::Range{.lower = *lower, .upper = *lower};
+  const auto upper = read(text.substr(colon + 1));
+  if (!upper) return std::unexpected(upper.error());
+  return sim::Range{.lower = *lower, .upper = *upper};
+}
+
+struct BoundWord {
+  const char* option;
+  const std::string& text;
+  Dimension dimension;
+  sim::Range& range;
+};
+
+Result<void> ReadBound(const BoundWord& word) {
+  if (word.text.empty()) return {};
+  const auto range = ReadEnds(word.text, [&](const std::string& end) -> Result<double> {
+    const auto quantity = ParseQuantity(end, word.dimension, word.option);
+    if (!quantity) return std::unexpected(quantity.error());
+    return quantity->value;
+  });
+  if (!range) return std::unexpected(range.error());
+  word.range = *range;
+  return {};
+}
+
+// areas are the one quantity in mm2
+Result<void> ReadAreas(const std::string& text, sim::Range& range) {
+  if (text.empty()) return {};
+  const auto read = ReadEnds(text, [](std::string end) -> Result<double> {
+    if (end.ends_with("mm2")) end.resize(end.size() - 3);
+    const auto number = ParseQuantity(end, Dimension::kNone, "--contact-area");
+    if (!number) return std::unexpected(number.error());
+    return number->value * kM2PerMm2;
+  });
+  if (!read) return std::unexpected(read.error());
+  range = *read;
+  return {};
+}
+
+Result<void> ReadBounds(const TuneWords& words, sim::AdapterBounds& bounds) {
+  for (const BoundWord& word :
+       {BoundWord{"--motor-side-mass", words.motor_side_mass, Dimension::kMass,
+                  bounds.motor_side_mass_kg},
+        BoundWord{"--skin-side-mass", words.skin_side_mass, Dimension::kMass,
+                  bounds.skin_side_mass_kg},
+        BoundWord{"--stiffness", words.stiffness, Dimension::kStiffness, bounds.stiffness_n_per_m},
+        BoundWord{"--damping", words.damping, Dimension::kDamping, bounds.damping_n_s_per_m}}) {
+    if (auto read = ReadBound(word); !read) return read;
+  }
+  return ReadAreas(words.contact_area, bounds.contact_area_m2);
+}
+
+// actuator, drive and, where it is asked for, the skin of the scene
+Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
+  if (words.scenes.size() > 1) {
+    return Usage(words.scenes[1], "is a second scene", "tune one at a time");
+  }
+  if (words.scenes.empty()) {
+    if (words.skin != "scene") return {};
+    return Usage("--skin scene", "has no scene", "give the scene.toml whose skin is meant");
+  }
+  const auto scene = sim::ReadSceneFile(words.scenes.front());
+  if (!scene) return std::unexpected(scene.error());
+  question.name = words.scenes.front();
+  question.problem.actuator = scene->actuator;
+  question.problem.drive = scene->drive;
+  if (words.skin == "scene") question.problem.fixed_skin = scene->skin;
+  return {};
+}
+
+Result<void> ReadReceptors(const TuneWords& words, sim::ReceptorField& field) {
+  field.grid = words.receptor_grid == "edge" ? sim::ReceptorGrid::kEdgeToEdge
+                                             : sim::ReceptorGrid::kCellCentred;
+  if (words.receptor_density) field.density_per_m2 = words.receptor_density->value / kM2PerMm2;
+  if (words.field_radius) field.field_radius_m = words.field_radius->value;
+  if (words.pad_side) field.pad_side_m = words.pad_side->value;
+  if (!(field.density_per_m2 > 0 && field.pad_side_m > 0 && field.field_radius_m >= 0)) {
+    return Usage("--receptor-density, --field-radius, --pad", "must be above 0",
+                 "the thesis has 0.22 (per mm2), 5.7mm and 15mm");
+  }
+  constexpr double kMostReceptors = 1e4;
+  if (field.density_per_m2 * field.pad_side_m * field.pad_side_m > kMostReceptors) {
+    return Usage("--receptor-density", "makes more than 10 000 receptors on the pad",
+                 "it is a number per mm2");
+  }
+  return {};
+}
+
+}  // namespace
+
+void Declare(cli::Options& options, TuneWords& words) {
+  using cli::Shown;
+  options.Positionals("scene", &words.scenes,
+                      "A scene.toml: its actuator and drive; without it the thesis's", 0);
+  options.Choice("--objective", &words.objective,
+                 {"skin-rms", "stimulus", "skin-power", "rms-per-watt"}, "What is made largest");
+  options.Text("--motor-side-mass", &words.motor_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
+  options.Text("--skin-side-mass", &words.skin_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
+  options.Text("--stiffness", &words.stiffness, "LOW:HIGH", "Bounds; 2000:12000 N/m");
+  options.Text("--damping", &words.damping, "LOW:HIGH", "Bounds; 0.01:0.1 N s/m");
+  options.Text("--contact-area", &words.contact_area, "LOW:HIGH", "Bounds; 1:100 mm2");
+  options.Choice("--skin", &words.skin, {"text", "table", "scene"},
+                 "The thesis's law up to 2000 (text) or 1200 N/m (table), or the scene's skin");
+  options.Number("--voltage", &words.voltage, Dimension::kVoltage, "Beats the scene's amplitude");
+  options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
+  options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
+  options.Choice("--receptor-grid", &words.receptor_grid, {"cell", "edge"},
+                 "Receptors in the middle of their cells, or from edge to edge", Shown::kHelpAll);
+  options.Number("--receptor-density", &words.receptor_density, Dimension::kNone,
+                 "Receptors per mm2; 0.22", Shown::kHelpAll);
+  options.Number("--field-radius", &words.field_radius, Dimension::kLength,
+                 "Of a receptive field; 5.7mm", Shown::kHelpAll);
+  options.Number("--pad", &words.pad_side, Dimension::kLength, "Side of the fingerpad; 15mm",
+                 Shown::kHelpAll);
+}
+
+Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
+  TuneQuestion question;
+  question.name = "thesis";
+  question.problem = sim::ThesisProblem();
+  if (auto read = ReadScene(words, question); !read) return std::unexpected(read.error());
+  sim::TuningProblem& problem = question.problem;
+  if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
+  if (words.voltage) problem.drive.amplitude_v = words.voltage->value;
+  if (words.frequency) problem.drive.frequency_hz = words.frequency->value;
+  if (!(problem.drive.amplitude_v > 0 && problem.drive.frequency_hz > 0)) {
+    return Usage(question.name,
+                 fmt::format("{:g} V at {:g} Hz drive nothing", problem.drive.amplitude_v,
+                             problem.drive.frequency_hz),
+                 "give --voltage and --frequency above 0");
+  }
+  if (auto read = ReadBounds(words, problem.bounds); !read) return std::unexpected(read.error());
+  if (auto read = ReadReceptors(words, question.receptors); !read) {
+    return std::unexpected(read.error());
+  }
+  if (const auto fault = sim::Fault(problem)) {
+    return Usage(question.name, *fault, "give bounds as LOW:HIGH, such as --stiffness 2000:12000");
+  }
+  question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
+  if (question.objective == sim::Objective::kStimulus && problem.fixed_skin) {
+    return Usage("--skin scene", "does not know what the contact's area does to the skin",
+                 "leave it out for the objective stimulus");
+  }
+  if (words.grid) question.grid_values = static_cast<std::size_t>(*words.grid);
+  return question;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+
+#include "base/result.h"
+#include "sim/receptors.h"
+#include "sim/tuning/adapter_bounds.h"
+#include "sim/tuning/adapter_objective.h"
+#include "tools/cli/options.h"
+
+namespace haptometer::tools {
+
+/// The command line of tune as it was typed.
+struct TuneWords {
+  std::vector<std::string> scenes;
+  std::string objective = "skin-rms";
+  std::string skin = "text";
+  std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area;
+  std::string receptor_grid = "cell";
+  std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side;
+  std::optional<std::int64_t> grid;
+};
+
+/// What tune is asked.
+struct TuneQuestion {
+  std::string name;  ///< of the scene, or "thesis"
+  sim::TuningProblem problem;
+  sim::Objective objective = sim::Objective::kSkinRms;
+  sim::ReceptorField receptors;
+  std::size_t grid_values = 20;
+};
+
+void Declare(cli::Options& options, TuneWords& words);
+
+/// Reads the scene, if there is one, and the bounds. Errors (Cause::kUsage): more than one scene, a
+/// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0.
+[[nodiscard]] Result<TuneQuestion> ReadQuestion(const TuneWords& words);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,204 @@
+#include "tools/tune/tune_output.h"
+
+#include <fmt/core.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/json.h"
+
+namespace haptometer::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+// the objective in the unit that people say
+struct Spoken {
+  double factor;
+  const char* unit;
+};
+Spoken SpokenUnit(sim::Objective objective) {
+  switch (objective) {
+    case sim::Objective::kSkinRms:
+      return {1e6, "um"};
+    case sim::Objective::kStimulus:
+      return {1e3, "mm x receptors"};
+    case sim::Objective::kSkinPower:
+      return {1e3, "mW"};
+    case sim::Objective::kRmsPerWatt:
+      return {1e6, "um/W"};
+  }
+  return {1e6, "um"};
+}
+
+std::string Said(sim::Objective objective, double value) {
+  const Spoken spoken = SpokenUnit(objective);
+  return fmt::format("{:.5f} {}", value * spoken.factor, spoken.unit);
+}
+
+// "*" behind a number that one of its bounds holds
+const char* Mark(double value, const sim::Range& range) {
+  return value == range.lower || value == range.upper ? "*" : "";
+}
+
+std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
+  const sim::Adapter& adapter = point.adapter;
+  const sim::AdapterBounds& bounds = problem.bounds;
+  const std::string area = problem.fixed_skin
+                               ? ""
+                               : fmt::format(", contact {:.6g}{} mm2", point.contact_area_m2 * 1e6,
+                                             Mark(point.contact_area_m2, bounds.contact_area_m2));
+  return fmt::format(
+      "motor side {:.6g}{} g, skin side {:.6g}{} g, spring {:.6g}{} N/m, damper {:.6g}{} N s/m{}",
+      adapter.motor_side_mass_kg * 1e3, Mark(adapter.motor_side_mass_kg, bounds.motor_side_mass_kg),
+      adapter.skin_side_mass_kg * 1e3, Mark(adapter.skin_side_mass_kg, bounds.skin_side_mass_kg),
+      adapter.stiffness_n_per_m, Mark(adapter.stiffness_n_per_m, bounds.stiffness_n_per_m),
+      adapter.damping_n_s_per_m, Mark(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), area);
+}
+
+std::string ProofText(const TuneAnswer& answer) {
+  return answer.optimum.proof == sim::Proof::kBranchAndBound
+             ? fmt::format("no adapter within the bounds gives more ({} boxes)",
+                           answer.optimum.boxes)
+             : "no adapter at all gives more (matched load)";
+}
+
+std::string RidgeText(const TuneAnswer& answer) {
+  if (answer.ridge.empty()) return {};
+  std::string text = "  the ridge: best with a given mass on the motor's side\n";
+  for (const sim::RidgePoint& point : answer.ridge) {
+    text += fmt::format("    {:s}: {:s}\n", Adapter(point.point, answer.question.problem),
+                        Said(answer.question.objective, point.value));
+  }
+  return text;
+}
+
+std::string SpringsText(const TuneAnswer& answer) {
+  std::string text;
+  const double best = answer.optimum.value;
+  for (const sim::SpringCost& spring : answer.springs) {
+    text += fmt::format(
+        "  a spring {:.0f} % off: {:s} ({:+.2f} %), with the skin side's mass chosen anew {:s} "
+        "({:+.3f} %)\n",
+        (spring.factor - 1) * 100, Said(answer.question.objective, spring.as_built),
+        (spring.as_built / best - 1) * 100, Said(answer.question.objective, spring.rebalanced),
+        (spring.rebalanced / best - 1) * 100);
+  }
+  return text;
+}
+
+ordered_json PointJson(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
+  return {{"motor_side_mass_kg", point.adapter.motor_side_mass_kg},
+          {"skin_side_mass_kg", point.adapter.skin_side_mass_kg},
+          {"stiffness_n_per_m", point.adapter.stiffness_n_per_m},
+          {"damping_n_s_per_m", point.adapter.damping_n_s_per_m},
+          {"contact_area_m2",
+           problem.fixed_skin ? ordered_json(nullptr) : ordered_json(point.contact_area_m2)}};
+}
+
+ordered_json GridJson(const TuneAnswer& answer) {
+  if (!answer.grid) return nullptr;
+  return {{"values_per_axis", answer.question.grid_values},
+          {"points", answer.grid->points},
+          {"best", PointJson(answer.grid->point, answer.question.problem)},
+          {"skin_rms_m", answer.grid->skin_rms_m}};
+}
+
+ordered_json RidgeJson(const TuneAnswer& answer) {
+  ordered_json ridge = ordered_json::array();
+  for (const sim::RidgePoint& point : answer.ridge) {
+    ridge.push_back({{"best", PointJson(point.point, answer.question.problem)},
+                     {"value", cli::NumberOrNull(point.value)}});
+  }
+  return ridge;
+}
+
+ordered_json SpringsJson(const TuneAnswer& answer) {
+  ordered_json springs = ordered_json::array();
+  for (const sim::SpringCost& spring : answer.springs) {
+    springs.push_back({{"factor", spring.factor},
+                       {"value", cli::NumberOrNull(spring.as_built)},
+                       {"value_with_new_skin_side_mass", cli::NumberOrNull(spring.rebalanced)}});
+  }
+  return springs;
+}
+
+bool IsSkinRms(const TuneAnswer& answer) {
+  return answer.question.objective == sim::Objective::kSkinRms;
+}
+
+}  // namespace
+
+std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
+  return {"springs and dampers are linear at any travel: check the mover's against its stops",
+          fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
+                      "presses actuator and skin together",
+                      answer.steady.skin_force_peak_n),
+          answer.question.problem.fixed_skin
+              ? "the skin is the scene's whatever the contact's area"
+              : "the skin follows the thesis's cube root of the contact's area"};
+}
+
+std::string TuneText(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::Objective objective = question.objective;
+  std::string text = fmt::format("{}: {:g} V at {:g} Hz, largest {}\n", question.name,
+                                 question.problem.drive.amplitude_v,
+                                 question.problem.drive.frequency_hz, sim::Name(objective));
+  text += fmt::format("  {} (* at a bound)\n", Adapter(answer.optimum.point, question.problem));
+  text +=
+      fmt::format("  {:<19}{:s}\n", sim::Name(objective), Said(objective, answer.optimum.value));
+  text += fmt::format("  upper bound        {:s}: {:s}\n",
+                      Said(objective, answer.optimum.upper_bound), ProofText(answer));
+  text += fmt::format("  any adapter        {:s}: matched load with the lowest dampings\n",
+                      Said(objective, answer.matched_load_bound));
+  text += fmt::format("  skin displacement  {:.5f} um RMS\n", answer.steady.skin_rms_m * 1e6);
+  text +=
+      fmt::format("  mover travel    +- {:.5f} um in its case\n", answer.steady.mover_peak_m * 1e6);
+  text += fmt::format("  electrical power   {:.5f} mW, of which into the skin {:.5f} mW\n",
+                      answer.steady.power_w * 1e3, answer.skin_power_w * 1e3);
+  if (answer.stimulus_m) {
+    text += fmt::format("  stimulus           {:.5f} mm x receptors\n", *answer.stimulus_m * 1e3);
+  }
+  if (answer.grid) {
+    text +=
+        fmt::format("  best of a grid of {} points: {:.5f} um RMS\n    {}\n", answer.grid->points,
+                    answer.grid->skin_rms_m * 1e6, Adapter(answer.grid->point, question.problem));
+  }
+  text += RidgeText(answer) + SpringsText(answer);
+  for (const std::string& assumption : TuneAssumptions(answer)) {
+    text += fmt::format("  assumed: {}\n", assumption);
+  }
+  return text;
+}
+
+std::string TuneJson(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::AdapterOptimum& optimum = answer.optimum;
+  const bool boxes = optimum.proof == sim::Proof::kBranchAndBound;
+  const ordered_json document{
+      {"scene", question.name},
+      {"best", PointJson(optimum.point, question.problem)},
+      {"skin_rms_m", cli::NumberOrNull(answer.steady.skin_rms_m)},
+      {"upper_bound_m",
+       IsSkinRms(answer) ? cli::NumberOrNull(optimum.upper_bound) : ordered_json(nullptr)},
+      {"objective",
+       {{"name", sim::Name(question.objective)},
+        {"unit", sim::UnitOf(question.objective)},
+        {"value", cli::NumberOrNull(optimum.value)},
+        {"upper_bound", cli::NumberOrNull(optimum.upper_bound)},
+        {"matched_load_bound", cli::NumberOrNull(answer.matched_load_bound)},
+        {"proof", boxes ? "branch and bound" : "matched load"},
+        {"boxes", optimum.boxes}}},
+      {"mover_peak_m", cli::NumberOrNull(answer.steady.mover_peak_m)},
+      {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
+      {"power_w", cli::NumberOrNull(answer.steady.power_w)},
+      {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},
+      {"stimulus_m", cli::NumberOrNull(answer.stimulus_m)},
+      {"grid", GridJson(answer)},
+      {"ridge", RidgeJson(answer)},
+      {"spring_off", SpringsJson(answer)},
+      {"assumptions", TuneAssumptions(answer)}};
+  return cli::JsonText(document);
+}
+
+}  // namespace haptometer::tools

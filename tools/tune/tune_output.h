@@ -1,0 +1,36 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/steady_state.h"
+#include "sim/tuning/adapter_grid.h"
+#include "sim/tuning/adapter_optimum.h"
+#include "tools/tune/tune_options.h"
+
+namespace haptometer::tools {
+
+/// Everything that tune answers.
+struct TuneAnswer {
+  TuneQuestion question;
+  sim::AdapterOptimum optimum;
+  sim::SteadyState steady;               ///< of the best adapter
+  double skin_power_w = 0;               ///< mean power into the skin
+  std::optional<double> stimulus_m;      ///< S; absent for a skin without area
+  double matched_load_bound = 0;         ///< of the objective
+  std::optional<sim::GridBest> grid;     ///< absent for an objective that the grid does not search
+  std::vector<sim::RidgePoint> ridge;    ///< over the motor side's mass; empty where it is fixed
+  std::vector<sim::SpringCost> springs;  ///< 5 % too soft and 5 % too stiff
+};
+
+/// What the numbers rest on, one sentence each.
+[[nodiscard]] std::vector<std::string> TuneAssumptions(const TuneAnswer& answer);
+
+/// The answer for people, in um, g and mm2.
+[[nodiscard]] std::string TuneText(const TuneAnswer& answer);
+
+/// The answer as one JSON document in SI units; what is not known is null.
+[[nodiscard]] std::string TuneJson(const TuneAnswer& answer);
+
+}  // namespace haptometer::tools
