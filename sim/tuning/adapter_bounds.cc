@@ -23,6 +23,14 @@ Skin SkinOf(const TuningProblem& problem, double contact_area_m2) {
   return SkinUnderArea(contact_area_m2, problem.skin_range);
 }
 
+std::array<Skin, 2> HardestSkins(const TuningProblem& problem, double contact_area_m2) {
+  const Skin skin = SkinOf(problem, contact_area_m2);
+  const double v = problem.skin_variation;
+  const double most_damping = skin.damping_n_s_per_m * (1 + v);
+  return {Skin{skin.stiffness_n_per_m * (1 - v), most_damping},
+          Skin{skin.stiffness_n_per_m * (1 + v), most_damping}};
+}
+
 double AreaAt(const Range& contact_area_m2, double part) {
   // the ends as stated, not as a cube of a cube root
   if (part <= 0) return contact_area_m2.lower;
@@ -41,6 +49,9 @@ std::optional<const char*> Fault(const TuningProblem& problem) {
   }
   if (!(bounds.skin_side_mass_kg.lower > 0)) return "the skin side's mass must be above 0";
   if (!(bounds.stiffness_n_per_m.lower > 0)) return "the stiffness must be above 0";
+  if (!(problem.skin_variation >= 0 && problem.skin_variation < 1)) {
+    return "the skin's variation must be from 0 to below 1";
+  }
   if (problem.fixed_skin) {
     return problem.fixed_skin->damping_n_s_per_m > 0 ? std::nullopt
                                                      : std::optional("the skin has no damping");

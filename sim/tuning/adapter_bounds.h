@@ -36,6 +36,9 @@ struct TuningProblem {
   SkinRange skin_range = SkinRange::kText;
   std::optional<Skin> fixed_skin{};  ///< present: the skin whatever the area, instead of the law
   AdapterBounds bounds;
+  /// Skins differ: Ks and Bs may each be this part of themselves larger or smaller, from 0 up to
+  /// less than 1. What is asked of an RMS then is asked of the least over all those skins.
+  double skin_variation = 0;
 };
 
 /// The thesis's search: its actuator, 5 V at 225 Hz, its bounds and its skin law.
@@ -53,6 +56,14 @@ struct AdapterPoint {
 /// The area whose cube root lies `part` of the way between those of the ends: 0 the lower end, 1
 /// the upper. Stiffness and damping of the skin are straight lines over that part.
 [[nodiscard]] double AreaAt(const Range& contact_area_m2, double part);
+
+/// The largest Bs with either end of Ks: the two skins of which one moves least, because
+///
+///   |Fc / Xs|^2 = t^2 ((Ks + Re Z - Ma2 w^2)^2 + (w Bs + Im Z)^2)
+///
+/// grows with Bs and with the distance of Ks from Ma2 w^2 - Re Z (sim/tuning/adapter_grid.h).
+[[nodiscard]] std::array<Skin, 2> HardestSkins(const TuningProblem& problem,
+                                               double contact_area_m2);
 
 /// What is wrong with the bounds, or nothing.
 [[nodiscard]] std::optional<const char*> Fault(const TuningProblem& problem);

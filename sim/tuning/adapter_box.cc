@@ -39,6 +39,7 @@ AdapterCost::AdapterCost(const TuningProblem& problem, const MotorSource& source
       most_inertia_(Interval::Of(problem.bounds.skin_side_mass_kg.upper) * Square(omega_)),
       first_(SkinOf(problem, problem.bounds.contact_area_m2.lower)),
       last_(SkinOf(problem, problem.bounds.contact_area_m2.upper)),
+      variation_(Interval::Of(problem.skin_variation)),
       per_resistance_(per_resistance) {}
 
 AdapterCost::Number AdapterCost::At(const AdapterBox& box) const {
@@ -50,7 +51,7 @@ AdapterCost::Number AdapterCost::At(const AdapterBox& box) const {
   const Interval minus_one = Interval::Of(-1);
   const Number p = Ma1 * (minus_one * Square(omega_)) + case_stiffness_;
   const Number e = Ba * omega_;
-  const Number b = Bs * omega_;
+  const Number b = Bs * (omega_ * (Interval::Of(1) + variation_));
   const Number u2 = Square(Ka + p) + Square(e + passive_);  // |D1 + ka|^2
   const Number k2 = Square(Ka) + Square(e);                 // |ka|^2
   const Number d2 = Square(p) + Square(passive_);           // |D1|^2
@@ -62,7 +63,8 @@ AdapterCost::Number AdapterCost::At(const AdapterBox& box) const {
   const Number wanted = Ks + (p * k2 + Ka * d2) / u2;
   const Number beyond = wanted + minus_one * most_inertia_;
   const Number short_of = wanted * minus_one + least_inertia_;
-  const Number cost = Square(H) + t2 * (SquareAboveZero(beyond) + SquareAboveZero(short_of));
+  const Number off = AboveZero(beyond) + AboveZero(short_of) + Ks * variation_;
+  const Number cost = Square(H) + t2 * Square(off);
   return per_resistance_ ? cost / b : cost;
 }
 

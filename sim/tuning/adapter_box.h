@@ -22,7 +22,8 @@ struct BoxCost {
 };
 
 /// The cost of an adapter with the best Ma2: |Fc / Xs|^2, in (N/m)^2; the less, the more the skin
-/// moves. Divided by w Bs where `per_resistance`, so that the least cost is the most power.
+/// moves. Of the skin that moves least, where skins vary. Divided by w Bs where `per_resistance`,
+/// so that the least cost is the most power.
 class AdapterCost {
  public:
   AdapterCost(const TuningProblem& problem, const MotorSource& source, bool per_resistance);
@@ -38,6 +39,7 @@ class AdapterCost {
   Range motor_side_mass_kg_, stiffness_n_per_m_, damping_n_s_per_m_;
   Interval least_inertia_, most_inertia_;  // of Ma2 w^2
   Skin first_, last_;                      // at the ends of the area
+  Interval variation_;                     // of the skin
   bool per_resistance_;
 };
 

@@ -17,6 +17,7 @@ using Complex = std::complex<double>;
 // what one area of the grid means for every adapter
 struct AreaColumn {
   double stiffness_n_per_m = 0;   // Ks
+  double variation_n_per_m = 0;   // v Ks
   double resistance_n_per_m = 0;  // w Bs
   double weight_square = 1;
 };
@@ -50,9 +51,11 @@ Axes AxesOf(const TuningProblem& problem, double omega, std::size_t values,
   axes.columns.reserve(values);
   for (const double area_m2 : axes.contact_area_m2) {
     const Skin skin = SkinOf(problem, area_m2);
+    const double v = problem.skin_variation;
     const double weight = weights.empty() ? 1 : weights[axes.columns.size()];
     axes.columns.push_back({.stiffness_n_per_m = skin.stiffness_n_per_m,
-                            .resistance_n_per_m = omega * skin.damping_n_s_per_m,
+                            .variation_n_per_m = v * skin.stiffness_n_per_m,
+                            .resistance_n_per_m = omega * skin.damping_n_s_per_m * (1 + v),
                             .weight_square = weight * weight});
   }
   return axes;
@@ -82,7 +85,8 @@ void TryColumns(const Axes& axes, Complex D1, const Adapter& trunk, Complex ka, 
     const double above = column.weight_square * through;
     const Neighbours near = NeighboursOf(axes.inertia_n_per_m, stiffness);
     for (const std::size_t mass : {near.below, near.above}) {
-      const double detuning = stiffness - axes.inertia_n_per_m[mass];
+      const double detuning =
+          std::abs(stiffness - axes.inertia_n_per_m[mass]) + column.variation_n_per_m;
       const double square = above / (detuning * detuning + resistance * resistance);
       if (!(square > leader.square)) continue;
       leader = {.square = square, .adapter = trunk, .area = area};

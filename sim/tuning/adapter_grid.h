@@ -35,6 +35,9 @@ struct GridBest {
 /// exact but for rounding. Lindsay 2013, Table 2.2 prints the ranges and "20 values within"; that
 /// the steps are equal is our reading.
 ///
+/// With a skin_variation v the first square's root grows by v Ks and Bs by 1 + v: the least RMS
+/// over those skins, and still the nearest Ma2 is the best.
+///
 /// Cost: below 2 ms for 20^5 on one core (bench/adapter_tuning_bench.cc).
 [[nodiscard]] GridBest BestOnGrid(const TuningProblem& problem, std::size_t values_per_axis,
                                   const std::vector<double>& area_weights = {});

@@ -1,5 +1,6 @@
 #include "sim/tuning/adapter_objective.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -31,6 +32,16 @@ double LargestSkinPeak(const MotorSource& source, double b, double e) {
   return std::abs(source.force_n) / (2 * std::sqrt((b + e) * (q + e)) - 2 * e);
 }
 
+// the least over the skins that the problem knows
+double LeastRms(const TuningProblem& problem, const MotorSource& source,
+                const AdapterPoint& point) {
+  double least = HUGE_VAL;
+  for (const Skin& skin : HardestSkins(problem, point.contact_area_m2)) {
+    least = std::min(least, std::abs(MotionOf(source, point.adapter, skin).skin_m));
+  }
+  return least / std::numbers::sqrt2;
+}
+
 double LargestRmsPerWatt(const MotorSource& source, double b) {
   const double q = source.stiffness_n_per_m.imag();
   const std::complex<double> g = source.power_slope_w_per_m * source.force_n / (2 * q);
@@ -59,9 +70,10 @@ double ValueOf(Objective objective, const TuningProblem& problem, const MotorSou
   const double w = source.omega_rad_per_s;
   switch (objective) {
     case Objective::kSkinRms:
-      return rms_m;
+      return LeastRms(problem, source, point);
     case Objective::kStimulus:
-      return rms_m * StimulatedReceptors(receptors, ContactRadius(point.contact_area_m2));
+      return LeastRms(problem, source, point) *
+             StimulatedReceptors(receptors, ContactRadius(point.contact_area_m2));
     case Objective::kSkinPower:
       return w * w * skin.damping_n_s_per_m * rms_m * rms_m;
     case Objective::kRmsPerWatt:
@@ -74,7 +86,7 @@ double MatchedLoadBound(Objective objective, const TuningProblem& problem,
                         const MotorSource& source, const ReceptorField& receptors) {
   const double w = source.omega_rad_per_s;
   const Skin softest = SkinOf(problem, problem.bounds.contact_area_m2.lower);
-  const double b = w * softest.damping_n_s_per_m;
+  const double b = w * softest.damping_n_s_per_m * (1 + problem.skin_variation);
   const double e = w * problem.bounds.damping_n_s_per_m.lower;
   const double allowed = 1 + source.rounding_allowance;
   const double rms_m = LargestSkinPeak(source, b, e) / std::numbers::sqrt2;

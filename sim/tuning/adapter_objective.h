@@ -24,7 +24,9 @@ enum class Objective : std::uint8_t {
 /// The objective of that name, or nothing.
 [[nodiscard]] std::optional<Objective> ObjectiveOf(std::string_view name);
 
-/// The objective at one point: for a point within the bounds, whatever the bounds.
+/// The objective at one point; RMS and stimulus are the least over the skins that the problem's
+/// skin_variation knows, power and RMS per watt those of the nominal skin. For a point within the
+/// bounds, whatever the bounds.
 [[nodiscard]] double ValueOf(Objective objective, const TuningProblem& problem,
                              const MotorSource& source, const ReceptorField& receptors,
                              const AdapterPoint& point);

@@ -173,6 +173,9 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
                                   const ReceptorField& receptors, double relative_gap,
                                   std::size_t most_boxes) {
   HAPTOMETER_CHECK(!Fault(problem) && relative_gap > 0, "gap {}", relative_gap);
+  HAPTOMETER_CHECK(problem.skin_variation == 0 || objective == Objective::kSkinRms ||
+                       objective == Objective::kStimulus,
+                   "{} of skins that vary", Name(objective));
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const RidgePoint best = Best(objective, problem, receptors);
   AdapterOptimum optimum{.point = best.point,

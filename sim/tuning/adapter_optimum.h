@@ -35,18 +35,22 @@ struct AdapterOptimum {
 ///   H = b t + q / t + e |D1|^2 / (|ka| |D1 + ka|),        t, b, e, q as in MatchedLoadBound(),
 ///
 /// so Ma2 takes the value nearest to (Ks + Re Z) / w^2 and four numbers are left: Ma1, Ka, Ba and
-/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds, and
-/// the square of a distance has a continuous derivative also where Ma2 meets its bound. Boxes that
-/// cover the bounds are bounded from below by the mean value form f(middle) + sum of f'(box) (box -
-/// middle) and by the natural extension, whichever is higher, in interval arithmetic that rounds
-/// outwards. The box with the weakest bound is halved across its widest contribution until that
-/// bound is within `relative_gap` of the best point, or `most_boxes` have been looked at; whichever
-/// comes first, the weakest bound that is left is the answer. kStimulus is the same for each step
-/// of Nr, whose weight is constant on it (sharp field edges only); kSkinPower divides by b.
-/// kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
+/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds;
+/// where Ma2 meets its bound the distance bends, and its slopes there are an interval too. Boxes
+/// that cover the bounds are bounded from below by the mean value form f(middle) + sum of f'(box)
+/// (box - middle) and by the natural extension, whichever is higher, in interval arithmetic that
+/// rounds outwards. The box with the weakest bound is halved across its widest contribution until
+/// that bound is within `relative_gap` of the best point, or `most_boxes` have been looked at;
+/// whichever comes first, the weakest bound that is left is the answer. kStimulus is the same for
+/// each step of Nr, whose weight is constant on it (sharp field edges only); kSkinPower divides by
+/// b. kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
 ///
-/// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance (1e-12
-/// for the thesis's actuator) is added for that.
+/// With a skin_variation v (kSkinRms and kStimulus only) the second bracket is
+/// |Ks + Re Z - Ma2 w^2| + v Ks and b is that of the largest Bs: the least RMS over those skins is
+/// made as large as it can be, and the nearest Ma2 is still the best.
+///
+/// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance
+/// (2.5e-11 for the thesis's actuator) is added for that.
 ///
 /// Worked: the thesis's problem gives Ma1 0.25 g, Ma2 4.9205 g, Ka 9276.2 N/m, Ba 0.01 N s/m, A 1
 /// mm2, 0.20188526 mm, and a bound 1e-6 above it. Cost: docs/results.md; allocates the boxes.

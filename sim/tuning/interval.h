@@ -69,4 +69,9 @@ struct Interval {
   return {std::max(0.0, x.lower), std::max(0.0, x.upper)};
 }
 
+/// Slopes of max(0, x) over the interval: 0, 1, or all between where it holds the bend.
+[[nodiscard]] inline Interval RiseAboveZero(Interval x) {
+  return {x.lower > 0 ? 1.0 : 0.0, x.upper > 0 ? 1.0 : 0.0};
+}
+
 }  // namespace haptometer::sim

@@ -68,13 +68,13 @@ template <typename T, std::size_t N>
   return root;
 }
 
-/// max(0, a)^2, which has a continuous derivative.
+/// max(0, a); the derivative's factor is the interval of all slopes that the bend takes.
 template <typename T, std::size_t N>
-[[nodiscard]] Slope<T, N> SquareAboveZero(const Slope<T, N>& a) {
-  const T above = AboveZero(a.value);
-  Slope<T, N> square{.value = Square(above)};
-  for (std::size_t k = 0; k < N; ++k) square.by[k] = (above + above) * a.by[k];
-  return square;
+[[nodiscard]] Slope<T, N> AboveZero(const Slope<T, N>& a) {
+  Slope<T, N> above{.value = AboveZero(a.value)};
+  const T rise = RiseAboveZero(a.value);
+  for (std::size_t k = 0; k < N; ++k) above.by[k] = rise * a.by[k];
+  return above;
 }
 
 }  // namespace haptometer::sim

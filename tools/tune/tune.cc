@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -37,6 +38,29 @@ std::vector<double> GridWeights(const TuneQuestion& question) {
   return weights;
 }
 
+// The best with each listed spring, one after the other; the bound is the largest of theirs.
+sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  sim::AdapterOptimum best;
+  double bound = 0;
+  for (const double spring_n_per_m : question.springs_n_per_m) {
+    sim::TuningProblem held = question.problem;
+    held.bounds.stiffness_n_per_m = {.lower = spring_n_per_m, .upper = spring_n_per_m};
+    sim::AdapterOptimum found =
+        sim::FindAdapterOptimum(question.objective, held, question.receptors);
+    answer.listed.push_back({.point = found.point, .value = found.value});
+    bound = std::max(bound, found.upper_bound);
+    found.boxes += best.boxes;
+    if (found.value > best.value) {
+      best = found;
+    } else {
+      best.boxes = found.boxes;
+    }
+  }
+  best.upper_bound = bound;
+  return best;
+}
+
 void AddSurroundings(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   const sim::Objective objective = question.objective;
@@ -57,7 +81,9 @@ TuneAnswer Answer(const TuneQuestion& question) {
   const sim::TuningProblem& problem = question.problem;
   TuneAnswer answer;
   answer.question = question;
-  answer.optimum = sim::FindAdapterOptimum(question.objective, problem, question.receptors);
+  answer.optimum = question.springs_n_per_m.empty()
+                       ? sim::FindAdapterOptimum(question.objective, problem, question.receptors)
+                       : ChooseSpring(answer);
   answer.matched_load_bound =
       sim::MatchedLoadBound(question.objective, problem,
                             sim::SourceOf(problem.actuator, problem.drive), question.receptors);

@@ -2,6 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <sstream>
+
 #include "sim/scene_file.h"
 
 namespace haptometer::tools {
@@ -37,6 +40,20 @@ Result<void> ReadBound(const BoundWord& word) {
   });
   if (!range) return std::unexpected(range.error());
   word.range = *range;
+  return {};
+}
+
+// the stiffnesses that can be had; the bounds become their range
+Result<void> ReadSprings(const std::string& text, TuneQuestion& question) {
+  if (text.empty()) return {};
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, ',');) {
+    const auto spring = ParseQuantity(word, Dimension::kStiffness, "--springs");
+    if (!spring) return std::unexpected(spring.error());
+    question.springs_n_per_m.push_back(spring->value);
+  }
+  const auto [least, most] = std::ranges::minmax(question.springs_n_per_m);
+  question.problem.bounds.stiffness_n_per_m = {.lower = least, .upper = most};
   return {};
 }
 
@@ -114,10 +131,13 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Text("--motor-side-mass", &words.motor_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
   options.Text("--skin-side-mass", &words.skin_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
   options.Text("--stiffness", &words.stiffness, "LOW:HIGH", "Bounds; 2000:12000 N/m");
+  options.Text("--springs", &words.springs, "K,K,...", "Choose from these; beats --stiffness");
   options.Text("--damping", &words.damping, "LOW:HIGH", "Bounds; 0.01:0.1 N s/m");
   options.Text("--contact-area", &words.contact_area, "LOW:HIGH", "Bounds; 1:100 mm2");
   options.Choice("--skin", &words.skin, {"text", "table", "scene"},
                  "The thesis's law up to 2000 (text) or 1200 N/m (table), or the scene's skin");
+  options.Number("--skin-varies", &words.skin_varies, Dimension::kNone,
+                 "Best for the worst of skins, Ks and Bs each by this part: 0.2 is 20 %");
   options.Number("--voltage", &words.voltage, Dimension::kVoltage, "Beats the scene's amplitude");
   options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
@@ -138,6 +158,7 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   if (auto read = ReadScene(words, question); !read) return std::unexpected(read.error());
   sim::TuningProblem& problem = question.problem;
   if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
+  if (words.skin_varies) problem.skin_variation = words.skin_varies->value;
   if (words.voltage) problem.drive.amplitude_v = words.voltage->value;
   if (words.frequency) problem.drive.frequency_hz = words.frequency->value;
   if (!(problem.drive.amplitude_v > 0 && problem.drive.frequency_hz > 0)) {
@@ -147,6 +168,9 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
                  "give --voltage and --frequency above 0");
   }
   if (auto read = ReadBounds(words, problem.bounds); !read) return std::unexpected(read.error());
+  if (auto read = ReadSprings(words.springs, question); !read) {
+    return std::unexpected(read.error());
+  }
   if (auto read = ReadReceptors(words, question.receptors); !read) {
     return std::unexpected(read.error());
   }
@@ -154,6 +178,12 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
     return Usage(question.name, *fault, "give bounds as LOW:HIGH, such as --stiffness 2000:12000");
   }
   question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
+  const bool of_motion = question.objective == sim::Objective::kSkinRms ||
+                         question.objective == sim::Objective::kStimulus;
+  if (problem.skin_variation > 0 && !of_motion) {
+    return Usage("--skin-varies", "is answered for skin-rms and stimulus only",
+                 "leave it out for the other objectives");
+  }
   if (question.objective == sim::Objective::kStimulus && problem.fixed_skin) {
     return Usage("--skin scene", "does not know what the contact's area does to the skin",
                  "leave it out for the objective stimulus");

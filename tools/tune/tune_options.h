@@ -15,9 +15,9 @@ struct TuneWords {
   std::vector<std::string> scenes;
   std::string objective = "skin-rms";
   std::string skin = "text";
-  std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area;
+  std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area, springs;
   std::string receptor_grid = "cell";
-  std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side;
+  std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies;
   std::optional<std::int64_t> grid;
 };
 
@@ -28,6 +28,7 @@ struct TuneQuestion {
   sim::Objective objective = sim::Objective::kSkinRms;
   sim::ReceptorField receptors;
   std::size_t grid_values = 20;
+  std::vector<double> springs_n_per_m;  ///< to choose from; empty: any within the bounds
 };
 
 void Declare(cli::Options& options, TuneWords& words);

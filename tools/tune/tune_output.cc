@@ -62,11 +62,12 @@ std::string ProofText(const TuneAnswer& answer) {
              : "no adapter at all gives more (matched load)";
 }
 
-std::string RidgeText(const TuneAnswer& answer) {
-  if (answer.ridge.empty()) return {};
-  std::string text = "  the ridge: best with a given mass on the motor's side\n";
-  for (const sim::RidgePoint& point : answer.ridge) {
-    text += fmt::format("    {:s}: {:s}\n", Adapter(point.point, answer.question.problem),
+std::string PointsText(const TuneAnswer& answer, std::string_view title,
+                       const std::vector<sim::RidgePoint>& points) {
+  if (points.empty()) return {};
+  std::string text = fmt::format("  {}\n", title);
+  for (const sim::RidgePoint& point : points) {
+    text += fmt::format("    {}: {}\n", Adapter(point.point, answer.question.problem),
                         Said(answer.question.objective, point.value));
   }
   return text;
@@ -103,13 +104,13 @@ ordered_json GridJson(const TuneAnswer& answer) {
           {"skin_rms_m", answer.grid->skin_rms_m}};
 }
 
-ordered_json RidgeJson(const TuneAnswer& answer) {
-  ordered_json ridge = ordered_json::array();
-  for (const sim::RidgePoint& point : answer.ridge) {
-    ridge.push_back({{"best", PointJson(point.point, answer.question.problem)},
-                     {"value", cli::NumberOrNull(point.value)}});
+ordered_json PointsJson(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points) {
+  ordered_json list = ordered_json::array();
+  for (const sim::RidgePoint& point : points) {
+    list.push_back({{"best", PointJson(point.point, answer.question.problem)},
+                    {"value", cli::NumberOrNull(point.value)}});
   }
-  return ridge;
+  return list;
 }
 
 ordered_json SpringsJson(const TuneAnswer& answer) {
@@ -122,8 +123,17 @@ ordered_json SpringsJson(const TuneAnswer& answer) {
   return springs;
 }
 
+// whether the objective is the skin_rms_m that is printed beside its bound
 bool IsSkinRms(const TuneAnswer& answer) {
-  return answer.question.objective == sim::Objective::kSkinRms;
+  return answer.question.objective == sim::Objective::kSkinRms &&
+         answer.question.problem.skin_variation == 0;
+}
+
+// what the objective asks of the skins
+std::string AskedText(const TuneQuestion& question) {
+  if (question.problem.skin_variation == 0) return std::string(sim::Name(question.objective));
+  return fmt::format("{} of the skin that moves least, stiffness and damping +-{:g} %",
+                     sim::Name(question.objective), question.problem.skin_variation * 100);
 }
 
 }  // namespace
@@ -143,7 +153,7 @@ std::string TuneText(const TuneAnswer& answer) {
   const sim::Objective objective = question.objective;
   std::string text = fmt::format("{}: {:g} V at {:g} Hz, largest {}\n", question.name,
                                  question.problem.drive.amplitude_v,
-                                 question.problem.drive.frequency_hz, sim::Name(objective));
+                                 question.problem.drive.frequency_hz, AskedText(question));
   text += fmt::format("  {} (* at a bound)\n", Adapter(answer.optimum.point, question.problem));
   text +=
       fmt::format("  {:<19}{:s}\n", sim::Name(objective), Said(objective, answer.optimum.value));
@@ -164,7 +174,9 @@ std::string TuneText(const TuneAnswer& answer) {
         fmt::format("  best of a grid of {} points: {:.5f} um RMS\n    {}\n", answer.grid->points,
                     answer.grid->skin_rms_m * 1e6, Adapter(answer.grid->point, question.problem));
   }
-  text += RidgeText(answer) + SpringsText(answer);
+  text += PointsText(answer, "the best with each spring", answer.listed);
+  text += PointsText(answer, "the ridge: best with a given mass on the motor's side", answer.ridge);
+  text += SpringsText(answer);
   for (const std::string& assumption : TuneAssumptions(answer)) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
@@ -184,6 +196,7 @@ std::string TuneJson(const TuneAnswer& answer) {
       {"objective",
        {{"name", sim::Name(question.objective)},
         {"unit", sim::UnitOf(question.objective)},
+        {"skin_variation", question.problem.skin_variation},
         {"value", cli::NumberOrNull(optimum.value)},
         {"upper_bound", cli::NumberOrNull(optimum.upper_bound)},
         {"matched_load_bound", cli::NumberOrNull(answer.matched_load_bound)},
@@ -195,7 +208,8 @@ std::string TuneJson(const TuneAnswer& answer) {
       {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},
       {"stimulus_m", cli::NumberOrNull(answer.stimulus_m)},
       {"grid", GridJson(answer)},
-      {"ridge", RidgeJson(answer)},
+      {"ridge", PointsJson(answer, answer.ridge)},
+      {"springs", PointsJson(answer, answer.listed)},
       {"spring_off", SpringsJson(answer)},
       {"assumptions", TuneAssumptions(answer)}};
   return cli::JsonText(document);

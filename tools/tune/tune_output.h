@@ -21,6 +21,7 @@ struct TuneAnswer {
   double matched_load_bound = 0;         ///< of the objective
   std::optional<sim::GridBest> grid;     ///< absent for an objective that the grid does not search
   std::vector<sim::RidgePoint> ridge;    ///< over the motor side's mass; empty where it is fixed
+  std::vector<sim::RidgePoint> listed;   ///< the best with each listed spring, in their order
   std::vector<sim::SpringCost> springs;  ///< 5 % too soft and 5 % too stiff
 };
 

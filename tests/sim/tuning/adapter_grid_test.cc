@@ -96,6 +96,20 @@ TEST(AdapterGrid, MissesNoPointOfOtherGrids) {
              "two orders of the same operations");
 }
 
+TEST(AdapterGrid, TakesTheLeastOverTheSkinsThatVary) {
+  TuningProblem problem = ThesisProblem();
+  problem.skin_variation = 0.2;
+  const GridBest best = BestOnGrid(problem, 12);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  double least = 1;
+  for (const Skin& skin : HardestSkins(problem, best.point.contact_area_m2)) {
+    const AdapterMotion motion = MotionOf(source, best.point.adapter, skin);
+    least = std::min(least, std::abs(motion.skin_m) / std::numbers::sqrt2);
+  }
+  EXPECT_REL(best.score, least, 1e-13, "two orders of the same operations");
+  EXPECT_LT(best.score, BestOnGrid(ThesisProblem(), 12).score);
+}
+
 TEST(AdapterGrid, HoldsWhatHasEqualBounds) {
   TuningProblem problem = ThesisProblem();
   problem.bounds.skin_side_mass_kg = {4.35e-3, 4.35e-3};

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
 #include <random>
 
+#include "sim/tuning/adapter_grid.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/adapter_reference.h"
 
@@ -96,6 +100,30 @@ TEST(AdapterOptimum, IsExceededByNoPointWithinTheBounds) {
       }
     }
   }
+}
+
+// no skin within the variation moves less than the value says, and no adapter does better
+TEST(AdapterOptimum, ForSkinsThatVaryIsThatOfTheHardest) {
+  TuningProblem varied = ThesisProblem();
+  varied.skin_variation = 0.3;
+  const AdapterOptimum optimum = FindAdapterOptimum(Objective::kSkinRms, varied, {});
+  EXPECT_LT(optimum.upper_bound / optimum.value - 1, 1.1e-6);
+  EXPECT_EQ(optimum.proof, Proof::kBranchAndBound);
+  const MotorSource source = SourceOf(varied.actuator, varied.drive);
+  const AdapterPoint nominal = BestAdapter(Objective::kSkinRms, ThesisProblem(), {});
+  EXPECT_GT(optimum.value, ValueOf(Objective::kSkinRms, varied, source, {}, nominal));
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> part(-1, 1);
+  const Skin skin = SkinOf(varied, optimum.point.contact_area_m2);
+  for (int trial = 0; trial < 3000; ++trial) {
+    const Skin other{.stiffness_n_per_m = skin.stiffness_n_per_m * (1 + 0.3 * part(random)),
+                     .damping_n_s_per_m = skin.damping_n_s_per_m * (1 + 0.3 * part(random))};
+    const AdapterMotion motion = MotionOf(source, optimum.point.adapter, other);
+    ASSERT_GE(std::abs(motion.skin_m) / std::numbers::sqrt2, optimum.value * (1 - 1e-12));
+    const AdapterPoint point = Anywhere(varied.bounds, random);
+    ASSERT_LE(ValueOf(Objective::kSkinRms, varied, source, {}, point), optimum.value);
+  }
+  EXPECT_LE(BestOnGrid(varied, 9).score, optimum.value);
 }
 
 TEST(AdapterOptimum, GrowsWithItsBounds) {

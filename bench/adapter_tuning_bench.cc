@@ -1,0 +1,53 @@
+// What the search for an adapter costs: the thesis's grid of 20^5 points, one motion in closed
+// form, and the optimum with its proof. Counter: boxes of the proof.
+#include <benchmark/benchmark.h>
+
+#include "sim/tuning/adapter_grid.h"
+#include "sim/tuning/adapter_optimum.h"
+#include "sim/tuning/motor_source.h"
+
+namespace haptometer::sim {
+namespace {
+
+void ThesisGrid(benchmark::State& state) {
+  const TuningProblem problem = ThesisProblem();
+  for (auto _ : state) benchmark::DoNotOptimize(BestOnGrid(problem, 20));
+}
+BENCHMARK(ThesisGrid)->Unit(benchmark::kMillisecond);
+
+void OneMotion(benchmark::State& state) {
+  const TuningProblem problem = ThesisProblem();
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const Skin skin = SkinOf(problem, 1e-6);
+  const Adapter adapter{.motor_side_mass_kg = 0.25e-3,
+                        .skin_side_mass_kg = 4.35e-3,
+                        .stiffness_n_per_m = 8200,
+                        .damping_n_s_per_m = 0.01};
+  for (auto _ : state) benchmark::DoNotOptimize(MotionOf(source, adapter, skin));
+}
+BENCHMARK(OneMotion);
+
+void BestPoint(benchmark::State& state) {
+  const TuningProblem problem = ThesisProblem();
+  for (auto _ : state) benchmark::DoNotOptimize(BestAdapter(Objective::kSkinRms, problem, {}));
+}
+BENCHMARK(BestPoint)->Unit(benchmark::kMillisecond);
+
+// objective, and the gap as a power of ten
+void BestPointWithProof(benchmark::State& state) {
+  const TuningProblem problem = ThesisProblem();
+  const auto objective = static_cast<Objective>(state.range(0));
+  const double gap = state.range(1) == 9 ? 1e-9 : state.range(1) == 6 ? 1e-6 : 1e-5;
+  AdapterOptimum optimum;
+  for (auto _ : state) optimum = FindAdapterOptimum(objective, problem, {}, gap);
+  state.SetLabel(std::string(Name(objective)));
+  state.counters["boxes"] = static_cast<double>(optimum.boxes);
+}
+BENCHMARK(BestPointWithProof)
+    ->ArgsProduct({{static_cast<int>(Objective::kSkinRms), static_cast<int>(Objective::kStimulus),
+                    static_cast<int>(Objective::kSkinPower)},
+                   {5, 6, 9}})
+    ->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,145 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/residual.h"
+#include "tests/sim/tuning/adapter_reference.h"
+#include "tests/tools/captured.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+const std::string kFixtures = HAPTOMETER_FIXTURES;
+
+Outcome Tune(const std::vector<std::string>& words) { return Captured(RunTune, "tune", words); }
+
+json Json(std::vector<std::string> words) {
+  words.emplace_back("--json");
+  const Outcome outcome = Tune(words);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  return json::parse(outcome.out);
+}
+
+TEST(TuneVerb, HasTheNumbersThatScriptsRelyOn) {
+  const json answer = Json({});
+  const json& best = answer.at("best");
+  EXPECT_REL(best.at("motor_side_mass_kg").get<double>(), 0.25e-3, 1e-15, "its bound");
+  EXPECT_REL(best.at("skin_side_mass_kg").get<double>(), tests::kRmsBestMa2, 1e-6, "flat");
+  EXPECT_REL(best.at("stiffness_n_per_m").get<double>(), tests::kRmsBestKa, 1e-6, "flat");
+  EXPECT_REL(best.at("damping_n_s_per_m").get<double>(), 0.01, 1e-15, "its bound");
+  EXPECT_REL(best.at("contact_area_m2").get<double>(), 1e-6, 1e-15, "its bound");
+  const double rms_m = answer.at("skin_rms_m").get<double>();
+  EXPECT_REL(rms_m, tests::kRmsBest, 1e-12, "seven states against mpmath");
+  EXPECT_GE(answer.at("upper_bound_m").get<double>(), rms_m);
+  EXPECT_LT(answer.at("upper_bound_m").get<double>(), rms_m * (1 + 1e-5));
+}
+
+TEST(TuneVerb, ShowsGridRidgeAndWrongSprings) {
+  const json answer = Json({});
+  EXPECT_EQ(answer.at("grid").at("points").get<int>(), 3'200'000);
+  EXPECT_REL(answer.at("grid").at("skin_rms_m").get<double>(), tests::kGridRmsM, 1e-11, "NumPy");
+  EXPECT_EQ(answer.at("ridge").size(), 6U);
+  ASSERT_EQ(answer.at("spring_off").size(), 2U);
+  EXPECT_REL(answer.at("spring_off").at(0).at("factor").get<double>(), 0.95, 1e-15, "as stated");
+  EXPECT_GT(answer.at("mover_peak_m").get<double>(), 0.8e-3);
+}
+
+TEST(TuneVerb, TakesActuatorAndDriveOfAScene) {
+  const json thesis = Json({});
+  const json scene = Json({kFixtures + "/lra_adapter.toml"});
+  EXPECT_EQ(scene.at("best"), thesis.at("best"));
+  const json half = Json({kFixtures + "/lra_adapter.toml", "--voltage", "2.5V"});
+  EXPECT_REL(half.at("skin_rms_m").get<double>(), thesis.at("skin_rms_m").get<double>() / 2, 1e-12,
+             "the model is linear");
+  const json fixed = Json({kFixtures + "/lra_adapter.toml", "--skin", "scene"});
+  EXPECT_TRUE(fixed.at("best").at("contact_area_m2").is_null());
+  EXPECT_REL(fixed.at("skin_rms_m").get<double>(), tests::kRmsBest, 1e-12, "the same skin");
+}
+
+TEST(TuneVerb, KeepsWithinTheBoundsThatItIsGiven) {
+  const json answer =
+      Json({"--stiffness", "8200", "--motor-side-mass", "1g:2g", "--contact-area", "64mm2"});
+  EXPECT_EQ(answer.at("best").at("stiffness_n_per_m").get<double>(), 8200);
+  EXPECT_GE(answer.at("best").at("motor_side_mass_kg").get<double>(), 1e-3);
+  EXPECT_REL(answer.at("best").at("contact_area_m2").get<double>(), 64e-6, 1e-15, "as stated");
+}
+
+TEST(TuneVerb, ChoosesAmongTheSpringsOfAList) {
+  const json answer = Json({"--springs", "5000,8200,9300,11000"});
+  EXPECT_EQ(answer.at("best").at("stiffness_n_per_m").get<double>(), 9300);
+  ASSERT_EQ(answer.at("springs").size(), 4U);
+  double largest = 0;
+  for (const json& spring : answer.at("springs")) {
+    largest = std::max(largest, spring.at("value").get<double>());
+  }
+  EXPECT_EQ(answer.at("objective").at("value").get<double>(), largest);
+  EXPECT_LT(largest, tests::kRmsBest);
+  EXPECT_GE(answer.at("upper_bound_m").get<double>(), largest);
+  EXPECT_LT(answer.at("upper_bound_m").get<double>(), largest * (1 + 1e-5));
+}
+
+TEST(TuneVerb, ServesTheWorstOfSkinsThatVary) {
+  const json answer = Json({"--skin-varies", "0.2"});
+  EXPECT_LT(answer.at("objective").at("value").get<double>(),
+            answer.at("skin_rms_m").get<double>());
+  EXPECT_TRUE(answer.at("upper_bound_m").is_null());
+  EXPECT_THAT(Tune({"--skin-varies", "0.2"}).out, HasSubstr("that moves least"));
+}
+
+TEST(TuneVerb, AnswersTheOtherObjectives) {
+  const json stimulus = Json({"--objective", "stimulus"});
+  EXPECT_REL(stimulus.at("stimulus_m").get<double>(), 45 * tests::kStimulusBest, 1e-12, "mpmath");
+  EXPECT_TRUE(stimulus.at("upper_bound_m").is_null());
+  EXPECT_LT(
+      Json({"--objective", "stimulus", "--receptor-grid", "edge"}).at("stimulus_m").get<double>(),
+      stimulus.at("stimulus_m").get<double>());
+  const json power = Json({"--objective", "skin-power"});
+  EXPECT_REL(power.at("skin_power_w").get<double>(), tests::kPowerBest, 1e-12, "mpmath");
+  const json per_watt = Json({"--objective", "rms-per-watt"});
+  EXPECT_REL(per_watt.at("objective").at("value").get<double>(), tests::kPerWattBest, 1e-12,
+             "mpmath");
+  EXPECT_TRUE(per_watt.at("grid").is_null());
+}
+
+TEST(TuneVerb, TellsPeopleTheProof) {
+  const Outcome outcome = Tune({});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("201.88526 um"));
+  EXPECT_THAT(outcome.out, HasSubstr("no adapter within the bounds gives more"));
+  EXPECT_THAT(outcome.out, HasSubstr("motor side 0.25* g"));
+  EXPECT_THAT(outcome.out, HasSubstr("contact is kept whatever the force"));
+}
+
+TEST(TuneVerb, RefusesWhatItCannotMean) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> faults{
+      {{"--stiffness", "9000:8000"}, "lower bound lies above"},
+      {{"--stiffness", "many"}, "--stiffness"},
+      {{"--skin-side-mass", "5"}, "--skin-side-mass"},
+      {{"--skin-side-mass", "0g:1g"}, "must be above 0"},
+      {{"--contact-area", "1:200"}, "between 1 and 100 mm2"},
+      {{"--skin", "scene"}, "has no scene"},
+      {{"--springs", "9000,stiff"}, "--springs"},
+      {{"--voltage", "0"}, "drive nothing"},
+      {{"--skin-varies", "1"}, "variation"},
+      {{"--skin-varies", "0.1", "--objective", "skin-power"}, "skin-rms and stimulus only"},
+      {{"--receptor-density", "1e9"}, "10 000 receptors"},
+      {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--objective", "stimulus"}, "area"},
+      {{kFixtures + "/lra_cone.toml", kFixtures + "/lra_cone.toml"}, "second scene"}};
+  for (const auto& [words, said] : faults) {
+    const Outcome outcome = Tune(words);
+    EXPECT_EQ(outcome.status, 2) << said;
+    EXPECT_THAT(outcome.err, HasSubstr(said));
+    EXPECT_EQ(outcome.out, "");
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::tools
