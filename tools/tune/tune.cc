@@ -61,19 +61,25 @@ sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   return best;
 }
 
-void AddSurroundings(TuneAnswer& answer) {
+// Grid and ridge, of all that the bounds hold: not where only some springs can be had.
+void AddGridAndRidge(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  const sim::Objective objective = question.objective;
-  if (objective != sim::Objective::kRmsPerWatt) {
+  if (!question.springs_n_per_m.empty()) return;
+  if (question.objective != sim::Objective::kRmsPerWatt) {
     answer.grid = sim::BestOnGrid(question.problem, question.grid_values, GridWeights(question));
   }
   const sim::Range& mass_kg = question.problem.bounds.motor_side_mass_kg;
   if (mass_kg.lower < mass_kg.upper) {
-    answer.ridge = sim::RidgeOf(objective, question.problem, question.receptors, kRidgePoints);
+    answer.ridge =
+        sim::RidgeOf(question.objective, question.problem, question.receptors, kRidgePoints);
   }
+}
+
+void AddWrongSprings(TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
   for (const double factor : {1 - kSpringError, 1 + kSpringError}) {
-    answer.springs.push_back(sim::CostOfSpring(objective, question.problem, question.receptors,
-                                               answer.optimum.point, factor));
+    answer.springs.push_back(sim::CostOfSpring(question.objective, question.problem,
+                                               question.receptors, answer.optimum.point, factor));
   }
 }
 
@@ -100,7 +106,8 @@ TuneAnswer Answer(const TuneQuestion& question) {
     answer.stimulus_m = sim::SkinStimulus(
         question.receptors, sim::ContactRadius(best.contact_area_m2), answer.steady.skin_rms_m);
   }
-  AddSurroundings(answer);
+  AddGridAndRidge(answer);
+  AddWrongSprings(answer);
   return answer;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "tools/cli/json.h"
@@ -78,11 +79,11 @@ std::string SpringsText(const TuneAnswer& answer) {
   const double best = answer.optimum.value;
   for (const sim::SpringCost& spring : answer.springs) {
     text += fmt::format(
-        "  a spring {:.0f} % off: {:s} ({:+.2f} %), with the skin side's mass chosen anew {:s} "
+        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %), with the skin side's mass chosen anew {:s} "
         "({:+.3f} %)\n",
-        (spring.factor - 1) * 100, Said(answer.question.objective, spring.as_built),
-        (spring.as_built / best - 1) * 100, Said(answer.question.objective, spring.rebalanced),
-        (spring.rebalanced / best - 1) * 100);
+        std::abs(spring.factor - 1) * 100, spring.factor < 1 ? "soft" : "stiff",
+        Said(answer.question.objective, spring.as_built), (spring.as_built / best - 1) * 100,
+        Said(answer.question.objective, spring.rebalanced), (spring.rebalanced / best - 1) * 100);
   }
   return text;
 }

@@ -15,12 +15,13 @@ namespace haptometer::tools {
 struct TuneAnswer {
   TuneQuestion question;
   sim::AdapterOptimum optimum;
-  sim::SteadyState steady;               ///< of the best adapter
-  double skin_power_w = 0;               ///< mean power into the skin
-  std::optional<double> stimulus_m;      ///< S; absent for a skin without area
-  double matched_load_bound = 0;         ///< of the objective
-  std::optional<sim::GridBest> grid;     ///< absent for an objective that the grid does not search
-  std::vector<sim::RidgePoint> ridge;    ///< over the motor side's mass; empty where it is fixed
+  sim::SteadyState steady;            ///< of the best adapter
+  double skin_power_w = 0;            ///< mean power into the skin
+  std::optional<double> stimulus_m;   ///< S; absent for a skin without area
+  double matched_load_bound = 0;      ///< of the objective
+  std::optional<sim::GridBest> grid;  ///< absent for rms-per-watt and for listed springs
+  std::vector<sim::RidgePoint>
+      ridge;  ///< over the motor side's mass; empty where that is fixed or springs listed
   std::vector<sim::RidgePoint> listed;   ///< the best with each listed spring, in their order
   std::vector<sim::SpringCost> springs;  ///< 5 % too soft and 5 % too stiff
 };

@@ -10,7 +10,8 @@ namespace {
 
 // holds the result of long double, whose own rounding is 2000 times finer
 bool Holds(Interval interval, long double value) {
-  return interval.lower <= value && value <= interval.upper;
+  return static_cast<long double>(interval.lower) <= value &&
+         value <= static_cast<long double>(interval.upper);
 }
 
 TEST(IntervalArithmetic, HoldsWhatFinerArithmeticGives) {
@@ -20,7 +21,7 @@ TEST(IntervalArithmetic, HoldsWhatFinerArithmeticGives) {
   for (int trial = 0; trial < 20000; ++trial) {
     const double a = number(), b = number();
     const Interval x = Interval::Of(a), y = Interval::Of(b);
-    const long double wide = a, other = b;
+    const auto wide = static_cast<long double>(a), other = static_cast<long double>(b);
     ASSERT_TRUE(Holds(x + y, wide + other)) << a << ' ' << b;
     ASSERT_TRUE(Holds(x - y, wide - other)) << a << ' ' << b;
     ASSERT_TRUE(Holds(x * y, wide * other)) << a << ' ' << b;
