@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <complex>
 #include <queue>
-#include <utility>
 
 #include "base/check.h"
 #include "sim/tuning/adapter_box.h"
@@ -53,7 +52,7 @@ std::vector<Piece> PiecesOf(Objective objective, const TuningProblem& problem,
     Piece piece{.problem = problem};
     piece.problem.bounds.contact_area_m2 = {ends[k], ends[std::min(k + 1, ends.size() - 1)]};
     piece.weight = StimulatedReceptors(receptors, ContactRadius(ends[k]));
-    pieces.push_back(std::move(piece));
+    pieces.push_back(piece);
   }
   return pieces;
 }
@@ -108,8 +107,8 @@ RidgePoint BestOfPiece(const Piece& piece, const ReceptorField& receptors) {
 RidgePoint Best(Objective objective, const TuningProblem& problem, const ReceptorField& receptors) {
   RidgePoint best;
   for (const Piece& piece : PiecesOf(objective, problem, receptors)) {
-    RidgePoint found = BestOfPiece(piece, receptors);
-    if (found.value > best.value) best = std::move(found);
+    const RidgePoint found = BestOfPiece(piece, receptors);
+    if (found.value > best.value) best = found;
   }
   return best;
 }
