@@ -13,7 +13,9 @@ namespace haptometer::sim {
 struct Range {
   double lower = 0;
   double upper = 0;
-  [[nodiscard]] double At(double part) const { return lower + (upper - lower) * part; }
+  [[nodiscard]] double At(double part) const {
+    return part >= 1 ? upper : lower + (upper - lower) * part;
+  }
 };
 
 /// Where the adapter's five numbers may lie.

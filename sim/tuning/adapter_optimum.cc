@@ -48,7 +48,7 @@ std::vector<Piece> PiecesOf(Objective objective, const TuningProblem& problem,
   std::vector<Piece> pieces;
   pieces.reserve(ends.size());
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (k + 1 == ends.size() && k > 1) break;  // the upper end belongs to the last stretch
+    // the upper end is a stretch of its own: it may lie on a step
     Piece piece{.problem = problem};
     piece.problem.bounds.contact_area_m2 = {ends[k], ends[std::min(k + 1, ends.size() - 1)]};
     piece.weight = StimulatedReceptors(receptors, ContactRadius(ends[k]));

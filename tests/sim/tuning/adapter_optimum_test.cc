@@ -57,6 +57,15 @@ TEST(AdapterOptimum, OfTheStimulusLiesOnAStepOfNr) {
   EXPECT_EQ(optimum.proof, Proof::kBranchAndBound);
 }
 
+TEST(AdapterOptimum, OfTheStimulusSeesAStepAtTheAreasUpperEnd) {
+  TuningProblem problem = ThesisProblem();
+  problem.bounds.contact_area_m2.upper = tests::kStimulusBestA;
+  const AdapterOptimum optimum = FindAdapterOptimum(Objective::kStimulus, problem, {});
+  EXPECT_REL(optimum.value, 45 * tests::kStimulusBest, 1e-13, kRounding);
+  EXPECT_EQ(optimum.point.contact_area_m2, tests::kStimulusBestA);
+  EXPECT_GE(optimum.upper_bound, optimum.value);
+}
+
 TEST(AdapterOptimum, OfTheSkinsPowerIsThatOfThirtyDigits) {
   const AdapterOptimum optimum = FindAdapterOptimum(Objective::kSkinPower, ThesisProblem(), {});
   EXPECT_REL(optimum.value, tests::kPowerBest, 1e-13, kRounding);
