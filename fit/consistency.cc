@@ -134,13 +134,13 @@ void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
 
 // what a drop's own ring-down explains and the fit of all together does not
 void DoubtBelonging(const ComparedDrop& drop, const Rates& whole,
-                    std::vector<std::string>& doubts) {
+                    std::vector<std::string>& contradictions) {
   // both are estimates from some blocks, of noise that may be coloured by chance; and what is below
   // a millionth of the ringing is rounding
   const double most_ratio = 1.1 + 4 / std::sqrt(2 * whole.blocks);
   const double ratio = drop.noise_v / whole.noise_v;
   if (ratio < most_ratio || drop.noise_v < 1e-6 * whole.amplitude_v) return;
-  doubts.push_back(fmt::format(
+  contradictions.push_back(fmt::format(
       "{}: the fit of all records together leaves {:.3g} times what its own ring-down leaves: its "
       "load, case or mass is not as stated, or it is of another actuator; do not use the constants",
       drop.prepared->record.name, ratio));
@@ -159,7 +159,7 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
     if (!whole) continue;
     alike[{drop.load_ohm, drop.mass_ratio}].push_back(*whole);
     noise_share = std::max(noise_share, std::min(whole->noise_v / drop.noise_v, 1.0));
-    DoubtBelonging(drop, *whole, consistency.doubts);
+    DoubtBelonging(drop, *whole, consistency.contradictions);
     DoubtLinearity(*drop.prepared, *whole, consistency.doubts);
   }
   for (const auto& [condition, rates] : alike) {

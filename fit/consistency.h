@@ -20,7 +20,8 @@ struct Consistency {
   /// against the noise of that fit, which has taken in part of the scatter already. At least 1.
   double frequency_widening = 1;
   double decay_widening = 1;
-  std::vector<std::string> doubts;  ///< sentences
+  std::vector<std::string> doubts;          ///< sentences
+  std::vector<std::string> contradictions;  ///< sentences: what makes the constants useless
 };
 
 /// One drop and what it must have in common with others to be compared.
@@ -38,8 +39,9 @@ struct ComparedDrop {
 /// decay from the later start differs from the whole's by more than 4 standard deviations of that
 /// difference (Hausman, Econometrica 46, 1978, p. 1251: the square is that of the later fit less
 /// that of the whole) rings otherwise when it is small: a spring that stiffens or softens with
-/// travel, friction, air. Records damped beyond 0.3 of critical are not compared. Cost: two
-/// one-record fits a drop, some ms.
+/// travel, friction, air. A drop that its own ring-down explains better than the fit of all
+/// together does, by more than chance, contradicts the others. Records damped beyond 0.3 of
+/// critical are not compared. Cost: two one-record fits a drop, some ms.
 [[nodiscard]] Consistency CheckConsistency(const std::vector<ComparedDrop>& drops);
 
 }  // namespace haptometer::fit

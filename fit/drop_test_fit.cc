@@ -215,24 +215,24 @@ void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, Dr
 
 // a load that slows the decay
 void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model,
-                        std::vector<std::string>& doubts) {
+                        std::vector<std::string>& contradictions) {
   constexpr double kDeviations = 4;
   std::vector<double> weights(road.jacobian.columns, 0.0);
   weights[Index(Shared::kForceConstantSquared)] = 1;
   const double square = road.point.shared[Index(Shared::kForceConstantSquared)];
   if (square > -kDeviations * SpreadOf(road, model, weights).combined) return;
-  doubts.emplace_back(
+  contradictions.emplace_back(
       "the records with the smaller load decay more slowly, as no coil does: are files or loads "
       "exchanged? Do not use Bv and Km");
 }
 
 // a blow found away from where the motion, continued backwards, begins
 void DoubtBeginning(const RingStart& start, const FittedRecord& record,
-                    std::vector<std::string>& doubts) {
+                    std::vector<std::string>& contradictions) {
   if (start.quiet_samples == 0 || record.damped_frequency_hz == 0) return;
   const double periods = (start.blow_s - record.impact_s) * record.damped_frequency_hz;
   if (std::abs(periods) < 1.0 / 8) return;
-  doubts.push_back(fmt::format(
+  contradictions.push_back(fmt::format(
       "{}: the motion would begin {:.2g} ms {} the signal does: a long contact, or a blow for a "
       "released current or the reverse; do not use Km by height or current",
       record.name, 1e3 * std::abs(start.blow_s - record.impact_s),
@@ -303,9 +303,10 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.frequency_birge_ratio = road.consistency.frequency_ratio;
   fit.decay_birge_ratio = road.consistency.decay_ratio;
   fit.doubts = road.consistency.doubts;
-  DoubtForceConstant(road, *model, fit.doubts);
+  fit.contradictions = road.consistency.contradictions;
+  DoubtForceConstant(road, *model, fit.contradictions);
   for (std::size_t r = 0; r < records.size(); ++r) {
-    DoubtBeginning(model->records[r].start, fit.records[r], fit.doubts);
+    DoubtBeginning(model->records[r].start, fit.records[r], fit.contradictions);
   }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;

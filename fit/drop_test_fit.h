@@ -99,6 +99,8 @@ struct DropTestFit {
   double frequency_birge_ratio = 1;      ///< of the drops (consistency.h); in the uncertainties
   double decay_birge_ratio = 1;
   std::vector<std::string> doubts;  ///< sentences: what in the records speaks against the model
+  /// Sentences: what makes the constants useless, as drops of two actuators taken for one's.
+  std::vector<std::string> contradictions;
   std::vector<std::string>
       undetermined;  ///< sentences: what is not determined, what is, what would help
   bool converged = false;

@@ -46,7 +46,8 @@ std::vector<std::string> FindDoubts(const DropTestFit& fit,
   constexpr Usual kHeight{"a drop height", 1e-4, 1, "m", "was it meant in mm?"};
   constexpr Usual kForce{"a force constant", 1e-3, 100, "N/A",
                          "check the voltage's unit and the drop height"};
-  std::vector<std::string> doubts = fit.doubts;
+  std::vector<std::string> doubts = fit.contradictions;
+  doubts.insert(doubts.end(), fit.doubts.begin(), fit.doubts.end());
   Doubt(kResonance, fit.natural_frequency, doubts);
   Doubt(kQuality, fit.quality_factor, doubts);
   Doubt(kForce, fit.force_constant, doubts);

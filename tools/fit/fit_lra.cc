@@ -205,6 +205,12 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
   fmt::print("{}", json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
                         : FitLraText(*fit, doubts));
   status = cli::WorseStatus(status, ReportRequired(*fit, wanted.required));
+  if (!fit->contradictions.empty()) {
+    status = cli::WorseStatus(
+        status, cli::ReportError(kVerb, CannotAnswer("", "the records contradict each other",
+                                                     fit->contradictions.front())
+                                            .error()));
+  }
   if (!fit->natural_frequency.determined || !fit->quality_factor.determined) {
     const std::string why =
         fit->undetermined.empty() ? "record at least three decay times" : fit->undetermined.front();
