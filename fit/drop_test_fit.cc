@@ -254,9 +254,9 @@ double ChiSquare(const std::vector<FittedRecord>& records) {
 
 }  // namespace
 
-Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
-                                const ActuatorKnowns& knowns, Loss loss) {
-  auto model = MakeDropTestModel(records, knowns);
+namespace {
+
+Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   if (!model) return std::unexpected(model.error());
   model->loss = loss;
   RingDownProblem problem = MakeProblem(*model);
@@ -293,7 +293,7 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.quality_factor =
       Evaluate(road, *model,
                {{Shared::kStiffness, 0.5}, {Shared::kMass, 0.5}, {Shared::kDamping, -1}}, 1, "");
-  for (std::size_t r = 0; r < records.size(); ++r) {
+  for (std::size_t r = 0; r < model->records.size(); ++r) {
     fit.records.push_back(
         DescribeRecord(model->records[r], road, fit.force_constant, PoleOf(road, *model, r), r));
   }
@@ -305,7 +305,7 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.doubts = road.consistency.doubts;
   fit.contradictions = road.consistency.contradictions;
   DoubtForceConstant(road, *model, fit.contradictions);
-  for (std::size_t r = 0; r < records.size(); ++r) {
+  for (std::size_t r = 0; r < model->records.size(); ++r) {
     DoubtBeginning(model->records[r].start, fit.records[r], fit.contradictions);
   }
   fit.converged = road.solver.converged;
@@ -313,6 +313,18 @@ Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
   fit.iterations = road.solver.iterations;
   fit.chi_square_per_degree = ChiSquare(fit.records);
   return fit;
+}
+
+}  // namespace
+
+Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
+                                const ActuatorKnowns& knowns, Loss loss) {
+  return FitModel(MakeDropTestModel(records, knowns), loss);
+}
+
+Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const ActuatorKnowns& knowns,
+                                Loss loss) {
+  return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
 }
 
 }  // namespace haptometer::fit

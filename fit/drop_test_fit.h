@@ -10,6 +10,7 @@
 #include "base/result.h"
 #include "fit/impulse_record.h"
 #include "fit/poles.h"
+#include "fit/prepared_record.h"
 #include "fit/residual_density.h"
 #include "fit/uncertain_pole.h"
 
@@ -132,6 +133,11 @@ struct DropTestFit {
 /// free cases together without both masses. One sample costs about 1 us an iteration; memory 130
 /// bytes a sample and record.
 [[nodiscard]] Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
+                                              const ActuatorKnowns& knowns,
+                                              Loss loss = Loss::kSquares);
+
+/// The same of records that are prepared already.
+[[nodiscard]] Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records,
                                               const ActuatorKnowns& knowns,
                                               Loss loss = Loss::kSquares);
 

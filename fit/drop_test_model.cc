@@ -78,16 +78,15 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
 }
 
 // what the case did, record by record; an unstated case is taken as held
-void AddConditions(const std::vector<ImpulseRecord>& records, const ActuatorKnowns& knowns,
-                   DropTestModel& model) {
+void AddConditions(const ActuatorKnowns& knowns, DropTestModel& model) {
   bool assumed = false;
-  for (const auto& record : records) {
+  for (const auto& [record, start, part] : model.records) {
     assumed = assumed || !record.condition;
     model.conditions.push_back(record.condition.value_or(CaseCondition::kHeld));
   }
   const auto free_count =
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kFree);
-  model.all_free = free_count == std::ssize(records);
+  model.all_free = free_count == std::ssize(model.records);
   const bool both = knowns.moving_mass_kg && knowns.case_mass_kg;
   model.knows_mass = knowns.moving_mass_kg && (free_count == 0 || both);
   if (!assumed) return;
@@ -238,18 +237,29 @@ std::optional<double> MassFromAddedOnes(const DropTestModel& model,
 
 Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
                                         const ActuatorKnowns& knowns) {
+  std::vector<PreparedRecord> prepared;
+  prepared.reserve(records.size());
+  for (const ImpulseRecord& record : records) {
+    auto one = PrepareRecord(record);
+    if (!one) return std::unexpected(one.error());
+    prepared.push_back(*std::move(one));
+  }
+  return MakeDropTestModel(std::move(prepared), knowns);
+}
+
+Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
+                                        const ActuatorKnowns& knowns) {
   if (records.empty()) return CannotAnswer("", "no ring-down is given", "give an impulse.csv");
   DropTestModel model;
+  model.records = std::move(records);
   bool some_loaded = false;
-  for (std::size_t r = 0; r < records.size(); ++r) {
-    if (auto good = CheckKind(records[r]); !good) return std::unexpected(good.error());
-    auto prepared = PrepareRecord(records[r]);
-    if (!prepared) return std::unexpected(prepared.error());
-    AddRecordInputs(prepared->record, r, model);
-    model.records.push_back(*std::move(prepared));
-    some_loaded = some_loaded || (records[r].load_ohm && std::isfinite(records[r].load_ohm->value));
+  for (std::size_t r = 0; r < model.records.size(); ++r) {
+    const ImpulseRecord& record = model.records[r].record;
+    if (auto good = CheckKind(record); !good) return std::unexpected(good.error());
+    AddRecordInputs(record, r, model);
+    some_loaded = some_loaded || (record.load_ohm && std::isfinite(record.load_ohm->value));
   }
-  AddConditions(records, knowns, model);
+  AddConditions(knowns, model);
   const bool some_held =
       std::count(model.conditions.begin(), model.conditions.end(), CaseCondition::kHeld) > 0;
   if (some_held && model.conditions.size() > 1 && !model.all_free && !model.knows_mass &&

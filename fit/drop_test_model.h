@@ -53,9 +53,13 @@ struct DropTestModel {
   Loss loss = Loss::kSquares;
 };
 
-/// Prepares the records and collects what is given.
+/// Collects what is given of prepared records.
 ///
 /// Errors (Cause::kCannotAnswer): see FitDropTest.
+[[nodiscard]] Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
+                                                      const ActuatorKnowns& knowns);
+
+/// Prepares the records first (prepared_record.h).
 [[nodiscard]] Result<DropTestModel> MakeDropTestModel(const std::vector<ImpulseRecord>& records,
                                                       const ActuatorKnowns& knowns);
 

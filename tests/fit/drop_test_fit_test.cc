@@ -377,7 +377,7 @@ TEST(DropTestFit, UnfitRecordsAreNamed) {
   auto constant = MakeRecord({});
   constant.voltage_v.assign(1000, 0.25);
   EXPECT_THAT(error_of(constant), HasSubstr("no ring-down"));
-  EXPECT_FALSE(FitDropTest({}, ThesisKnowns()));
+  EXPECT_FALSE(FitDropTest(std::vector<ImpulseRecord>{}, ThesisKnowns()));
 }
 
 TEST(DropTestFit, MissingSamplesAreLeftOut) {

@@ -194,7 +194,7 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
   if (input->records.empty()) return DrawUnfitted(files, input->left_out_drops, status);
   for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
 
-  const auto fit = fit::FitDropTest(input->records, input->knowns,
+  const auto fit = fit::FitDropTest(input->prepared, input->knowns,
                                     wanted.is_robust ? fit::Loss::kHuber : fit::Loss::kSquares);
   if (!fit) {
     std::vector<LeftOutDrop> drops = input->left_out_drops;

@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "fit/ring_start.h"
 #include "fit/split_drops.h"
 #include "fit/thinned_record.h"
 #include "sim/actuator.h"
@@ -171,35 +170,39 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   return *file;
 }
 
-// what is sampled more finely than a fit has use for, averaged
-fit::ImpulseRecord ThinnedOrWhole(const fit::ImpulseRecord& drop, const fit::RingStart& start,
-                                  std::vector<std::string>* remarks) {
-  auto thinned = fit::Thinned(drop, start.poles);
-  if (!thinned) return drop;
-  std::string remark = fmt::format("{}: {} samples, averaged over {} at a time", drop.name,
-                                   drop.voltage_v.size(), thinned->block);
+// a drop for the fit; what is sampled more finely than that has use for is averaged
+Result<fit::PreparedRecord> Prepared(fit::ImpulseRecord* drop, std::vector<std::string>* remarks) {
+  auto prepared = fit::PrepareRecord(*drop);
+  if (!prepared) return prepared;
+  auto thinned = fit::Thinned(*drop, prepared->start.poles);
+  if (!thinned) return prepared;
+  std::string remark = fmt::format("{}: {} samples, averaged over {} at a time", drop->name,
+                                   drop->voltage_v.size(), thinned->block);
   if (thinned->clipped > 0) {
     remark += fmt::format("; {} at the recorder's limits are left out", thinned->clipped);
   }
   remarks->push_back(std::move(remark));
-  return std::move(thinned->record);
+  *drop = std::move(thinned->record);
+  return fit::PrepareRecord(*drop);
 }
 
 // the drops of one file, what cannot be fitted of them left out
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
-  const auto drops = fit::SplitDrops(file.record);
+  auto drops = fit::SplitDrops(file.record);
   if (drops.size() > 1) {
     input->remarks.push_back(fmt::format(
         "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
         file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
   }
-  for (const fit::ImpulseRecord& drop : drops) {
-    if (auto start = fit::FindRingStart(drop); !start) {
-      input->left_out.push_back(start.error());
-      input->left_out_drops.push_back({drop, start.error()});
+  for (fit::ImpulseRecord& drop : drops) {
+    auto prepared = Prepared(&drop, &input->remarks);
+    if (prepared) {
+      input->prepared.push_back(*std::move(prepared));
+      files->push_back({std::move(drop), file.knowns, {}});
     } else {
-      files->push_back({ThinnedOrWhole(drop, *start, &input->remarks), file.knowns, {}});
+      input->left_out.push_back(prepared.error());
+      input->left_out_drops.push_back({std::move(drop), prepared.error()});
     }
   }
 }

@@ -7,6 +7,7 @@
 #include "base/quantity.h"
 #include "base/result.h"
 #include "fit/impulse_record.h"
+#include "fit/prepared_record.h"
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {
@@ -43,6 +44,7 @@ struct LeftOutDrop {
 /// The drops that can be fitted, what is known of the actuator, and what was left out.
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
+  std::vector<fit::PreparedRecord> prepared;  ///< one of each, for the fit
   fit::ActuatorKnowns knowns;
   std::vector<std::string>
       remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
