@@ -19,13 +19,13 @@ double BalancedNorm(const Eigen::MatrixXd& generator) {
 // The largest entries of |rows exp(G s)| over s in [0, horizon], the drive's pair by its amplitude.
 Eigen::MatrixXd LargestOver(const Eigen::MatrixXd& generator, Eigen::MatrixXd rows,
                             double horizon_s) {
-  const double points =
-      std::max(1.0, std::ceil(horizon_s * BalancedNorm(generator) / kSpacingTimesNorm));
+  const auto points = static_cast<int>(std::clamp(
+      std::ceil(horizon_s * BalancedNorm(generator) / kSpacingTimesNorm), 1.0, 2 * kMostPoints));
   const double spacing_s = horizon_s / points;
   const Eigen::MatrixXd step = MatrixExponential(generator * spacing_s);
   Eigen::MatrixXd largest = rows.cwiseAbs();
   Eigen::VectorXd amplitude = rows.rightCols(2).rowwise().norm();
-  for (double point = 1; point < points; point += 1) {
+  for (int point = 1; point < points; ++point) {
     rows = (rows * step).eval();
     largest = largest.cwiseMax(rows.cwiseAbs());
     amplitude = amplitude.cwiseMax(rows.rightCols(2).rowwise().norm());

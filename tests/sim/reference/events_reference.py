@@ -6,7 +6,7 @@ Written from the equations of motion of the bodies (see linear_reference.py) wit
   contact          the skin pushes with F0 + Ks xs + Bs vs; when that is gone the body flies under
                    F0 and the skin follows by itself, Bs xp' = -(F0 + Ks xp), until they meet
 not from the program: states by the Taylor series of exp(G t) z, events by their sign on a grid of
-15.6 us and then a secant rule, all in 50 digits and 15 more for what the series cancels.
+31 us and then a secant rule, all in 50 digits and 15 more for what the series cancels.
 
   events_reference.py            print the header
   events_reference.py --check    compare with events_reference.h beside this file; 0 when equal
@@ -21,7 +21,7 @@ except ImportError as missing:
     sys.exit(77)
 
 mp.mp.dps = 65
-GRID = mp.mpf(1) / 64000
+GRID = mp.mpf(1) / 32000
 # Lindsay 2013, Tables 2.1 and 2.4; each rounded to a double first, as a program holds it
 TEXTS = dict(Mv="1.4e-3", Mc="0.6e-3", Kv="2800", Bv="0.0322", Km="1", R="27", L="130e-6",
              Ma1="0.25e-3", Ma2="4.35e-3", Ka="8200", Ba="0.01", Ks="600", Bs="0.75")
