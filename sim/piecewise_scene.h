@@ -22,7 +22,7 @@ struct PiecewiseEffects {
 /// kSceneElements.
 ///
 /// Modes: (contact, flight) x (free, and each stop's states). With both effects there are up to 10;
-/// those that are never entered cost nothing. Cost: some 10 to 50 us.
+/// those that are never entered cost their assembly alone. Cost: some 10 to 50 us.
 [[nodiscard]] PiecewiseLinearSystem AssemblePiecewise(const Scene& scene,
                                                       const PiecewiseEffects& effects);
 
