@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <cstdint>
+#include <random>
 #include <vector>
 
 #include "sim/linear_model.h"
@@ -233,6 +234,71 @@ TEST(PiecewiseScene, NothingPassesAStopOrPulls) {
   }
   EXPECT_FALSE(motion.stalled_at_s().has_value());
   EXPECT_GT(visited, 8U) << "also flights were visited";
+}
+
+// scenes and effects drawn over wide ranges
+class RandomScenes {
+ public:
+  explicit RandomScenes(std::uint64_t seed) : engine_(seed) {}
+
+  Scene NextScene() {
+    Scene scene = FromRest(Chance(2) ? AdapterScene() : tests::DirectScene());
+    scene.drive = {.amplitude_v = Between(0.5, 10), .frequency_hz = Between(20, 600)};
+    scene.skin = {.stiffness_n_per_m = Between(200, 3000),
+                  .damping_n_s_per_m = Chance(8) ? 0 : Between(0.1, 4)};
+    scene.actuator.inductance_h = Between(1e-6, 1e-3);
+    scene.actuator.damping_n_s_per_m = Between(1e-3, 1);
+    return scene;
+  }
+
+  PiecewiseEffects NextEffects() {
+    PiecewiseEffects effects;
+    if (!Chance(4)) effects.stops = NextStops();
+    if (!Chance(3)) effects.contact_loss = ContactLoss{Between(1e-3, 0.5)};
+    return effects;
+  }
+
+ private:
+  // once in so many
+  bool Chance(std::uint64_t many) { return engine_() % many == 0; }
+  // evenly over the decades
+  double Between(double low, double high) {
+    return low * std::pow(high / low, std::ldexp(static_cast<double>(engine_() >> 11U), -53));
+  }
+  TravelStops NextStops() {
+    TravelStops stops{.gap_up_m = Between(2e-5, 1e-3), .gap_down_m = Between(2e-5, 1e-3)};
+    if (Chance(2)) {
+      stops.stiffness_n_per_m = Between(1e4, 1e11);
+      stops.damping_n_s_per_m = Chance(2) ? 0 : Between(1e-2, 100);
+    } else {
+      stops.restitution = Chance(5) ? 0 : Between(0.05, 1);
+    }
+    return stops;
+  }
+
+  std::mt19937_64 engine_;
+};
+
+TEST(PiecewiseScene, RandomScenesKeepTheRules) {
+  constexpr std::uint64_t kSeed = 20261121;
+  RandomScenes random(kSeed);
+  std::size_t with_events = 0;
+  for (int i = 0; i < 80; ++i) {
+    const Scene scene = random.NextScene();
+    const PiecewiseEffects effects = random.NextEffects();
+    PiecewiseMotion motion(AssemblePiecewise(scene, effects), scene.drive, PiecewiseStartOf(scene),
+                           1e4, true);
+    while (motion.index() < 150 && !motion.stalled_at_s()) {
+      motion.Next();
+      for (const Guard& guard : motion.system().modes[motion.mode()].guards) {
+        EXPECT_GE(guard.row.dot(motion.x()) + guard.offset, -1e-15) << "seed " << kSeed << ' ' << i;
+      }
+    }
+    EXPECT_FALSE(motion.stalled_at_s().has_value()) << "seed " << kSeed << ' ' << i;
+    EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-11, "R/L up to 3e7/s over 15 ms: eps R/L t");
+    with_events += motion.events().empty() ? 0 : 1;
+  }
+  EXPECT_GT(with_events, 20U) << "at least a quarter with an effect active";
 }
 
 TEST(PiecewiseScene, SkinWithoutDampingSpringsBackAtOnce) {
