@@ -230,7 +230,8 @@ TEST(PiecewiseMotion, RoundingDoesNotPileUp) {
   constexpr double omega = 2 * std::numbers::pi * 225;
   PiecewiseMotion motion(Swing(omega, {}), kNoDrive, {.x = State({0, 1})}, 1e4);
   RunTo(motion, 1 << 17);
-  EXPECT_ABS(motion.x()(0), static_cast<double>(std::sin(omega * (0x1p17L / 1e4L))), 1e-14,
+  const long double phase_rad = static_cast<long double>(omega) * (0x1p17L / 1e4L);
+  EXPECT_ABS(motion.x()(0), static_cast<double>(std::sin(phase_rad)), 1e-14,
              "computed anew in long double after every 2^14 outputs");
 }
 
