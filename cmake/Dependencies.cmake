@@ -20,5 +20,6 @@ if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
   find_package(rapidcheck REQUIRED)        # librapidcheck-dev
   find_package(benchmark REQUIRED)         # libbenchmark-dev
+  find_package(SUNDIALS REQUIRED)          # libsundials-dev: the peer that benches compare with
   find_package(Python3 COMPONENTS Interpreter)
 endif()

@@ -4,36 +4,64 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/matrix_exponential.h"
-
 namespace haptometer::sim {
 
+namespace {
+
+// [E, V R^-1] out of exp(G h)
+template <typename Matrix>
+Matrix StepOf(const Matrix& exponential) {
+  Matrix step = exponential.topRows(exponential.rows() - 2);
+  const auto turn = exponential.bottomRightCorner(2, 2).inverse().eval();
+  step.rightCols(2) = (step.rightCols(2) * turn).eval();
+  return step;
+}
+
+}  // namespace
+
 Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive) {
-  const Eigen::Index n = model.states();
+  return DrivenGenerator(model.a, model.b, drive);
+}
+
+Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+                                const SineDrive& drive) {
+  const Eigen::Index n = a.rows();
   const double omega = 2 * std::numbers::pi * drive.frequency_hz;
   Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + 2, n + 2);
-  generator.topLeftCorner(n, n) = model.a;
-  generator.block(0, n, n, 1) = drive.amplitude_v * model.b;
+  generator.topLeftCorner(n, n) = a;
+  generator.block(0, n, n, 1) = drive.amplitude_v * b;
   generator(n, n + 1) = omega;
   generator(n + 1, n) = -omega;
   return generator;
 }
 
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
-  // whole cycles leave in 64 bits before the sine sees the rest
+  // whole cycles leave in 64 bits before the sine sees the rest; rint, unlike nearbyint, is one
+  // instruction
   const long double cycles = static_cast<long double>(frequency_hz) * t_s;
-  const double phase_rad =
-      2 * std::numbers::pi * static_cast<double>(cycles - std::nearbyint(cycles));
+  const double phase_rad = 2 * std::numbers::pi * static_cast<double>(cycles - std::rint(cycles));
   return {std::sin(phase_rad), std::cos(phase_rad)};
 }
 
 Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s) {
-  const Eigen::Index n = generator.rows() - 2;
-  const Eigen::MatrixXd exponential = MatrixExponential(h_s * generator);
-  Eigen::MatrixXd step = exponential.topRows(n);
-  const Eigen::Matrix2d turn = exponential.bottomRightCorner(2, 2);
-  step.rightCols(2) *= turn.inverse();
-  return step;
+  return StepOf<Eigen::MatrixXd>(MatrixExponential(h_s * generator));
+}
+
+LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s) {
+  return StepOf<LongMatrix>(LongMatrixExponential(generator, h_s));
+}
+
+DriveSequence::DriveSequence(double frequency_hz, double start_s, double rate_hz)
+    : frequency_hz_(frequency_hz), start_s_(start_s), rate_hz_(rate_hz) {
+  for (std::size_t k = 0; k < kTurns; ++k) {
+    turns_[k] = DriveAt(frequency_hz, static_cast<long double>(k) / rate_hz_);
+  }
+  Begin(0);
+}
+
+void DriveSequence::Begin(std::uint64_t sample) {
+  begin_sample_ = sample;
+  begin_ = DriveAt(frequency_hz_, start_s_ + static_cast<long double>(sample) / rate_hz_);
 }
 
 }  // namespace haptometer::sim

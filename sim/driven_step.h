@@ -1,14 +1,22 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
 
 #include "sim/linear_model.h"
+#include "sim/matrix_exponential.h"
 #include "sim/scene.h"
 
 namespace haptometer::sim {
 
 /// G of z = [x, sin w t, cos w t], z' = G z: (n + 2, n + 2).
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive);
+
+/// The same for any x' = A x + b v.
+[[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
+                                              const SineDrive& drive);
 
 /// [sin w t, cos w t], the phase from the whole number of cycles on: exact to rounding at any time.
 [[nodiscard]] Eigen::Vector2d DriveAt(double frequency_hz, long double t_s);
@@ -19,5 +27,33 @@ namespace haptometer::sim {
 /// still feel of the drive lies near the end of a long step, so its phase is not carried across
 /// thousands of cycles. Cost: one exponential.
 [[nodiscard]] Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s);
+
+/// The same in long double, for steps so long that eps |G| h counts.
+[[nodiscard]] LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s);
+
+/// DriveAt at equal times start_s + i / rate_hz, cheaper where they are asked for one after the
+/// other: each from the phase of the 32nd sample before it at most and a turn that is kept. What
+/// it gives for a sample does not depend on what was asked before.
+class DriveSequence {
+ public:
+  DriveSequence(double frequency_hz, double start_s, double rate_hz);
+  [[nodiscard]] Eigen::Vector2d At(std::uint64_t sample) {
+    const std::uint64_t k = sample % kTurns;
+    if (sample - k != begin_sample_) Begin(sample - k);
+    const Eigen::Vector2d& turn = turns_[k];
+    return {begin_[0] * turn[1] + begin_[1] * turn[0], begin_[1] * turn[1] - begin_[0] * turn[0]};
+  }
+
+ private:
+  static constexpr std::size_t kTurns = 32;
+  void Begin(std::uint64_t sample);
+
+  double frequency_hz_;
+  long double start_s_;
+  long double rate_hz_;
+  std::array<Eigen::Vector2d, kTurns> turns_;
+  Eigen::Vector2d begin_ = Eigen::Vector2d::Zero();
+  std::uint64_t begin_sample_ = 0;
+};
 
 }  // namespace haptometer::sim

@@ -54,4 +54,13 @@ Eigen::MatrixXd MatrixExponential(const Eigen::MatrixXd& a) {
   return balanced.scale.asDiagonal() * exponential * balanced.scale.cwiseInverse().asDiagonal();
 }
 
+LongMatrix LongMatrixExponential(const Eigen::MatrixXd& a, long double t) {
+  HAPTOMETER_CHECK(a.rows() == a.cols() && a.allFinite(), "({}, {})", a.rows(), a.cols());
+  const BalancedMatrix balanced = Balance(a);
+  const LongMatrix scaled = t * balanced.matrix.cast<long double>();
+  const LongMatrix exponential = scaled.exp();
+  const auto scale = balanced.scale.cast<long double>();
+  return scale.asDiagonal() * exponential * scale.cwiseInverse().asDiagonal();
+}
+
 }  // namespace haptometer::sim

@@ -1,44 +1,12 @@
 #include "sim/uniform_motion.h"
 
-#include <algorithm>
-#include <array>
+#include <cstdint>
 
 #include "base/check.h"
 #include "sim/driven_step.h"
 
 namespace haptometer::sim {
 namespace {
-
-// the drive at equal times: its turns over 0 to 31 samples, from every 32nd sample's own phase
-class DriveSequence {
- public:
-  DriveSequence(double frequency_hz, double start_s, double rate_hz)
-      : frequency_hz_(frequency_hz), start_s_(start_s), rate_hz_(rate_hz) {
-    for (std::size_t k = 0; k < kTurns; ++k) {
-      turns_[k] = DriveAt(frequency_hz, static_cast<long double>(k) / rate_hz_);
-    }
-  }
-
-  // of the sample after the last one asked for, from 0 on
-  Eigen::Vector2d Next() {
-    const std::size_t k = sample_ % kTurns;
-    if (k == 0)
-      begin_ = DriveAt(frequency_hz_, start_s_ + static_cast<long double>(sample_) / rate_hz_);
-    ++sample_;
-    const Eigen::Vector2d& turn = turns_[k];
-    return {begin_[0] * turn[1] + begin_[1] * turn[0], begin_[1] * turn[1] - begin_[0] * turn[0]};
-  }
-
- private:
-  static constexpr std::size_t kTurns = 32;
-
-  double frequency_hz_;
-  long double start_s_;
-  long double rate_hz_;
-  std::array<Eigen::Vector2d, kTurns> turns_;
-  Eigen::Vector2d begin_ = Eigen::Vector2d::Zero();
-  std::size_t sample_ = 0;
-};
 
 // Rows are filled up to a multiple of four with zeros, which keeps every product in whole vectors.
 template <int kStates>
@@ -49,9 +17,8 @@ void Step(const Eigen::MatrixXd& step, DriveSequence drive, Eigen::MatrixXd& sam
   padded.template topRows<kStates>() = step;
   Eigen::Matrix<double, kRows, 1> x = Eigen::Matrix<double, kRows, 1>::Zero();
   x.template head<kStates>() = samples.col(0);
-  (void)drive.Next();
   for (Eigen::Index i = 1; i < samples.cols(); ++i) {
-    const Eigen::Vector2d now = drive.Next();
+    const Eigen::Vector2d now = drive.At(static_cast<std::uint64_t>(i));
     Eigen::Matrix<double, kRows, 1> next =
         padded.col(kStates) * now[0] + padded.col(kStates + 1) * now[1];
     for (int k = 0; k < kStates; ++k) next += padded.col(k) * x[k];

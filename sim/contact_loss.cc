@@ -1,0 +1,82 @@
+#include "sim/contact_loss.h"
+
+#include "base/check.h"
+#include "sim/linear_model.h"
+#include "sim/scene_mode.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+double ContactMass(const Scene& scene) {
+  return scene.adapter ? scene.adapter->skin_side_mass_kg : CaseSideMass(scene);
+}
+
+// the bodies without a skin, pushed by the preload
+Mode LooseBodies(const Scene& scene, const LinearModel& model, double preload_n) {
+  Scene loose = scene;
+  loose.skin = {};
+  Mode flight = SceneMode(loose);
+  // the place for the skin's own motion
+  if (scene.skin.damping_n_s_per_m > 0) flight = WithConstant(flight);
+  flight = WithConstant(flight);
+  flight.name = "flight";
+  const Eigen::Index one = flight.a.rows() - 1;
+  flight.a(model.skin_velocity(), one) += preload_n / ContactMass(scene);
+  // the preload's work
+  flight.stored_j(model.skin(), one) -= preload_n / 2;
+  flight.stored_j(one, model.skin()) -= preload_n / 2;
+  return flight;
+}
+
+// the skin springs back by itself; its state stands before the last
+void AddLooseSkin(const Skin& skin, double preload_n, Mode& flight) {
+  const double Ks = skin.stiffness_n_per_m, Bs = skin.damping_n_s_per_m;
+  const Eigen::Index n = flight.a.rows(), xp = n - 2, one = n - 1;
+  flight.a(xp, xp) = -Ks / Bs;
+  flight.a(xp, one) = -preload_n / Bs;
+  flight.stored_j(xp, xp) += Ks / 2;
+  flight.stored_j(xp, one) += preload_n / 2;
+  flight.stored_j(one, xp) += preload_n / 2;
+  const Eigen::RowVectorXd force =
+      Ks * Eigen::RowVectorXd::Unit(n, xp) + preload_n * Eigen::RowVectorXd::Unit(n, one);
+  flight.dissipating[static_cast<std::size_t>(SceneElement::kSkin)] =
+      force.transpose() * force / Bs;
+}
+
+}  // namespace
+
+ContactModes AssembleContact(const Scene& scene, const ContactLoss& loss) {
+  const double Ks = scene.skin.stiffness_n_per_m, Bs = scene.skin.damping_n_s_per_m;
+  const double F0 = loss.preload_n;
+  HAPTOMETER_CHECK(F0 > 0 && (Ks > 0 || Bs > 0), "{} N on {} N/m, {} N s/m", F0, Ks, Bs);
+  const LinearModel model = AssembleModel(scene);
+  const Eigen::Index n = model.states();
+  ContactModes modes;
+  modes.contact = WithConstant(SceneMode(scene));
+  modes.flight = LooseBodies(scene, model, F0);
+  modes.contact.name = "contact";
+  const Eigen::Index m = modes.flight.a.rows();
+  modes.force_row = F0 * Eigen::RowVectorXd::Unit(n + 1, n);
+  modes.force_row(model.skin()) = Ks;
+  modes.force_row(model.skin_velocity()) = Bs;
+  modes.take_off = Eigen::MatrixXd::Zero(m, n + 1);
+  modes.take_off.topLeftCorner(n, n).setIdentity();
+  modes.take_off(m - 1, n) = 1;
+  modes.landing = modes.take_off.transpose();
+  modes.gap_row = -Eigen::RowVectorXd::Unit(m, model.skin());
+  if (Bs > 0) {
+    AddLooseSkin(scene.skin, F0, modes.flight);
+    modes.take_off(m - 2, model.skin()) = 1;
+    modes.gap_row(m - 2) = 1;
+  } else {
+    // at once; the energy of the sprung skin, Ks (F0/Ks)^2/2 - F0^2/Ks, is a constant
+    modes.flight.stored_j(m - 1, m - 1) -= F0 * F0 / Ks / 2;
+    modes.gap_row(m - 1) = -F0 / Ks;
+    modes.gap_order = 1;
+    modes.force_at_landing = false;
+  }
+  return modes;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,85 @@
+#include "sim/energy_ledger.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sim/matrix_exponential.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+// S(h) as its Taylor series, |G| h <= 1/4: terms h^(k+1) / (k+1)! M_k with M_0 = Q and
+// M_(k+1) = G' M_k + M_k G fall faster than 2^-k/k!; what no longer counts is left out
+Eigen::MatrixXd ShortIntegral(const Eigen::MatrixXd& g, const Eigen::MatrixXd& q, double h_s) {
+  constexpr int kTerms = 16;
+  Eigen::MatrixXd term = h_s * q;
+  Eigen::MatrixXd sum = term;
+  for (int k = 1; k <= kTerms; ++k) {
+    const Eigen::MatrixXd half = term * g;
+    term = h_s / (k + 1) * (half + half.transpose());
+    sum += term;
+    if (term.cwiseAbs().maxCoeff() < 1e-20 * sum.cwiseAbs().maxCoeff()) break;
+  }
+  return sum;
+}
+
+// The integrals of several forms over one step, which share its exponentials.
+std::vector<Eigen::MatrixXd> Integrals(const Eigen::MatrixXd& generator,
+                                       std::vector<Eigen::MatrixXd> forms, double h_s) {
+  const BalancedMatrix balanced = Balance(generator);
+  const double norm = balanced.matrix.cwiseAbs().colwise().sum().maxCoeff() * h_s;
+  const int doublings = norm > 0.25 ? std::ilogb(norm) + 3 : 0;
+  const double short_s = std::ldexp(h_s, -doublings);
+  const auto scale = balanced.scale.asDiagonal();
+  for (Eigen::MatrixXd& form : forms) {
+    if (form.size() > 0) form = ShortIntegral(balanced.matrix, scale * form * scale, short_s);
+  }
+  for (int k = 0; k < doublings; ++k) {
+    const Eigen::MatrixXd e = MatrixExponential(std::ldexp(short_s, k) * balanced.matrix);
+    for (Eigen::MatrixXd& form : forms) {
+      if (form.size() > 0) form += (e.transpose() * form * e).eval();
+    }
+  }
+  const auto back = balanced.scale.cwiseInverse().asDiagonal();
+  for (Eigen::MatrixXd& form : forms) {
+    if (form.size() > 0) form = (back * form * back).eval();
+  }
+  return forms;
+}
+
+}  // namespace
+
+double EnergyLedger::Imbalance() const {
+  const double out_j = std::accumulate(dissipated_j.begin(), dissipated_j.end(), impact_j);
+  const double error_j = input_j + initial_j - stored_j - out_j;
+  const double reference_j = std::max({initial_j, std::abs(input_j), std::abs(out_j)});
+  return reference_j > 0 ? std::abs(error_j) / reference_j : 0;
+}
+
+StepEnergy EnergyOver(const Mode& mode, const Eigen::MatrixXd& generator, const SineDrive& drive,
+                      double h_s) {
+  const Eigen::Index n = mode.a.rows();
+  std::vector<Eigen::MatrixXd> forms;
+  forms.reserve(mode.dissipating.size() + 1);
+  // v i, made symmetric
+  Eigen::MatrixXd input = Eigen::MatrixXd::Zero(n + 2, n + 2);
+  input.row(n).head(n) = drive.amplitude_v / 2 * mode.current_row;
+  input.col(n).head(n) = input.row(n).head(n).transpose();
+  forms.push_back(input);
+  for (const Eigen::MatrixXd& power : mode.dissipating) {
+    Eigen::MatrixXd form;
+    if (power.size() > 0) {
+      form.setZero(n + 2, n + 2);
+      form.topLeftCorner(n, n) = power;
+    }
+    forms.push_back(form);
+  }
+  forms = Integrals(generator, std::move(forms), h_s);
+  StepEnergy energy{.input_j = forms.front()};
+  energy.dissipated_j.assign(forms.begin() + 1, forms.end());
+  return energy;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+namespace haptometer::sim {
+
+/// g and its first three derivatives by time.
+using GuardJet = std::array<double, 4>;
+
+/// What is certain about a guard over an interval that it begins at g >= 0.
+enum class GuardVerdict : std::uint8_t {
+  kClear,    ///< g >= 0 all the way
+  kCrosses,  ///< g falls through zero exactly once
+  kDips,     ///< g is convex with its minimum inside: its value there decides
+  kUnknown,  ///< the interval is too long to tell
+};
+
+/// Bounds of |g''|, |g'''|, |g''''| over an interval.
+using GuardBounds = std::array<double, 3>;
+
+/// The decision, from the ends of the interval [0, h] and bounds M2, M3, M4 that hold all over it.
+/// By Taylor's theorem, for g(0) >= 0:
+///
+///   min(g(0), g(h)) > M2 h^2/8        clear (g lies at most M2 h^2/8 below its chord)
+///   g'(0) > M2 h/2                    clear (g >= g(0) + s (g'(0) - M2 s/2))
+///   g'(0) or g'(h) < -M2 h            g falls all the way: g(h) decides
+///   |g''(0)| or |g''(h)| > M3 h       g'' keeps its sign. Concave: the lesser end is the least
+///                                     value, and g(h) < 0 means one crossing. Convex: clear if g
+///                                     rises at 0, g(h) decides if it falls at h, else it dips
+///   g'''(0) > M4 h, g'(0), g''(0) >= 0   clear
+///   otherwise                         unknown: halve the interval
+///
+/// None of it needs a sample to hit anything: a double crossing or a graze cannot hide.
+[[nodiscard]] GuardVerdict Judge(const GuardJet& begin, const GuardJet& end,
+                                 const GuardBounds& bounds, double h_s);
+
+/// A guard g = row x + offset of z' = G z, z = [x, sin w t, cos w t], with its derivatives
+/// g^(k) = row G^k z and bounds of them over any interval up to a horizon.
+///
+/// |row G^k exp(G s) z| <= beta_k |z| with beta_k >= |row G^k exp(G s)| entry by entry for all s in
+/// [0, horizon]: the largest values on a grid of spacing r, 4 r |G|_1 <= 1 (balanced), times
+/// exp(|G| r), which covers what lies between (|y exp(G r)| <= |y| exp(|G| r)), times 1 + 2^-20 for
+/// rounding. The drive enters by its amplitude, so that the bound holds at any phase.
+class GuardBound {
+ public:
+  /// The longest horizon that set-up covers with 256 points of the grid: 64 / |G|_1, balanced.
+  [[nodiscard]] static double LongestHorizon(const Eigen::MatrixXd& generator);
+
+  /// `row` has the entries of x alone. Cost: horizon |G|_1 / 16 us or so.
+  GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorXd& row, double offset,
+             double horizon_s);
+
+  [[nodiscard]] double Value(const Eigen::VectorXd& x) const { return row_.dot(x) + offset_; }
+  [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const;
+  /// M2 alone, from the state at the interval's beginning.
+  [[nodiscard]] double SecondBound(const Eigen::VectorXd& x) const {
+    return second_bound_.dot(x.cwiseAbs()) + drive_bounds_[0];
+  }
+  /// All three. M3 and M4 are set up when first asked for.
+  [[nodiscard]] GuardBounds Bounds(const Eigen::VectorXd& x);
+  /// What rounding may make of a value that is zero: 2^-44 of the sum's terms.
+  [[nodiscard]] double Noise(const Eigen::VectorXd& x) const;
+
+ private:
+  Eigen::MatrixXd generator_;
+  double horizon_s_;
+  Eigen::VectorXd row_;
+  double offset_;
+  Eigen::MatrixXd derivatives_;           // (4, n + 2): row G^k
+  Eigen::VectorXd second_bound_;          // (n): beta_2
+  Eigen::MatrixXd higher_bounds_;         // (2, n): beta_3, beta_4; empty until asked for
+  std::array<double, 3> drive_bounds_{};  // what the drive adds to each
+};
+
+}  // namespace haptometer::sim

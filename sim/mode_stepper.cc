@@ -1,0 +1,65 @@
+#include "sim/mode_stepper.h"
+
+#include <cmath>
+
+#include "base/check.h"
+#include "sim/driven_step.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+std::size_t PlaceOf(int level) {
+  HAPTOMETER_CHECK(level >= 0 && level <= kFinestLevel, "level {}", level);
+  return static_cast<std::size_t>(level);
+}
+
+}  // namespace
+
+ModeStepper::ModeStepper(const Mode& mode, const SineDrive& drive, double rate_hz)
+    : mode_(&mode),
+      drive_(&drive),
+      rate_hz_(rate_hz),
+      step_s_(1 / rate_hz),
+      generator_(DrivenGenerator(mode.a, mode.b, drive)) {
+  if (mode.guards.empty()) return;
+  const double longest_s = GuardBound::LongestHorizon(generator_);
+  while (coarsest_level_ < kFinestLevel && std::ldexp(step_s_, -coarsest_level_) > longest_s) {
+    ++coarsest_level_;
+  }
+}
+
+const Eigen::MatrixXd& ModeStepper::Step(int level) {
+  Eigen::MatrixXd& step = steps_[PlaceOf(level)];
+  if (step.size() == 0) step = DrivenStep(generator_, std::ldexp(step_s_, -level));
+  return step;
+}
+
+const LongMatrix& ModeStepper::LongStep(std::size_t power) {
+  LongMatrix& step = long_steps_[power];
+  if (step.size() == 0) {
+    const long double outputs = std::ldexp(1.0L, static_cast<int>(power));
+    step = LongDrivenStep(generator_, outputs / static_cast<long double>(rate_hz_));
+  }
+  return step;
+}
+
+const StepEnergy& ModeStepper::Energy(int level) {
+  StepEnergy& energy = energies_[PlaceOf(level)];
+  if (energy.input_j.size() == 0) {
+    energy = EnergyOver(*mode_, generator_, *drive_, std::ldexp(step_s_, -level));
+  }
+  return energy;
+}
+
+std::vector<GuardBound>& ModeStepper::Guards() {
+  if (guards_.size() == mode_->guards.size()) return guards_;
+  guards_.reserve(mode_->guards.size());
+  for (const Guard& guard : mode_->guards) {
+    guards_.emplace_back(generator_, guard.row, guard.offset,
+                         std::ldexp(step_s_, -coarsest_level_));
+  }
+  return guards_;
+}
+
+}  // namespace haptometer::sim

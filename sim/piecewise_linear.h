@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+namespace haptometer::sim {
+
+/// A guard that is zero by construction at the beginning of a mode, and so is no event there.
+struct Departure {
+  std::size_t guard = 0;
+  /// How many of g, g', g'' ... vanish: 1 after an impact (g = 0, g' > 0), 2 where a contact was
+  /// left with equal speeds, 3 where it was left with equal accelerations.
+  std::size_t order = 1;
+};
+
+/// An impact whose bounces die out; see PiecewiseLinearSystem.
+struct Bounce {
+  double restitution = 0;    ///< e in [0, 1]: speed after over speed before
+  double rest_height = 0;    ///< bounces lower than this are at rest (unit of the guard), > 0
+  std::size_t rest_via = 0;  ///< the transition into the mode at rest
+};
+
+/// What happens when a guard falls below zero: x_after = map x + shift, in the mode's coordinates.
+struct Transition {
+  std::string_view name;  ///< "impact up", "landing"
+  std::size_t mode = 0;   ///< the mode after
+  Eigen::MatrixXd map;    ///< (n after, n before)
+  Eigen::VectorXd shift;  ///< (n after)
+  std::optional<Departure> departure{};
+  std::optional<Bounce> bounce{};
+};
+
+/// A mode holds while row x + offset >= 0, a gap or a contact force.
+struct Guard {
+  Eigen::RowVectorXd row;  ///< (n)
+  double offset = 0;
+  std::size_t transition = 0;
+};
+
+/// x' = A x + b v with the drive's voltage v; a constant force is a state that stays 1.
+///
+/// Modes may have coordinates of their own (and their own n): a stiff contact is described by its
+/// penetration, not by the difference of two positions.
+struct Mode {
+  std::string_view name;
+  Eigen::MatrixXd a;          ///< (n, n)
+  Eigen::VectorXd b;          ///< (n)
+  Eigen::MatrixXd positions;  ///< (outputs, n): what is handed out; empty: x itself
+  std::vector<Guard> guards{};
+  Eigen::MatrixXd stored_j;        ///< (n, n) symmetric: stored energy x' S x in J
+  Eigen::RowVectorXd current_row;  ///< (n): the current in A, so that v times it is the power in
+  /// For each of the system's dissipating elements, (n, n) symmetric or empty where it rests: the
+  /// power x' D x in W.
+  std::vector<Eigen::MatrixXd> dissipating{};
+};
+
+/// Linear motions that follow each other: the exact model of play, stops and breaking contact.
+///
+/// The rule of accumulation (Zeno): an impact that leaves with the speed u = g' > 0 under the
+/// acceleration g'' = -a < 0 begins flights of 2u/a, 2ue/a, 2ue^2/a ..., which are over after
+///
+///     T = 2 u / (a (1 - e)).
+///
+/// Once their height u^2/2a is below `rest_height` and a changes by less than a thousandth within
+/// T, they are not played one by one: the bodies are at rest against each other (Bounce::rest_via),
+/// and that event carries the time of the impact + T. Exact for constant a; otherwise the height
+/// stands for the error in position, T/1000 for that in time.
+struct PiecewiseLinearSystem {
+  std::vector<Mode> modes;
+  std::vector<Transition> transitions;
+  std::vector<std::string_view> dissipating_elements;  ///< names, in the order of the modes' forms
+};
+
+}  // namespace haptometer::sim

@@ -1,0 +1,298 @@
+#include "sim/piecewise_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/check.h"
+#include "sim/driven_step.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+constexpr std::uint64_t kOutputsBetweenAnchors = 1 << 14;
+constexpr int kMostCrowdedEvents = 100;
+constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
+// how much the acceleration may change until bounces are over (piecewise_linear.h)
+constexpr double kSteadyAcceleration = 1e-3;
+
+double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
+
+}  // namespace
+
+PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive,
+                                 PiecewiseStart start, double rate_hz, bool with_energy)
+    : system_(std::move(system)),
+      drive_(drive),
+      rate_hz_(rate_hz),
+      with_energy_(with_energy),
+      outputs_drive_(drive.frequency_hz, 0, rate_hz),
+      mode_(start.mode),
+      now_{.x = std::move(start.x), .drive = DriveAt(drive.frequency_hz, 0)},
+      anchor_(now_.x) {
+  HAPTOMETER_CHECK(rate_hz > 0 && mode_ < system_.modes.size(), "{} Hz, mode {}", rate_hz, mode_);
+  HAPTOMETER_CHECK(now_.x.size() == system_.modes[mode_].a.rows(), "{} states", now_.x.size());
+  for (const Mode& mode : system_.modes) steppers_.emplace_back(mode, drive_, rate_hz);
+  if (!with_energy_) return;
+  flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
+  initial_j_ = StoredNow();
+}
+
+void PiecewiseMotion::Next() {
+  if (stalled_at_s_) return;
+  const bool may_clear = !departure_ && Stepper().CoarsestLevel() == 0;
+  if (may_clear) Step(now_, 0, next_);
+  if (may_clear && ClearAtOnce(next_)) {
+    if (with_energy_) CountEnergy(now_, 0);
+    std::swap(now_, next_);
+  } else {
+    Play();
+  }
+  if (stalled_at_s_) return;
+  ++index_;
+  now_.tick = 0;
+  Reanchor();
+}
+
+// the whole output step in one judgement that needs neither slopes nor the drive
+bool PiecewiseMotion::ClearAtOnce(const Point& end) {
+  const double h_s = 1 / rate_hz_;
+  return std::ranges::all_of(Stepper().Guards(), [&](const GuardBound& guard) {
+    const double least = std::min(guard.Value(now_.x), guard.Value(end.x));
+    return least > guard.SecondBound(now_.x) * h_s * h_s / 8;
+  });
+}
+
+// An output step in intervals that can be judged.
+void PiecewiseMotion::Play() {
+  const Point begin = now_;
+  const Flow before = flow_;
+  const std::size_t events_before = events_.size();
+  int level = Stepper().CoarsestLevel();
+  while (now_.tick < kTicks && !stalled_at_s_) {
+    const std::uint64_t ticks = std::min(kTicks - now_.tick, kTicks >> level);
+    const Point end = Travelled(now_, ticks, false);
+    const Ahead ahead = LookAhead(end, ticks);
+    if (!ahead.known) {
+      while ((kTicks >> level) >= ticks) ++level;
+      continue;
+    }
+    now_ = Travelled(now_, ahead.guard ? ahead.ticks : ticks, with_energy_);
+    if (ahead.guard) {
+      Fire(*ahead.guard);
+      level = Stepper().CoarsestLevel();
+    } else {
+      Forget();
+      level = std::max(level - 1, Stepper().CoarsestLevel());
+    }
+  }
+  if (events_.size() > events_before) {
+    anchor_ = now_.x;
+    anchor_index_ = index_ + 1;
+    return;
+  }
+  // nothing happened: the same bits as if nobody had looked
+  flow_ = before;
+  if (with_energy_) CountEnergy(begin, 0);
+  Step(begin, 0, now_);
+}
+
+long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
+  constexpr long double kOutputsPerTick = 1.0L / static_cast<long double>(kTicks);
+  const long double outputs =
+      static_cast<long double>(index_) + kOutputsPerTick * static_cast<long double>(tick);
+  return outputs / static_cast<long double>(rate_hz_);
+}
+
+void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
+  const Eigen::Index n = from.x.size();
+  to.tick = from.tick + (kTicks >> level);
+  to.drive = to.tick == kTicks ? outputs_drive_.At(index_ + 1)
+                               : DriveAt(drive_.frequency_hz, TimeAt(to.tick));
+  // the order of UniformMotion, for the sake of equal bits
+  const Eigen::MatrixXd& step = Stepper().Step(level);
+  to.x.noalias() = step.col(n) * to.drive[0] + step.col(n + 1) * to.drive[1];
+  for (Eigen::Index k = 0; k < n; ++k) to.x.noalias() += step.col(k) * from.x[k];
+}
+
+PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t ticks,
+                                                  bool count_energy) {
+  for (int level = 0; level <= kFinestLevel && ticks > 0; ++level) {
+    const std::uint64_t stride = kTicks >> level;
+    if (ticks < stride) continue;
+    ticks -= stride;
+    if (count_energy) CountEnergy(from, level);
+    Step(from, level, next_);
+    std::swap(from, next_);
+  }
+  return from;
+}
+
+void PiecewiseMotion::CountEnergy(const Point& from, int level) {
+  const StepEnergy& energy = Stepper().Energy(level);
+  Eigen::VectorXd z(from.x.size() + 2);
+  z << from.x, from.drive;
+  flow_.input_j += static_cast<long double>(Quadratic(energy.input_j, z));
+  for (std::size_t k = 0; k < energy.dissipated_j.size(); ++k) {
+    if (energy.dissipated_j[k].size() == 0) continue;
+    flow_.dissipated_j[k] += static_cast<long double>(Quadratic(energy.dissipated_j[k], z));
+  }
+}
+
+GuardJet PiecewiseMotion::JetHere(std::size_t guard) {
+  const GuardBound& bound = Stepper().Guards()[guard];
+  GuardJet jet = bound.Jet(now_.x, now_.drive);
+  // a rising guard that rounding alone puts below zero
+  if (jet[0] < 0 && jet[1] > 0 && -jet[0] <= bound.Noise(now_.x)) jet[0] = 0;
+  if (!departure_ || departure_->guard != guard) return jet;
+  // what is zero by construction is not below it
+  for (std::size_t k = 0; k < departure_->order; ++k) jet[k] = std::max(jet[k], 0.0);
+  return jet;
+}
+
+// The last of `ticks` at which a condition still holds that holds at first and then ends once.
+template <typename Predicate>
+std::uint64_t PiecewiseMotion::LastWhere(std::uint64_t ticks, const Predicate& holds) {
+  Point point = now_;
+  Point next;
+  std::uint64_t passed = 0;
+  for (int level = 0; level <= kFinestLevel; ++level) {
+    const std::uint64_t stride = kTicks >> level;
+    if (passed + stride > ticks) continue;
+    Step(point, level, next);
+    if (!holds(next)) continue;
+    std::swap(point, next);
+    passed += stride;
+  }
+  return passed;
+}
+
+std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Point& end,
+                                                     std::uint64_t ticks, bool& known) {
+  GuardBound& bound = Stepper().Guards()[guard];
+  const GuardJet jet = JetHere(guard);
+  if (jet[0] < 0) return 0;
+  const GuardJet end_jet = bound.Jet(end.x, end.drive);
+  const double h_s = std::ldexp(static_cast<double>(ticks), -kFinestLevel) / rate_hz_;
+  const auto above = [&](const Point& point) { return bound.Value(point.x) >= 0; };
+  switch (Judge(jet, end_jet, bound.Bounds(now_.x), h_s)) {
+    case GuardVerdict::kClear:
+      return {};
+    case GuardVerdict::kCrosses:
+      return LastWhere(ticks, above);
+    case GuardVerdict::kDips: {
+      const std::uint64_t lowest = LastWhere(
+          ticks, [&](const Point& point) { return bound.Jet(point.x, point.drive)[1] < 0; });
+      if (above(Travelled(now_, lowest, false))) return {};
+      return LastWhere(lowest, above);
+    }
+    case GuardVerdict::kUnknown:
+      break;
+  }
+  // a single tick is as far as anything is told apart
+  known = ticks == 1;
+  return known && end_jet[0] < 0 ? std::optional<std::uint64_t>(0) : std::nullopt;
+}
+
+PiecewiseMotion::Ahead PiecewiseMotion::LookAhead(const Point& end, std::uint64_t ticks) {
+  Ahead ahead;
+  for (std::size_t guard = 0; guard < Stepper().Guards().size(); ++guard) {
+    const std::optional<std::uint64_t> fall = FallOf(guard, end, ticks, ahead.known);
+    if (!ahead.known) return ahead;
+    if (!fall || (ahead.guard && ahead.ticks <= *fall)) continue;
+    ahead.guard = guard;
+    ahead.ticks = *fall;
+  }
+  return ahead;
+}
+
+// a guard that has risen beyond rounding is one like any other
+void PiecewiseMotion::Forget() {
+  if (!departure_) return;
+  const GuardBound& bound = Stepper().Guards()[departure_->guard];
+  if (bound.Value(now_.x) > bound.Noise(now_.x)) departure_.reset();
+}
+
+void PiecewiseMotion::Fire(std::size_t guard) {
+  const double rate = Stepper().Guards()[guard].Jet(now_.x, now_.drive)[1];
+  const std::size_t place = Stepper().mode().guards[guard].transition;
+  const auto time_s = static_cast<double>(TimeAt(now_.tick));
+  Follow(place, time_s, rate);
+  const Transition& transition = system_.transitions[place];
+  if (const std::optional<double> rest_s = TimeToRest(transition)) {
+    Follow(transition.bounce->rest_via, time_s + *rest_s, 0);
+  }
+  NoticeStall();
+}
+
+void PiecewiseMotion::Follow(std::size_t transition, double time_s, double guard_rate) {
+  const Transition& way = system_.transitions[transition];
+  const double before_j = with_energy_ ? StoredNow() : 0;
+  now_.x = (way.map * now_.x + way.shift).eval();
+  mode_ = way.mode;
+  departure_ = way.departure;
+  if (with_energy_) flow_.impact_j += static_cast<long double>(before_j - StoredNow());
+  events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
+}
+
+// the rule of accumulation
+std::optional<double> PiecewiseMotion::TimeToRest(const Transition& transition) {
+  if (!transition.bounce || !departure_ || transition.bounce->restitution >= 1) return {};
+  const GuardJet jet = JetHere(departure_->guard);
+  const double speed = std::max(jet[1], 0.0);
+  const double acceleration = -jet[2];
+  if (!(acceleration > 0)) return {};
+  const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
+  const bool low = speed * speed / (2 * acceleration) <= transition.bounce->rest_height;
+  const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
+  return low && steady ? std::optional(rest_s) : std::nullopt;
+}
+
+void PiecewiseMotion::NoticeStall() {
+  const std::uint64_t tick = index_ * kTicks + now_.tick;  // may wrap: differences are what counts
+  crowded_events_ = tick - last_event_tick_ < kCrowdedTicks ? crowded_events_ + 1 : 0;
+  last_event_tick_ = tick;
+  if (crowded_events_ >= kMostCrowdedEvents) stalled_at_s_ = events_.back().time_s;
+}
+
+// the state from where the mode began, in as few steps as there are ones in their number
+void PiecewiseMotion::Reanchor() {
+  if (index_ <= anchor_index_ || (index_ - anchor_index_) % kOutputsBetweenAnchors != 0) return;
+  using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+  const Eigen::Index n = anchor_.size();
+  LongVector z(n + 2);
+  z.head(n) = anchor_.cast<long double>();
+  std::uint64_t passed = anchor_index_;
+  for (std::size_t power = kLongPowers; power-- > 0;) {
+    const std::uint64_t stride = std::uint64_t{1} << power;
+    if (passed + stride > index_) continue;
+    passed += stride;
+    const long double t_s = static_cast<long double>(passed) / static_cast<long double>(rate_hz_);
+    z.tail(2) = DriveAt(drive_.frequency_hz, t_s).cast<long double>();
+    z.head(n) = (Stepper().LongStep(power) * z).eval();
+  }
+  now_.x = z.head(n).cast<double>();
+}
+
+Eigen::VectorXd PiecewiseMotion::Positions() const {
+  const Mode& mode = system_.modes[mode_];
+  if (mode.positions.size() == 0) return now_.x;
+  return mode.positions * now_.x;
+}
+
+double PiecewiseMotion::StoredNow() const {
+  return Quadratic(system_.modes[mode_].stored_j, now_.x);
+}
+
+EnergyLedger PiecewiseMotion::Ledger() const {
+  HAPTOMETER_CHECK(with_energy_, "no energies were kept");
+  EnergyLedger ledger{.initial_j = initial_j_,
+                      .stored_j = StoredNow(),
+                      .input_j = static_cast<double>(flow_.input_j),
+                      .impact_j = static_cast<double>(flow_.impact_j)};
+  ledger.dissipated_j.assign(flow_.dissipated_j.begin(), flow_.dissipated_j.end());
+  return ledger;
+}
+
+}  // namespace haptometer::sim

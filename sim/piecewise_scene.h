@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+
+#include "sim/contact_loss.h"
+#include "sim/piecewise_linear.h"
+#include "sim/piecewise_motion.h"
+#include "sim/scene.h"
+#include "sim/travel_stops.h"
+
+namespace haptometer::sim {
+
+/// The piecewise-linear effects that a scene calls for; absent is off.
+struct PiecewiseEffects {
+  std::optional<TravelStops> stops{};
+  std::optional<ContactLoss> contact_loss{};
+};
+
+/// The scene with its effects. Mode 0 is the linear scene, free of stops and in contact, with the
+/// very matrices that it has without effects: as long as no guard is reached the samples have the
+/// same bits. `positions` are LinearModel's states throughout, the ledger's elements
+/// kSceneElements.
+///
+/// Modes: (contact, flight) x (free, and each stop's states). With both effects there are up to 10;
+/// those that are never entered cost their assembly alone. Cost: some 10 to 50 us.
+[[nodiscard]] PiecewiseLinearSystem AssemblePiecewise(const Scene& scene,
+                                                      const PiecewiseEffects& effects);
+
+/// Where the scene begins: at rest or in the steady motion of its linear part, mode 0.
+[[nodiscard]] PiecewiseStart PiecewiseStartOf(const Scene& scene);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <string_view>
+
+#include "sim/piecewise_linear.h"
+#include "sim/scene.h"
+
+namespace haptometer::sim {
+
+/// What dissipates in a scene, in the order of a scene's ledger.
+enum class SceneElement : std::size_t { kCoil, kMover, kAdapter, kSkin, kStop };
+inline constexpr std::array<std::string_view, 5> kSceneElements{"coil", "mover's damper", "adapter",
+                                                                "skin", "stops"};
+
+/// The linear scene as a mode: x, a, b as in LinearModel, no guards, with its energies.
+///
+///   stored = L i^2/2 + Mv vv^2/2 + Mc1 va^2/2 + Ma2 vs^2/2
+///          + Kv (xv - xa)^2/2 + Ka (xa - xs)^2/2 + Ks xs^2/2
+///   dissipated: R i^2, Bv (vv - va)^2, Ba (va - vs)^2, Bs vs^2
+///
+/// (without an adapter: s is a, and the adapter's terms are absent). Positions count from static
+/// equilibrium, where gravity and preload are balanced and do not appear.
+[[nodiscard]] Mode SceneMode(const Scene& scene);
+
+/// The mass that moves with the case: Mc + Ma1, Mc without an adapter.
+[[nodiscard]] double CaseSideMass(const Scene& scene);
+
+/// The mode with a last state that is always 1; its own states come first, unchanged.
+[[nodiscard]] Mode WithConstant(const Mode& mode);
+
+}  // namespace haptometer::sim

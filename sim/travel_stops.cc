@@ -1,0 +1,188 @@
+#include "sim/travel_stops.h"
+
+#include <cmath>
+#include <utility>
+
+#include "base/check.h"
+#include "sim/linear_model.h"
+#include "sim/scene_mode.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+constexpr Eigen::Index kMover = LinearModel::kMover;
+constexpr Eigen::Index kMoverVelocity = LinearModel::kMoverVelocity;
+constexpr Eigen::Index kCase = LinearModel::kCase;
+constexpr Eigen::Index kCaseVelocity = LinearModel::kCaseVelocity;
+// where penetration and its rate stand in place of xv and vv
+constexpr Eigen::Index kDepth = kMover;
+constexpr Eigen::Index kDepthRate = kMoverVelocity;
+
+// 1/m of the relative motion
+double InverseMass(const Scene& scene) {
+  return 1 / scene.actuator.moving_mass_kg + 1 / CaseSideMass(scene);
+}
+
+// y = to z: d = side (xv - xa) - gap in place of xv
+Eigen::MatrixXd ToDepth(Eigen::Index n, int side, double gap_m) {
+  Eigen::MatrixXd to = Eigen::MatrixXd::Identity(n, n);
+  to.row(kDepth).setZero();
+  to(kDepth, kMover) = side;
+  to(kDepth, kCase) = -side;
+  to(kDepth, n - 1) = -gap_m;
+  to.row(kDepthRate).setZero();
+  to(kDepthRate, kMoverVelocity) = side;
+  to(kDepthRate, kCaseVelocity) = -side;
+  return to;
+}
+
+Eigen::MatrixXd FromDepth(Eigen::Index n, int side, double gap_m) {
+  Eigen::MatrixXd from = Eigen::MatrixXd::Identity(n, n);
+  from(kMover, kDepth) = side;
+  from(kMover, kCase) = 1;
+  from(kMover, n - 1) = side * gap_m;
+  from(kMoverVelocity, kDepthRate) = side;
+  from(kMoverVelocity, kCaseVelocity) = 1;
+  return from;
+}
+
+// the base in y, without its guards
+Mode InCoordinates(const Mode& base, const Eigen::MatrixXd& to, const Eigen::MatrixXd& from) {
+  Mode mode{.name = base.name,
+            .a = to * base.a * from,
+            .b = to * base.b,
+            .positions = base.positions * from,
+            .stored_j = from.transpose() * base.stored_j * from,
+            .current_row = base.current_row * from};
+  mode.dissipating.reserve(base.dissipating.size());
+  for (const Eigen::MatrixXd& power : base.dissipating) {
+    mode.dissipating.push_back(power.size() > 0 ? (from.transpose() * power * from).eval() : power);
+  }
+  return mode;
+}
+
+StopMode FreeMode(const Mode& base) {
+  const Eigen::Index n = base.a.rows();
+  const Eigen::MatrixXd same = Eigen::MatrixXd::Identity(n, n);
+  return {.mode = base, .to = same, .from = same, .shift = Eigen::VectorXd::Zero(n)};
+}
+
+StopMode DepthMode(const Mode& base, StopState state, int side, double gap_m) {
+  const Eigen::Index n = base.a.rows();
+  StopMode stop{.mode = {},
+                .state = state,
+                .side = side,
+                .to = ToDepth(n, side, gap_m),
+                .from = FromDepth(n, side, gap_m),
+                .shift = Eigen::VectorXd::Zero(n)};
+  stop.mode = InCoordinates(base, stop.to, stop.from);
+  return stop;
+}
+
+Eigen::RowVectorXd PadForceRow(const TravelStops& stops, Eigen::Index n) {
+  return stops.stiffness_n_per_m * Eigen::RowVectorXd::Unit(n, kDepth) +
+         stops.damping_n_s_per_m * Eigen::RowVectorXd::Unit(n, kDepthRate);
+}
+
+// what a force between mover and case does to y
+Eigen::VectorXd PushColumn(const Scene& scene, Eigen::Index n, int side) {
+  Eigen::VectorXd push = -InverseMass(scene) * Eigen::VectorXd::Unit(n, kDepthRate);
+  push(kCaseVelocity) = side / CaseSideMass(scene);
+  return push;
+}
+
+StopMode PressedMode(const Scene& scene, const TravelStops& stops, const Mode& base, int side) {
+  StopMode stop = DepthMode(base, StopState::kPressed, side, GapOn(stops, side));
+  const Eigen::Index n = base.a.rows();
+  const Eigen::RowVectorXd force = PadForceRow(stops, n);
+  stop.mode.name = side > 0 ? "pressed up" : "pressed down";
+  stop.mode.a += PushColumn(scene, n, side) * force;
+  stop.mode.stored_j(kDepth, kDepth) += stops.stiffness_n_per_m / 2;
+  Eigen::MatrixXd damper = Eigen::MatrixXd::Zero(n, n);
+  damper(kDepthRate, kDepthRate) = stops.damping_n_s_per_m;
+  stop.mode.dissipating[static_cast<std::size_t>(SceneElement::kStop)] = damper;
+  stop.guards = {force};
+  return stop;
+}
+
+// the pad's energy k d^2/2 goes with -k d d' into the pad
+StopMode LeavingMode(const TravelStops& stops, const Mode& base, int side) {
+  StopMode stop = DepthMode(base, StopState::kLeaving, side, GapOn(stops, side));
+  const Eigen::Index n = base.a.rows();
+  stop.mode.name = side > 0 ? "leaving up" : "leaving down";
+  stop.mode.stored_j(kDepth, kDepth) += stops.stiffness_n_per_m / 2;
+  Eigen::MatrixXd pad = Eigen::MatrixXd::Zero(n, n);
+  pad(kDepth, kDepthRate) = pad(kDepthRate, kDepth) = -stops.stiffness_n_per_m / 2;
+  stop.mode.dissipating[static_cast<std::size_t>(SceneElement::kStop)] = pad;
+  stop.guards = {Eigen::RowVectorXd::Unit(n, kDepth), -PadForceRow(stops, n)};
+  return stop;
+}
+
+StopMode RestingMode(const Scene& scene, const TravelStops& stops, const Mode& base, int side) {
+  StopMode stop = DepthMode(base, StopState::kResting, side, GapOn(stops, side));
+  const Eigen::Index n = base.a.rows();
+  // the force that keeps d'' = 0
+  Eigen::RowVectorXd force = stop.mode.a.row(kDepthRate) / InverseMass(scene);
+  const Eigen::MatrixXd held = stop.mode.a + PushColumn(scene, n, side) * force;
+
+  // d and d' are zero and leave
+  std::vector<Eigen::Index> kept{0};
+  for (Eigen::Index k = kCase; k < n; ++k) kept.push_back(k);
+  stop.to = stop.to(kept, Eigen::all).eval();
+  stop.from = stop.from(Eigen::all, kept).eval();
+  stop.mode = InCoordinates(base, stop.to, stop.from);
+  stop.mode.a = held(kept, kept);
+  stop.mode.name = side > 0 ? "resting up" : "resting down";
+  stop.guards = {force(kept).eval()};
+  return stop;
+}
+
+}  // namespace
+
+double GapOn(const TravelStops& stops, int side) {
+  return side > 0 ? stops.gap_up_m : stops.gap_down_m;
+}
+
+std::vector<StopMode> AssembleStopModes(const Scene& scene, const TravelStops& stops,
+                                        const Mode& base) {
+  HAPTOMETER_CHECK(stops.stiffness_n_per_m > 0 && stops.damping_n_s_per_m >= 0, "{} N/m, {} N s/m",
+                   stops.stiffness_n_per_m, stops.damping_n_s_per_m);
+  HAPTOMETER_CHECK(stops.restitution >= 0 && stops.restitution <= 1, "e = {}", stops.restitution);
+  std::vector<StopMode> modes;
+  modes.reserve(5);
+  modes.push_back(FreeMode(base));
+  for (const int side : {1, -1}) {
+    HAPTOMETER_CHECK(GapOn(stops, side) > 0, "gap {} m", GapOn(stops, side));
+    if (std::isinf(GapOn(stops, side))) continue;
+    if (stops.rigid()) {
+      modes.push_back(RestingMode(scene, stops, base, side));
+      continue;
+    }
+    modes.push_back(PressedMode(scene, stops, base, side));
+    if (stops.damping_n_s_per_m > 0) modes.push_back(LeavingMode(stops, base, side));
+  }
+  return modes;
+}
+
+Eigen::RowVectorXd StopGapRow(const TravelStops& stops, int side, Eigen::Index states) {
+  Eigen::RowVectorXd row = GapOn(stops, side) * Eigen::RowVectorXd::Unit(states, states - 1);
+  row(kMover) = -side;
+  row(kCase) = side;
+  return row;
+}
+
+Eigen::MatrixXd ImpactMap(const Scene& scene, const TravelStops& stops, int side,
+                          Eigen::Index states) {
+  // an impulse (1 + e) m d' between them
+  Eigen::VectorXd push = Eigen::VectorXd::Zero(states);
+  push(kMoverVelocity) = -side / scene.actuator.moving_mass_kg;
+  push(kCaseVelocity) = side / CaseSideMass(scene);
+  Eigen::RowVectorXd rate = Eigen::RowVectorXd::Zero(states);
+  rate(kMoverVelocity) = side;
+  rate(kCaseVelocity) = -side;
+  return Eigen::MatrixXd::Identity(states, states) +
+         (1 + stops.restitution) / InverseMass(scene) * push * rate;
+}
+
+}  // namespace haptometer::sim
