@@ -52,7 +52,9 @@ LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s) {
 }
 
 DriveSequence::DriveSequence(double frequency_hz, double start_s, double rate_hz)
-    : frequency_hz_(frequency_hz), start_s_(start_s), rate_hz_(rate_hz) {
+    : frequency_hz_(frequency_hz),
+      start_s_(static_cast<long double>(start_s)),
+      rate_hz_(static_cast<long double>(rate_hz)) {
   for (std::size_t k = 0; k < kTurns; ++k) {
     turns_[k] = DriveAt(frequency_hz, static_cast<long double>(k) / rate_hz_);
   }
