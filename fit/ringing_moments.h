@@ -65,7 +65,8 @@ class RingingMoments {
     const double steps = (since_s - first_.since_s) * steps_per_s_;
     const bool is_near =
         first_.since_s >= 0 && steps > -0.5 && steps < static_cast<double>(kSteps) - 0.5;
-    const std::size_t step = is_near ? static_cast<std::size_t>(steps + 0.5) : 0;
+    const double above = steps + 0.5;  // positive where it counts: cut off, it is the nearest
+    const std::size_t step = is_near ? static_cast<std::size_t>(above) : 0;
     if (!is_near || steps_per_s_ == 0 || std::abs(steps - static_cast<double>(step)) > kOffGrid) {
       return Begin(since_s);
     }
