@@ -1,20 +1,16 @@
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "base/clock.h"
-#include "sim/linear_model.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
-#include "tools/simulate_output.h"
+#include "tools/simulate/scene_answer.h"
+#include "tools/simulate/simulate_output.h"
 #include "tools/simulated_channel.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
@@ -23,7 +19,6 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "simulate";
-constexpr double kWindowPeriods = 10;
 constexpr double kDefaultTrialS = 1;
 constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
 
@@ -47,24 +42,6 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  "Length of the run; beats [run] duration_s");
   options.Text("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
-}
-
-// The last ten periods of the run, where it has as many.
-std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
-  if (!scene.duration_s) return std::nullopt;
-  const double length_s = kWindowPeriods / scene.drive.frequency_hz;
-  // a run of exactly ten periods may miss them by a rounding
-  const double begin_s = *scene.duration_s - length_s;
-  if (begin_s < -1e-12 * length_s) {
-    cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
-                                   *scene.duration_s));
-    return std::nullopt;
-  }
-  const sim::LinearModel model = sim::AssembleModel(scene);
-  const sim::TimeResponse response(model, scene.drive, sim::StartOf(scene));
-  WindowAnswer window{.begin_s = std::max(0.0, begin_s), .end_s = *scene.duration_s};
-  window.skin_rms_m = response.WindowRms(model.skin(), window.begin_s, window.end_s);
-  return window;
 }
 
 Result<void> WriteTrial(const SimulateOptions& wanted, const trial::Record& record) {
@@ -126,17 +103,13 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   const auto scene = ReadScene(wanted);
   if (!scene) return std::unexpected(scene.error());
-  SimulateAnswer answer;
-  answer.scene_path = wanted.scene_path;
-  answer.scene = *scene;
-  answer.steady = sim::SolveSteadyState(*scene);
-  if (!(answer.steady.error_estimate < 1)) {
-    return CannotAnswer(wanted.scene_path,
-                        "has no steady state: the drive meets an undamped resonance",
-                        "add damping or change frequency_hz");
+  const auto solved = AnswerScene(*scene, wanted.scene_path);
+  if (!solved) return std::unexpected(solved.error());
+  if (scene->duration_s && !solved->window) {
+    cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
+                                   *scene->duration_s));
   }
-  answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(*scene);
-  answer.window = AnswerWindow(*scene);
+  SimulateAnswer answer{.scene_path = wanted.scene_path, .solved = *solved, .trial_path = {}};
   if (wanted.output.empty()) return answer;
   if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
   answer.trial_path = wanted.output;

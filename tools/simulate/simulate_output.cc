@@ -1,4 +1,4 @@
-#include "tools/simulate_output.h"
+#include "tools/simulate/simulate_output.h"
 
 #include <fmt/core.h>
 
@@ -19,7 +19,7 @@ std::string StartName(const sim::Scene& scene) {
 
 std::string Method(const SimulateAnswer& answer) {
   std::string method = "exact phasor of the linear model";
-  if (answer.window) method += "; window by the balanced matrix exponential";
+  if (answer.solved.window) method += "; window by the balanced matrix exponential";
   return method;
 }
 
@@ -33,19 +33,19 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
   return {"springs and dampers are linear at any travel: check the mover's against its stops",
           fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
                       "presses actuator and skin together",
-                      answer.steady.skin_force_peak_n),
+                      answer.solved.steady.skin_force_peak_n),
           "the source holds its voltage, and the coil keeps its resistance"};
 }
 
 std::string SimulateText(const SimulateAnswer& answer) {
-  const sim::SteadyState& steady = answer.steady;
+  const sim::SteadyState& steady = answer.solved.steady;
   const double degrees = steady.phase_rad * 180 / std::numbers::pi;
   std::string text =
-      fmt::format("{}: {}, {:g} V at {:g} Hz\n", answer.scene_path, Bodies(answer.scene),
-                  answer.scene.drive.amplitude_v, answer.scene.drive.frequency_hz);
+      fmt::format("{}: {}, {:g} V at {:g} Hz\n", answer.scene_path, Bodies(answer.solved.scene),
+                  answer.solved.scene.drive.amplitude_v, answer.solved.scene.drive.frequency_hz);
   text += fmt::format("  skin displacement  {:12.5f} um RMS\n", steady.skin_rms_m * 1e6);
-  if (answer.skin_rms_relative_uncertainty > 0) {
-    const double half_um = 1.96e6 * answer.skin_rms_relative_uncertainty * steady.skin_rms_m;
+  if (answer.solved.skin_rms_relative_uncertainty > 0) {
+    const double half_um = 1.96e6 * answer.solved.skin_rms_relative_uncertainty * steady.skin_rms_m;
     text += fmt::format("                  +- {:12.5f} um (95 %, from the actuator's constants)\n",
                         half_um);
   }
@@ -55,10 +55,10 @@ std::string SimulateText(const SimulateAnswer& answer) {
   text += fmt::format("  phase of current   {:12.5f} degrees to the voltage\n", degrees);
   text += fmt::format("  electrical power   {:12.5f} mW\n", steady.power_w * 1e3);
   text += fmt::format("  skin force      +- {:12.5f} N\n", steady.skin_force_peak_n);
-  if (answer.window) {
+  if (answer.solved.window) {
     text += fmt::format("  from {}, {:.6g} to {:.6g} s (10 periods): skin {:.5f} um RMS\n",
-                        StartName(answer.scene), answer.window->begin_s, answer.window->end_s,
-                        answer.window->skin_rms_m * 1e6);
+                        StartName(answer.solved.scene), answer.solved.window->begin_s,
+                        answer.solved.window->end_s, answer.solved.window->skin_rms_m * 1e6);
   }
   text += fmt::format("  method: {}; relative error of the skin below {:.1e}\n", Method(answer),
                       steady.error_estimate);
@@ -70,13 +70,13 @@ std::string SimulateText(const SimulateAnswer& answer) {
 }
 
 std::string SimulateJson(const SimulateAnswer& answer) {
-  const sim::SteadyState& steady = answer.steady;
+  const sim::SteadyState& steady = answer.solved.steady;
   ordered_json document{
       {"scene", answer.scene_path},
       {"skin_rms_m", steady.skin_rms_m},
       {"skin_rms_standard_uncertainty_m",
-       answer.skin_rms_relative_uncertainty > 0
-           ? cli::NumberOrNull(answer.skin_rms_relative_uncertainty * steady.skin_rms_m)
+       answer.solved.skin_rms_relative_uncertainty > 0
+           ? cli::NumberOrNull(answer.solved.skin_rms_relative_uncertainty * steady.skin_rms_m)
            : ordered_json(nullptr)},
       {"mover_peak_m", steady.mover_peak_m},
       {"case_rms_m", steady.case_rms_m},
@@ -90,9 +90,9 @@ std::string SimulateJson(const SimulateAnswer& answer) {
       {"window_s", nullptr},
       {"assumptions", SimulateAssumptions(answer)},
       {"trial", cli::TextOrNull(answer.trial_path)}};
-  if (answer.window) {
-    document["window_rms_m"] = answer.window->skin_rms_m;
-    document["window_s"] = {answer.window->begin_s, answer.window->end_s};
+  if (answer.solved.window) {
+    document["window_rms_m"] = answer.solved.window->skin_rms_m;
+    document["window_s"] = {answer.solved.window->begin_s, answer.solved.window->end_s};
   }
   return cli::JsonText(document);
 }

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/result.h"
+#include "sim/scene.h"
+#include "sim/steady_state.h"
+
+namespace haptometer::tools {
+
+/// RMS of the skin over the last ten periods of a run.
+struct WindowAnswer {
+  double begin_s = 0;
+  double end_s = 0;
+  double skin_rms_m = 0;
+};
+
+/// What a scene comes to.
+struct SceneAnswer {
+  sim::Scene scene;
+  sim::SteadyState steady;
+  double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
+  std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
+};
+
+/// Solves the scene; `where` names it in errors.
+/// Error (Cause::kCannotAnswer): an undamped resonance, where there is no steady state.
+[[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
+
+}  // namespace haptometer::tools
