@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "base/check.h"
+#include "sim/contact_modes.h"
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 #include "sim/steady_state.h"
+#include "sim/stop_modes.h"
 
 namespace haptometer::sim {
 

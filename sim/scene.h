@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "sim/actuator.h"
+#include "sim/effects.h"
 #include "sim/skin.h"
 #include "trial/sensor_head.h"
 
@@ -64,6 +65,7 @@ struct Scene {
   std::optional<double> duration_s;  ///< absent: steady state only
   std::optional<Start> start;        ///< as stated; StartOf() gives the default
   std::optional<Sensor> sensor;
+  Effects effects;
 };
 
 /// The stated start; where nothing is stated, rest for a scene with a duration, steady otherwise.

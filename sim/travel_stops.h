@@ -1,13 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cstddef>
-#include <cstdint>
 #include <limits>
-#include <vector>
-
-#include "sim/piecewise_linear.h"
-#include "sim/scene.h"
 
 namespace haptometer::sim {
 
@@ -31,47 +24,5 @@ struct TravelStops {
 
   [[nodiscard]] bool rigid() const { return stiffness_n_per_m == kNone; }
 };
-
-/// How mover and case stand to each other.
-enum class StopState : std::uint8_t {
-  kFree,
-  kResting,  ///< rigid: together
-  kPressed,  ///< compliant: F = k d + c d' > 0
-  kLeaving,  ///< compliant: d > 0, F = 0
-};
-
-/// A mode under a stop's state, in coordinates that suit it: y = to z, z = from y + shift, z the
-/// states of the mode it was made of, with their last state 1.
-struct StopMode {
-  Mode mode;
-  StopState state = StopState::kFree;
-  int side = 0;  ///< +1 up, -1 down, 0 free
-  Eigen::MatrixXd to;
-  Eigen::MatrixXd from;
-  Eigen::VectorXd shift;
-  std::vector<Eigen::RowVectorXd> guards{};  ///< of y with its last state 1; none when free
-};
-
-/// The states that the stops need, free first, on top of `base`, whose last state is 1 and whose
-/// first are LinearModel's.
-///
-/// Pressed and leaving have d and d' in place of xv and vv, so that neither the stiffest stop nor
-/// the smallest penetration is a difference of large numbers; resting does without both, and its
-/// force F = m (acceleration that the free bodies would have towards each other), 1/m = 1/Mv +
-/// 1/Mc1, is what holds it. Guards: resting {F}, pressed {F}, leaving {d, -F}. The free state keeps
-/// `base`'s matrices as they are.
-[[nodiscard]] std::vector<StopMode> AssembleStopModes(const Scene& scene, const TravelStops& stops,
-                                                      const Mode& base);
-
-/// The gap on a side in `states` states whose last is 1, as a row: >= 0 where there is room.
-[[nodiscard]] Eigen::RowVectorXd StopGapRow(const TravelStops& stops, int side,
-                                            Eigen::Index states);
-
-/// z after an impact on a side, from z before: (states, states).
-[[nodiscard]] Eigen::MatrixXd ImpactMap(const Scene& scene, const TravelStops& stops, int side,
-                                        Eigen::Index states);
-
-/// The gap on a side; infinite where there is none.
-[[nodiscard]] double GapOn(const TravelStops& stops, int side);
 
 }  // namespace haptometer::sim

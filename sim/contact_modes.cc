@@ -1,4 +1,4 @@
-#include "sim/contact_loss.h"
+#include "sim/contact_modes.h"
 
 #include "base/check.h"
 #include "sim/linear_model.h"

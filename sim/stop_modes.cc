@@ -1,4 +1,4 @@
-#include "sim/travel_stops.h"
+#include "sim/stop_modes.h"
 
 #include <cmath>
 #include <utility>
