@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numeric>
 
 #include "sim/matrix_exponential.h"
@@ -58,11 +59,11 @@ double EnergyLedger::Imbalance() const {
   return reference_j > 0 ? std::abs(error_j) / reference_j : 0;
 }
 
-StepEnergy EnergyOver(const Mode& mode, const Eigen::MatrixXd& generator, const SineDrive& drive,
-                      double h_s) {
+StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& squared_rows,
+                      const Eigen::MatrixXd& generator, const SineDrive& drive, double h_s) {
   const Eigen::Index n = mode.a.rows();
   std::vector<Eigen::MatrixXd> forms;
-  forms.reserve(mode.dissipating.size() + 1);
+  forms.reserve(1 + mode.dissipating.size() + squared_rows.size());
   // v i, made symmetric
   Eigen::MatrixXd input = Eigen::MatrixXd::Zero(n + 2, n + 2);
   input.row(n).head(n) = drive.amplitude_v / 2 * mode.current_row;
@@ -76,9 +77,18 @@ StepEnergy EnergyOver(const Mode& mode, const Eigen::MatrixXd& generator, const 
     }
     forms.push_back(form);
   }
+  for (const Eigen::RowVectorXd& positions_row : squared_rows) {
+    const Eigen::RowVectorXd row =
+        mode.positions.size() > 0 ? (positions_row * mode.positions).eval() : positions_row;
+    Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n + 2, n + 2);
+    form.topLeftCorner(n, n) = row.transpose() * row;
+    forms.push_back(form);
+  }
   forms = Integrals(generator, std::move(forms), h_s);
   StepEnergy energy{.input_j = forms.front()};
-  energy.dissipated_j.assign(forms.begin() + 1, forms.end());
+  const auto squares = forms.begin() + 1 + static_cast<std::ptrdiff_t>(mode.dissipating.size());
+  energy.dissipated_j.assign(forms.begin() + 1, squares);
+  energy.squares.assign(squares, forms.end());
   return energy;
 }
 

@@ -26,6 +26,7 @@ struct EnergyLedger {
 struct StepEnergy {
   Eigen::MatrixXd input_j;                      ///< (n + 2, n + 2)
   std::vector<Eigen::MatrixXd> dissipated_j{};  ///< the same; (0, 0) where an element rests
+  std::vector<Eigen::MatrixXd> squares{};       ///< of the system's squared_rows, times s
 };
 
 /// The mode's energies over h, exact, not sampled: z' S z with
@@ -34,7 +35,9 @@ struct StepEnergy {
 ///
 /// from a step so short that its Taylor series has 16 terms. Where Q is a square the sums have one
 /// sign and lose no digits. Cost: a doubling per factor of two in |G| h, 10 to 100 us.
-[[nodiscard]] StepEnergy EnergyOver(const Mode& mode, const Eigen::MatrixXd& generator,
-                                    const SineDrive& drive, double h_s);
+[[nodiscard]] StepEnergy EnergyOver(const Mode& mode,
+                                    const std::vector<Eigen::RowVectorXd>& squared_rows,
+                                    const Eigen::MatrixXd& generator, const SineDrive& drive,
+                                    double h_s);
 
 }  // namespace haptometer::sim

@@ -16,8 +16,10 @@ std::size_t PlaceOf(int level) {
 
 }  // namespace
 
-ModeStepper::ModeStepper(const Mode& mode, const SineDrive& drive, double rate_hz)
-    : mode_(&mode),
+ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
+                         const SineDrive& drive, double rate_hz)
+    : system_(&system),
+      mode_(&mode),
       drive_(&drive),
       rate_hz_(rate_hz),
       step_s_(1 / rate_hz),
@@ -47,7 +49,8 @@ const LongMatrix& ModeStepper::LongStep(std::size_t power) {
 const StepEnergy& ModeStepper::Energy(int level) {
   StepEnergy& energy = energies_[PlaceOf(level)];
   if (energy.input_j.size() == 0) {
-    energy = EnergyOver(*mode_, generator_, *drive_, std::ldexp(step_s_, -level));
+    energy =
+        EnergyOver(*mode_, system_->squared_rows, generator_, *drive_, std::ldexp(step_s_, -level));
   }
   return energy;
 }

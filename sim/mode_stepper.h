@@ -24,8 +24,9 @@ inline constexpr std::size_t kLongPowers = 41;
 /// costs nothing. Not for sharing between threads.
 class ModeStepper {
  public:
-  /// Outputs come at rate_hz; mode and drive must outlive this.
-  ModeStepper(const Mode& mode, const SineDrive& drive, double rate_hz);
+  /// Outputs come at rate_hz; system and drive must outlive this.
+  ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode, const SineDrive& drive,
+              double rate_hz);
 
   [[nodiscard]] const Mode& mode() const { return *mode_; }
   /// DrivenStep over 2^-level / rate_hz, 0 <= level <= kFinestLevel. Each from an exponential of
@@ -41,6 +42,7 @@ class ModeStepper {
 
  private:
   static constexpr std::size_t kLevels = kFinestLevel + 1;
+  const PiecewiseLinearSystem* system_;
   const Mode* mode_;
   const SineDrive* drive_;
   double rate_hz_;

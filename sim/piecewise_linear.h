@@ -73,6 +73,8 @@ struct PiecewiseLinearSystem {
   std::vector<Mode> modes;
   std::vector<Transition> transitions;
   std::vector<std::string_view> dissipating_elements;  ///< names, in the order of the modes' forms
+  /// Rows over the modes' positions whose squares are to be integrated beside the energies.
+  std::vector<Eigen::RowVectorXd> squared_rows{};
 };
 
 }  // namespace haptometer::sim

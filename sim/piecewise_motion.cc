@@ -22,26 +22,31 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return
 }  // namespace
 
 PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive,
-                                 PiecewiseStart start, double rate_hz, bool with_energy)
+                                 PiecewiseStart start, const OutputGrid& grid, bool with_energy)
     : system_(std::move(system)),
       drive_(drive),
-      rate_hz_(rate_hz),
+      rate_hz_(grid.rate_hz),
+      origin_s_(static_cast<long double>(grid.origin_s)),
       with_energy_(with_energy),
-      outputs_drive_(drive.frequency_hz, 0, rate_hz),
+      outputs_drive_(drive.frequency_hz, grid.origin_s, grid.rate_hz),
       mode_(start.mode),
       now_{.x = std::move(start.x), .drive = DriveAt(drive.frequency_hz, 0)},
       anchor_(now_.x) {
-  HAPTOMETER_CHECK(rate_hz > 0 && mode_ < system_.modes.size(), "{} Hz, mode {}", rate_hz, mode_);
+  HAPTOMETER_CHECK(rate_hz_ > 0 && mode_ < system_.modes.size(), "{} Hz, mode {}", rate_hz_, mode_);
+  const double passed = -grid.origin_s * rate_hz_;  // of the first output step
+  HAPTOMETER_CHECK(passed >= 0 && passed < 1, "origin {} s at {} Hz", grid.origin_s, rate_hz_);
+  now_.tick = static_cast<std::uint64_t>(std::ldexp(passed, kFinestLevel));
   HAPTOMETER_CHECK(now_.x.size() == system_.modes[mode_].a.rows(), "{} states", now_.x.size());
-  for (const Mode& mode : system_.modes) steppers_.emplace_back(mode, drive_, rate_hz);
+  for (const Mode& mode : system_.modes) steppers_.emplace_back(system_, mode, drive_, rate_hz_);
   if (!with_energy_) return;
   flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
+  flow_.squares.assign(system_.squared_rows.size(), 0);
   initial_j_ = StoredNow();
 }
 
 void PiecewiseMotion::Next() {
   if (stalled_at_s_) return;
-  const bool may_clear = !departure_ && Stepper().CoarsestLevel() == 0;
+  const bool may_clear = !departure_ && now_.tick == 0 && Stepper().CoarsestLevel() == 0;
   if (may_clear) Step(now_, 0, next_);
   if (may_clear && ClearAtOnce(next_)) {
     if (with_energy_) CountEnergy(now_, 0);
@@ -87,7 +92,7 @@ void PiecewiseMotion::Play() {
       level = std::max(level - 1, Stepper().CoarsestLevel());
     }
   }
-  if (events_.size() > events_before) {
+  if (events_.size() > events_before || begin.tick > 0) {
     anchor_ = now_.x;
     anchor_index_ = index_ + 1;
     return;
@@ -102,7 +107,7 @@ long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
   constexpr long double kOutputsPerTick = 1.0L / static_cast<long double>(kTicks);
   const long double outputs =
       static_cast<long double>(index_) + kOutputsPerTick * static_cast<long double>(tick);
-  return outputs / static_cast<long double>(rate_hz_);
+  return origin_s_ + outputs / static_cast<long double>(rate_hz_);
 }
 
 void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
@@ -137,6 +142,9 @@ void PiecewiseMotion::CountEnergy(const Point& from, int level) {
   for (std::size_t k = 0; k < energy.dissipated_j.size(); ++k) {
     if (energy.dissipated_j[k].size() == 0) continue;
     flow_.dissipated_j[k] += static_cast<long double>(Quadratic(energy.dissipated_j[k], z));
+  }
+  for (std::size_t k = 0; k < energy.squares.size(); ++k) {
+    flow_.squares[k] += static_cast<long double>(Quadratic(energy.squares[k], z));
   }
 }
 
@@ -268,7 +276,8 @@ void PiecewiseMotion::Reanchor() {
     const std::uint64_t stride = std::uint64_t{1} << power;
     if (passed + stride > index_) continue;
     passed += stride;
-    const long double t_s = static_cast<long double>(passed) / static_cast<long double>(rate_hz_);
+    const long double t_s =
+        origin_s_ + static_cast<long double>(passed) / static_cast<long double>(rate_hz_);
     z.tail(2) = DriveAt(drive_.frequency_hz, t_s).cast<long double>();
     z.head(n) = (Stepper().LongStep(power) * z).eval();
   }
@@ -293,6 +302,11 @@ EnergyLedger PiecewiseMotion::Ledger() const {
                       .impact_j = static_cast<double>(flow_.impact_j)};
   ledger.dissipated_j.assign(flow_.dissipated_j.begin(), flow_.dissipated_j.end());
   return ledger;
+}
+
+std::vector<double> PiecewiseMotion::SquareIntegrals() const {
+  HAPTOMETER_CHECK(with_energy_, "no energies were kept");
+  return {flow_.squares.begin(), flow_.squares.end()};
 }
 
 }  // namespace haptometer::sim

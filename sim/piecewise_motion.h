@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "sim/driven_step.h"
@@ -28,8 +29,16 @@ struct PiecewiseStart {
   Eigen::VectorXd x;  ///< in the mode's coordinates
 };
 
+/// When a motion is handed out: output i at origin_s + i / rate_hz. The motion begins at t = 0.
+struct OutputGrid {
+  double rate_hz = 0;  ///< > 0
+  /// In (-1 / rate_hz, 0]: where output 0 would be, before the motion begins. So outputs can be
+  /// counted back from the end of a run.
+  double origin_s = 0;
+};
+
 /// The motion of a piecewise-linear system under a sine drive: exact within each mode, with its
-/// events located, handed out at t = i / rate_hz.
+/// events located, handed out on a grid of equal steps.
 ///
 /// **Between outputs.** An output step without events is one product with one matrix, so guards
 /// that are never reached leave no trace: the samples are, bit for bit, those of the same mode
@@ -51,10 +60,14 @@ struct PiecewiseStart {
 /// than 2^-40 of an output step from each to the next, ends the motion and is said.
 class PiecewiseMotion {
  public:
-  /// rate_hz > 0. `with_energy` keeps the ledger: 0.2 us more for a step, and some
+  /// `with_energy` keeps the ledger: 0.2 us more for a step, and some
   /// ms for each mode in which there are events.
   PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive, PiecewiseStart start,
-                  double rate_hz, bool with_energy = false);
+                  double rate_hz, bool with_energy = false)
+      : PiecewiseMotion(std::move(system), drive, std::move(start), OutputGrid{.rate_hz = rate_hz},
+                        with_energy) {}
+  PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive, PiecewiseStart start,
+                  const OutputGrid& grid, bool with_energy = false);
   // steppers refer to the system within
   PiecewiseMotion(const PiecewiseMotion&) = delete;
   PiecewiseMotion& operator=(const PiecewiseMotion&) = delete;
@@ -63,7 +76,7 @@ class PiecewiseMotion {
   /// event. Nothing happens after a stall.
   void Next();
 
-  /// The number of the output that the motion stands at; its time is index / rate_hz.
+  /// The number of the output that the motion stands at; 0: at its beginning.
   [[nodiscard]] std::uint64_t index() const { return index_; }
   /// The state there, in the coordinates of the mode() there.
   [[nodiscard]] const Eigen::VectorXd& x() const { return now_.x; }
@@ -73,6 +86,8 @@ class PiecewiseMotion {
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
   /// The balance up to here; needs `with_energy`.
   [[nodiscard]] EnergyLedger Ledger() const;
+  /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
+  [[nodiscard]] std::vector<double> SquareIntegrals() const;
   /// When the motion stalled, if it did.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_; }
@@ -92,6 +107,7 @@ class PiecewiseMotion {
     long double input_j = 0;
     long double impact_j = 0;
     std::vector<long double> dissipated_j;
+    std::vector<long double> squares;
   };
 
   [[nodiscard]] ModeStepper& Stepper() { return steppers_[mode_]; }
@@ -118,6 +134,7 @@ class PiecewiseMotion {
   PiecewiseLinearSystem system_;
   SineDrive drive_;
   double rate_hz_;
+  long double origin_s_;
   bool with_energy_;
   std::deque<ModeStepper> steppers_;  // one for each mode
   DriveSequence outputs_drive_;

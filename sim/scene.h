@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -38,6 +39,21 @@ enum class SensorTarget : std::uint8_t { kSkin, kCase, kMover };
 /// "skin", "case", "mover".
 [[nodiscard]] std::string_view Name(SensorTarget target);
 
+/// What a tolerance is about; each is relative to its own size.
+enum class AskedQuantity : std::uint8_t {
+  kSkinRms,       ///< RMS of xs over the window
+  kSkinWaveform,  ///< largest deviation of xs from what it should be, over its peak
+  kMoverPeak,     ///< largest abs(xv - xa)
+  kCurrentRms,    ///< RMS of i
+};
+
+/// As [run] quantity calls them, in the order of AskedQuantity.
+inline constexpr std::array<std::string_view, 4> kAskedQuantityNames{
+    "skin_rms_m", "skin_waveform_m", "mover_peak_m", "current_rms_a"};
+
+/// The least tolerance that may be asked for: rounding stays below it.
+inline constexpr double kLeastTolerance = 1e-11;
+
 /// The longest run that the time response covers.
 inline constexpr double kLongestRunS = 1e6;
 
@@ -53,8 +69,8 @@ struct Sensor {
 /// A perfect sensor on the skin: 10 kHz, no averaging, rounding, noise, range or delay.
 [[nodiscard]] Sensor IdealSensor();
 
-/// A linear scene with a sine drive: all that this version simulates. Contact is bilateral: the
-/// skin also pulls. Without an adapter the case itself touches the skin, directly or through a
+/// A scene with a sine drive. Without effects it is linear and contact is bilateral: the skin also
+/// pulls. Without an adapter the case itself touches the skin, directly or through a
 /// rigid massless cone; the two differ only in the skin's constants.
 struct Scene {
   Actuator actuator;
@@ -65,7 +81,9 @@ struct Scene {
   std::optional<double> duration_s;  ///< absent: steady state only
   std::optional<Start> start;        ///< as stated; StartOf() gives the default
   std::optional<Sensor> sensor;
-  Effects effects;
+  Effects effects{};
+  double tolerance = 1e-10;  ///< of the quantity: what effects = "auto" may neglect
+  AskedQuantity quantity = AskedQuantity::kSkinRms;
 };
 
 /// The stated start; where nothing is stated, rest for a scene with a duration, steady otherwise.

@@ -2,55 +2,28 @@
 
 #include <fmt/core.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/input_file.h"
 #include "base/toml_table.h"
+#include "sim/effective_scene.h"
+#include "sim/effects_file.h"
+#include "sim/scene_values.h"
 
 namespace haptometer::sim {
 
 namespace {
 
-constexpr std::string_view kThisVersion =
-    "this version simulates linear scenes with a sine drive and bilateral contact";
+constexpr std::string_view kThisVersion = "this version simulates a sine drive";
 
-// Values between which every actuator, adapter and skin of this kind lies; beyond them the
-// arithmetic, not the mechanics, would be under test.
-constexpr double kSmallest = 1e-9;
-constexpr double kLargest = 1e9;
 constexpr long long kMostAverages = 65536;
-
-void RefuseUnlessReal(TomlTable& table, std::string_view key, double value) {
-  if (value < kSmallest || value > kLargest) {
-    table.Refuse(key,
-                 fmt::format("{:g} is outside {:g} to {:g}, where all scenes lie", value, kSmallest,
-                             kLargest),
-                 "check its unit");
-  }
-}
-
-double Positive(TomlTable& table, std::string_view key, Dimension dimension) {
-  const double value = table.Require(key, dimension);
-  if (!(value > 0)) table.Refuse(key, "must be greater than 0", "check its sign");
-  RefuseUnlessReal(table, key, value);
-  return value;
-}
-
-double NotNegative(TomlTable& table, std::string_view key, Dimension dimension) {
-  const double value = table.Require(key, dimension);
-  if (value < 0) table.Refuse(key, "must not be negative", "check its sign");
-  if (value != 0) RefuseUnlessReal(table, key, value);
-  return value;
-}
-
-double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension, double absent) {
-  return table.Has(key) ? NotNegative(table, key, dimension) : absent;
-}
 
 // what the format knows and this version cannot honour
 void RefuseUnsimulated(TomlTable& table, std::string_view key, std::string what) {
@@ -129,10 +102,6 @@ Skin ReadSkinUnderArea(TomlTable& table) {
 }
 
 Skin ReadSkin(TomlTable& table) {
-  if (table.Choice("contact", {"bilateral", "unilateral"}) == "unilateral") {
-    RefuseUnsimulated(table, "contact", "\"unilateral\" is not simulated yet");
-  }
-  RefuseAll(table, {"preload_n"});
   if (table.Has("contact_area_m2")) return ReadSkinUnderArea(table);
   for (const std::string_view key : {"law", "range"}) {
     if (table.Has(key))
@@ -153,9 +122,24 @@ SineDrive ReadDrive(TomlTable& table) {
           .frequency_hz = Positive(table, "frequency_hz", Dimension::kFrequency)};
 }
 
+void ReadDemand(TomlTable& table, Scene& scene) {
+  if (table.Has("tolerance")) {
+    scene.tolerance = table.Require("tolerance", Dimension::kNone);
+    if (!(scene.tolerance >= kLeastTolerance && scene.tolerance < 1)) {
+      table.Refuse("tolerance", fmt::format("is not {:g} to 1", kLeastTolerance),
+                   "it is relative: 1e-3 asks for three digits");
+    }
+  }
+  const std::vector<std::string> names(kAskedQuantityNames.begin(), kAskedQuantityNames.end());
+  if (const auto quantity = table.Choice("quantity", names)) {
+    scene.quantity =
+        static_cast<AskedQuantity>(std::ranges::find(names, *quantity) - names.begin());
+  }
+}
+
 void ReadRun(TomlTable* table, Scene& scene) {
   if (table == nullptr) return;
-  RefuseAll(*table, {"tolerance", "quantity"});
+  ReadDemand(*table, scene);
   if (table->Has("duration_s")) {
     scene.duration_s = Positive(*table, "duration_s", Dimension::kTime);
     if (*scene.duration_s > kLongestRunS) {
@@ -228,21 +212,26 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
   return sensor;
 }
 
-// an effect that is off is what this version simulates, and so is the coil's inductance
-void ReadEffects(TomlTable& root) {
-  if (root.KindOf("effects") == TomlKind::kText) {
-    RefuseUnsimulated(root, "effects", "\"auto\" is not simulated yet");
-    return;
+// gravity may take the mover onto its stop or the bodies off the skin before anything moves
+void RefuseImpossibleRest(TomlTable& root, TomlTable& skin, const Scene& scene) {
+  if (scene.effects[Effect::kGravity] == Wish::kOff) return;
+  const double sag_m = MoverSag(scene);
+  if (scene.effects[Effect::kTravelStops] != Wish::kOff) {
+    const TravelStops& stops = *scene.effects.travel_stops;
+    TomlTable& table = *root.Table("travel_stops");
+    if (!(std::min(stops.gap_up_m - sag_m, stops.gap_down_m + sag_m) > 0)) {
+      const std::string_view way = sag_m > 0 ? "gap_up_m" : "gap_down_m";
+      table.Refuse(table.Has("gap_m") ? "gap_m" : way,
+                   fmt::format("is no more than the {:.3g} um that gravity moves the mover",
+                               std::abs(sag_m) * 1e6),
+                   "the motion would begin on the stop");
+    }
   }
-  TomlTable* effects = root.Table("effects");
-  if (effects == nullptr) return;
-  for (const std::string_view key : {"gravity", "travel_stops", "stiffening", "contact_loss",
-                                     "tremor", "coil_heating", "inductance"}) {
-    const TomlKind kind = effects->KindOf(key);
-    if (kind == TomlKind::kAbsent) continue;
-    const bool simulated = key == "inductance";
-    if (kind == TomlKind::kFlag && effects->Flag(key) == simulated) continue;
-    RefuseUnsimulated(*effects, key, simulated ? "can only be true yet" : "can only be false yet");
+  if (scene.effects[Effect::kContactLoss] == Wish::kOff) return;
+  if (!(scene.effects.contact_loss->preload_n + Weight(scene) > 0)) {
+    skin.Refuse("preload_n",
+                fmt::format("does not carry the bodies' {:.3g} N of weight", -Weight(scene)),
+                "they would fall off the skin");
   }
 }
 
@@ -259,11 +248,11 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   Result<StatedActuator> stated = StatedActuator{};
   if (actuator_table != nullptr) stated = ReadActuatorTable(*actuator_table, where);
   scene.adapter = ReadAdapter(root->Table("adapter"));
+  scene.effects = ReadEffects(*root, skin_table);
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
   if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table);
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
-  ReadEffects(*root);
   RefuseAll(*root, {"mounting"});
 
   // a misspelt key explains a missing table, so missing ones are told last
@@ -281,6 +270,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   scene.actuator = *actuator;
   scene.actuator_covariance = RelativeCovariance(*stated);
   RefuseUnrealActuator(*actuator_table, scene.actuator);
+  RefuseImpossibleRest(*root, *skin_table, scene);
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   return scene;
 }

@@ -117,30 +117,87 @@ TEST(SceneFile, TakesEffectsThatAreOff) {
             600);
 }
 
-constexpr const char* kThisVersion =
-    "; this version simulates linear scenes with a sine drive and bilateral contact";
+TEST(SceneFile, ReadsEffectsAndTheirConstants) {
+  const Scene scene =
+      Read(kActuator + kDrive + kSkin +
+           "contact = 'unilateral'\npreload_n = 0.07\n[effects]\ngravity = true\ntravel_stops = "
+           "'auto'\n[gravity]\nacceleration_m_per_s2 = -9.8\n[travel_stops]\ngap_up_m = '0.3mm'\n"
+           "restitution = 0.5\n[run]\ntolerance = 1e-6\nquantity = 'mover_peak_m'\n");
+  EXPECT_EQ(scene.effects[Effect::kGravity], Wish::kOn);
+  EXPECT_EQ(scene.effects[Effect::kTravelStops], Wish::kAuto);
+  EXPECT_EQ(scene.effects[Effect::kContactLoss], Wish::kOn);
+  EXPECT_EQ(scene.effects[Effect::kInductance], Wish::kOn);
+  EXPECT_EQ(scene.effects.gravity_m_per_s2, -9.8);
+  EXPECT_EQ(scene.effects.travel_stops->gap_up_m, 0.3e-3);
+  EXPECT_EQ(scene.effects.travel_stops->gap_down_m, TravelStops::kNone);
+  EXPECT_EQ(scene.effects.travel_stops->restitution, 0.5);
+  EXPECT_EQ(scene.effects.contact_loss->preload_n, 0.07);
+  EXPECT_EQ(scene.tolerance, 1e-6);
+  EXPECT_EQ(scene.quantity, AskedQuantity::kMoverPeak);
+}
 
-// what the format knows and this version does not simulate: refused by name, never ignored
-TEST(SceneFile, RefusesWhatItDoesNotSimulate) {
+TEST(SceneFile, AutoForAllAsksAboutWhatHasConstants) {
+  const Scene scene =
+      Read("effects = 'auto'\n" + kCone +
+           "[travel_stops]\ngap_m = '1mm'\nstiffness_n_per_m = 1e6\ndamping_n_s_per_m = 2\n");
+  EXPECT_EQ(scene.effects[Effect::kInductance], Wish::kAuto);
+  EXPECT_EQ(scene.effects[Effect::kTravelStops], Wish::kAuto);
+  EXPECT_EQ(scene.effects[Effect::kGravity], Wish::kOff);
+  EXPECT_EQ(scene.effects[Effect::kContactLoss], Wish::kOff);
+  EXPECT_EQ(scene.effects.travel_stops->damping_n_s_per_m, 2);
+}
+
+TEST(SceneFile, TellsWhatIsWrongWithEffects) {
   const std::vector<std::pair<std::string, std::string>> cases = {
-      {kCone + "[effects]\ngravity = true\n", "[effects]: gravity: can only be false yet"},
-      {kCone + "[effects]\ntravel_stops = 'auto'\n",
-       "[effects]: travel_stops: can only be false yet"},
-      {kCone + "[effects.tremor]\nrms_m = 1e-4\n", "[effects]: tremor: can only be false yet"},
-      {kCone + "[effects]\ninductance = false\n", "[effects]: inductance: can only be true yet"},
-      {"effects = 'auto'\n" + kCone, "effects: \"auto\" is not simulated yet"},
-      {kCone + "[mounting]\nkind = 'grounded'\n", "mounting: is not simulated yet"},
-      {kCone + "[run]\ntolerance = 1e-6\n", "[run]: tolerance: is not simulated yet"},
-      {kCone + "[run]\nquantity = 'skin_rms_m'\n", "[run]: quantity: is not simulated yet"},
-      {kActuator + kDrive + kSkin + "contact = 'unilateral'\n",
-       "[skin]: contact: \"unilateral\" is not simulated yet"},
-      {kActuator + kDrive + kSkin + "preload_n = 0.07\n",
-       "[skin]: preload_n: is not simulated yet"},
-      {kActuator + kSkin + "[drive]\nkind = 'chirp'\n",
-       "[drive]: kind: \"chirp\" is not simulated yet"}};
+      {"[effects]\ntravel_stops = true\n",
+       "[effects]: travel_stops: needs [travel_stops] with gap_m; docs/notation.md lists the "
+       "constants"},
+      {"[effects]\ncontact_loss = 'auto'\n",
+       "[effects]: contact_loss: needs preload_n in [skin]; docs/notation.md lists the constants"},
+      {"[effects]\ngravity = 'maybe'\n",
+       "[effects]: gravity: \"maybe\" is not known; use one of auto"},
+      {"[effects.travel_stops]\ngap_m = '1mm'\n",
+       "[effects]: travel_stops: is a table; its constants stand in [travel_stops]"},
+      {"[effects]\ngravitation = true\n",
+       "[effects]: key gravitation is not known; did you mean gravity?"},
+      {"[travel_stops]\nrestitution = 0.5\n",
+       "[travel_stops]: gap_m: is missing; give gap_m, or gap_up_m, gap_down_m or both"},
+      {"[travel_stops]\ngap_m = '1mm'\nrestitution = 1.5\n",
+       "[travel_stops]: restitution: is not 0 to 1; speed after over speed before the impact"},
+      {"[travel_stops]\ngap_m = '1mm'\ngap_up_m = '1mm'\nrestitution = 0\n",
+       "[travel_stops]: gap_up_m: stands beside gap_m; give one or the other"},
+      {"[travel_stops]\ngap_m = '1mm'\nrestitution = 0\nstiffness_n_per_m = 1e5\n",
+       "[travel_stops]: restitution: is of rigid stops, which have no stiffness_n_per_m; give one "
+       "or the other"},
+      {"[travel_stops]\ngap_m = '1mm'\nrestitution = 0\ndamping_n_s_per_m = 1\n",
+       "[travel_stops]: damping_n_s_per_m: stands without stiffness_n_per_m; a rigid stop has "
+       "restitution instead"},
+      {"[gravity]\nacceleration_m_per_s2 = 0\n",
+       "[gravity]: acceleration_m_per_s2: is 0; leave gravity out"},
+      {"[run]\ntolerance = 2\n",
+       "[run]: tolerance: is not 1e-11 to 1; it is relative: 1e-3 asks for three digits"},
+      {"[run]\nquantity = 'skin'\n",
+       "[run]: quantity: \"skin\" is not known; use one of skin_rms_m, skin_waveform_m, "
+       "mover_peak_m, current_rms_a"},
+      {"[effects]\ntremor = true\n", "[effects]: tremor: is not simulated yet; leave it out"},
+      {"[effects]\ngravity = true\ntravel_stops = true\n[travel_stops]\ngap_m = '4um'\n"
+       "restitution = 0\n",
+       "[travel_stops]: gap_m: is no more than the 4.9 um that gravity moves the mover; the motion "
+       "would begin on the stop"},
+      {"[mounting]\nkind = 'grounded'\n",
+       "mounting: is not simulated yet; this version simulates "
+       "a sine drive"}};
   for (const auto& [text, message] : cases) {
-    EXPECT_EQ(WithoutLine(ErrorOf(text)), "scene.toml: " + message + kThisVersion) << text;
+    EXPECT_EQ(WithoutLine(ErrorOf(kCone + text)), "scene.toml: " + message) << text;
   }
+  EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive + kSkin + "contact = 'unilateral'\n")),
+            "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/notation.md lists the "
+            "constants");
+  EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive + kSkin +
+                                "contact = 'bilateral'\npreload_n = 1\n[effects]\n"
+                                "contact_loss = true\n")),
+            "scene.toml: [skin]: contact: \"bilateral\" contradicts contact_loss in [effects]; "
+            "remove one of the two");
 }
 
 TEST(SceneFile, TellsTheLineOfAFault) {
