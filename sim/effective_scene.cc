@@ -1,5 +1,7 @@
 #include "sim/effective_scene.h"
 
+#include <algorithm>
+
 #include "base/check.h"
 #include "sim/scene_mode.h"
 
@@ -35,6 +37,14 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
     if (gravity) loss.preload_n += Weight(scene);
   }
   return effective;
+}
+
+bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady) {
+  const auto& [stops, loss] = scene.piecewise;
+  const double room = 1 - steady.error_estimate;
+  const bool clear =
+      !stops || steady.mover_peak_m < room * std::min(stops->gap_up_m, stops->gap_down_m);
+  return clear && (!loss || steady.skin_force_peak_n < room * loss->preload_n);
 }
 
 }  // namespace haptometer::sim

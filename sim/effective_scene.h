@@ -3,6 +3,7 @@
 #include "sim/effects.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene.h"
+#include "sim/steady_state.h"
 
 namespace haptometer::sim {
 
@@ -22,5 +23,9 @@ struct EffectiveScene {
 /// as it is and moves what limits it: gap_up - s, gap_down + s, preload + weight. The constants of
 /// every chosen effect must be there, gaps and preload positive with gravity in them.
 [[nodiscard]] EffectiveScene WithEffects(const Scene& scene, EffectSet on);
+
+/// Whether the linear steady motion stays clear of stops and keeps contact: then it is a motion of
+/// the scene with them, too. By the amplitudes of travel and skin force, exact under a sine.
+[[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady);
 
 }  // namespace haptometer::sim

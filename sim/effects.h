@@ -54,6 +54,8 @@ struct Effects {
 
   [[nodiscard]] Wish& operator[](Effect effect) { return wishes[PlaceOf(effect)]; }
   [[nodiscard]] Wish operator[](Effect effect) const { return wishes[PlaceOf(effect)]; }
+  /// Whether the scene says anything but "the coil has its inductance, nothing else".
+  [[nodiscard]] bool Asked() const { return wishes != Effects{}.wishes; }
 };
 
 }  // namespace haptometer::sim

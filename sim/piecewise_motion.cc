@@ -290,6 +290,13 @@ Eigen::VectorXd PiecewiseMotion::Positions() const {
   return mode.positions * now_.x;
 }
 
+Eigen::VectorXd PiecewiseMotion::Rates() const {
+  const Mode& mode = system_.modes[mode_];
+  const Eigen::VectorXd rates = mode.a * now_.x + mode.b * (drive_.amplitude_v * now_.drive[0]);
+  if (mode.positions.size() == 0) return rates;
+  return mode.positions * rates;
+}
+
 double PiecewiseMotion::StoredNow() const {
   return Quadratic(system_.modes[mode_].stored_j, now_.x);
 }

@@ -83,6 +83,8 @@ class PiecewiseMotion {
   [[nodiscard]] std::size_t mode() const { return mode_; }
   /// The mode's positions x: what all modes have in common.
   [[nodiscard]] Eigen::VectorXd Positions() const;
+  /// Their rates by time.
+  [[nodiscard]] Eigen::VectorXd Rates() const;
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
   /// The balance up to here; needs `with_energy`.
   [[nodiscard]] EnergyLedger Ledger() const;

@@ -11,13 +11,24 @@
 #include <utility>
 
 #include "base/check.h"
+#include "sim/effective_scene.h"
 #include "sim/linear_model.h"
+#include "sim/played_motion.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
 
 namespace haptometer::sim {
 
-trial::Displacement MotionOf(const Scene& scene, SensorTarget target) {
+trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
+  EffectSet on;
+  for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
+    on[k] = stated.effects.wishes[k] != Wish::kOff;
+  }
+  const EffectiveScene effective = WithEffects(stated, on);
+  if (effective.piecewise.stops || effective.piecewise.contact_loss) {
+    return PlayedMotion(effective, target);
+  }
+  const Scene& scene = effective.scene;
   const LinearModel model = AssembleModel(scene);
   const Eigen::Index state = StateOf(model, target);
   // steady: Im(X exp(j w t)) as one sine
@@ -53,7 +64,8 @@ namespace {
 trial::Metadata Describe(const Scene& scene) {
   const Sensor& sensor = *scene.sensor;
   trial::Metadata metadata;
-  metadata.source = fmt::format("simulated: linear scene, exact solution, start from {}",
+  metadata.source = fmt::format("simulated: {}, exact solution, start from {}",
+                                scene.effects.Asked() ? "scene with effects" : "linear scene",
                                 StartOf(scene) == Start::kRest ? "rest" : "steady state");
   metadata.sensor = "sensor model";
   metadata.head = sensor.head.name;

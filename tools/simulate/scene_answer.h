@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/result.h"
+#include "sim/effect_choice.h"
 #include "sim/scene.h"
 #include "sim/steady_state.h"
 
@@ -19,13 +20,22 @@ struct WindowAnswer {
 /// What a scene comes to.
 struct SceneAnswer {
   sim::Scene scene;
-  sim::SteadyState steady;
+  std::optional<sim::SteadyState> steady;  ///< absent: not known, as `no_steady_because` says
+  std::string no_steady_because;
   double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
   std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
+  /// What became of its effects, and the run that they were decided by; absent where the scene
+  /// names none.
+  std::optional<sim::EffectChoice> effects;
 };
 
+/// The time over which a scene's effects are decided: the run, or ten periods of the drive.
+[[nodiscard]] double DecidingDuration(const sim::Scene& scene);
+
 /// Solves the scene; `where` names it in errors.
-/// Error (Cause::kCannotAnswer): an undamped resonance, where there is no steady state.
+/// Errors (Cause::kCannotAnswer): an undamped resonance, where there is no steady state; events
+/// without end; a run too long to play; a scene without a duration whose steady motion is limited
+/// by stops or lost contact.
 [[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
 
 }  // namespace haptometer::tools

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "sim/sensor_model.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/simulate/effect_lines.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_output.h"
 #include "tools/simulated_channel.h"
@@ -34,12 +36,22 @@ struct SimulateOptions {
   std::string output;
   bool overwrite = false;
   std::optional<Quantity> duration_s;
+  std::optional<Quantity> tolerance;
+  std::string quantity;
+  bool explain = false;
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/notation.md)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Length of the run; beats [run] duration_s");
+  options.Flag("--explain", &wanted.explain,
+               "Tell of each effect whether it is on, why, and what it changes and costs");
+  options.Number("--tolerance", &wanted.tolerance, Dimension::kNone,
+                 "Relative change that effects = \"auto\" may neglect; beats [run] tolerance");
+  options.Choice("--quantity", &wanted.quantity,
+                 {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
+                 "What the tolerance is about; beats [run] quantity");
   options.Text("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
 }
@@ -90,7 +102,20 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
 // The scene with what the command line says over it.
 Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
   auto scene = sim::ReadSceneFile(wanted.scene_path);
-  if (!scene || !wanted.duration_s) return scene;
+  if (!scene) return scene;
+  if (!wanted.quantity.empty()) {
+    const auto* const place = std::ranges::find(sim::kAskedQuantityNames, wanted.quantity);
+    scene->quantity = static_cast<sim::AskedQuantity>(place - sim::kAskedQuantityNames.begin());
+  }
+  if (wanted.tolerance) {
+    scene->tolerance = wanted.tolerance->value;
+    if (!(scene->tolerance >= sim::kLeastTolerance && scene->tolerance < 1)) {
+      return Usage("--tolerance",
+                   fmt::format("{:g} is not {:g} to 1", scene->tolerance, sim::kLeastTolerance),
+                   "it is relative: 1e-3 asks for three digits");
+    }
+  }
+  if (!wanted.duration_s) return scene;
   const double duration_s = wanted.duration_s->value;
   if (!(duration_s > 0 && duration_s <= sim::kLongestRunS)) {
     return Usage("--duration", fmt::format("{:g} s is not between 0 and 1e6 s", duration_s),
@@ -98,6 +123,14 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
   }
   scene->duration_s = duration_s;
   return scene;
+}
+
+// also of a scene that names no effects
+std::string Explanation(const SceneAnswer& solved) {
+  const sim::Scene& scene = solved.scene;
+  const sim::EffectChoice choice =
+      solved.effects ? *solved.effects : sim::ChooseEffects(scene, DecidingDuration(scene));
+  return ExplainText(scene, choice, TryEffects(scene, choice));
 }
 
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
@@ -109,7 +142,9 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
     cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
                                    *scene->duration_s));
   }
-  SimulateAnswer answer{.scene_path = wanted.scene_path, .solved = *solved, .trial_path = {}};
+  SimulateAnswer answer{
+      .scene_path = wanted.scene_path, .solved = *solved, .trial_path = {}, .explanation = {}};
+  if (wanted.explain) answer.explanation = Explanation(*solved);
   if (wanted.output.empty()) return answer;
   if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
   answer.trial_path = wanted.output;

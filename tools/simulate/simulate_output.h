@@ -11,7 +11,8 @@ namespace haptometer::tools {
 struct SimulateAnswer {
   std::string scene_path;
   SceneAnswer solved;
-  std::string trial_path;  ///< empty: none written
+  std::string trial_path;   ///< empty: none written
+  std::string explanation;  ///< the table of --explain; empty: not asked for
 };
 
 /// What the numbers rest on, one sentence each.
