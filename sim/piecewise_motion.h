@@ -83,6 +83,8 @@ class PiecewiseMotion {
   [[nodiscard]] std::size_t mode() const { return mode_; }
   /// The mode's positions x: what all modes have in common.
   [[nodiscard]] Eigen::VectorXd Positions() const;
+  /// The coil's current there, also where it is no state.
+  [[nodiscard]] double CurrentA() const;
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
   /// The balance up to here; needs `with_energy`.
   [[nodiscard]] EnergyLedger Ledger() const;
