@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "sim/linear_model.h"
 #include "sim/piecewise_motion.h"
 #include "sim/piecewise_scene.h"
 #include "tests/sim/thesis_scenes.h"
@@ -31,8 +32,8 @@ Scene Undamped() {
 double ImbalanceAfter(double cycles, const PiecewiseEffects& effects) {
   const Scene scene = Undamped();
   Eigen::VectorXd initial = Eigen::VectorXd::Zero(7);
-  initial(1) = 1e-3;
-  initial(6) = 0.2;
+  initial(LinearModel::kMover) = 1e-3;
+  initial(5) = 0.2;  // vs
   PiecewiseMotion motion(AssemblePiecewise(scene, effects), scene.drive, {.x = initial}, 1e4, true);
   const auto outputs = static_cast<std::uint64_t>(cycles / kHertz * 1e4);
   double worst = 0;

@@ -109,9 +109,11 @@ StatedActuator ReadActuator(TomlTable& table) {
   RefuseUnlessPositive(table, "moving_mass_kg", stated.moving_mass_kg);
   RefuseUnlessPositive(table, "case_mass_kg", stated.case_mass_kg);
   RefuseUnlessPositive(table, "resistance_ohm", stated.resistance_ohm);
-  RefuseUnlessPositive(table, "inductance_h", stated.inductance_h);
   RefuseUnlessPositive(table, "stiffness_n_per_m", stated.stiffness_n_per_m);
   RefuseUnlessPositive(table, "force_constant_n_per_a", stated.force_constant_n_per_a);
+  if (stated.inductance_h.value < 0) {
+    table.Refuse("inductance_h", "must not be negative", "check its sign");
+  }
   if (stated.damping_n_s_per_m && stated.damping_n_s_per_m->value < 0) {
     table.Refuse("damping_n_s_per_m", "must not be negative", "check its sign");
   }

@@ -25,7 +25,7 @@ struct Actuator {
   double damping_n_s_per_m = 0;       ///< Bv >= 0, between moving mass and case
   double force_constant_n_per_a = 0;  ///< Km > 0; the same number in V s/m is the back EMF
   double resistance_ohm = 0;          ///< R > 0
-  double inductance_h = 0;            ///< L > 0
+  double inductance_h = 0;            ///< L >= 0; 0: the coil has none
 };
 
 /// An actuator as somebody states it: with standard uncertainties ("1.40(3)g"), and possibly
@@ -65,7 +65,7 @@ using ActuatorCovariance = std::array<std::array<double, 7>, 7>;
 ///   [correlation] Mv_Kv and any other pair of kActuatorSymbols in that order       (optional)
 ///
 /// Errors: the file's (base/input_file.h), an unknown or unreadable key, a value that is not
-/// positive (damping: negative), a correlation beyond -1 to 1.
+/// positive (damping, inductance: negative), a correlation beyond -1 to 1.
 [[nodiscard]] Result<StatedActuator> FindActuator(const std::string& name_or_path);
 
 /// The keys above out of a table that is already open; the table's Finish() tells the errors.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/piecewise_linear.h"
+
 namespace haptometer::sim {
 
 namespace {
@@ -33,6 +35,12 @@ Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd&
   generator(n, n + 1) = omega;
   generator(n + 1, n) = -omega;
   return generator;
+}
+
+Eigen::MatrixXd InputRows(const SineDrive& drive, Eigen::Index n) {
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kInputs, n + 2);
+  rows(kVoltage, n) = drive.amplitude_v;
+  return rows;
 }
 
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {

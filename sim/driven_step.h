@@ -18,6 +18,9 @@ namespace haptometer::sim {
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
                                               const SineDrive& drive);
 
+/// (kInputs, n + 2): the inputs u (piecewise_linear.h) out of z = [x, sin w t, cos w t], (n) x.
+[[nodiscard]] Eigen::MatrixXd InputRows(const SineDrive& drive, Eigen::Index n);
+
 /// [sin w t, cos w t], the phase from the whole number of cycles on: exact to rounding at any time.
 [[nodiscard]] Eigen::Vector2d DriveAt(double frequency_hz, long double t_s);
 

@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <numeric>
 
+#include "sim/driven_step.h"
 #include "sim/matrix_exponential.h"
+#include "sim/scene_mode.h"
 
 namespace haptometer::sim {
 
@@ -62,20 +64,20 @@ double EnergyLedger::Imbalance() const {
 StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& squared_rows,
                       const Eigen::MatrixXd& generator, const SineDrive& drive, double h_s) {
   const Eigen::Index n = mode.a.rows();
-  std::vector<Eigen::MatrixXd> forms;
-  forms.reserve(1 + mode.dissipating.size() + squared_rows.size());
+  // [x, u] = from z
+  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n + kInputs, n + 2);
+  from.topLeftCorner(n, n).setIdentity();
+  from.bottomRows(kInputs) = InputRows(drive, n);
+
   // v i, made symmetric
-  Eigen::MatrixXd input = Eigen::MatrixXd::Zero(n + 2, n + 2);
-  input.row(n).head(n) = drive.amplitude_v / 2 * mode.current_row;
-  input.col(n).head(n) = input.row(n).head(n).transpose();
-  forms.push_back(input);
+  const Eigen::RowVectorXd voltage = from.row(n + kVoltage);
+  const Eigen::RowVectorXd current =
+      mode.current_row * from.topRows(n) + mode.current_per_volt * voltage;
+  const Eigen::MatrixXd half = voltage.transpose() * current / 2;
+  std::vector<Eigen::MatrixXd> forms{half + half.transpose()};
+  forms.reserve(1 + mode.dissipating.size() + squared_rows.size());
   for (const Eigen::MatrixXd& power : mode.dissipating) {
-    Eigen::MatrixXd form;
-    if (power.size() > 0) {
-      form.setZero(n + 2, n + 2);
-      form.topLeftCorner(n, n) = power;
-    }
-    forms.push_back(form);
+    forms.push_back(power.size() > 0 ? FormIn(power, from.topRows(power.rows())) : power);
   }
   for (const Eigen::RowVectorXd& positions_row : squared_rows) {
     const Eigen::RowVectorXd row =

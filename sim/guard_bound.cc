@@ -67,8 +67,8 @@ GuardBound::GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorX
       row_(row.transpose()),
       offset_(offset),
       derivatives_(4, generator.rows()) {
-  const Eigen::Index n = row.size();
-  derivatives_.row(0) << row, 0, 0;
+  const Eigen::Index n = row.size() - 2;
+  derivatives_.row(0) = row;
   for (Eigen::Index k = 1; k < 4; ++k) derivatives_.row(k) = derivatives_.row(k - 1) * generator;
   const Eigen::MatrixXd largest = LargestOver(generator, derivatives_.row(2), horizon_s);
   second_bound_ = largest.leftCols(n).transpose();
@@ -76,12 +76,12 @@ GuardBound::GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorX
 }
 
 GuardJet GuardBound::Jet(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const {
-  const Eigen::Index n = row_.size();
+  const Eigen::Index n = x.size();
   GuardJet jet{};
   const Eigen::Vector4d values = derivatives_.leftCols(n) * x + derivatives_.rightCols(2) * drive;
   Eigen::Vector4d::Map(jet.data()) = values;
   // the value as Value() rounds it, so that all decisions see one number
-  jet[0] = Value(x);
+  jet[0] = Value(x, drive);
   return jet;
 }
 
@@ -99,7 +99,7 @@ GuardBounds GuardBound::Bounds(const Eigen::VectorXd& x) {
 }
 
 double GuardBound::Noise(const Eigen::VectorXd& x) const {
-  return std::ldexp(row_.cwiseAbs().dot(x.cwiseAbs()) + std::abs(offset_), -44);
+  return std::ldexp(row_.head(x.size()).cwiseAbs().dot(x.cwiseAbs()) + std::abs(offset_), -44);
 }
 
 }  // namespace haptometer::sim

@@ -48,11 +48,13 @@ class GuardBound {
   /// The longest horizon that set-up covers with 256 points of the grid: 64 / |G|_1, balanced.
   [[nodiscard]] static double LongestHorizon(const Eigen::MatrixXd& generator);
 
-  /// `row` has the entries of x alone. Cost: horizon |G|_1 / 16 us or so.
+  /// `row` has the entries of z. Cost: horizon |G|_1 / 16 us or so.
   GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorXd& row, double offset,
              double horizon_s);
 
-  [[nodiscard]] double Value(const Eigen::VectorXd& x) const { return row_.dot(x) + offset_; }
+  [[nodiscard]] double Value(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const {
+    return row_.head(x.size()).dot(x) + row_.tail<2>().dot(drive) + offset_;
+  }
   [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const;
   /// M2 alone, from the state at the interval's beginning.
   [[nodiscard]] double SecondBound(const Eigen::VectorXd& x) const {
@@ -60,13 +62,13 @@ class GuardBound {
   }
   /// All three. M3 and M4 are set up when first asked for.
   [[nodiscard]] GuardBounds Bounds(const Eigen::VectorXd& x);
-  /// What rounding may make of a value that is zero: 2^-44 of the sum's terms.
+  /// What rounding may make of a value that is zero: 2^-44 of the sum's terms in x.
   [[nodiscard]] double Noise(const Eigen::VectorXd& x) const;
 
  private:
   Eigen::MatrixXd generator_;
   double horizon_s_;
-  Eigen::VectorXd row_;
+  Eigen::VectorXd row_;  // (n + 2)
   double offset_;
   Eigen::MatrixXd derivatives_;           // (4, n + 2): row G^k
   Eigen::VectorXd second_bound_;          // (n): beta_2

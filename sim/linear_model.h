@@ -7,31 +7,40 @@
 
 namespace haptometer::sim {
 
-/// The linear model x' = A x + B v, states in SI units (A, m, m/s), v the terminal voltage in V.
+/// The linear model x' = A x + B v, states in SI units (m, m/s, A), v the terminal voltage in V.
 ///
-/// With an adapter (n = 7):     x = [i, xv, vv, xa, va, xs, vs]
-/// without an adapter (n = 5):  x = [i, xv, vv, xa, va], and xa is the skin's position too.
-/// i: coil current; v, a, s: moving mass, motor case, skin contact; each x its displacement from
-/// rest, each v its velocity. Lindsay 2013, equations 2.1-2.4 as in matrix 2.5, that is with the
-/// reaction +Km i on the case, which equation 2.3 as printed leaves out (without it the force pair
-/// would not balance and energy would not be conserved).
+/// With an adapter (n = 7):     x = [xv, vv, xa, va, xs, vs, i]
+/// without an adapter (n = 5):  x = [xv, vv, xa, va, i], and xa is the skin's position too.
+/// v, a, s: moving mass, motor case, skin contact; each x its displacement from rest, each v its
+/// velocity; i: coil current. Lindsay 2013, equations 2.1-2.4 as in matrix 2.5 (there the current
+/// is the first state), that is with the reaction +Km i on the case, which equation 2.3 as printed
+/// leaves out (without it the force pair would not balance and energy would not be conserved).
+///
+/// A coil without inductance has no state: n = 6 and 4. Its current follows from the others,
+///
+///   i = (v + Km (vv - va)) / R,
+///
+/// which is a damper Km^2/R between mover and case and a force Km v / R on the case.
 struct LinearModel {
-  Eigen::MatrixXd a;  ///< (n, n)
-  Eigen::VectorXd b;  ///< (n): [1/L, 0, ...]
+  Eigen::MatrixXd a;               ///< (n, n)
+  Eigen::VectorXd b;               ///< (n): 1/L in the current's row, or what Km v / R does
+  Eigen::RowVectorXd current_row;  ///< (n): i = current_row x + current_per_volt v
+  double current_per_volt = 0;     ///< 1/R without inductance, else 0
 
   // which state is what
-  static constexpr Eigen::Index kCurrent = 0;
-  static constexpr Eigen::Index kMover = 1;
-  static constexpr Eigen::Index kMoverVelocity = 2;
-  static constexpr Eigen::Index kCase = 3;
-  static constexpr Eigen::Index kCaseVelocity = 4;
+  static constexpr Eigen::Index kMover = 0;
+  static constexpr Eigen::Index kMoverVelocity = 1;
+  static constexpr Eigen::Index kCase = 2;
+  static constexpr Eigen::Index kCaseVelocity = 3;
+  static constexpr Eigen::Index kMostStates = 7;
   [[nodiscard]] Eigen::Index states() const { return a.rows(); }
-  [[nodiscard]] Eigen::Index skin() const { return states() == 7 ? 5 : kCase; }
+  [[nodiscard]] Eigen::Index skin() const { return states() >= 6 ? 4 : kCase; }
   [[nodiscard]] Eigen::Index skin_velocity() const { return skin() + 1; }
 };
 
-/// Assembles the states that the bodies need. The actuator must be complete, its masses, resistance
-/// and inductance positive; stiffnesses and dampings may be zero (a free case: skin {0, 0}).
+/// Assembles the states that the bodies need. The actuator must be complete, its masses and
+/// resistance positive; inductance, stiffnesses and dampings may be zero (a free case: skin {0,
+/// 0}).
 [[nodiscard]] LinearModel AssembleModel(const Actuator& actuator,
                                         const std::optional<Adapter>& adapter, const Skin& skin);
 

@@ -58,9 +58,12 @@ const StepEnergy& ModeStepper::Energy(int level) {
 std::vector<GuardBound>& ModeStepper::Guards() {
   if (guards_.size() == mode_->guards.size()) return guards_;
   guards_.reserve(mode_->guards.size());
+  const Eigen::Index n = mode_->a.rows();
   for (const Guard& guard : mode_->guards) {
-    guards_.emplace_back(generator_, guard.row, guard.offset,
-                         std::ldexp(step_s_, -coarsest_level_));
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n + 2);
+    if (guard.feed.size() > 0) row = guard.feed * InputRows(*drive_, n);
+    row.head(n) = guard.row;
+    guards_.emplace_back(generator_, row, guard.offset, std::ldexp(step_s_, -coarsest_level_));
   }
   return guards_;
 }

@@ -34,11 +34,16 @@ struct Transition {
   std::optional<Bounce> bounce{};
 };
 
-/// A mode holds while row x + offset >= 0, a gap or a contact force.
+/// What acts from outside, u = [v]: the terminal voltage.
+inline constexpr Eigen::Index kVoltage = 0;
+inline constexpr Eigen::Index kInputs = 1;
+
+/// A mode holds while row x + feed u + offset >= 0, a gap or a contact force.
 struct Guard {
   Eigen::RowVectorXd row;  ///< (n)
   double offset = 0;
   std::size_t transition = 0;
+  Eigen::RowVectorXd feed{};  ///< (kInputs); empty: none
 };
 
 /// x' = A x + b v with the drive's voltage v; a constant force is a state that stays 1.
@@ -51,10 +56,12 @@ struct Mode {
   Eigen::VectorXd b;          ///< (n)
   Eigen::MatrixXd positions;  ///< (outputs, n): what is handed out; empty: x itself
   std::vector<Guard> guards{};
-  Eigen::MatrixXd stored_j;        ///< (n, n) symmetric: stored energy x' S x in J
-  Eigen::RowVectorXd current_row;  ///< (n): the current in A, so that v times it is the power in
-  /// For each of the system's dissipating elements, (n, n) symmetric or empty where it rests: the
-  /// power x' D x in W.
+  Eigen::MatrixXd stored_j;  ///< (n, n) symmetric: stored energy x' S x in J
+  /// (n): the current in A is current_row x + current_per_volt v, and v times it the power in
+  Eigen::RowVectorXd current_row;
+  double current_per_volt = 0;
+  /// For each of the system's dissipating elements, the power x' D x in W: (n, n) symmetric, or
+  /// empty where it rests. (n + kInputs, n + kInputs): of [x, u] in place of x.
   std::vector<Eigen::MatrixXd> dissipating{};
 };
 

@@ -60,11 +60,11 @@ void PiecewiseMotion::Next() {
   Reanchor();
 }
 
-// the whole output step in one judgement that needs neither slopes nor the drive
+// the whole output step in one judgement that needs no slopes
 bool PiecewiseMotion::ClearAtOnce(const Point& end) {
   const double h_s = 1 / rate_hz_;
   return std::ranges::all_of(Stepper().Guards(), [&](const GuardBound& guard) {
-    const double least = std::min(guard.Value(now_.x), guard.Value(end.x));
+    const double least = std::min(guard.Value(now_.x, now_.drive), guard.Value(end.x, end.drive));
     return least > guard.SecondBound(now_.x) * h_s * h_s / 8;
   });
 }
@@ -183,7 +183,7 @@ std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Po
   if (jet[0] < 0) return 0;
   const GuardJet end_jet = bound.Jet(end.x, end.drive);
   const double h_s = std::ldexp(static_cast<double>(ticks), -kFinestLevel) / rate_hz_;
-  const auto above = [&](const Point& point) { return bound.Value(point.x) >= 0; };
+  const auto above = [&](const Point& point) { return bound.Value(point.x, point.drive) >= 0; };
   switch (Judge(jet, end_jet, bound.Bounds(now_.x), h_s)) {
     case GuardVerdict::kClear:
       return {};
@@ -219,7 +219,7 @@ PiecewiseMotion::Ahead PiecewiseMotion::LookAhead(const Point& end, std::uint64_
 void PiecewiseMotion::Forget() {
   if (!departure_) return;
   const GuardBound& bound = Stepper().Guards()[departure_->guard];
-  if (bound.Value(now_.x) > bound.Noise(now_.x)) departure_.reset();
+  if (bound.Value(now_.x, now_.drive) > bound.Noise(now_.x)) departure_.reset();
 }
 
 void PiecewiseMotion::Fire(std::size_t guard) {
@@ -295,6 +295,11 @@ Eigen::VectorXd PiecewiseMotion::Rates() const {
   const Eigen::VectorXd rates = mode.a * now_.x + mode.b * (drive_.amplitude_v * now_.drive[0]);
   if (mode.positions.size() == 0) return rates;
   return mode.positions * rates;
+}
+
+double PiecewiseMotion::CurrentA() const {
+  const Mode& mode = system_.modes[mode_];
+  return mode.current_row.dot(now_.x) + mode.current_per_volt * drive_.amplitude_v * now_.drive[0];
 }
 
 double PiecewiseMotion::StoredNow() const {

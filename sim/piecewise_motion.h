@@ -85,6 +85,8 @@ class PiecewiseMotion {
   [[nodiscard]] Eigen::VectorXd Positions() const;
   /// Their rates by time.
   [[nodiscard]] Eigen::VectorXd Rates() const;
+  /// The coil's current there, also where it is no state.
+  [[nodiscard]] double CurrentA() const;
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
   /// The balance up to here; needs `with_energy`.
   [[nodiscard]] EnergyLedger Ledger() const;

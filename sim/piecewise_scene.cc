@@ -79,12 +79,14 @@ class Assembly {
   }
 
   // `row` is of states whose last is 1; the mode itself may lack that one
-  void AddGuard(Place place, Eigen::RowVectorXd row, std::size_t transition) {
+  void AddGuard(Place place, Eigen::RowVectorXd row, std::size_t transition,
+                const Eigen::RowVectorXd& feed = {}) {
     const Eigen::Index last = row.size() - 1;
     const double offset = row(last);
     row(last) = 0;
     row.conservativeResize(At(place).mode.a.rows());
-    At(place).mode.guards.push_back({.row = row, .offset = offset, .transition = transition});
+    At(place).mode.guards.push_back(
+        {.row = row, .offset = offset, .transition = transition, .feed = feed});
   }
 
   // the guards of the free mode: its gaps, up first
@@ -104,7 +106,7 @@ class Assembly {
         for (const int side : {1, -1}) AddGapGuard(base, side);
         break;
       case StopState::kResting:
-        AddGuard(here, At(here).guards[0], LinkToFree("release", here, 3));
+        AddGuard(here, At(here).guards[0], LinkToFree("release", here, 3), At(here).feed);
         break;
       case StopState::kPressed:
         AddGuard(here, At(here).guards[0], LinkFromPressed(here));

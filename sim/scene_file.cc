@@ -65,7 +65,9 @@ void RefuseUnrealActuator(TomlTable& table, const Actuator& actuator) {
   RefuseUnlessReal(table, "stiffness_n_per_m", actuator.stiffness_n_per_m);
   RefuseUnlessReal(table, "force_constant_n_per_a", actuator.force_constant_n_per_a);
   RefuseUnlessReal(table, "resistance_ohm", actuator.resistance_ohm);
-  RefuseUnlessReal(table, "inductance_h", actuator.inductance_h);
+  if (actuator.inductance_h != 0) {
+    RefuseUnlessReal(table, "inductance_h", actuator.inductance_h);
+  }
   if (actuator.damping_n_s_per_m != 0) {
     RefuseUnlessReal(table, "damping_n_s_per_m", actuator.damping_n_s_per_m);
   }

@@ -18,7 +18,8 @@ void AddStored(const Scene& scene, const LinearModel& model, Mode& mode) {
   const Row mover = Unit(n, LinearModel::kMover), motor = Unit(n, LinearModel::kCase);
   const Row skin = Unit(n, model.skin());
   const Actuator& motor_data = scene.actuator;
-  mode.stored_j = Square(motor_data.inductance_h / 2, Unit(n, LinearModel::kCurrent)) +
+  // without inductance there is no such state, and nothing stored
+  mode.stored_j = Square(motor_data.inductance_h / 2, model.current_row) +
                   Square(motor_data.moving_mass_kg / 2, Unit(n, LinearModel::kMoverVelocity)) +
                   Square(CaseSideMass(scene) / 2, Unit(n, LinearModel::kCaseVelocity)) +
                   Square(motor_data.stiffness_n_per_m / 2, mover - motor) +
@@ -36,20 +37,17 @@ void AddDissipating(const Scene& scene, const LinearModel& model, Mode& mode) {
     return mode.dissipating[static_cast<std::size_t>(element)];
   };
   mode.dissipating.resize(kSceneElements.size());
-  place(SceneElement::kCoil) =
-      Square(scene.actuator.resistance_ohm, Unit(n, LinearModel::kCurrent));
+  Row current = model.current_row;
+  if (model.current_per_volt != 0) {
+    current.conservativeResize(n + kInputs);
+    current.tail(kInputs) = model.current_per_volt * Row::Unit(kInputs, kVoltage);
+  }
+  place(SceneElement::kCoil) = Square(scene.actuator.resistance_ohm, current);
   place(SceneElement::kMover) =
       Square(scene.actuator.damping_n_s_per_m, Unit(n, LinearModel::kMoverVelocity) - motor);
   place(SceneElement::kSkin) = Square(scene.skin.damping_n_s_per_m, skin);
   if (!scene.adapter) return;
   place(SceneElement::kAdapter) = Square(scene.adapter->damping_n_s_per_m, motor - skin);
-}
-
-// with a row and a column of zeros
-Eigen::MatrixXd Grown(const Eigen::MatrixXd& matrix) {
-  Eigen::MatrixXd grown = Eigen::MatrixXd::Zero(matrix.rows() + 1, matrix.cols() + 1);
-  grown.topLeftCorner(matrix.rows(), matrix.cols()) = matrix;
-  return grown;
 }
 
 }  // namespace
@@ -65,7 +63,8 @@ Mode SceneMode(const Scene& scene) {
             .b = model.b,
             .positions = {},
             .stored_j = {},
-            .current_row = Unit(model.states(), LinearModel::kCurrent)};
+            .current_row = model.current_row,
+            .current_per_volt = model.current_per_volt};
   AddStored(scene, model, mode);
   AddDissipating(scene, model, mode);
   return mode;
@@ -73,24 +72,26 @@ Mode SceneMode(const Scene& scene) {
 
 Mode WithConstant(const Mode& mode) {
   const Eigen::Index n = mode.a.rows();
+  // what knows nothing of the new state has zeros there
+  const Eigen::MatrixXd without = Eigen::MatrixXd::Identity(n, n + 1);
   Mode grown = mode;
-  grown.a = Grown(mode.a);
-  grown.b.conservativeResize(n + 1);
-  grown.b(n) = 0;
-  grown.stored_j = Grown(mode.stored_j);
-  grown.current_row.conservativeResize(n + 1);
-  grown.current_row(n) = 0;
-  for (Eigen::MatrixXd& power : grown.dissipating) {
-    if (power.size() > 0) power = Grown(power);
-  }
-  for (Guard& guard : grown.guards) {
-    guard.row.conservativeResize(n + 1);
-    guard.row(n) = 0;
-  }
-  grown.positions = mode.positions.size() > 0 ? mode.positions : Eigen::MatrixXd::Identity(n, n);
-  grown.positions.conservativeResize(Eigen::NoChange, n + 1);
-  grown.positions.col(n).setZero();
+  grown.a = without.transpose() * mode.a * without;
+  grown.b = without.transpose() * mode.b;
+  grown.stored_j = FormIn(mode.stored_j, without);
+  grown.current_row = mode.current_row * without;
+  for (Eigen::MatrixXd& power : grown.dissipating) power = FormIn(power, without);
+  for (Guard& guard : grown.guards) guard.row = (guard.row * without).eval();
+  grown.positions = mode.positions.size() > 0 ? (mode.positions * without).eval() : without;
   return grown;
+}
+
+Eigen::MatrixXd FormIn(const Eigen::MatrixXd& form, const Eigen::MatrixXd& from) {
+  if (form.size() == 0) return form;
+  const Eigen::Index inputs = form.rows() - from.rows();
+  Eigen::MatrixXd whole = Eigen::MatrixXd::Zero(form.rows(), from.cols() + inputs);
+  whole.topLeftCorner(from.rows(), from.cols()) = from;
+  whole.bottomRightCorner(inputs, inputs).setIdentity();
+  return whole.transpose() * form * whole;
 }
 
 }  // namespace haptometer::sim

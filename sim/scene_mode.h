@@ -21,7 +21,8 @@ inline constexpr std::array<std::string_view, 5> kSceneElements{"coil", "mover's
 ///          + Kv (xv - xa)^2/2 + Ka (xa - xs)^2/2 + Ks xs^2/2
 ///   dissipated: R i^2, Bv (vv - va)^2, Ba (va - vs)^2, Bs vs^2
 ///
-/// (without an adapter: s is a, and the adapter's terms are absent). Positions count from static
+/// (without an adapter: s is a, and the adapter's terms are absent; without inductance i is that of
+/// LinearModel). Positions count from static
 /// equilibrium, where gravity and preload are balanced and do not appear.
 [[nodiscard]] Mode SceneMode(const Scene& scene);
 
@@ -30,5 +31,8 @@ inline constexpr std::array<std::string_view, 5> kSceneElements{"coil", "mover's
 
 /// The mode with a last state that is always 1; its own states come first, unchanged.
 [[nodiscard]] Mode WithConstant(const Mode& mode);
+
+/// A form of x (n, n) or of [x, u] as one of y, x = from y, and of u where it was: (n, m) `from`.
+[[nodiscard]] Eigen::MatrixXd FormIn(const Eigen::MatrixXd& form, const Eigen::MatrixXd& from);
 
 }  // namespace haptometer::sim

@@ -48,13 +48,15 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
                SteadyState& steady) {
   const Eigen::VectorXcd& x = steady.phasors;
   const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-  const Complex current = x(LinearModel::kCurrent);
+  steady.current_a =
+      (model.current_row.cast<Complex>() * x).value() + model.current_per_volt * drive.amplitude_v;
   steady.skin_rms_m = std::abs(x(model.skin())) / std::numbers::sqrt2;
   steady.case_rms_m = std::abs(x(LinearModel::kCase)) / std::numbers::sqrt2;
   steady.mover_peak_m = std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
-  steady.current_rms_a = std::abs(current) / std::numbers::sqrt2;
-  steady.power_w = drive.amplitude_v * current.real() / 2;
-  steady.phase_rad = drive.amplitude_v < 0 ? std::arg(-current) : std::arg(current);
+  steady.current_rms_a = std::abs(steady.current_a) / std::numbers::sqrt2;
+  steady.power_w = drive.amplitude_v * steady.current_a.real() / 2;
+  steady.phase_rad =
+      drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
   steady.skin_force_peak_n =
       std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
 }

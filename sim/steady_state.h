@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 
 #include "sim/linear_model.h"
 #include "sim/scene.h"
@@ -11,6 +12,7 @@ namespace haptometer::sim {
 struct SteadyState {
   /// (n) peak phasors X: with v(t) = V sin(w t), state k is Im(X[k] exp(j w t)).
   Eigen::VectorXcd phasors;
+  std::complex<double> current_a;  ///< peak phasor of the coil's current
 
   double skin_rms_m = 0;
   double mover_peak_m = 0;  ///< amplitude of the moving mass's travel in the case, |Xv - Xa|

@@ -53,11 +53,12 @@ Mode InCoordinates(const Mode& base, const Eigen::MatrixXd& to, const Eigen::Mat
             .a = to * base.a * from,
             .b = to * base.b,
             .positions = base.positions * from,
-            .stored_j = from.transpose() * base.stored_j * from,
-            .current_row = base.current_row * from};
+            .stored_j = FormIn(base.stored_j, from),
+            .current_row = base.current_row * from,
+            .current_per_volt = base.current_per_volt};
   mode.dissipating.reserve(base.dissipating.size());
   for (const Eigen::MatrixXd& power : base.dissipating) {
-    mode.dissipating.push_back(power.size() > 0 ? (from.transpose() * power * from).eval() : power);
+    mode.dissipating.push_back(FormIn(power, from));
   }
   return mode;
 }
@@ -122,19 +123,25 @@ StopMode LeavingMode(const TravelStops& stops, const Mode& base, int side) {
 StopMode RestingMode(const Scene& scene, const TravelStops& stops, const Mode& base, int side) {
   StopMode stop = DepthMode(base, StopState::kResting, side, GapOn(stops, side));
   const Eigen::Index n = base.a.rows();
-  // the force that keeps d'' = 0
-  Eigen::RowVectorXd force = stop.mode.a.row(kDepthRate) / InverseMass(scene);
-  const Eigen::MatrixXd held = stop.mode.a + PushColumn(scene, n, side) * force;
+  // the force that keeps d'' = 0, to which a coil without inductance adds at once
+  const Eigen::RowVectorXd force = stop.mode.a.row(kDepthRate) / InverseMass(scene);
+  const double force_per_volt = stop.mode.b(kDepthRate) / InverseMass(scene);
+  const Eigen::VectorXd push = PushColumn(scene, n, side);
+  const Eigen::MatrixXd held = stop.mode.a + push * force;
+  const Eigen::VectorXd held_b = stop.mode.b + push * force_per_volt;
 
   // d and d' are zero and leave
-  std::vector<Eigen::Index> kept{0};
+  std::vector<Eigen::Index> kept;
+  kept.reserve(static_cast<std::size_t>(n));
   for (Eigen::Index k = kCase; k < n; ++k) kept.push_back(k);
   stop.to = stop.to(kept, Eigen::all).eval();
   stop.from = stop.from(Eigen::all, kept).eval();
   stop.mode = InCoordinates(base, stop.to, stop.from);
   stop.mode.a = held(kept, kept);
+  stop.mode.b = held_b(kept);
   stop.mode.name = side > 0 ? "resting up" : "resting down";
   stop.guards = {force(kept).eval()};
+  if (force_per_volt != 0) stop.feed = force_per_volt * Eigen::RowVectorXd::Unit(kInputs, kVoltage);
   return stop;
 }
 

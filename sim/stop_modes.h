@@ -28,6 +28,7 @@ struct StopMode {
   Eigen::MatrixXd from;
   Eigen::VectorXd shift;
   std::vector<Eigen::RowVectorXd> guards{};  ///< of y with its last state 1; none when free
+  Eigen::RowVectorXd feed{};                 ///< of u, to the first of them; empty: none
 };
 
 /// The states that the stops need, free first, on top of `base`, whose last state is 1 and whose

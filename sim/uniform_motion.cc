@@ -41,8 +41,14 @@ Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
   const Eigen::MatrixXd step = DrivenStep(DrivenGenerator(model, drive), 1 / rate_hz);
   const DriveSequence sequence(drive.frequency_hz, start_s, rate_hz);
   switch (model.states()) {
+    case 4:
+      Step<4>(step, sequence, samples);
+      break;
     case 5:
       Step<5>(step, sequence, samples);
+      break;
+    case 6:
+      Step<6>(step, sequence, samples);
       break;
     case 7:
       Step<7>(step, sequence, samples);

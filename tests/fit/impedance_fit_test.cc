@@ -83,7 +83,7 @@ TEST(ImpedanceModel, IsTheSolversOfSimWithAFreeCase) {
                                        std::log(kKm * kKm / mass), std::log(kR), kL};
   for (const double hz : {20.0, 150.0, 225.0, 405.0, 410.9, 415.0, 600.0, 3000.0}) {
     const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 5, .frequency_hz = hz}, {});
-    const Complex z = 5.0 / steady.phasors(sim::LinearModel::kCurrent);
+    const Complex z = 5.0 / steady.current_a;
     const Complex own = ImpedanceAt(parameters, hz).ohm;
     EXPECT_ABS(std::abs(own - z) / std::abs(z), 0.0, 1e-13, "rounding of both");
   }

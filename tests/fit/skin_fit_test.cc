@@ -51,7 +51,7 @@ Complex SimResponse(const Truth& truth, DriveQuantity drive, double hz) {
   const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 1, .frequency_hz = hz}, skin);
   const Complex displacement = steady.phasors(model.skin());
   const bool by_current = drive == DriveQuantity::kCurrent;
-  return by_current ? displacement / steady.phasors(sim::LinearModel::kCurrent) : displacement;
+  return by_current ? displacement / steady.current_a : displacement;
 }
 
 std::vector<double> Spaced(double first, double last, int count) {

@@ -36,10 +36,38 @@ TEST(LinearModel, CouplesCoilAndBodiesReciprocally) {
   const double mv = scene.actuator.moving_mass_kg;
   const double mc1 = scene.actuator.case_mass_kg + scene.adapter->motor_side_mass_kg;
   const double l = scene.actuator.inductance_h;
-  EXPECT_EQ(model.a(0, 2) * l, -model.a(2, 0) * mv);
-  EXPECT_REL(model.a(0, 4) * l, -model.a(4, 0) * mc1, 2e-16, "rounding");
-  EXPECT_EQ(model.b(0) * l, 1);
-  EXPECT_EQ(model.b.tail(6), Eigen::VectorXd::Zero(6));
+  EXPECT_EQ(model.a(6, 1) * l, -model.a(1, 6) * mv);
+  EXPECT_REL(model.a(6, 3) * l, -model.a(3, 6) * mc1, 2e-16, "rounding");
+  EXPECT_EQ(model.b(6) * l, 1);
+  EXPECT_EQ(model.b.head(6), Eigen::VectorXd::Zero(6));
+}
+
+// Without inductance the coil is a damper Km^2/R and a force Km v/R, and its current is no state.
+TEST(LinearModel, WithoutInductanceHasNoStateForTheCurrent) {
+  Scene scene = tests::AdapterScene();
+  const Eigen::Index with = AssembleModel(scene).states();
+  scene.actuator.inductance_h = 0;
+  const LinearModel model = AssembleModel(scene);
+  EXPECT_EQ(model.states(), with - 1);
+  EXPECT_EQ(model.skin(), 4);
+  const Actuator& motor = scene.actuator;
+  Actuator damped = motor;
+  damped.damping_n_s_per_m += motor.force_constant_n_per_a * motor.force_constant_n_per_a / 27;
+  damped.inductance_h = 1;  // what its coil does stays in the seventh state
+  const Eigen::MatrixXd expected = AssembleModel(damped, scene.adapter, scene.skin).a;
+  EXPECT_ABS((model.a - expected.topLeftCorner(6, 6)).cwiseAbs().maxCoeff(), 0, 2e-13,
+             "rounding of entries up to 4e3 1/s");
+  EXPECT_REL(model.b(1) * motor.moving_mass_kg, -motor.force_constant_n_per_a / 27, 3e-16,
+             "rounding");
+  EXPECT_REL(model.b(3) * 0.85e-3, motor.force_constant_n_per_a / 27, 3e-16, "rounding");
+  // R i = v - Km (va - vv)
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(6, 0.3, -1.7);
+  EXPECT_REL(model.current_row.dot(x) + model.current_per_volt * 5, (5 - (x(3) - x(1))) / 27, 5e-16,
+             "rounding");
+  // four states suffice without an adapter
+  scene.adapter.reset();
+  EXPECT_EQ(AssembleModel(scene).states(), 4);
+  EXPECT_EQ(AssembleModel(scene).skin(), LinearModel::kCase);
 }
 
 // Without springs, dampers and current every body keeps its velocity.
@@ -59,7 +87,7 @@ TEST(LinearModel, WithoutAnAdapterHasTheCaseOnTheSkin) {
   EXPECT_EQ(StateOf(model, SensorTarget::kSkin), StateOf(model, SensorTarget::kCase));
   EXPECT_EQ(StateOf(model, SensorTarget::kMover), LinearModel::kMover);
   const LinearModel with = AssembleModel(tests::AdapterScene());
-  EXPECT_EQ(StateOf(with, SensorTarget::kSkin), 5);
+  EXPECT_EQ(StateOf(with, SensorTarget::kSkin), 4);
   EXPECT_EQ(StateOf(with, SensorTarget::kCase), LinearModel::kCase);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -54,12 +55,19 @@ TravelStops Compliant(double gap_m, double stiffness_n_per_m, double damping_n_s
           .damping_n_s_per_m = damping_n_s_per_m};
 }
 
+Scene WithoutInductance(Scene scene) {
+  scene.actuator.inductance_h = 0;
+  return scene;
+}
+
 double LargestTravel(const Eigen::MatrixXd& samples) {
   return (samples.row(LinearModel::kMover) - samples.row(LinearModel::kCase)).cwiseAbs().maxCoeff();
 }
 
 TEST(PiecewiseScene, EffectsThatAreNeverReachedLeaveNoTrace) {
-  for (const Scene& linear : {FromRest(AdapterScene()), FromRest(tests::DirectScene())}) {
+  for (const Scene& linear : {FromRest(AdapterScene()), FromRest(tests::DirectScene()),
+                              WithoutInductance(FromRest(AdapterScene())),
+                              WithoutInductance(FromRest(tests::DirectScene()))}) {
     const Eigen::MatrixXd off = SamplesOf(linear, {}, 1000);
     const LinearModel model = AssembleModel(linear);
     EXPECT_EQ(off, UniformMotion(model, linear.drive, Eigen::VectorXd::Zero(model.states()), 0, 1e4,
@@ -116,6 +124,41 @@ TEST(PiecewiseScene, StopsAndBreakingContactTogetherAgreeWithFiftyDigits) {
                   tests::kBothEventsS, tests::kBothState);
 }
 
+// As the inductance goes, its motion becomes that without: events as well, in proportion to L/R.
+TEST(PiecewiseScene, WithoutInductanceIsTheLimitOfASmallOne) {
+  const PiecewiseEffects effects{.stops = Rigid(0.3e-3, 0), .contact_loss = ContactLoss{0.07}};
+  const auto events = [&](double inductance_h) {
+    Scene scene = FromRest(AdapterScene());
+    scene.actuator.inductance_h = inductance_h;
+    PiecewiseMotion motion(AssemblePiecewise(scene, effects), scene.drive, PiecewiseStartOf(scene),
+                           1e4);
+    RunTo(motion, 200);
+    return motion.events();
+  };
+  const std::vector<Event> without = events(0);
+  EXPECT_GT(without.size(), 10U);
+  for (const double inductance_h : {1e-6, 1e-8}) {
+    const std::vector<Event> with = events(inductance_h);
+    ASSERT_EQ(with.size(), without.size());
+    for (std::size_t k = 0; k < with.size(); ++k) {
+      EXPECT_EQ(with[k].transition, without[k].transition);
+      EXPECT_ABS(with[k].time_s, without[k].time_s, 30 * inductance_h / 27,
+                 "the current lags by L/R, which each event passes on");
+    }
+  }
+}
+
+// The ledger's coil is R i^2 of the current that follows from speed and voltage.
+TEST(PiecewiseScene, WithoutInductanceTheCurrentIsReported) {
+  const Scene scene = WithoutInductance(FromRest(tests::DirectScene()));
+  PiecewiseMotion motion(AssemblePiecewise(scene, {}), scene.drive, PiecewiseStartOf(scene), 1e4);
+  RunTo(motion, 77);
+  const double volt = 5 * std::sin(2 * std::numbers::pi * 225 * 77e-4);
+  const double back_v =
+      motion.x()(LinearModel::kCaseVelocity) - motion.x()(LinearModel::kMoverVelocity);
+  EXPECT_REL(motion.CurrentA(), (volt - back_v) / 27, 1e-14, "rounding of a difference");
+}
+
 // mover and case alone in space, the mover approaching the upper stop
 Scene Drifting() {
   Scene scene = tests::ConeScene();
@@ -162,14 +205,16 @@ TEST(PiecewiseScene, AStifferStopIsMoreLikeARigidOne) {
   for (const double k : {1e6, 1e8, 1e10}) {
     const Eigen::MatrixXd soft = SamplesOf(scene, {.stops = Compliant(0.3e-3, k, 0)}, 120);
     const double apart =
-        (soft.row(5) - rigid.row(5)).cwiseAbs().maxCoeff() / rigid.row(5).cwiseAbs().maxCoeff();
+        (soft.row(4) - rigid.row(4)).cwiseAbs().maxCoeff() / rigid.row(4).cwiseAbs().maxCoeff();
     EXPECT_LT(apart, 0.2 * before) << k;  // the contact's duration: a tenth for each factor of 100
     before = apart;
   }
 }
 
 TEST(PiecewiseScene, EnergyClosesWhateverHappens) {
-  for (const Scene& scene : {FromRest(AdapterScene()), FromRest(tests::DirectScene())}) {
+  for (const Scene& scene : {FromRest(AdapterScene()), FromRest(tests::DirectScene()),
+                             WithoutInductance(FromRest(AdapterScene())),
+                             WithoutInductance(FromRest(tests::DirectScene()))}) {
     const double travel_m = LargestTravel(SamplesOf(scene, {}, 500));
     const double gap_m = 0.6 * travel_m;
     std::vector<PiecewiseEffects> cases{{}};
@@ -227,7 +272,7 @@ TEST(PiecewiseScene, NothingPassesAStopOrPulls) {
     motion.Next();
     visited |= std::size_t{1} << motion.mode();
     const Eigen::VectorXd x = motion.Positions();
-    EXPECT_LE(std::abs(x(1) - x(3)), 0.3e-3 * (1 + 1e-12));
+    EXPECT_LE(std::abs(x(LinearModel::kMover) - x(LinearModel::kCase)), 0.3e-3 * (1 + 1e-12));
     for (const Guard& guard : motion.system().modes[motion.mode()].guards) {
       EXPECT_GE(guard.row.dot(motion.x()) + guard.offset, -1e-15);
     }
@@ -246,7 +291,7 @@ class RandomScenes {
     scene.drive = {.amplitude_v = Between(0.5, 10), .frequency_hz = Between(20, 600)};
     scene.skin = {.stiffness_n_per_m = Between(200, 3000),
                   .damping_n_s_per_m = Chance(8) ? 0 : Between(0.1, 4)};
-    scene.actuator.inductance_h = Between(1e-6, 1e-3);
+    scene.actuator.inductance_h = Chance(4) ? 0 : Between(1e-6, 1e-3);
     scene.actuator.damping_n_s_per_m = Between(1e-3, 1);
     return scene;
   }

@@ -48,7 +48,7 @@ TEST(Motion, FromRestIsTheTimeResponseAndZeroBefore) {
   const trial::Displacement motion = MotionOf(scene, SensorTarget::kSkin);
   EXPECT_EQ(motion(-1), 0);
   EXPECT_EQ(motion(0), 0);
-  EXPECT_EQ(motion(0.0123), response.StateAt(0.0123)(5));
+  EXPECT_EQ(motion(0.0123), response.StateAt(0.0123)(4));
 }
 
 TEST(Motion, OfALateSensorIsOlder) {

@@ -76,7 +76,7 @@ TEST(SteadyState, TakesThePowerThatItDissipates) {
       const auto half_square = [](std::complex<double> z) { return std::norm(z) / 2; };
       const auto case_velocity = x(LinearModel::kCaseVelocity);
       const auto skin_velocity = x(model.skin_velocity());
-      double heat_w = scene.actuator.resistance_ohm * half_square(x(LinearModel::kCurrent));
+      double heat_w = scene.actuator.resistance_ohm * half_square(steady.current_a);
       heat_w += scene.actuator.damping_n_s_per_m *
                 half_square(x(LinearModel::kMoverVelocity) - case_velocity);
       heat_w += scene.skin.damping_n_s_per_m * half_square(skin_velocity);
@@ -179,12 +179,13 @@ TEST(SteadyState, AtAnUndampedResonanceSaysThatThereIsNone) {
   const double stiffness_n_per_m = 1024, mass_kg = 0.25;
   model.a = Eigen::MatrixXd::Zero(5, 5);
   model.b = Eigen::VectorXd::Zero(5);
+  model.current_row = Eigen::RowVectorXd::Zero(5);
   model.a(0, 0) = -1;
   model.a(1, 1) = -1;
-  model.a(2, 2) = -1;
-  model.a(3, 4) = 1;
-  model.a(4, 3) = -stiffness_n_per_m / mass_kg;
-  model.b(4) = 1;
+  model.a(4, 4) = -1;
+  model.a(2, 3) = 1;
+  model.a(3, 2) = -stiffness_n_per_m / mass_kg;
+  model.b(3) = 1;
   const SineDrive drive{.amplitude_v = 1, .frequency_hz = 64 / (2 * std::numbers::pi)};
   EXPECT_GE(SolveSteadyState(model, drive, Skin{}).error_estimate, 1);
   // a thousandth beside it there is an answer again

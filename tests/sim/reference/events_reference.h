@@ -17,13 +17,13 @@ inline constexpr double kStopsEventsS[] = {
     2.802385229106111942e-2,
     3.0246425167293758627e-2};
 inline constexpr double kStopsState[7] = {
-    3.3623865142687282644e-2,
     9.3718446008112158363e-5,
     -2.2829502102542297505e-1,
     2.8061663550230370335e-5,
     -1.9482534236111635908e-1,
     -2.8418213080130727701e-5,
-    1.2362250327868112922e-1};
+    1.2362250327868112922e-1,
+    3.3623865142687282644e-2};
 
 /// Adapter scene over 0.03125 s: events in s, states at the end.
 inline constexpr double kContactEventsS[] = {
@@ -39,13 +39,13 @@ inline constexpr double kContactEventsS[] = {
     2.7761228354683761995e-2,
     2.9262186967766093041e-2};
 inline constexpr double kContactState[7] = {
-    2.8671775159384798759e-2,
     5.8443235874934834476e-4,
     -1.6393378903999408293e-1,
     -1.0642073519979562536e-4,
     1.0864480482318543755e-2,
     -3.4147284242534745964e-4,
-    5.6879311335143340896e-2};
+    5.6879311335143340896e-2,
+    2.8671775159384798759e-2};
 
 /// Adapter scene over 0.03125 s: events in s, states at the end.
 inline constexpr double kBothEventsS[] = {
@@ -74,12 +74,12 @@ inline constexpr double kBothEventsS[] = {
     3.024594759907773891e-2,
     3.029074676095331625e-2};
 inline constexpr double kBothState[7] = {
-    3.3515962831594644085e-2,
     9.382092240212391757e-5,
     -2.3248014105335861362e-1,
     3.1031997962778758237e-5,
     -1.9609088393398020017e-1,
     -2.3711779624752102151e-5,
-    1.2137689957988746481e-1};
+    1.2137689957988746481e-1,
+    3.3515962831594644085e-2};
 
 }  // namespace haptometer::tests

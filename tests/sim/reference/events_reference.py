@@ -29,7 +29,7 @@ C = {name: mp.mpf(float(text)) for name, text in TEXTS.items()}
 W = 2 * mp.pi * 225
 GAP, E, PRELOAD = mp.mpf(float("0.3e-3")), mp.mpf(float("0.5")), mp.mpf(float("0.07"))
 # z: the seven states, the skin's own position, 1, sin, cos
-I, XV, VV, XA, VA, XS, VS, XP, ONE, SIN, COS = range(11)
+XV, VV, XA, VA, XS, VS, I, XP, ONE, SIN, COS = range(11)
 
 
 def generator(contact):
