@@ -3,6 +3,7 @@
 //   memcpy               the record copied
 //   loop THREADS         a bare loop of arithmetic without memory, in each of THREADS threads
 // Arguments: samples, rate in Hz, order. The buffers are touched before anything is timed.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -63,7 +64,8 @@ class Record {
     const ZeroPhaseBlocks blocks(design_, in_.size(), set);
     const ReadSamples read = ReadFrom(in_);
     std::atomic<std::size_t> next = 0;
-    scratch_.resize(static_cast<std::size_t>(threads));
+    // kept where fewer threads run in between: a larger one's memory counts as touched, too
+    scratch_.resize(std::max(scratch_.size(), static_cast<std::size_t>(threads)));
     std::atomic<std::size_t> mine = 0;
     InThreads(threads, [&] {
       ZeroPhaseBlocks::Scratch& scratch = scratch_[mine++];
