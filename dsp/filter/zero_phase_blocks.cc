@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "base/check.h"
@@ -20,6 +21,8 @@ constexpr std::size_t kMostBlockPieces = 97;
 // read at a time: an eighth of a megabyte, which stays in the processor's second cache
 constexpr std::size_t kReadSamples = 4 * kTileSamples;
 
+constexpr std::size_t kCacheLine = 64;
+
 constexpr std::size_t kPieceSamples = ZeroPhaseBlocks::kPieceSamples;
 static_assert(kLeadInsPerBlock * kTileSamples % kPieceSamples == 0 &&
               kPieceSamples % kReadSamples == 0);
@@ -30,13 +33,22 @@ std::size_t WholeOf(std::size_t samples, std::size_t unit) {
 
 std::size_t WholeTiles(std::size_t samples) { return WholeOf(samples, kTileSamples); }
 
+// the first `count` of `samples` that begin on a multiple of 64 bytes
+std::span<double> AlignedRows(std::span<double> samples, std::size_t count) {
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(samples.data()) % kCacheLine;
+  const std::size_t skipped = (kCacheLine - beyond) % kCacheLine / sizeof(double);
+  return count == 0 ? std::span<double>() : samples.subspan(skipped, count);
+}
+
 std::size_t BlockSize(std::size_t lead_in) {
   const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, kMostBlockPieces * kPieceSamples);
   return std::max(WholeOf(lead_in, kPieceSamples), wanted);
 }
 
+}  // namespace
+
 // reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
-class Continued {
+class ZeroPhaseBlocks::Continued {
  public:
   Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
       : size_(static_cast<std::ptrdiff_t>(size)),
@@ -97,8 +109,6 @@ class Continued {
   const ReadSamples& read_;
 };
 
-}  // namespace
-
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
   HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
   return static_cast<std::size_t>(
@@ -109,7 +119,6 @@ std::size_t RingingSamples(const FilterDesign& design, double remainder) {
 // by being cleared one by one and by being looked up
 std::span<double> ZeroPhaseBlocks::Scratch::Rows(std::size_t count) {
   if (rows_size_ < count) {
-    constexpr std::size_t kCacheLine = 64;
     constexpr std::size_t kHugePage = std::size_t{1} << 21U;
     const bool is_large = count * sizeof(double) > 2 * kHugePage;
     const std::size_t unit = is_large ? kHugePage : kCacheLine;
@@ -144,6 +153,9 @@ Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
   return Filter(Range(block), read, continuation, out, scratch);
 }
 
+// The rows of all but the first two tiles lie in `out` itself: a buffer for them would be memory
+// that every thread touches first, and more than the cache holds. They lie below the samples that
+// are made of them, backward in time, so that none is overwritten before it is read.
 Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
                                      Continuation continuation, std::span<double> out,
                                      Scratch& scratch) const {
@@ -151,13 +163,22 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
   const std::size_t inner = WholeTiles(range.count);
-  const std::span<double> rows = scratch.Rows(inner + lead_in_);
+  const std::size_t head_size = std::min(inner, 2 * kTileSamples);
+  const std::span<double> apart = scratch.Rows(head_size + lead_in_);
+  const std::span<double> head = apart.first(head_size);
+  const std::span<double> beyond = apart.subspan(head_size);
+  const std::span<double> body = AlignedRows(out, inner - head_size);
+  const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
-  auto done = FilterForward(range, read, continuation, rows, {}, scratch, cascade);
+  auto done = LeadIn(range.first, signal, scratch, cascade);
+  if (done) done = FilterForward(range.first, signal, head, scratch, cascade);
+  if (done) done = FilterForward(range.first + head_size, signal, body, scratch, cascade);
+  if (done) done = FilterForward(range.first + inner, signal, beyond, scratch, cascade);
   if (!done) return done;
-  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
-  cascade.AdvanceBackward(rows.subspan(inner));
-  cascade.ProcessBackward(rows.first(inner), out);
+  cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(beyond);
+  cascade.ProcessBackward(body, out.subspan(std::min(head_size, out.size())));
+  cascade.ProcessBackward(head, out.first(std::min(head_size, out.size())));
   return {};
 }
 
@@ -174,20 +195,30 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
   const SampleRange range = Range(block);
   const std::size_t inner = WholeTiles(range.count);
   const std::span<double> rows = scratch.Rows(inner + lead_in_);
+  const std::span<double> beyond = rows.subspan(inner);
   const std::size_t first_piece = range.first / kPieceSamples;
-  std::size_t piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
-  const auto mine = states.subspan(first_piece, piece - first_piece);
+  const std::size_t end_piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
+  const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
-  auto done = FilterForward(range, read, continuation, rows, mine, scratch, cascade);
+  const auto rows_of = [&](const SampleRange& part) {
+    return rows.subspan(part.first - range.first, WholeTiles(part.count));
+  };
+  auto done = LeadIn(range.first, signal, scratch, cascade);
+  for (std::size_t piece = first_piece; done && piece < end_piece; ++piece) {
+    states[piece].forward = cascade.state();
+    const SampleRange part = PieceRange(piece);
+    done = FilterForward(part.first, signal, rows_of(part), scratch, cascade);
+  }
+  if (done) done = FilterForward(range.first + inner, signal, beyond, scratch, cascade);
   if (!done) return done;
-  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
-  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(beyond);
   scratch.piece_.resize(kPieceSamples);
-  while (piece-- > first_piece) {
+  for (std::size_t piece = end_piece; piece-- > first_piece;) {
     states[piece].backward = cascade.state();
     const SampleRange part = PieceRange(piece);
     const auto out = std::span(scratch.piece_).first(part.count);
-    cascade.ProcessBackward(rows.subspan(part.first - range.first, WholeTiles(part.count)), out);
+    cascade.ProcessBackward(rows_of(part), out);
     take(part.first, out);
   }
   return {};
@@ -199,47 +230,38 @@ Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& 
   const SampleRange range = PieceRange(piece);
   HAPTOMETER_CHECK(out.size() == range.count, "{} out for {}", out.size(), range.count);
   const std::span<double> rows = scratch.Rows(WholeTiles(range.count));
-  scratch.read_.resize(kReadSamples);
   const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
   cascade.GoOnFrom(states.forward);
-  for (std::size_t at = 0; at < rows.size();) {
-    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
-    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
-    if (auto done = signal.Read(first, part); !done) return done;
-    cascade.ProcessForward(part, rows.subspan(at, part.size()));
-    at += part.size();
-  }
+  auto done = FilterForward(range.first, signal, rows, scratch, cascade);
+  if (!done) return done;
   cascade.GoOnFrom(states.backward);
   cascade.ProcessBackward(rows, out);
   return {};
 }
 
-Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const ReadSamples& read,
-                                            Continuation continuation, std::span<double> rows,
-                                            std::span<PieceStates> states, Scratch& scratch,
-                                            LaneCascade& cascade) const {
-  const Continued signal(size_, read, continuation);
+Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal, Scratch& scratch,
+                                     LaneCascade& cascade) const {
   scratch.read_.resize(kReadSamples);
-  const std::size_t whole = lead_in_ + rows.size();
-  for (std::size_t at = 0; at < whole;) {
-    const std::size_t end = at < lead_in_ ? lead_in_ : whole;
-    const std::span<double> part = std::span(scratch.read_).first(std::min(kReadSamples, end - at));
-    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
-    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), part); !done) {
-      return done;
-    }
+  const auto begin = static_cast<std::ptrdiff_t>(first) - static_cast<std::ptrdiff_t>(lead_in_);
+  for (std::size_t at = 0; at < lead_in_;) {
+    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, lead_in_ - at));
+    if (auto done = signal.Read(begin + static_cast<std::ptrdiff_t>(at), part); !done) return done;
     if (at == 0) cascade.StartFrom(part.front());
-    if (at < lead_in_) {
-      cascade.AdvanceForward(part);
-    } else {
-      const std::size_t inner = at - lead_in_;
-      const std::size_t piece = inner / kPieceSamples;
-      if (inner % kPieceSamples == 0 && piece < states.size()) {
-        states[piece].forward = cascade.state();
-      }
-      cascade.ProcessForward(part, rows.subspan(inner, part.size()));
-    }
+    cascade.AdvanceForward(part);
+    at += part.size();
+  }
+  return {};
+}
+
+Result<void> ZeroPhaseBlocks::FilterForward(std::size_t first, const Continued& signal,
+                                            std::span<double> rows, Scratch& scratch,
+                                            LaneCascade& cascade) const {
+  scratch.read_.resize(kReadSamples);
+  for (std::size_t at = 0; at < rows.size();) {
+    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
+    if (auto done = signal.Read(static_cast<std::ptrdiff_t>(first + at), part); !done) return done;
+    cascade.ProcessForward(part, rows.subspan(at, part.size()));
     at += part.size();
   }
   return {};

@@ -131,12 +131,14 @@ class ZeroPhaseBlocks {
   void FilterAhead(std::span<const double> before, std::span<double> out, Scratch& scratch) const;
 
  private:
-  // the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on;
-  // `states`, where there are any, get the pieces' states
-  Result<void> FilterForward(const SampleRange& range, const ReadSamples& read,
-                             Continuation continuation, std::span<double> rows,
-                             std::span<PieceStates> states, Scratch& scratch,
-                             LaneCascade& cascade) const;
+  class Continued;
+
+  // runs `cascade` through the lead-in before `first`
+  Result<void> LeadIn(std::size_t first, const Continued& signal, Scratch& scratch,
+                      LaneCascade& cascade) const;
+  // the forward pass goes on from `first`, to `rows`
+  Result<void> FilterForward(std::size_t first, const Continued& signal, std::span<double> rows,
+                             Scratch& scratch, LaneCascade& cascade) const;
 
   LanePlan plan_;
   std::size_t size_;
