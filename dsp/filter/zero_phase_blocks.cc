@@ -63,45 +63,48 @@ class ZeroPhaseBlocks::Continued {
       return out.subspan(static_cast<std::size_t>(from - first),
                          static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
     };
-    Result<void> done = ReadBefore(part(first, std::min<std::ptrdiff_t>(end, 0)), first);
+    Result<void> done = ReadTurned(part(first, std::min<std::ptrdiff_t>(end, 0)), first, 0);
     if (done && inner_end > inner_first) {
       done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
     }
     const std::ptrdiff_t after = std::max(first, size_);
-    if (done) done = ReadAfter(part(after, end), after);
+    if (done) done = ReadTurned(part(after, end), after, size_ - 1);
     return done;
   }
 
  private:
-  // indices first .. first + out.size() - 1, all below 0
-  Result<void> ReadBefore(std::span<double> out, std::ptrdiff_t first) const {
-    return ReadTurned(out, -first, -1, 0);
-  }
-  // the same, all from size_ on
-  Result<void> ReadAfter(std::span<double> out, std::ptrdiff_t first) const {
-    return ReadTurned(out, first - (size_ - 1), 1, size_ - 1);
+  // indices first .. first + out.size() - 1, all beyond the end point at `pivot`
+  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t first, std::ptrdiff_t pivot) const {
+    if (out.empty()) return {};
+    const auto end_value = Sample(pivot);
+    if (!end_value) return std::unexpected(end_value.error());
+    // those of them that turned samples reach, which lie there in turned order
+    const std::ptrdiff_t end = first + std::ssize(out);
+    const std::ptrdiff_t near = std::clamp(pivot - reach_, first, end);
+    const std::ptrdiff_t far = std::clamp(pivot + reach_ + 1, near, end);
+    const auto turned =
+        out.subspan(static_cast<std::size_t>(near - first), static_cast<std::size_t>(far - near));
+    if (!turned.empty()) {
+      const std::ptrdiff_t from = 2 * pivot - (far - 1);
+      if (auto read = read_(static_cast<std::size_t>(from), turned); !read) return read;
+      std::ranges::reverse(turned);
+      for (double& value : turned) value = 2 * *end_value - value;
+    }
+    if (turned.size() == out.size()) return {};
+    const auto last = Sample(first < pivot ? pivot + reach_ : pivot - reach_);
+    if (!last) return std::unexpected(last.error());
+    const double beyond = reach_ == 0 ? *end_value : 2 * *end_value - *last;
+    std::fill(out.begin(), out.begin() + (near - first), beyond);
+    std::fill(out.end() - (end - far), out.end(), beyond);
+    return {};
   }
 
-  // out[k] is `distance` + k `step` samples away from the end point at `pivot`
-  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t distance, std::ptrdiff_t step,
-                          std::ptrdiff_t pivot) const {
-    if (out.empty()) return {};
-    double end_value = 0;
-    if (auto read = read_(static_cast<std::size_t>(pivot), {&end_value, 1}); !read) return read;
-    // the turned samples that are used: those at distances near to far, as far as they reach
-    const std::ptrdiff_t other = distance + step * (std::ssize(out) - 1);
-    const std::ptrdiff_t near = std::min({distance, other, reach_});
-    const std::ptrdiff_t far = std::min(std::max(distance, other), reach_);
-    std::vector<double> turned(static_cast<std::size_t>(far - near + 1));
-    const bool before = pivot == 0 && step < 0;
-    const std::ptrdiff_t first = before ? near : pivot - far;
-    if (auto read = read_(static_cast<std::size_t>(first), turned); !read) return read;
-    for (std::ptrdiff_t k = 0; k < std::ssize(out); ++k) {
-      const std::ptrdiff_t away = std::min(distance + step * k, reach_);
-      const double value = turned[static_cast<std::size_t>(before ? away - near : far - away)];
-      out[static_cast<std::size_t>(k)] = away == 0 ? end_value : 2 * end_value - value;
+  Result<double> Sample(std::ptrdiff_t index) const {
+    double value = 0;
+    if (auto read = read_(static_cast<std::size_t>(index), {&value, 1}); !read) {
+      return std::unexpected(read.error());
     }
-    return {};
+    return value;
   }
 
   std::ptrdiff_t size_;
