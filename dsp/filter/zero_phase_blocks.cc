@@ -54,6 +54,18 @@ class ZeroPhaseBlocks::Continued {
       : size_(static_cast<std::ptrdiff_t>(size)),
         reach_(continuation == Continuation::kOdd ? size_ - 1 : 0),
         read_(read) {}
+  // one in memory, which `read` reads from, too
+  Continued(std::span<const double> signal, const ReadSamples& read, Continuation continuation)
+      : Continued(signal.size(), read, continuation) {
+    in_memory_ = signal;
+  }
+
+  // the whole tiles of the signal that lie in memory from `first` on, at most `count` samples
+  std::span<const double> TilesInMemory(std::size_t first, std::size_t count) const {
+    if (first >= in_memory_.size()) return {};
+    const auto there = in_memory_.subspan(first, std::min(count, in_memory_.size() - first));
+    return there.first(there.size() / kTileSamples * kTileSamples);
+  }
 
   Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
     const std::ptrdiff_t end = first + std::ssize(out);
@@ -110,6 +122,7 @@ class ZeroPhaseBlocks::Continued {
   std::ptrdiff_t size_;
   std::ptrdiff_t reach_;  // how far the signal can be turned about its ends
   const ReadSamples& read_;
+  std::span<const double> in_memory_;
 };
 
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
@@ -156,22 +169,37 @@ Result<void> ZeroPhaseBlocks::Filter(std::size_t block, const ReadSamples& read,
   return Filter(Range(block), read, continuation, out, scratch);
 }
 
-// The rows of all but the first two tiles lie in `out` itself: a buffer for them would be memory
-// that every thread touches first, and more than the cache holds. They lie below the samples that
-// are made of them, backward in time, so that none is overwritten before it is read.
 Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples& read,
                                      Continuation continuation, std::span<double> out,
                                      Scratch& scratch) const {
   HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
+  return Filter(range, Continued(size_, read, continuation), out, scratch);
+}
+
+void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
+                             Continuation continuation, std::span<double> out,
+                             Scratch& scratch) const {
+  const SampleRange range = Range(block);
+  HAPTOMETER_CHECK(signal.size() == size_ && out.size() == range.count, "{} of {}, {} out for {}",
+                   signal.size(), size_, out.size(), range.count);
+  const ReadSamples read = ReadFrom(signal);
+  const auto done = Filter(range, Continued(signal, read, continuation), out, scratch);
+  HAPTOMETER_CHECK(done, "memory cannot fail");
+}
+
+// The rows of all but the first two tiles lie in `out` itself: a buffer for them would be memory
+// that every thread touches first, and more than the cache holds. They lie below the samples that
+// are made of them, backward in time, so that none is overwritten before it is read.
+Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const Continued& signal,
+                                     std::span<double> out, Scratch& scratch) const {
   const std::size_t inner = WholeTiles(range.count);
   const std::size_t head_size = std::min(inner, 2 * kTileSamples);
   const std::span<double> apart = scratch.Rows(head_size + lead_in_);
   const std::span<double> head = apart.first(head_size);
   const std::span<double> beyond = apart.subspan(head_size);
   const std::span<double> body = AlignedRows(out, inner - head_size);
-  const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
   auto done = LeadIn(range.first, signal, scratch, cascade);
   if (done) done = FilterForward(range.first, signal, head, scratch, cascade);
@@ -260,8 +288,11 @@ Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal,
 Result<void> ZeroPhaseBlocks::FilterForward(std::size_t first, const Continued& signal,
                                             std::span<double> rows, Scratch& scratch,
                                             LaneCascade& cascade) const {
+  // a copy would cost a tenth of the time
+  const std::span<const double> tiles = signal.TilesInMemory(first, rows.size());
+  cascade.ProcessForward(tiles, rows.first(tiles.size()));
   scratch.read_.resize(kReadSamples);
-  for (std::size_t at = 0; at < rows.size();) {
+  for (std::size_t at = tiles.size(); at < rows.size();) {
     const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
     if (auto done = signal.Read(static_cast<std::ptrdiff_t>(first + at), part); !done) return done;
     cascade.ProcessForward(part, rows.subspan(at, part.size()));
