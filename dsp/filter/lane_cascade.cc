@@ -82,8 +82,8 @@ LanePlan::LanePlan(const FilterDesign& design, InstructionSet set)
       const std::size_t state = first + lane;
       (state < sections_ ? lanes.output[state] : lanes.step[state - sections_])[lane] = 1;
     }
-    kernel_->filter(design_, Direction::kForward, silence.data(), ringing.data(), silence.data(),
-                    lanes);
+    kernel_->filter(design_, Direction::kForward, silence.data(), ringing.data(),
+                    {silence.data(), ringing.data()}, lanes);
     for (std::size_t lane = 0; lane < kLanes && first + lane < 2 * sections_; ++lane) {
       for (std::size_t k = 0; k < sections_; ++k) {
         handover_[first + lane][k] = lanes.output[k][lane];
@@ -148,9 +148,9 @@ void LaneCascade::ProcessForward(std::span<const double> tiles, std::span<double
     plan_->kernel_->gather(&tiles[tile], rows_.data());
     TakeRows(rows_.data(), Direction::kForward);
     HandOver(Direction::kForward);
+    const std::size_t next = std::min(tile + kTileSamples, rows.size() - kTileSamples);
     plan_->kernel_->filter(plan_->design_, Direction::kForward, rows_.data(), &rows[tile],
-                           &rows[std::min(tile + kTileSamples, rows.size() - kTileSamples)],
-                           lanes_);
+                           {&tiles[next], &rows[next]}, lanes_);
   }
 }
 
@@ -172,8 +172,9 @@ void LaneCascade::ProcessBackward(std::span<const double> rows, std::span<double
     const std::size_t begin = end - kTileSamples;
     TakeRows(&rows[begin], Direction::kBackward);
     HandOver(Direction::kBackward);
+    const std::size_t next = begin - std::min(begin, kTileSamples);
     plan_->kernel_->filter(plan_->design_, Direction::kBackward, &rows[begin], rows_.data(),
-                           &rows[begin - std::min(begin, kTileSamples)], lanes_);
+                           {&rows[next], &out[next]}, lanes_);
     // by way of the cache: a stream for each lane into memory would cost twice as much as one
     plan_->kernel_->scatter(rows_.data(), tile_.data());
     std::copy_n(tile_.begin(), std::min(kTileSamples, out.size() - begin), &out[begin]);

@@ -66,11 +66,18 @@ void StoreStep(const CascadeStep<kShape, Lanes>& step, LaneStates& states, std::
   }
 }
 
+void FetchTwoRegisters(const double* samples) {
+  __builtin_prefetch(samples);
+  if constexpr (2 * Lanes::size() * sizeof(double) > kCacheLine) {
+    __builtin_prefetch(samples + kCacheLine / sizeof(double));
+  }
+}
+
 // Runs 2 Lanes::size() lanes from `first_lane` on: in two registers, because each alone would wait
 // for its own last sample.
 template <FilterKind kKind, int kOrder>
 void RunLanes(const DeltaSection* given, Direction direction, const double* rows, double* out,
-              const double* ahead, LaneStates& states, std::size_t first_lane) {
+              const TilesAhead& ahead, LaneStates& states, std::size_t first_lane) {
   constexpr CascadeShape kShape = ShapeOf(kKind, kOrder);
   DeltaSection sections[kShape.count()];
   for (std::size_t k = 0; k < kShape.count(); ++k) sections[k] = given[k];
@@ -81,10 +88,8 @@ void RunLanes(const DeltaSection* given, Direction direction, const double* rows
   std::ptrdiff_t at = way.first + static_cast<std::ptrdiff_t>(first_lane);
   for (std::size_t n = 0; n < kLaneSamples; ++n) {
     const double* row = rows + at;
-    __builtin_prefetch(ahead + at);
-    if constexpr (2 * Lanes::size() * sizeof(double) > kCacheLine) {
-      __builtin_prefetch(ahead + at + kCacheLine / sizeof(double));
-    }
+    FetchTwoRegisters(ahead.read + at);
+    FetchTwoRegisters(ahead.written + at);
     first.Advance(sections, Load(row)).copy_to(out + at, vector_aligned);
     second.Advance(sections, Load(row + Lanes::size()))
         .copy_to(out + at + Lanes::size(), vector_aligned);
@@ -169,7 +174,7 @@ void WithShape(const FilterDesign& design, const Run& run) {
 }
 
 void Filter(const FilterDesign& design, Direction direction, const double* rows, double* out,
-            const double* ahead, LaneStates& states) {
+            const TilesAhead& ahead, LaneStates& states) {
   WithShape(design, [&]<FilterKind kKind, int kOrder>() {
     for (std::size_t lane = 0; lane < kLanes; lane += 2 * Lanes::size()) {
       RunLanes<kKind, kOrder>(&design.sections.front(), direction, rows, out, ahead, states, lane);

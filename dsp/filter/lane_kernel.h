@@ -30,6 +30,12 @@ struct alignas(64) LaneStates {
   double input_before[kLanes];
 };
 
+/// The tiles that are needed next: what is read and what is written then.
+struct TilesAhead {
+  const double* read;
+  const double* written;
+};
+
 /// The functions of one instruction set. `rows` are kLaneSamples rows of kLanes values, aligned to
 /// 64 bytes: row n holds sample n of each lane, lane j the j-th part of the tile.
 struct LaneKernel {
@@ -37,10 +43,10 @@ struct LaneKernel {
   /// The same, back in order of time.
   void (*scatter)(const double* rows, double* tile);
   /// Runs the cascade through all lanes, each from its first sample to its last or the other way,
-  /// and leaves the states. `out` may be `rows`. The tile at `ahead` is fetched into the cache
+  /// and leaves the states. `out` may be `rows`. The tiles ahead are fetched into the cache
   /// meanwhile.
   void (*filter)(const FilterDesign& design, Direction direction, const double* rows, double* out,
-                 const double* ahead, LaneStates& states);
+                 const TilesAhead& ahead, LaneStates& states);
   /// The states that it would leave, all outputs and steps being 0 before, at a third of the cost:
   ///   state = sum over n of weights[n] m[n]
   /// with m the first section's combination of inputs and weights[n] (a value for each state,

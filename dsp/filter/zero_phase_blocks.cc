@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "base/check.h"
@@ -20,6 +21,8 @@ constexpr std::size_t kMostBlockPieces = 97;
 // read at a time: an eighth of a megabyte, which stays in the processor's second cache
 constexpr std::size_t kReadSamples = 4 * kTileSamples;
 
+constexpr std::size_t kCacheLine = 64;
+
 constexpr std::size_t kPieceSamples = ZeroPhaseBlocks::kPieceSamples;
 static_assert(kLeadInsPerBlock * kTileSamples % kPieceSamples == 0 &&
               kPieceSamples % kReadSamples == 0);
@@ -30,18 +33,39 @@ std::size_t WholeOf(std::size_t samples, std::size_t unit) {
 
 std::size_t WholeTiles(std::size_t samples) { return WholeOf(samples, kTileSamples); }
 
+// the first `count` of `samples` that begin on a multiple of 64 bytes
+std::span<double> AlignedRows(std::span<double> samples, std::size_t count) {
+  const std::size_t beyond = reinterpret_cast<std::uintptr_t>(samples.data()) % kCacheLine;
+  const std::size_t skipped = (kCacheLine - beyond) % kCacheLine / sizeof(double);
+  return count == 0 ? std::span<double>() : samples.subspan(skipped, count);
+}
+
 std::size_t BlockSize(std::size_t lead_in) {
   const std::size_t wanted = std::min(kLeadInsPerBlock * lead_in, kMostBlockPieces * kPieceSamples);
   return std::max(WholeOf(lead_in, kPieceSamples), wanted);
 }
 
+}  // namespace
+
 // reads a signal of `size` samples with its continuation at indices below 0 and from `size` on
-class Continued {
+class ZeroPhaseBlocks::Continued {
  public:
   Continued(std::size_t size, const ReadSamples& read, Continuation continuation)
       : size_(static_cast<std::ptrdiff_t>(size)),
         reach_(continuation == Continuation::kOdd ? size_ - 1 : 0),
         read_(read) {}
+  // one in memory, which `read` reads from, too
+  Continued(std::span<const double> signal, const ReadSamples& read, Continuation continuation)
+      : Continued(signal.size(), read, continuation) {
+    in_memory_ = signal;
+  }
+
+  // the whole tiles of the signal that lie in memory from `first` on, at most `count` samples
+  std::span<const double> TilesInMemory(std::size_t first, std::size_t count) const {
+    if (first >= in_memory_.size()) return {};
+    const auto there = in_memory_.subspan(first, std::min(count, in_memory_.size() - first));
+    return there.first(there.size() / kTileSamples * kTileSamples);
+  }
 
   Result<void> Read(std::ptrdiff_t first, std::span<double> out) const {
     const std::ptrdiff_t end = first + std::ssize(out);
@@ -51,53 +75,55 @@ class Continued {
       return out.subspan(static_cast<std::size_t>(from - first),
                          static_cast<std::size_t>(std::max<std::ptrdiff_t>(to - from, 0)));
     };
-    Result<void> done = ReadBefore(part(first, std::min<std::ptrdiff_t>(end, 0)), first);
+    Result<void> done = ReadTurned(part(first, std::min<std::ptrdiff_t>(end, 0)), first, 0);
     if (done && inner_end > inner_first) {
       done = read_(static_cast<std::size_t>(inner_first), part(inner_first, inner_end));
     }
     const std::ptrdiff_t after = std::max(first, size_);
-    if (done) done = ReadAfter(part(after, end), after);
+    if (done) done = ReadTurned(part(after, end), after, size_ - 1);
     return done;
   }
 
  private:
-  // indices first .. first + out.size() - 1, all below 0
-  Result<void> ReadBefore(std::span<double> out, std::ptrdiff_t first) const {
-    return ReadTurned(out, -first, -1, 0);
-  }
-  // the same, all from size_ on
-  Result<void> ReadAfter(std::span<double> out, std::ptrdiff_t first) const {
-    return ReadTurned(out, first - (size_ - 1), 1, size_ - 1);
+  // indices first .. first + out.size() - 1, all beyond the end point at `pivot`
+  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t first, std::ptrdiff_t pivot) const {
+    if (out.empty()) return {};
+    const auto end_value = Sample(pivot);
+    if (!end_value) return std::unexpected(end_value.error());
+    // those of them that turned samples reach, which lie there in turned order
+    const std::ptrdiff_t end = first + std::ssize(out);
+    const std::ptrdiff_t near = std::clamp(pivot - reach_, first, end);
+    const std::ptrdiff_t far = std::clamp(pivot + reach_ + 1, near, end);
+    const auto turned =
+        out.subspan(static_cast<std::size_t>(near - first), static_cast<std::size_t>(far - near));
+    if (!turned.empty()) {
+      const std::ptrdiff_t from = 2 * pivot - (far - 1);
+      if (auto read = read_(static_cast<std::size_t>(from), turned); !read) return read;
+      std::ranges::reverse(turned);
+      for (double& value : turned) value = 2 * *end_value - value;
+    }
+    if (turned.size() == out.size()) return {};
+    const auto last = Sample(first < pivot ? pivot + reach_ : pivot - reach_);
+    if (!last) return std::unexpected(last.error());
+    const double beyond = reach_ == 0 ? *end_value : 2 * *end_value - *last;
+    std::fill(out.begin(), out.begin() + (near - first), beyond);
+    std::fill(out.end() - (end - far), out.end(), beyond);
+    return {};
   }
 
-  // out[k] is `distance` + k `step` samples away from the end point at `pivot`
-  Result<void> ReadTurned(std::span<double> out, std::ptrdiff_t distance, std::ptrdiff_t step,
-                          std::ptrdiff_t pivot) const {
-    if (out.empty()) return {};
-    double end_value = 0;
-    if (auto read = read_(static_cast<std::size_t>(pivot), {&end_value, 1}); !read) return read;
-    // the turned samples that are used: those at distances near to far, as far as they reach
-    const std::ptrdiff_t other = distance + step * (std::ssize(out) - 1);
-    const std::ptrdiff_t near = std::min({distance, other, reach_});
-    const std::ptrdiff_t far = std::min(std::max(distance, other), reach_);
-    std::vector<double> turned(static_cast<std::size_t>(far - near + 1));
-    const bool before = pivot == 0 && step < 0;
-    const std::ptrdiff_t first = before ? near : pivot - far;
-    if (auto read = read_(static_cast<std::size_t>(first), turned); !read) return read;
-    for (std::ptrdiff_t k = 0; k < std::ssize(out); ++k) {
-      const std::ptrdiff_t away = std::min(distance + step * k, reach_);
-      const double value = turned[static_cast<std::size_t>(before ? away - near : far - away)];
-      out[static_cast<std::size_t>(k)] = away == 0 ? end_value : 2 * end_value - value;
+  Result<double> Sample(std::ptrdiff_t index) const {
+    double value = 0;
+    if (auto read = read_(static_cast<std::size_t>(index), {&value, 1}); !read) {
+      return std::unexpected(read.error());
     }
-    return {};
+    return value;
   }
 
   std::ptrdiff_t size_;
   std::ptrdiff_t reach_;  // how far the signal can be turned about its ends
   const ReadSamples& read_;
+  std::span<const double> in_memory_;
 };
-
-}  // namespace
 
 std::size_t RingingSamples(const FilterDesign& design, double remainder) {
   HAPTOMETER_CHECK(remainder > 0 && remainder < 1, "remainder = {}", remainder);
@@ -109,7 +135,6 @@ std::size_t RingingSamples(const FilterDesign& design, double remainder) {
 // by being cleared one by one and by being looked up
 std::span<double> ZeroPhaseBlocks::Scratch::Rows(std::size_t count) {
   if (rows_size_ < count) {
-    constexpr std::size_t kCacheLine = 64;
     constexpr std::size_t kHugePage = std::size_t{1} << 21U;
     const bool is_large = count * sizeof(double) > 2 * kHugePage;
     const std::size_t unit = is_large ? kHugePage : kCacheLine;
@@ -150,14 +175,41 @@ Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const ReadSamples
   HAPTOMETER_CHECK(range.end() <= size_ && out.size() == range.count, "{} + {} of {}, {} out",
                    range.first, range.count, size_, out.size());
   if (range.count == 0) return {};
+  return Filter(range, Continued(size_, read, continuation), out, scratch);
+}
+
+void ZeroPhaseBlocks::Filter(std::size_t block, std::span<const double> signal,
+                             Continuation continuation, std::span<double> out,
+                             Scratch& scratch) const {
+  const SampleRange range = Range(block);
+  HAPTOMETER_CHECK(signal.size() == size_ && out.size() == range.count, "{} of {}, {} out for {}",
+                   signal.size(), size_, out.size(), range.count);
+  const ReadSamples read = ReadFrom(signal);
+  const auto done = Filter(range, Continued(signal, read, continuation), out, scratch);
+  HAPTOMETER_CHECK(done, "memory cannot fail");
+}
+
+// The rows of all but the first two tiles lie in `out` itself: a buffer for them would be memory
+// that every thread touches first, and more than the cache holds. They lie below the samples that
+// are made of them, backward in time, so that none is overwritten before it is read.
+Result<void> ZeroPhaseBlocks::Filter(const SampleRange& range, const Continued& signal,
+                                     std::span<double> out, Scratch& scratch) const {
   const std::size_t inner = WholeTiles(range.count);
-  const std::span<double> rows = scratch.Rows(inner + lead_in_);
+  const std::size_t head_size = std::min(inner, 2 * kTileSamples);
+  const std::span<double> apart = scratch.Rows(head_size + lead_in_);
+  const std::span<double> head = apart.first(head_size);
+  const std::span<double> beyond = apart.subspan(head_size);
+  const std::span<double> body = AlignedRows(out, inner - head_size);
   LaneCascade cascade(plan_);
-  auto done = FilterForward(range, read, continuation, rows, {}, scratch, cascade);
+  auto done = LeadIn(range.first, signal, scratch, cascade);
+  if (done) done = FilterForward(range.first, signal, head, scratch, cascade);
+  if (done) done = FilterForward(range.first + head_size, signal, body, scratch, cascade);
+  if (done) done = FilterForward(range.first + inner, signal, beyond, scratch, cascade);
   if (!done) return done;
-  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
-  cascade.AdvanceBackward(rows.subspan(inner));
-  cascade.ProcessBackward(rows.first(inner), out);
+  cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(beyond);
+  cascade.ProcessBackward(body, out.subspan(std::min(head_size, out.size())));
+  cascade.ProcessBackward(head, out.first(std::min(head_size, out.size())));
   return {};
 }
 
@@ -174,20 +226,30 @@ Result<void> ZeroPhaseBlocks::FilterPieces(std::size_t block, const ReadSamples&
   const SampleRange range = Range(block);
   const std::size_t inner = WholeTiles(range.count);
   const std::span<double> rows = scratch.Rows(inner + lead_in_);
+  const std::span<double> beyond = rows.subspan(inner);
   const std::size_t first_piece = range.first / kPieceSamples;
-  std::size_t piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
-  const auto mine = states.subspan(first_piece, piece - first_piece);
+  const std::size_t end_piece = first_piece + WholeOf(range.count, kPieceSamples) / kPieceSamples;
+  const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
-  auto done = FilterForward(range, read, continuation, rows, mine, scratch, cascade);
+  const auto rows_of = [&](const SampleRange& part) {
+    return rows.subspan(part.first - range.first, WholeTiles(part.count));
+  };
+  auto done = LeadIn(range.first, signal, scratch, cascade);
+  for (std::size_t piece = first_piece; done && piece < end_piece; ++piece) {
+    states[piece].forward = cascade.state();
+    const SampleRange part = PieceRange(piece);
+    done = FilterForward(part.first, signal, rows_of(part), scratch, cascade);
+  }
+  if (done) done = FilterForward(range.first + inner, signal, beyond, scratch, cascade);
   if (!done) return done;
-  cascade.StartFrom(rows.back());  // the last row's last lane: the last output
-  cascade.AdvanceBackward(rows.subspan(inner));
+  cascade.StartFrom(beyond.back());  // the last row's last lane: the last output
+  cascade.AdvanceBackward(beyond);
   scratch.piece_.resize(kPieceSamples);
-  while (piece-- > first_piece) {
+  for (std::size_t piece = end_piece; piece-- > first_piece;) {
     states[piece].backward = cascade.state();
     const SampleRange part = PieceRange(piece);
     const auto out = std::span(scratch.piece_).first(part.count);
-    cascade.ProcessBackward(rows.subspan(part.first - range.first, WholeTiles(part.count)), out);
+    cascade.ProcessBackward(rows_of(part), out);
     take(part.first, out);
   }
   return {};
@@ -199,47 +261,41 @@ Result<void> ZeroPhaseBlocks::FilterPiece(std::size_t piece, const PieceStates& 
   const SampleRange range = PieceRange(piece);
   HAPTOMETER_CHECK(out.size() == range.count, "{} out for {}", out.size(), range.count);
   const std::span<double> rows = scratch.Rows(WholeTiles(range.count));
-  scratch.read_.resize(kReadSamples);
   const Continued signal(size_, read, continuation);
   LaneCascade cascade(plan_);
   cascade.GoOnFrom(states.forward);
-  for (std::size_t at = 0; at < rows.size();) {
-    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
-    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
-    if (auto done = signal.Read(first, part); !done) return done;
-    cascade.ProcessForward(part, rows.subspan(at, part.size()));
-    at += part.size();
-  }
+  auto done = FilterForward(range.first, signal, rows, scratch, cascade);
+  if (!done) return done;
   cascade.GoOnFrom(states.backward);
   cascade.ProcessBackward(rows, out);
   return {};
 }
 
-Result<void> ZeroPhaseBlocks::FilterForward(const SampleRange& range, const ReadSamples& read,
-                                            Continuation continuation, std::span<double> rows,
-                                            std::span<PieceStates> states, Scratch& scratch,
-                                            LaneCascade& cascade) const {
-  const Continued signal(size_, read, continuation);
+Result<void> ZeroPhaseBlocks::LeadIn(std::size_t first, const Continued& signal, Scratch& scratch,
+                                     LaneCascade& cascade) const {
   scratch.read_.resize(kReadSamples);
-  const std::size_t whole = lead_in_ + rows.size();
-  for (std::size_t at = 0; at < whole;) {
-    const std::size_t end = at < lead_in_ ? lead_in_ : whole;
-    const std::span<double> part = std::span(scratch.read_).first(std::min(kReadSamples, end - at));
-    const auto first = static_cast<std::ptrdiff_t>(range.first + at);
-    if (auto done = signal.Read(first - static_cast<std::ptrdiff_t>(lead_in_), part); !done) {
-      return done;
-    }
+  const auto begin = static_cast<std::ptrdiff_t>(first) - static_cast<std::ptrdiff_t>(lead_in_);
+  for (std::size_t at = 0; at < lead_in_;) {
+    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, lead_in_ - at));
+    if (auto done = signal.Read(begin + static_cast<std::ptrdiff_t>(at), part); !done) return done;
     if (at == 0) cascade.StartFrom(part.front());
-    if (at < lead_in_) {
-      cascade.AdvanceForward(part);
-    } else {
-      const std::size_t inner = at - lead_in_;
-      const std::size_t piece = inner / kPieceSamples;
-      if (inner % kPieceSamples == 0 && piece < states.size()) {
-        states[piece].forward = cascade.state();
-      }
-      cascade.ProcessForward(part, rows.subspan(inner, part.size()));
-    }
+    cascade.AdvanceForward(part);
+    at += part.size();
+  }
+  return {};
+}
+
+Result<void> ZeroPhaseBlocks::FilterForward(std::size_t first, const Continued& signal,
+                                            std::span<double> rows, Scratch& scratch,
+                                            LaneCascade& cascade) const {
+  // a copy would cost a tenth of the time
+  const std::span<const double> tiles = signal.TilesInMemory(first, rows.size());
+  cascade.ProcessForward(tiles, rows.first(tiles.size()));
+  scratch.read_.resize(kReadSamples);
+  for (std::size_t at = tiles.size(); at < rows.size();) {
+    const auto part = std::span(scratch.read_).first(std::min(kReadSamples, rows.size() - at));
+    if (auto done = signal.Read(static_cast<std::ptrdiff_t>(first + at), part); !done) return done;
+    cascade.ProcessForward(part, rows.subspan(at, part.size()));
     at += part.size();
   }
   return {};

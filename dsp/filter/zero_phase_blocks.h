@@ -48,7 +48,8 @@ struct SampleRange {
 /// What the passes of a block remember where its pieces meet may be kept: then each piece can be
 /// filtered again, to the same bytes, without a lead-in.
 ///
-/// Memory: Scratch, block_size() + lead_in() samples: 1.6 MB at 10 kHz, up to 30 MB at 392 kHz.
+/// Memory: Scratch, lead_in() samples or, piece by piece, block_size() + lead_in(): 1.6 MB at
+/// 10 kHz, up to 30 MB at 392 kHz.
 /// Cost: 2.9 + 2.4 lead_in/block_size kernel runs a sample. May be shared by threads, each with a
 /// Scratch of its own.
 class ZeroPhaseBlocks {
@@ -103,10 +104,15 @@ class ZeroPhaseBlocks {
   [[nodiscard]] std::size_t pieces() const { return (size_ + kPieceSamples - 1) / kPieceSamples; }
   [[nodiscard]] SampleRange PieceRange(std::size_t piece) const;
 
-  /// Filters `block` into `out`, which has Range(block).count samples. Errors: those of `read`.
+  /// Filters `block` into `out`, which has Range(block).count samples. Errors: those of `read`;
+  /// `out` then holds nothing of use.
   [[nodiscard]] Result<void> Filter(std::size_t block, const ReadSamples& read,
                                     Continuation continuation, std::span<double> out,
                                     Scratch& scratch) const;
+
+  /// The same of a signal in memory, size() samples, which is read where it lies.
+  void Filter(std::size_t block, std::span<const double> signal, Continuation continuation,
+              std::span<double> out, Scratch& scratch) const;
 
   /// The same piece by piece, the last one first; `states`, one for each of pieces(), has those of
   /// the block filled in.
@@ -131,12 +137,16 @@ class ZeroPhaseBlocks {
   void FilterAhead(std::span<const double> before, std::span<double> out, Scratch& scratch) const;
 
  private:
-  // the forward pass from the lead-in before `range` to the lead-in after it, kept from `range` on;
-  // `states`, where there are any, get the pieces' states
-  Result<void> FilterForward(const SampleRange& range, const ReadSamples& read,
-                             Continuation continuation, std::span<double> rows,
-                             std::span<PieceStates> states, Scratch& scratch,
-                             LaneCascade& cascade) const;
+  class Continued;
+
+  Result<void> Filter(const SampleRange& range, const Continued& signal, std::span<double> out,
+                      Scratch& scratch) const;
+  // runs `cascade` through the lead-in before `first`
+  Result<void> LeadIn(std::size_t first, const Continued& signal, Scratch& scratch,
+                      LaneCascade& cascade) const;
+  // the forward pass goes on from `first`, to `rows`
+  Result<void> FilterForward(std::size_t first, const Continued& signal, std::span<double> rows,
+                             Scratch& scratch, LaneCascade& cascade) const;
 
   LanePlan plan_;
   std::size_t size_;

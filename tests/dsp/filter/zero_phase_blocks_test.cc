@@ -80,6 +80,43 @@ TEST(ZeroPhaseBlocks, ChunksOrderOfBlocksAndThreadsLeaveTheBytes) {
   EXPECT_TRUE(SameBytes(FilterZeroPhase(design, in, Continuation::kOdd, 2), whole));
 }
 
+// the oracle is a block that is filtered piece by piece, to where nothing else lies
+std::vector<double> ByPieces(const ZeroPhaseBlocks& blocks, const std::vector<double>& in) {
+  std::vector<ZeroPhaseBlocks::PieceStates> states(blocks.pieces());
+  std::vector<double> out(in.size());
+  ZeroPhaseBlocks::Scratch scratch;
+  const auto take = [&](std::size_t first, std::span<double> samples) {
+    std::ranges::copy(samples, &out[first]);
+  };
+  EXPECT_TRUE(blocks.FilterPieces(0, ReadFrom(in), Continuation::kOdd, take, states, scratch));
+  return out;
+}
+
+TEST(ZeroPhaseBlocks, ABlockWritesItsOutputOnlyWhereverThatLies) {
+  constexpr double kUntouched = 17;
+  const FilterDesign design = DesignBandPass({3, 100, 300}, 2e3).value();
+  for (const std::size_t tiles : {1UZ, 2UZ, 3UZ, 6UZ}) {
+    for (const std::size_t past : {1UZ, 2UZ, kTileSamples}) {
+      std::vector<double> in = HandHeld(2e3, 13);
+      in.resize((tiles - 1) * kTileSamples + past);
+      const ZeroPhaseBlocks blocks(design, in.size());
+      ASSERT_EQ(blocks.blocks(), 1U);
+      const std::vector<double> expected = ByPieces(blocks, in);
+      ZeroPhaseBlocks::Scratch scratch;
+      for (std::size_t offset = 0; offset < 8; ++offset) {  // from a multiple of 64 bytes
+        std::vector<double> place(in.size() + 8, kUntouched);
+        blocks.Filter(0, in, Continuation::kOdd, std::span(place).subspan(offset, in.size()),
+                      scratch);
+        const auto begin = place.begin() + static_cast<std::ptrdiff_t>(offset);
+        const auto end = begin + std::ssize(in);
+        EXPECT_TRUE(std::ranges::equal(std::span(begin, end), expected)) << tiles << ' ' << offset;
+        EXPECT_EQ(std::count(place.begin(), begin, kUntouched), begin - place.begin());
+        EXPECT_EQ(std::count(end, place.end(), kUntouched), place.end() - end);
+      }
+    }
+  }
+}
+
 TEST(ZeroPhaseBlocks, PiecesAreTheBlocksAndCanBeFilteredAgain) {
   const FilterDesign design = DesignBandPass({3, 20, 300}, 2e3).value();
   const std::vector<double> in = HandHeld(2e3, 140);  // 5 blocks, 9 pieces, the last not whole
