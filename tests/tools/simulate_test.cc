@@ -177,5 +177,65 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
   EXPECT_GT(fs::file_size(Path("kept.bin")), 1000U);
 }
 
+TEST_F(SimulateVerb, PlaysASceneWithStops) {
+  const std::string stops = kFixtures + "/lra_stops.toml";
+  const Outcome outcome = Simulate({stops, "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json answer = json::parse(outcome.out);
+  EXPECT_TRUE(answer.at("skin_rms_m").is_null()) << "the linear steady motion is not reached";
+  EXPECT_TRUE(answer.at("mover_peak_m").is_null());
+  EXPECT_EQ(answer.at("window_rms_m"), answer.at("run").at("skin_rms_m"));
+  // gravity moves the mover by Mv g / Kv = 4.9 um towards one stop
+  EXPECT_REL(answer.at("run").at("mover_peak_m").get<double>(), 0.4e-3 + 1.4e-3 * 9.80665 / 2800,
+             1e-12, "it meets the farther stop");
+  EXPECT_EQ(answer.at("run").at("events").at(0).at("name"), "impact up");
+  EXPECT_LT(answer.at("run").at("energy_imbalance").get<double>(), 1e-9);
+  const json& effects = answer.at("effects");
+  EXPECT_TRUE(effects.at("travel_stops").at("on").get<bool>());
+  EXPECT_FALSE(effects.at("contact_loss").at("on").get<bool>());
+  EXPECT_EQ(effects.at("contact_loss").at("change"), 0);
+  // what a thousandth may neglect, a millionth may not
+  EXPECT_FALSE(effects.at("inductance").at("on").get<bool>());
+  const json exact = json::parse(Simulate({stops, "--tolerance", "1e-6", "--json"}).out);
+  EXPECT_TRUE(exact.at("effects").at("inductance").at("on").get<bool>());
+}
+
+TEST_F(SimulateVerb, ExplainsEachEffect) {
+  const Outcome outcome = Simulate({kFixtures + "/lra_stops.toml", "--explain"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("(tolerance 0.001; runs to decide: 5)"));
+  EXPECT_THAT(outcome.out, HasSubstr("off: never reached, proved between samples too"));
+  EXPECT_THAT(outcome.out, HasSubstr("on: without it the answer changes by 0.0055"));
+  // of a scene that names no effect as well
+  const Outcome linear = Simulate({kFixtures + "/lra_adapter.toml", "--explain"});
+  EXPECT_THAT(linear.out, HasSubstr("no travel limit is given: this may be impossible"));
+  EXPECT_THAT(linear.out, HasSubstr("inductance      6.6e-05"));
+}
+
+// a sensor over the scene sees what the run has
+TEST_F(SimulateVerb, RecordsAMotionWithImpacts) {
+  const std::string scene = Scene(
+      "[sensor]\nkind = 'ideal'\ntarget = 'mover'\n[run]\nduration_s = 0.1\n[effects]\n"
+      "travel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0.5\n");
+  ASSERT_EQ(Simulate({scene, "-o", Path("t.bin")}).status, 0);
+  auto reader = trial::TrialReader::Open(Path("t.bin"));
+  ASSERT_TRUE(reader);
+  EXPECT_THAT(reader->header().metadata.source, HasSubstr("scene with effects"));
+}
+
+TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
+  const std::string limited =
+      Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");
+  const Outcome steady = Simulate({limited});
+  EXPECT_EQ(steady.status, 3);
+  EXPECT_THAT(steady.err, HasSubstr("stops or lost contact limit the steady motion"));
+  EXPECT_THAT(steady.err, HasSubstr("give a duration"));
+  EXPECT_EQ(Simulate({limited, "--duration", "20ms"}).status, 0);
+  EXPECT_EQ(Simulate({limited, "--duration", "20ms", "--tolerance", "2"}).status, 2);
+  const Outcome endless = Simulate({limited, "--duration", "1e6s"});
+  EXPECT_EQ(endless.status, 3);
+  EXPECT_THAT(endless.err, HasSubstr("shorten duration_s to 6.94e+03 s or less"));
+}
+
 }  // namespace
 }  // namespace haptometer::tools

@@ -103,7 +103,7 @@ std::vector<std::string> EffectLines(const sim::Scene& scene, const sim::EffectC
 std::string ExplainText(const sim::Scene& scene, const sim::EffectChoice& choice,
                         const std::vector<EffectTrial>& trials) {
   std::string text = fmt::format(
-      "  effects, by what they do to {} (tolerance {:g}; {} runs to decide):\n"
+      "  effects, by what they do to {} (tolerance {:g}; runs to decide: {}):\n"
       "  {:<13} {:>9} {:>12} {:>12}  {}\n",
       sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)], scene.tolerance,
       choice.runs, "effect", "change", "with", "without", "decision");
