@@ -13,9 +13,9 @@ struct CoilHeating {
   /// alpha, of copper at 20 degrees (IEC 60028: 1/254.45 per K, rounded)
   static constexpr double kCopperPerK = 3.93e-3;
 
-  double heat_capacity_j_per_k = 0;           ///< C > 0
-  double thermal_resistance_k_per_w = 0;      ///< Rth > 0; infinite: no heat leaves
-  double resistance_per_k = kCopperPerK;      ///< alpha >= 0
+  double heat_capacity_j_per_k = 0;       ///< C > 0
+  double thermal_resistance_k_per_w = 0;  ///< Rth > 0; infinite: no heat leaves
+  double resistance_per_k = kCopperPerK;  ///< alpha >= 0
 };
 
 }  // namespace haptometer::sim

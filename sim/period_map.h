@@ -22,7 +22,7 @@ struct PeriodPoint {
 
 /// Means over the time that was played, integrated, not sampled.
 struct PeriodMeans {
-  Eigen::VectorXd mean_squares;  ///< of each of the system's positions (LinearModel's states)
+  Eigen::VectorXd mean_squares;   ///< of each of the system's positions (LinearModel's states)
   double travel_mean_square = 0;  ///< of xv - xa, in m^2
   double power_w = 0;             ///< taken from the source
   Eigen::VectorXd largest;        ///< of |position|, over 64 outputs a period

@@ -20,7 +20,8 @@ struct PeriodicMotion {
   Eigen::VectorXcd multipliers;
   /// All multipliers within the unit circle, by more than their error.
   bool stable = false;
-  double residual = 0;  ///< how far the point returns beside itself, over each state's largest value
+  double residual =
+      0;  ///< how far the point returns beside itself, over each state's largest value
   PeriodMeans means;
 };
 

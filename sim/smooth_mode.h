@@ -36,7 +36,8 @@ class SmoothMode final : public OdeProblem {
   [[nodiscard]] double StoredEnergy(const Eigen::VectorXd& y) const;
 
   /// How large each state becomes within the first period, by the linear part: the magnitudes of
-  /// (s I - A)^-1 (b V + w x0) at s = (0.1 + j) w, with a tenth of damping so that it always exists.
+  /// (s I - A)^-1 (b V + w x0) at s = (0.1 + j) w, with a tenth of damping so that it always
+  /// exists.
   [[nodiscard]] Eigen::VectorXd ScaleFrom(const Eigen::VectorXd& y) const;
   /// The energy that turns over in a radian of the drive at that scale.
   [[nodiscard]] double EnergyScale(const Eigen::VectorXd& scale) const;

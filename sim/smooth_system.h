@@ -12,8 +12,8 @@ namespace haptometer::sim {
 
 /// What the spring does in one mode, in the mode's coordinates: x' = A x + b v - push f(d).
 struct SpringTerms {
-  Eigen::RowVectorXd deflection;     ///< (n): d = row x, in m
-  Eigen::VectorXd push;              ///< (n): x' for a newton that pulls mover and case together
+  Eigen::RowVectorXd deflection;      ///< (n): d = row x, in m
+  Eigen::VectorXd push;               ///< (n): x' for a newton that pulls mover and case together
   std::vector<double> guard_pulls{};  ///< of each guard: g = row x + offset - pull f(d); a guard
                                       ///< that feels the spring is one of a mode where d rests
 };
