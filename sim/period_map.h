@@ -2,11 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <functional>
 #include <optional>
-#include <vector>
 
 #include "sim/piecewise_linear.h"
+#include "sim/piecewise_motion.h"
 #include "sim/scene.h"
 #include "sim/smooth_motion.h"
 #include "sim/smooth_system.h"
@@ -48,14 +47,23 @@ class PeriodMap {
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
+  /// How large each of a point's coordinates becomes within a period (SmoothMode::ScaleFrom).
+  [[nodiscard]] Eigen::VectorXd ScaleOf(const PeriodPoint& point) const;
   /// Relative: 1e-13 of the exact motion, the tolerance of the other.
   [[nodiscard]] double error() const { return error_; }
 
  private:
-  SmoothSystem system_;
+  [[nodiscard]] PiecewiseStart StartOf(const PeriodPoint& point) const;
+  template <typename Motion>
+  [[nodiscard]] std::optional<PeriodStep> Play(Motion& motion, int periods, int outputs,
+                                               bool with_means) const;
+
+  SmoothSystem system_;  // its dissipating elements are followed by the squares that are averaged
   SineDrive drive_;
   std::optional<SmoothSettings> settings_;  // absent: exact
   double error_;
+  std::size_t squares_from_ = 0;
+  Eigen::VectorXd powers_per_square_;
 };
 
 }  // namespace haptometer::sim

@@ -1,12 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "sim/period_map.h"
 
@@ -22,6 +19,8 @@ struct PeriodicMotion {
   bool stable = false;
   double residual =
       0;  ///< how far the point returns beside itself, over each state's largest value
+  /// How far the end of the transient was from it, over each state's largest value.
+  double from_transient = 0;
   PeriodMeans means;
 };
 
@@ -35,9 +34,7 @@ struct PeriodicSearch {
 /// How a periodic motion is searched for.
 struct PeriodicSettings {
   int transient_periods = 200;  ///< before the first shot; doubled twice if nothing is found
-  int newton_steps = 20;
-  /// The map's own relative error, which rules the differences that make its Jacobian.
-  double map_error = 1e-13;
+  int newton_steps = 20;        ///< at most, for each shot
 };
 
 /// The periodic steady state that a motion settles to.
