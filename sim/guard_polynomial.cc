@@ -17,16 +17,21 @@ double ValueAt(const Eigen::VectorXd& coefficients, double u) {
   return value;
 }
 
+// the coefficients in w, u = from + w (to - from): Horner's rule, again and again
+Eigen::VectorXd Seen(Eigen::VectorXd coefficients, double from, double to) {
+  const Eigen::Index n = coefficients.size();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    for (Eigen::Index j = n - 1; j-- > k;) coefficients[j] += from * coefficients[j + 1];
+  }
+  double power = 1;
+  for (Eigen::Index k = 0; k < n; ++k, power *= to - from) coefficients[k] *= power;
+  return coefficients;
+}
+
 // Bernstein coefficients over [from, to]
 Eigen::VectorXd Bernstein(const Eigen::VectorXd& coefficients, double from, double to) {
   const Eigen::Index n = coefficients.size();
-  // Taylor coefficients about `from`, in units of the interval: Horner's rule, again and again
-  Eigen::VectorXd taylor = coefficients;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    for (Eigen::Index j = n - 1; j-- > k;) taylor[j] += from * taylor[j + 1];
-  }
-  double power = 1;
-  for (Eigen::Index k = 0; k < n; ++k, power *= to - from) taylor[k] *= power;
+  const Eigen::VectorXd taylor = Seen(coefficients, from, to);
   // b_i = sum over k <= i of C(i, k) / C(n - 1, k) t_k
   Eigen::VectorXd bernstein(n);
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -80,6 +85,12 @@ std::optional<double> FirstFall(const Eigen::VectorXd& coefficients, double from
     open.push_back({left, middle});
   }
   return {};
+}
+
+double LastAbove(const Eigen::VectorXd& coefficients, double to) {
+  // backwards, the negative stretch before `to` ends where -g falls below zero
+  const std::optional<double> back = FirstFall(-Seen(coefficients, to, 0), 0);
+  return back ? to * (1 - *back) : to;
 }
 
 }  // namespace haptometer::sim

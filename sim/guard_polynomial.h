@@ -17,4 +17,7 @@ namespace haptometer::sim {
 /// stays clear of zero.
 [[nodiscard]] std::optional<double> FirstFall(const Eigen::VectorXd& coefficients, double from);
 
+/// Where in [0, to] the polynomial, negative at `to`, was last not negative; `to` if it never was.
+[[nodiscard]] double LastAbove(const Eigen::VectorXd& coefficients, double to);
+
 }  // namespace haptometer::sim

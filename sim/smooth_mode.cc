@@ -1,6 +1,7 @@
 #include "sim/smooth_mode.h"
 
 #include <Eigen/LU>
+#include <cmath>
 #include <complex>
 #include <numbers>
 
@@ -31,6 +32,11 @@ Eigen::Index SmoothMode::integrals() const {
 // sin and cos of the drive's phase
 Eigen::Vector2d SmoothMode::DriveThen(double t_s) const {
   return DriveAt(drive_.frequency_hz, origin_s_ + static_cast<long double>(t_s));
+}
+
+// rad/s
+double SmoothMode::Pace() const {
+  return 2 * std::numbers::pi * (drive_.frequency_hz > 0 ? drive_.frequency_hz : 1);
 }
 
 // R(theta) - R0
@@ -147,7 +153,7 @@ double SmoothMode::StoredEnergy(const Eigen::VectorXd& y) const {
 
 Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   const Mode& m = mode();
-  const double omega = 2 * std::numbers::pi * drive_.frequency_hz;
+  const double omega = Pace();
   Eigen::MatrixXcd matrix = -m.a.cast<std::complex<double>>();
   matrix.diagonal().array() += std::complex<double>(kGrowth * omega, omega);
   const Eigen::VectorXd source = drive_.amplitude_v * m.b + omega * y.head(n());
@@ -168,7 +174,7 @@ double SmoothMode::EnergyScale(const Eigen::VectorXd& scale) const {
   for (const Eigen::MatrixXd& form : m.dissipating) {
     if (form.size() > 0) power_w += Quadratic(form.cwiseAbs(), x);
   }
-  return power_w / (2 * std::numbers::pi * drive_.frequency_hz) + StoredEnergy(scale);
+  return power_w / Pace() + std::abs(StoredEnergy(scale));
 }
 
 }  // namespace haptometer::sim

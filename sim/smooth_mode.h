@@ -46,6 +46,7 @@ class SmoothMode final : public OdeProblem {
   [[nodiscard]] const Mode& mode() const { return system_->linear.modes[mode_]; }
   [[nodiscard]] Eigen::Index n() const { return mode().a.rows(); }
   [[nodiscard]] Eigen::Vector2d DriveThen(double t_s) const;
+  [[nodiscard]] double Pace() const;
   [[nodiscard]] double ResistanceRise(double theta_k) const;
 
   const SmoothSystem* system_;

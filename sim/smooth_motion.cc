@@ -42,6 +42,15 @@ double LocalTolerance(double tolerance, OdeMethod method) {
   return std::max(part * tolerance, kLeastRelative);
 }
 
+// Where a guard falls below zero; one that may be wrong by `noise` only where it falls that far.
+std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noise) {
+  Eigen::VectorXd raised = coefficients;
+  raised[0] += noise;
+  const std::optional<double> u = FirstFall(raised, 0);
+  if (!u || noise == 0) return u;
+  return LastAbove(coefficients, *u);
+}
+
 }  // namespace
 
 OdeMethod MethodFor(const Mode& mode, const SineDrive& drive, double tolerance) {
@@ -114,7 +123,8 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
   run->solver.Begin({.y = std::move(y),
                      .scale = scale,
                      .integral_scale = energy_j,
-                     .longest_step_s = kLongestStepPeriods / drive_.frequency_hz});
+                     .longest_step_s = kLongestStepPeriods /
+                                       (drive_.frequency_hz > 0 ? drive_.frequency_hz : rate_hz_)});
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
   Arm();
@@ -192,9 +202,7 @@ void SmoothMotion::LookForFall() {
     const Eigen::RowVectorXd& row = system_.linear.modes[mode_].guards[guard].row;
     Eigen::VectorXd coefficients = (row * terms.topRows(row.size())).transpose();
     coefficients[0] = run.problem.Value(guard, terms.col(0));
-    // one that began near zero is an event only where it falls clearly below
-    if (!run.armed[guard]) coefficients[0] += NoiseOf(guard);
-    const std::optional<double> u = FirstFall(coefficients, 0);
+    const std::optional<double> u = FallWithin(coefficients, run.armed[guard] ? 0 : NoiseOf(guard));
     if (!u) continue;
     const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
     if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
