@@ -1,5 +1,6 @@
 #include "sim/period_map.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -15,6 +16,7 @@ namespace {
 
 constexpr double kExactError = 1e-13;
 constexpr int kOutputsPerPeriod = 64;
+constexpr double kUnmoved = 1e-9;
 
 // a last state that is always 1
 bool HasConstant(const Mode& mode) {
@@ -98,8 +100,12 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
     y.conservativeResize(n + 1);
     y(n) = point.x(point.x.size() - 1);
   }
-  const Eigen::VectorXd scale =
-      SmoothMode(system_, point.mode, drive_, false).ScaleFrom(y).cwiseMax(y.cwiseAbs());
+  const SmoothMode mode(system_, point.mode, drive_, false);
+  Eigen::VectorXd scale = mode.ScaleFrom(y).cwiseMax(y.cwiseAbs());
+  // what the coil comes to in the end, not within a period
+  if (system_.heating) scale(n) = std::max(scale(n), mode.LastRise(scale));
+  // what nothing moves
+  scale = (scale.array() > 0).select(scale, kUnmoved);
   return PointOf(point.mode, scale.head(n), system_.heating ? scale(n) : 0).x;
 }
 

@@ -47,7 +47,8 @@ class PeriodMap {
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
-  /// How large each of a point's coordinates becomes within a period (SmoothMode::ScaleFrom).
+  /// How large each of a point's coordinates becomes: within a period (SmoothMode::ScaleFrom), the
+  /// coil's rise in the end; never 0.
   [[nodiscard]] Eigen::VectorXd ScaleOf(const PeriodPoint& point) const;
   /// Relative: 1e-13 of the exact motion, the tolerance of the other.
   [[nodiscard]] double error() const { return error_; }

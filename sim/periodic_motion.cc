@@ -16,8 +16,8 @@ namespace {
 constexpr std::array<int, 3> kPeriods{1, 2, 4};
 constexpr int kTransients = 3;
 constexpr int kMostHalvings = 8;
-// residuals over the map's error: good enough to end Newton's steps, to be a fixed point at all,
-// and to be a point of a shorter period
+// over the map's error: a step that need not be taken, a residual that is a fixed point's, and one
+// that is a shorter period's
 constexpr double kDone = 3;
 constexpr double kFixed = 1e3;
 constexpr double kSame = 1e4;
@@ -28,16 +28,27 @@ class Shooting {
   Shooting(const PeriodMap& map, int periods, const Eigen::VectorXd& scale, std::int64_t& played)
       : map_(map), periods_(periods), scale_(scale), played_(played) {}
 
-  // after Newton's steps; nothing if they lead nowhere
-  std::optional<PeriodPoint> From(PeriodPoint point, int newton_steps) {
+  struct End {
+    PeriodPoint point;
+    Eigen::MatrixXd jacobian;
+    double residual = 0;
+  };
+
+  // after Newton's steps; nothing if they lead nowhere. They end where they become small, not where
+  // the residual does: what decays slowly moves little in a period.
+  std::optional<End> From(PeriodPoint point, int newton_steps) {
     std::optional<Eigen::VectorXd> residual = Residual(point);
-    for (int i = 0; i < newton_steps && residual && Size(*residual) > kDone * map_.error(); ++i) {
-      const std::optional<Eigen::MatrixXd> jacobian = Jacobian(point);
-      if (!jacobian || !TakeStep(*jacobian, point, residual)) break;
+    if (!residual) return {};
+    std::optional<Eigen::MatrixXd> jacobian = Jacobian(point);
+    for (int i = 0; i < newton_steps && jacobian; ++i) {
+      const Eigen::Index n = point.x.size();
+      const Eigen::VectorXd step =
+          (Eigen::MatrixXd::Identity(n, n) - *jacobian).partialPivLu().solve(*residual);
+      if (!(Size(step) > kDone * map_.error()) || !TakeStep(step, point, *residual)) break;
+      jacobian = Jacobian(point);
     }
-    if (!residual || !(Size(*residual) <= kFixed * map_.error())) return {};
-    residual_ = Size(*residual);
-    return point;
+    if (!jacobian || !(Size(*residual) <= kFixed * map_.error())) return {};
+    return End{.point = point, .jacobian = *jacobian, .residual = Size(*residual)};
   }
 
   // dP^k/dx by central differences, in units of the scale
@@ -65,7 +76,6 @@ class Shooting {
     if (!end || end->mode != point.mode) return {};
     return Size((end->x - point.x).cwiseQuotient(scale_));
   }
-  [[nodiscard]] double residual() const { return residual_; }
 
  private:
   static double Size(const Eigen::VectorXd& scaled) { return scaled.cwiseAbs().maxCoeff(); }
@@ -84,21 +94,18 @@ class Shooting {
     return (end->x - point.x).cwiseQuotient(scale_);
   }
 
-  // a step that brings the point nearer to its image; false: there is none
-  bool TakeStep(const Eigen::MatrixXd& jacobian, PeriodPoint& point,
-                std::optional<Eigen::VectorXd>& residual) {
-    const Eigen::Index n = point.x.size();
-    const Eigen::VectorXd step =
-        (Eigen::MatrixXd::Identity(n, n) - jacobian).partialPivLu().solve(*residual);
-    if (!step.allFinite()) return false;
+  // As much of a step as brings the point clearly nearer to its image; false: none does. Where the
+  // residual is the map's own noise already, only the whole of it is tried.
+  bool TakeStep(const Eigen::VectorXd& step, PeriodPoint& point, Eigen::VectorXd& residual) {
+    const int tries = Size(residual) <= kDone * map_.error() ? 1 : kMostHalvings;
     double part = 1;
-    for (int i = 0; i < kMostHalvings; ++i, part /= 2) {
+    for (int i = 0; i < tries; ++i, part /= 2) {
       PeriodPoint moved = point;
       moved.x += part * step.cwiseProduct(scale_);
       const std::optional<Eigen::VectorXd> left = Residual(moved);
-      if (!left || !(Size(*left) < Size(*residual))) continue;
+      if (!left || !(Size(*left) < (1 - part / 2) * Size(residual))) continue;
       point = std::move(moved);
-      residual = left;
+      residual = *left;
       return true;
     }
     return false;
@@ -108,7 +115,6 @@ class Shooting {
   int periods_;
   const Eigen::VectorXd& scale_;
   std::int64_t& played_;
-  double residual_ = 0;
 };
 
 Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
@@ -121,23 +127,22 @@ std::optional<PeriodicMotion> Shoot(const PeriodMap& map, const PeriodPoint& fro
                                     int newton_steps, std::int64_t& played) {
   const Eigen::VectorXd scale = map.ScaleOf(from);
   Shooting shooting(map, periods, scale, played);
-  const std::optional<PeriodPoint> point = shooting.From(from, newton_steps);
-  if (!point) return {};
+  std::optional<Shooting::End> end = shooting.From(from, newton_steps);
+  if (!end) return {};
   if (periods > 1) {
-    const std::optional<double> apart = shooting.ReturnsWithin(*point, periods / 2);
+    const std::optional<double> apart = shooting.ReturnsWithin(end->point, periods / 2);
     if (apart && *apart <= kSame * map.error()) return {};
   }
-  const std::optional<Eigen::MatrixXd> jacobian = shooting.Jacobian(*point);
   played += periods;
-  std::optional<PeriodStep> whole = map.After(*point, periods, true);
-  if (!jacobian || !whole) return {};
-  PeriodicMotion motion{
-      .drive_periods = periods,
-      .point = *point,
-      .multipliers = LargestFirst(jacobian->eigenvalues()),
-      .residual = shooting.residual(),
-      .from_transient = (point->x - from.x).cwiseQuotient(scale).cwiseAbs().maxCoeff(),
-      .means = std::move(*whole->means)};
+  std::optional<PeriodStep> whole = map.After(end->point, periods, true);
+  if (!whole) return {};
+  const Eigen::VectorXd apart = (end->point.x - from.x).cwiseQuotient(scale);
+  PeriodicMotion motion{.drive_periods = periods,
+                        .point = std::move(end->point),
+                        .multipliers = LargestFirst(end->jacobian.eigenvalues()),
+                        .residual = end->residual,
+                        .from_transient = apart.cwiseAbs().maxCoeff(),
+                        .means = std::move(*whole->means)};
   // central differences are wrong by about the step's square
   const double margin = 10 * std::pow(map.error(), 2.0 / 3);
   motion.stable = std::abs(motion.multipliers(0)) < 1 - margin;

@@ -167,6 +167,13 @@ Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   return scale;
 }
 
+double SmoothMode::LastRise(const Eigen::VectorXd& scale) const {
+  const double through_k_per_w = system_->heating->thermal_resistance_k_per_w;
+  if (std::isinf(through_k_per_w)) return 0;
+  const double current = mode().current_row.cwiseAbs().dot(scale.head(n()));
+  return system_->resistance_ohm * current * current * through_k_per_w;
+}
+
 double SmoothMode::EnergyScale(const Eigen::VectorXd& scale) const {
   const Mode& m = mode();
   const Eigen::VectorXd x = scale.head(n());

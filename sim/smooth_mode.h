@@ -39,6 +39,9 @@ class SmoothMode final : public OdeProblem {
   /// (s I - A)^-1 (b V + w x0) at s = (0.1 + j) w, with a tenth of damping so that it always
   /// exists.
   [[nodiscard]] Eigen::VectorXd ScaleFrom(const Eigen::VectorXd& y) const;
+  /// The rise at which the coil would stay under the currents of that scale; 0 where no heat
+  /// leaves.
+  [[nodiscard]] double LastRise(const Eigen::VectorXd& scale) const;
   /// The energy that turns over in a radian of the drive at that scale.
   [[nodiscard]] double EnergyScale(const Eigen::VectorXd& scale) const;
 
