@@ -41,10 +41,7 @@ class Shooting {
     if (!residual) return {};
     std::optional<Eigen::MatrixXd> jacobian = Jacobian(point);
     for (int i = 0; i < newton_steps && jacobian; ++i) {
-      const Eigen::Index n = point.x.size();
-      const Eigen::VectorXd step =
-          (Eigen::MatrixXd::Identity(n, n) - *jacobian).partialPivLu().solve(*residual);
-      if (!(Size(step) > kDone * map_.error()) || !TakeStep(step, point, *residual)) break;
+      if (!TakeStep(*jacobian, point, *residual)) break;
       jacobian = Jacobian(point);
     }
     if (!jacobian || !(Size(*residual) <= kFixed * map_.error())) return {};
@@ -52,9 +49,9 @@ class Shooting {
   }
 
   // dP^k/dx by central differences, in units of the scale
-  std::optional<Eigen::MatrixXd> Jacobian(const PeriodPoint& point) {
+  std::optional<Eigen::MatrixXd> Jacobian(const PeriodPoint& point, double larger = 1) {
     const Eigen::Index n = point.x.size();
-    const double step = std::cbrt(map_.error());
+    const double step = larger * std::cbrt(map_.error());
     Eigen::MatrixXd jacobian(n, n);
     for (Eigen::Index k = 0; k < n; ++k) {
       std::array<Eigen::VectorXd, 2> ends;
@@ -94,16 +91,20 @@ class Shooting {
     return (end->x - point.x).cwiseQuotient(scale_);
   }
 
-  // As much of a step as brings the point clearly nearer to its image; false: none does. Where the
-  // residual is the map's own noise already, only the whole of it is tried.
-  bool TakeStep(const Eigen::VectorXd& step, PeriodPoint& point, Eigen::VectorXd& residual) {
-    const int tries = Size(residual) <= kDone * map_.error() ? 1 : kMostHalvings;
+  // As much of a step as makes the next one, by the same Jacobian, clearly smaller (Deuflhard's
+  // natural test: residuals of slow and fast states do not compare); false: none does, or there is
+  // no way left to go.
+  bool TakeStep(const Eigen::MatrixXd& jacobian, PeriodPoint& point, Eigen::VectorXd& residual) {
+    const Eigen::Index n = point.x.size();
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(Eigen::MatrixXd::Identity(n, n) - jacobian);
+    const Eigen::VectorXd step = lu.solve(residual);
+    if (!(Size(step) > kDone * map_.error())) return false;
     double part = 1;
-    for (int i = 0; i < tries; ++i, part /= 2) {
+    for (int i = 0; i < kMostHalvings; ++i, part /= 2) {
       PeriodPoint moved = point;
       moved.x += part * step.cwiseProduct(scale_);
       const std::optional<Eigen::VectorXd> left = Residual(moved);
-      if (!left || !(Size(*left) < (1 - part / 2) * Size(residual))) continue;
+      if (!left || !(Size(lu.solve(*left)) < (1 - part / 2) * Size(step))) continue;
       point = std::move(moved);
       residual = *left;
       return true;
@@ -122,6 +123,20 @@ Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
   return values;
 }
 
+double Largest(const Eigen::MatrixXd& jacobian) {
+  return jacobian.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+// Whether deviations die out, for certain: differences are wrong by about their step's square, and
+// where that does not decide, by what another step makes of them.
+bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
+  const double largest = Largest(end.jacobian);
+  if (largest < 1 - 10 * std::pow(map_error, 2.0 / 3)) return true;
+  if (!(largest < 1)) return false;
+  const std::optional<Eigen::MatrixXd> again = shooting.Jacobian(end.point, 3);
+  return again && largest < 1 - 10 * std::abs(Largest(*again) - largest);
+}
+
 // A motion of k periods that has no shorter one.
 std::optional<PeriodicMotion> Shoot(const PeriodMap& map, const PeriodPoint& from, int periods,
                                     int newton_steps, std::int64_t& played) {
@@ -137,15 +152,14 @@ std::optional<PeriodicMotion> Shoot(const PeriodMap& map, const PeriodPoint& fro
   std::optional<PeriodStep> whole = map.After(end->point, periods, true);
   if (!whole) return {};
   const Eigen::VectorXd apart = (end->point.x - from.x).cwiseQuotient(scale);
+  const bool stable = IsStable(shooting, *end, map.error());
   PeriodicMotion motion{.drive_periods = periods,
                         .point = std::move(end->point),
                         .multipliers = LargestFirst(end->jacobian.eigenvalues()),
+                        .stable = stable,
                         .residual = end->residual,
                         .from_transient = apart.cwiseAbs().maxCoeff(),
                         .means = std::move(*whole->means)};
-  // central differences are wrong by about the step's square
-  const double margin = 10 * std::pow(map.error(), 2.0 / 3);
-  motion.stable = std::abs(motion.multipliers(0)) < 1 - margin;
   return motion;
 }
 

@@ -45,12 +45,13 @@ struct PeriodicSettings {
 ///   x <- x + (I - M)^-1 (P^k(x) - x),   M = dP^k/dx by central differences, columns of d = the
 ///   cube root of the map's error times each state's largest value.
 ///
-/// M's eigenvalues at the solution are the Floquet multipliers; for a linear scene exp(lambda k T).
+/// A step is halved until the next one by the same M is smaller (Deuflhard's natural test). M's
+/// eigenvalues at the solution are the Floquet multipliers; for a linear scene exp(lambda k T).
 /// A fixed point of P^2 that is one of P is not counted again. The shortest stable one is the
 /// answer; an unstable one (a motion that doubled its period leaves one behind) only where no
-/// stable one was found. Newton needs no decay: a resonance that rings for 1e6 periods costs the
-/// same. It does need the same mode at phase 0 before and after; a mode that has fewer coordinates
-/// (bodies at rest against each other) is as good.
+/// stable one was found. Newton needs no decay: a resonance that rings, or a coil that warms, for
+/// 1e6 periods costs the same. It does need the same mode at phase 0 before and after; a mode that
+/// has fewer coordinates (bodies at rest against each other) is as good.
 ///
 /// Cost: (2 n + 1) k periods for each Newton step.
 [[nodiscard]] PeriodicSearch FindPeriodicMotion(const PeriodMap& map, const PeriodPoint& start,
