@@ -4,7 +4,7 @@
 // error_s, the largest error of an event's time; error_state, of the worst state at the end over
 // its largest value.
 #include <benchmark/benchmark.h>
-#include <cvode/cvode.h>
+#include <cvodes/cvodes.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>

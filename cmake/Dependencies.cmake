@@ -16,14 +16,16 @@ pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)             # libhd
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libmatio-dev
 pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
 find_package(CLI11 REQUIRED)               # libcli11-dev
+# libsundials-dev: its own config wants OpenMP, which clang lacks. CVODES, not CVODE: the same functions
+# under the same names, and integrals besides; a program can hold only one of the two.
+foreach(part cvodes nvecserial sunlinsoldense sunmatrixdense generic)
+  find_library(SUNDIALS_${part} NAMES sundials_${part} REQUIRED)
+  # by name, so that the installed package does not carry this machine's paths
+  list(APPEND SUNDIALS_LIBRARIES sundials_${part})
+endforeach()
 if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
   find_package(rapidcheck REQUIRED)        # librapidcheck-dev
   find_package(benchmark REQUIRED)         # libbenchmark-dev
-  # libsundials-dev: the peer that benches compare with; its own config wants OpenMP, which clang lacks
-  foreach(part cvode nvecserial sunlinsoldense sunmatrixdense generic)
-    find_library(SUNDIALS_${part} NAMES sundials_${part} REQUIRED)
-    list(APPEND SUNDIALS_LIBRARIES ${SUNDIALS_${part}})
-  endforeach()
   find_package(Python3 COMPONENTS Interpreter)
 endif()

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+
+#include "sim/piecewise_linear.h"
+#include "sim/piecewise_motion.h"
+#include "sim/scene.h"
+#include "sim/smooth_motion.h"
+#include "sim/smooth_system.h"
+
+namespace haptometer::sim {
+
+/// The state at phase 0 of the drive, v = V sin(w t) at t = 0: a mode and its coordinates, without
+/// a state that is always 1, then the coil's rise where it heats.
+struct PeriodPoint {
+  std::size_t mode = 0;
+  Eigen::VectorXd x;
+};
+
+/// Means over the time that was played, integrated, not sampled.
+struct PeriodMeans {
+  Eigen::VectorXd mean_squares;   ///< of each of the system's positions (LinearModel's states)
+  double travel_mean_square = 0;  ///< of xv - xa, in m^2
+  double power_w = 0;             ///< taken from the source
+  Eigen::VectorXd largest;        ///< of |position|, over 64 outputs a period
+  std::size_t events = 0;
+};
+
+/// Where a point is after some periods.
+struct PeriodStep {
+  PeriodPoint point;
+  std::optional<PeriodMeans> means{};  ///< if asked for
+};
+
+/// The motion over whole periods of its drive, from phase 0 to phase 0; nothing where it stalls.
+class PeriodMap {
+ public:
+  /// Exact: PiecewiseMotion.
+  PeriodMap(PiecewiseLinearSystem system, const SineDrive& drive);
+  /// SmoothMotion at settings.tolerance.
+  PeriodMap(SmoothSystem system, const SineDrive& drive, const SmoothSettings& settings);
+
+  [[nodiscard]] std::optional<PeriodStep> After(const PeriodPoint& point, int periods,
+                                                bool with_means = false) const;
+  /// A state at phase 0 in a mode's coordinates as a point.
+  [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
+                                    double temperature_rise_k = 0) const;
+  /// How large each of a point's coordinates becomes: within a period (SmoothMode::ScaleFrom), the
+  /// coil's rise in the end; never 0.
+  [[nodiscard]] Eigen::VectorXd ScaleOf(const PeriodPoint& point) const;
+  /// Relative: 1e-13 of the exact motion, the tolerance of the other.
+  [[nodiscard]] double error() const { return error_; }
+
+ private:
+  [[nodiscard]] PiecewiseStart StartOf(const PeriodPoint& point) const;
+  template <typename Motion>
+  [[nodiscard]] std::optional<PeriodStep> Play(Motion& motion, int periods, int outputs,
+                                               bool with_means) const;
+
+  SmoothSystem system_;  // its dissipating elements are followed by the squares that are averaged
+  SineDrive drive_;
+  std::optional<SmoothSettings> settings_;  // absent: exact
+  double error_;
+  std::size_t squares_from_ = 0;
+  Eigen::VectorXd powers_per_square_;
+};
+
+}  // namespace haptometer::sim

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+#include "sim/guard_bound.h"
+#include "sim/ode_solver.h"
+#include "sim/scene.h"
+#include "sim/smooth_system.h"
+
+namespace haptometer::sim {
+
+/// One mode of a smooth system as an ODE: y = [x, theta], theta where the coil heats. The integrals
+/// are the input and each dissipating element in J; none where no energies are asked for.
+///
+/// Time counts from `origin_s`, where the mode was entered, so that it has its digits for what is
+/// near.
+class SmoothMode final : public OdeProblem {
+ public:
+  SmoothMode(const SmoothSystem& system, std::size_t mode, const SineDrive& drive,
+             bool with_energy);
+
+  void SetOrigin(long double origin_s) { origin_s_ = origin_s; }
+
+  [[nodiscard]] Eigen::Index states() const override;
+  [[nodiscard]] Eigen::Index integrals() const override;
+  void Rate(double t_s, const ConstVector& y, Vector rate) const override;
+  void Jacobian(double t_s, const ConstVector& y, Matrix jacobian) const override;
+  void IntegralRate(double t_s, const ConstVector& y, Vector rate) const override;
+
+  /// g, g', g'', g''' of a guard.
+  [[nodiscard]] GuardJet Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
+  /// g alone.
+  [[nodiscard]] double Value(std::size_t guard, const Eigen::VectorXd& y) const;
+  /// x' S x and the spring's energy.
+  [[nodiscard]] double StoredEnergy(const Eigen::VectorXd& y) const;
+
+  /// How large each state becomes within the first period, by the linear part: the magnitudes of
+  /// (s I - A)^-1 (b V + w x0) at s = (0.1 + j) w, with a tenth of damping so that it always
+  /// exists.
+  [[nodiscard]] Eigen::VectorXd ScaleFrom(const Eigen::VectorXd& y) const;
+  /// The rise at which the coil would stay under the currents of that scale; 0 where no heat
+  /// leaves.
+  [[nodiscard]] double LastRise(const Eigen::VectorXd& scale) const;
+  /// The energy that turns over in a radian of the drive at that scale.
+  [[nodiscard]] double EnergyScale(const Eigen::VectorXd& scale) const;
+
+ private:
+  [[nodiscard]] const Mode& mode() const { return system_->linear.modes[mode_]; }
+  [[nodiscard]] Eigen::Index n() const { return mode().a.rows(); }
+  [[nodiscard]] Eigen::Vector2d DriveThen(double t_s) const;
+  [[nodiscard]] double Pace() const;
+  [[nodiscard]] double ResistanceRise(double theta_k) const;
+
+  const SmoothSystem* system_;
+  std::size_t mode_;
+  SineDrive drive_;
+  bool with_energy_;
+  long double origin_s_ = 0;
+};
+
+}  // namespace haptometer::sim

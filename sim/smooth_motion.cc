@@ -1,0 +1,327 @@
+#include "sim/smooth_motion.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "base/check.h"
+#include "sim/guard_polynomial.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+// the solver's local tolerance over what is asked of the whole motion: errors add up over the
+// steps of a ringing resonance (measured: by 300 to 3000 and by 50 to 400)
+constexpr double kLocalPartBdf = 1.0 / 3000;
+constexpr double kLocalPartAdams = 1.0 / 500;
+// where rounding begins to rule
+constexpr double kLeastRelative = 0x1p-48;
+// of the second run
+constexpr double kCoarser = 100;
+// by how much the error is smaller at least than that of the second run (measured: 14 to 180)
+constexpr double kLeastGain = 10;
+// what a guard may be wrong by, over the local tolerance
+constexpr double kNoiseParts = 10;
+constexpr double kLongestStepPeriods = 0.125;
+constexpr int kMostCrowdedEvents = 100;
+constexpr double kCrowdedPart = 0x1p-40;  // of an output step
+constexpr std::int64_t kMostSteps = 10'000'000;
+// how much the acceleration may change until bounces are over (piecewise_linear.h)
+constexpr double kSteadyAcceleration = 1e-3;
+// rates above so many times the drive's are stiff
+constexpr double kStiffRatio = 30;
+// below this the higher orders of Adams's formulas win even where they must keep steps short
+constexpr double kAdamsTolerance = 1e-7;
+
+double LocalTolerance(double tolerance, OdeMethod method) {
+  const double part = method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
+  return std::max(part * tolerance, kLeastRelative);
+}
+
+// Where a guard falls below zero; one that may be wrong by `noise` only where it falls that far.
+std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noise) {
+  Eigen::VectorXd raised = coefficients;
+  raised[0] += noise;
+  const std::optional<double> u = FirstFall(raised, 0);
+  if (!u || noise == 0) return u;
+  return LastAbove(coefficients, *u);
+}
+
+}  // namespace
+
+OdeMethod MethodFor(const Mode& mode, const SineDrive& drive, double tolerance) {
+  const double fastest_per_s = mode.a.eigenvalues().cwiseAbs().maxCoeff();
+  const bool stiff = fastest_per_s > kStiffRatio * 2 * std::numbers::pi * drive.frequency_hz;
+  return stiff && tolerance > kAdamsTolerance ? OdeMethod::kBdf : OdeMethod::kAdams;
+}
+
+// the run with the larger tolerance and what it differs by
+struct SmoothMotion::Companion {
+  SmoothMotion motion;
+  Eigen::VectorXd largest;
+  Eigen::VectorXd difference;
+};
+
+SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode, const SineDrive& drive,
+                               bool with_energy, OdeMethod method, double relative)
+    : problem(system, mode, drive, with_energy), solver(problem, method, relative) {}
+
+SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
+                           double rate_hz, const SmoothSettings& settings,
+                           double temperature_rise_k)
+    : system_(std::move(system)),
+      drive_(drive),
+      rate_hz_(rate_hz),
+      settings_(settings),
+      runs_(system_.linear.modes.size()),
+      mode_(start.mode),
+      x_(std::move(start.x)),
+      temperature_rise_k_(temperature_rise_k) {
+  HAPTOMETER_CHECK(rate_hz > 0 && mode_ < runs_.size(), "{} Hz, mode {}", rate_hz, mode_);
+  HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
+  method_ =
+      settings_.method.value_or(MethodFor(system_.linear.modes[mode_], drive, settings_.tolerance));
+  relative_ = LocalTolerance(settings_.tolerance, method_);
+  if (settings_.with_error) {
+    SmoothSettings coarse = settings_;
+    coarse.tolerance *= kCoarser;
+    coarse.with_error = coarse.with_energy = false;
+    coarse.method = method_;
+    companion_.reset(new Companion{
+        .motion{system_, drive, {.mode = mode_, .x = x_}, rate_hz, coarse, temperature_rise_k},
+        .largest = Positions().cwiseAbs(),
+        .difference = Eigen::VectorXd::Zero(Positions().size())});
+  }
+  Eigen::VectorXd y = x_;
+  if (system_.heating) {
+    y.conservativeResize(y.size() + 1);
+    y(y.size() - 1) = temperature_rise_k;
+  }
+  Enter(std::move(y));
+  if (!settings_.with_energy) return;
+  flow_.integrals_j.assign(system_.linear.dissipating_elements.size() + 1, 0);
+  initial_j_ = Run().problem.StoredEnergy(x_);
+}
+
+SmoothMotion::~SmoothMotion() = default;
+
+void SmoothMotion::Enter(Eigen::VectorXd y) {
+  std::unique_ptr<ModeRun>& run = runs_[mode_];
+  const bool known = run != nullptr;
+  if (!known) {
+    run = std::make_unique<ModeRun>(system_, mode_, drive_, settings_.with_energy, method_,
+                                    relative_);
+  }
+  run->problem.SetOrigin(origin_s_);
+  Eigen::VectorXd scale = run->problem.ScaleFrom(y);
+  if (known) scale = scale.cwiseMax(run->solver.scale());
+  const double energy_j = run->problem.EnergyScale(scale);
+  run->solver.Begin({.y = std::move(y),
+                     .scale = scale,
+                     .integral_scale = energy_j,
+                     .longest_step_s = kLongestStepPeriods /
+                                       (drive_.frequency_hz > 0 ? drive_.frequency_hz : rate_hz_)});
+  run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
+  fall_.reset();
+  Arm();
+}
+
+void SmoothMotion::Next() {
+  if (stalled_at_s_) return;
+  const long double target_s =
+      static_cast<long double>(index_ + 1) / static_cast<long double>(rate_hz_);
+  std::int64_t steps = 0;
+  for (;;) {
+    const auto tau_s = static_cast<double>(target_s - origin_s_);
+    if (fall_ && fall_->tau_s <= tau_s) {
+      Fire(*fall_);
+    } else if (Run().solver.end_s() >= tau_s) {
+      TakeOutput(tau_s);
+      break;
+    } else if (++steps > kMostSteps) {
+      Stall("the solver needs too many steps");
+    } else {
+      Advance();
+    }
+    if (stalled_at_s_) return;
+  }
+  ++index_;
+  if (companion_) Compare();
+}
+
+void SmoothMotion::TakeOutput(double tau_s) {
+  const Eigen::VectorXd y = Run().solver.At(tau_s);
+  const Eigen::Index n = system_.linear.modes[mode_].a.rows();
+  x_ = y.head(n);
+  if (system_.heating) temperature_rise_k_ = y(n);
+}
+
+void SmoothMotion::Advance() {
+  if (!Run().solver.Step()) {
+    Stall("the solver cannot go on");
+    return;
+  }
+  LookForFall();
+  if (!fall_) Arm();
+}
+
+// what a guard's value may be wrong by
+double SmoothMotion::NoiseOf(std::size_t guard) {
+  const Guard& that = system_.linear.modes[mode_].guards[guard];
+  const double terms = that.row.cwiseAbs().dot(Run().solver.scale().head(that.row.size()));
+  return kNoiseParts * relative_ * (terms + std::abs(that.offset));
+}
+
+// guards that have risen clear of zero
+void SmoothMotion::Arm() {
+  ModeRun& run = Run();
+  if (std::ranges::all_of(run.armed, [](bool armed) { return armed; })) return;
+  const Eigen::VectorXd y = run.solver.At(run.solver.end_s());
+  for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
+    run.armed[guard] = run.armed[guard] || run.problem.Value(guard, y) > NoiseOf(guard);
+  }
+}
+
+// the guard that falls first within the step
+void SmoothMotion::LookForFall() {
+  ModeRun& run = Run();
+  if (run.armed.empty()) return;
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  // the step's polynomial in u, t = begin + u step
+  Eigen::MatrixXd terms(run.problem.states(), run.solver.order() + 1);
+  double factor = 1;  // step^k / k!
+  for (Eigen::Index k = 0; k < terms.cols(); ++k) {
+    terms.col(k) = factor * run.solver.At(begin_s, static_cast<int>(k));
+    factor *= step_s / static_cast<double>(k + 1);
+  }
+  for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
+    const Eigen::RowVectorXd& row = system_.linear.modes[mode_].guards[guard].row;
+    Eigen::VectorXd coefficients = (row * terms.topRows(row.size())).transpose();
+    coefficients[0] = run.problem.Value(guard, terms.col(0));
+    const std::optional<double> u = FallWithin(coefficients, run.armed[guard] ? 0 : NoiseOf(guard));
+    if (!u) continue;
+    const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
+    if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
+  }
+}
+
+void SmoothMotion::Fire(const Fall& fall) {
+  ModeRun& run = Run();
+  const Eigen::VectorXd y = run.solver.At(fall.tau_s);
+  const double rate = run.problem.Jet(fall.guard, fall.tau_s, y)[1];
+  const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;
+  if (settings_.with_energy) {
+    const Eigen::VectorXd integrals = run.solver.IntegralsAt(fall.tau_s);
+    for (std::size_t k = 0; k < flow_.integrals_j.size(); ++k) {
+      flow_.integrals_j[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
+    }
+  }
+  origin_s_ += static_cast<long double>(fall.tau_s);
+  crowded_events_ = fall.tau_s * rate_hz_ < kCrowdedPart ? crowded_events_ + 1 : 0;
+  const auto time_s = static_cast<double>(origin_s_);
+  Eigen::VectorXd after = Follow(place, y, time_s, rate);
+  const Transition& transition = system_.linear.transitions[place];
+  if (const std::optional<double> rest_s = TimeToRest(transition, after)) {
+    after = Follow(transition.bounce->rest_via, after, time_s + *rest_s, 0);
+  }
+  Enter(std::move(after));
+  if (crowded_events_ >= kMostCrowdedEvents) Stall("events without end");
+}
+
+Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::VectorXd& y,
+                                     double time_s, double guard_rate) {
+  const Transition& way = system_.linear.transitions[transition];
+  const Eigen::Index n = way.map.cols(), m = way.map.rows();
+  Eigen::VectorXd after(m + y.size() - n);
+  after.head(m) = way.map * y.head(n) + way.shift;
+  after.tail(y.size() - n) = y.tail(y.size() - n);
+  const auto stored_j = [&](std::size_t mode, const Eigen::VectorXd& state) {
+    return SmoothMode(system_, mode, drive_, true).StoredEnergy(state);
+  };
+  if (settings_.with_energy) {
+    flow_.impact_j += static_cast<long double>(stored_j(mode_, y) - stored_j(way.mode, after));
+  }
+  mode_ = way.mode;
+  events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
+  return after;
+}
+
+// the rule of accumulation; heights that the tolerance hides are none
+std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
+                                               const Eigen::VectorXd& y) {
+  if (!transition.bounce || !transition.departure || transition.bounce->restitution >= 1) return {};
+  SmoothMode problem(system_, mode_, drive_, false);
+  problem.SetOrigin(origin_s_);
+  const std::size_t guard = transition.departure->guard;
+  const GuardJet jet = problem.Jet(guard, 0, y);
+  const double speed = std::max(jet[1], 0.0);
+  const double acceleration = -jet[2];
+  if (!(acceleration > 0)) return {};
+  const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
+  const double height = std::max(transition.bounce->rest_height, NoiseOf(guard));
+  const bool low = speed * speed / (2 * acceleration) <= height;
+  const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
+  return low && steady ? std::optional(rest_s) : std::nullopt;
+}
+
+void SmoothMotion::Stall(std::string_view reason) {
+  stalled_at_s_ = static_cast<double>(origin_s_ + static_cast<long double>(Run().solver.end_s()));
+  stall_reason_ = reason;
+}
+
+void SmoothMotion::Compare() {
+  companion_->motion.Next();
+  const Eigen::VectorXd here = Positions();
+  companion_->largest = companion_->largest.cwiseMax(here.cwiseAbs());
+  companion_->difference =
+      companion_->difference.cwiseMax((here - companion_->motion.Positions()).cwiseAbs());
+}
+
+double SmoothMotion::error_estimate() const {
+  HAPTOMETER_CHECK(companion_ != nullptr, "no second run was asked for");
+  if (companion_->motion.stalled_at_s()) return std::numeric_limits<double>::infinity();
+  // what never moved has no error
+  const Eigen::VectorXd scale = companion_->largest.cwiseMax(std::numeric_limits<double>::min());
+  return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
+}
+
+Eigen::VectorXd SmoothMotion::Positions() const {
+  const Mode& mode = system_.linear.modes[mode_];
+  if (mode.positions.size() == 0) return x_;
+  return mode.positions * x_;
+}
+
+OdeWork SmoothMotion::work() const {
+  OdeWork work;
+  for (const std::unique_ptr<ModeRun>& run : runs_) {
+    if (run) work += run->solver.work();
+  }
+  if (companion_) work += companion_->motion.work();
+  return work;
+}
+
+EnergyLedger SmoothMotion::Ledger() const {
+  HAPTOMETER_CHECK(settings_.with_energy, "no energies were kept");
+  const ModeRun& run = *runs_[mode_];
+  const auto tau_s = static_cast<double>(
+      static_cast<long double>(index_) / static_cast<long double>(rate_hz_) - origin_s_);
+  const Eigen::VectorXd since = run.solver.IntegralsAt(tau_s);
+  EnergyLedger ledger{.initial_j = initial_j_,
+                      .stored_j = run.problem.StoredEnergy(x_),
+                      .impact_j = static_cast<double>(flow_.impact_j)};
+  for (std::size_t k = 0; k < flow_.integrals_j.size(); ++k) {
+    const double sum_j =
+        static_cast<double>(flow_.integrals_j[k]) + since[static_cast<Eigen::Index>(k)];
+    if (k == 0)
+      ledger.input_j = sum_j;
+    else
+      ledger.dissipated_j.push_back(sum_j);
+  }
+  return ledger;
+}
+
+}  // namespace haptometer::sim

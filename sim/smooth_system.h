@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "sim/coil_heating.h"
+#include "sim/piecewise_linear.h"
+#include "sim/stiffening_spring.h"
+
+namespace haptometer::sim {
+
+/// What the spring does in one mode, in the mode's coordinates: x' = A x + b v - push f(d).
+struct SpringTerms {
+  Eigen::RowVectorXd deflection;      ///< (n): d = row x, in m
+  Eigen::VectorXd push;               ///< (n): x' for a newton that pulls mover and case together
+  std::vector<double> guard_pulls{};  ///< of each guard: g = row x + offset - pull f(d); a guard
+                                      ///< that feels the spring is one of a mode where d rests
+};
+
+/// A piecewise-linear system with smooth nonlinear terms:
+///
+///   x' = A x + b (v - R0 alpha theta i) - push f(d)
+///   theta' = (R(theta) i^2 - theta / Rth) / C,   i = current_row x.
+struct SmoothSystem {
+  PiecewiseLinearSystem linear;
+  std::optional<StiffeningSpring> spring{};
+  std::vector<SpringTerms> spring_terms{};  ///< one for each mode; empty without a spring
+  std::optional<CoilHeating> heating{};
+  double resistance_ohm = 0;     ///< R0
+  std::size_t coil_element = 0;  ///< the dissipating element whose form is R0 i^2
+};
+
+}  // namespace haptometer::sim

@@ -1,0 +1,286 @@
+#include "sim/periodic_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "sim/linear_model.h"
+#include "sim/piecewise_scene.h"
+#include "sim/smooth_scene.h"
+#include "sim/steady_state.h"
+#include "tests/residual.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+constexpr Eigen::Index kMover = LinearModel::kMover;
+constexpr Eigen::Index kMoverVelocity = LinearModel::kMoverVelocity;
+constexpr Eigen::Index kCase = LinearModel::kCase;
+constexpr Eigen::Index kCaseVelocity = LinearModel::kCaseVelocity;
+
+Scene FromRest(Scene scene) {
+  scene.start = Start::kRest;
+  return scene;
+}
+
+PeriodMap ExactMap(const Scene& scene, const PiecewiseEffects& effects) {
+  return {AssemblePiecewise(scene, effects), scene.drive};
+}
+
+PeriodPoint RestOf(const Scene& scene, const PeriodMap& map) {
+  const PiecewiseStart start = PiecewiseStartOf(scene);
+  return map.PointOf(start.mode, start.x);
+}
+
+Eigen::Index SkinOf(const Scene& scene) { return AssembleModel(scene).skin(); }
+
+TEST(PeriodicMotion, OfALinearSceneIsThePhasor) {
+  for (const Scene& scene : {FromRest(tests::AdapterScene()), FromRest(tests::DirectScene())}) {
+    const PeriodMap map = ExactMap(scene, {});
+    const PeriodicSearch search =
+        FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 1});
+    ASSERT_TRUE(search.found.has_value());
+    const PeriodicMotion& motion = *search.found;
+    EXPECT_EQ(motion.drive_periods, 1);
+    EXPECT_TRUE(motion.stable);
+    const SteadyState steady = SolveSteadyState(scene);
+    EXPECT_REL(std::sqrt(motion.means.mean_squares(SkinOf(scene))), steady.skin_rms_m, 1e-12,
+               "a closed form; rounding of the sums");
+    EXPECT_REL(std::sqrt(2 * motion.means.travel_mean_square), steady.mover_peak_m, 1e-12,
+               "a closed form; rounding of the sums");
+    EXPECT_REL(motion.means.power_w, steady.power_w, 1e-12, "a closed form; rounding of the sums");
+
+    // multipliers exp(lambda T)
+    const LinearModel model = AssembleModel(scene);
+    Eigen::VectorXd expected =
+        (model.a.eigenvalues() / scene.drive.frequency_hz).real().array().exp().matrix();
+    std::ranges::sort(expected, std::greater<>());
+    ASSERT_EQ(motion.multipliers.size(), expected.size());
+    for (Eigen::Index k = 0; k < expected.size(); ++k) {
+      EXPECT_ABS(std::abs(motion.multipliers(k)), expected(k), 1e-8,
+                 "central differences of a linear map: rounding over the step");
+    }
+  }
+}
+
+TEST(PeriodicMotion, ACoilsTemperatureNeedsNoWaiting) {
+  // Km = 0: theta = Rth R(theta) |I|^2/2 up to the ripple's square, P/(2 w C) of 1e-9 here; it
+  // takes C Rth = 1e4 s to get there
+  Scene scene = FromRest(tests::ConeScene());
+  scene.actuator.force_constant_n_per_a = 0;
+  const CoilHeating heating{.heat_capacity_j_per_k = 1e3, .thermal_resistance_k_per_w = 10};
+  const double R0 = scene.actuator.resistance_ohm, L = scene.actuator.inductance_h;
+  const double w = 2 * std::numbers::pi * scene.drive.frequency_hz;
+  const auto power_w = [&](double theta) {
+    const double R = R0 * (1 + heating.resistance_per_k * theta);
+    return 12.5 * R / (R * R + w * w * L * L);
+  };
+  double expected = 0;
+  for (int i = 0; i < 200; ++i) expected = 10 * power_w(expected);
+  const PeriodMap map(AssembleSmooth(scene, {}, {.heating = heating}), scene.drive,
+                      {.tolerance = 1e-10});
+  const PeriodicSearch search =
+      FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 3});
+  ASSERT_TRUE(search.found.has_value());
+  const double found = search.found->point.x(search.found->point.x.size() - 1);
+  EXPECT_TRUE(search.found->stable);
+  EXPECT_REL(found, expected, 1e-7, "what a period's error of 1e-13 is where 4.5e-7 is lost in it");
+  // the slowest multiplier: exp(-T/(C Rth) (1 - Rth P'))
+  const double slope = (power_w(expected + 1e-3) - power_w(expected - 1e-3)) / 2e-3;
+  EXPECT_ABS(1 - std::abs(search.found->multipliers(0)),
+             (1 - 10 * slope) / (1e4 * scene.drive.frequency_hz), 1e-8, "noise of the differences");
+}
+
+// ------------------------------------------------------------------------------ harmonic balance
+
+// A periodic motion of the scene with the spring by itself: d at 64 times of a period solves
+// d = linear part - G f(d), G what a force between mover and case does, harmonic by harmonic.
+class HarmonicBalance {
+ public:
+  HarmonicBalance(const Scene& scene, const StiffeningSpring& spring)
+      : model_(AssembleModel(scene)),
+        omega_(2 * std::numbers::pi * scene.drive.frequency_hz),
+        push_(Eigen::VectorXd::Zero(model_.states())) {
+    push_(kMoverVelocity) = 1 / scene.actuator.moving_mass_kg;
+    push_(kCaseVelocity) = -1 / (scene.actuator.case_mass_kg +
+                                 (scene.adapter ? scene.adapter->motor_side_mass_kg : 0));
+    // v = V sin w t: harmonic 1 of half -j V and its conjugate
+    driven_ = Response(1, std::complex<double>(0, -scene.drive.amplitude_v / 2) * model_.b);
+    Solve(spring);
+  }
+
+  // harmonic m of all states
+  [[nodiscard]] Eigen::VectorXcd Harmonic(int m) const {
+    std::complex<double> force = 0;
+    for (int k = 0; k < kTimes; ++k) force += force_(k) * Turn(-m * k) / double{kTimes};
+    Eigen::VectorXcd x = Response(m, -force * push_);
+    if (m == 1) x += driven_;
+    if (m == -1) x += driven_.conjugate();
+    return x;
+  }
+  [[nodiscard]] double MeanSquare(const Eigen::RowVectorXd& row) const {
+    double sum = 0;
+    for (int m = -kTimes / 2 + 1; m < kTimes / 2; ++m) sum += std::norm((row * Harmonic(m))(0));
+    return sum;
+  }
+  [[nodiscard]] Eigen::RowVectorXd travel() const {
+    return Eigen::RowVectorXd::Unit(model_.states(), kMover) -
+           Eigen::RowVectorXd::Unit(model_.states(), kCase);
+  }
+
+ private:
+  static constexpr int kTimes = 64;
+  static std::complex<double> Turn(int k) {
+    return std::polar(1.0, 2 * std::numbers::pi * k / kTimes);
+  }
+  [[nodiscard]] Eigen::VectorXcd Response(int m, const Eigen::VectorXcd& source) const {
+    Eigen::MatrixXcd matrix = -model_.a.cast<std::complex<double>>();
+    matrix.diagonal().array() += std::complex<double>(0, m * omega_);
+    return matrix.partialPivLu().solve(source);
+  }
+  void Solve(const StiffeningSpring& spring) {
+    Eigen::VectorXd linear(kTimes), compliance = Eigen::VectorXd::Zero(kTimes);
+    for (int j = 0; j < kTimes; ++j) linear(j) = 2 * ((travel() * driven_)(0) * Turn(j)).real();
+    for (int m = -kTimes / 2 + 1; m < kTimes / 2; ++m) {
+      const std::complex<double> response = (travel() * Response(m, push_))(0);
+      for (int j = 0; j < kTimes; ++j) compliance(j) += (response * Turn(m * j)).real() / kTimes;
+    }
+    Eigen::MatrixXd G(kTimes, kTimes);
+    for (int j = 0; j < kTimes; ++j) {
+      for (int k = 0; k < kTimes; ++k) G(j, k) = compliance((j - k + kTimes) % kTimes);
+    }
+    Eigen::VectorXd d = linear, stiffness(kTimes);
+    force_.resize(kTimes);
+    for (int i = 0; i < 30; ++i) {
+      for (int k = 0; k < kTimes; ++k) {
+        force_(k) = spring.Force(d(k));
+        stiffness(k) = spring.Stiffness(d(k));
+      }
+      const Eigen::MatrixXd slope =
+          Eigen::MatrixXd::Identity(kTimes, kTimes) + G * stiffness.asDiagonal();
+      d -= slope.partialPivLu().solve(d - linear + G * force_);
+    }
+  }
+
+  LinearModel model_;
+  double omega_;
+  Eigen::VectorXcd push_;
+  Eigen::VectorXcd driven_;
+  Eigen::VectorXd force_;
+};
+
+TEST(PeriodicMotion, OfADuffingSpringIsItsHarmonicBalance) {
+  for (const Scene& scene : {FromRest(tests::AdapterScene()), FromRest(tests::DirectScene())}) {
+    for (const StiffeningSpring& spring :
+         {StiffeningSpring{1e8, 0}, StiffeningSpring{1e9, 0}, StiffeningSpring{1e9, 1e-4}}) {
+      const PeriodMap map(AssembleSmooth(scene, {}, {.spring = spring}), scene.drive,
+                          {.tolerance = 1e-10});
+      const PeriodicSearch search =
+          FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 60});
+      ASSERT_TRUE(search.found.has_value());
+      EXPECT_EQ(search.found->drive_periods, 1);
+      const HarmonicBalance balance(scene, spring);
+      const Eigen::RowVectorXd skin =
+          Eigen::RowVectorXd::Unit(AssembleModel(scene).states(), SkinOf(scene));
+      EXPECT_REL(search.found->means.mean_squares(SkinOf(scene)), balance.MeanSquare(skin), 1e-8,
+                 "1e-10 for each step of a ringing resonance");
+      EXPECT_REL(search.found->means.travel_mean_square, balance.MeanSquare(balance.travel()), 1e-8,
+                 "1e-10 for each step of a ringing resonance");
+    }
+  }
+}
+
+// ------------------------------------------------------------------------------- stops, contact
+
+TEST(PeriodicMotion, WithStopsIsWhatALongTransientEndsIn) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const PiecewiseEffects effects{
+      .stops = TravelStops{.gap_up_m = 0.3e-3, .gap_down_m = 0.3e-3, .restitution = 0.5}};
+  const PeriodMap map = ExactMap(scene, effects);
+  const PeriodicSearch search =
+      FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 30});
+  ASSERT_TRUE(search.found.has_value());
+  const PeriodicMotion& found = *search.found;
+  EXPECT_TRUE(found.stable);
+  EXPECT_EQ(found.means.events, 2U);
+  EXPECT_LT(search.periods_played, 300);
+
+  constexpr std::uint64_t kOutputs = 1 << 12;
+  PiecewiseMotion motion(AssemblePiecewise(scene, effects), scene.drive, PiecewiseStartOf(scene),
+                         kOutputs * scene.drive.frequency_hz);
+  while (motion.index() < 200 * kOutputs) motion.Next();
+  EXPECT_ABS((motion.Positions() - found.point.x)
+                 .cwiseQuotient(map.ScaleOf(found.point))
+                 .cwiseAbs()
+                 .maxCoeff(),
+             0, 1e-10, "0.78^200 of the transient is left");
+  double sum = 0;
+  while (motion.index() < 201 * kOutputs) {
+    motion.Next();
+    sum += std::pow(motion.Positions()(SkinOf(scene)), 2) / static_cast<double>(kOutputs);
+  }
+  EXPECT_REL(found.means.mean_squares(SkinOf(scene)), sum, 1e-6,
+             "a sum of 4096 samples with kinks");
+}
+
+TEST(PeriodicMotion, TheDirectSceneUnderItsOwnWeightNeedsTwoPeriods) {
+  const Scene scene = FromRest(tests::DirectScene());
+  const PiecewiseEffects effects{.contact_loss = ContactLoss{2e-3 * 9.80665}};
+  const PeriodMap map = ExactMap(scene, effects);
+  const PeriodicSearch search = FindPeriodicMotion(map, RestOf(scene, map));
+  ASSERT_TRUE(search.found.has_value());
+  const PeriodicMotion& found = *search.found;
+  EXPECT_EQ(found.drive_periods, 2);
+  EXPECT_TRUE(found.stable);
+  // it is where a long transient ends, and one period is not enough
+  const PeriodPoint late = map.After(RestOf(scene, map), 2000)->point;
+  const auto apart = [&](const PeriodPoint& a, const PeriodPoint& b) {
+    if (a.mode != b.mode) return std::numeric_limits<double>::infinity();
+    return (a.x - b.x).cwiseQuotient(map.ScaleOf(b)).cwiseAbs().maxCoeff();
+  };
+  EXPECT_LT(std::min(apart(late, found.point), apart(map.After(late, 1)->point, found.point)),
+            1e-10);
+  EXPECT_GT(apart(map.After(found.point, 1)->point, found.point), 1e-2);
+  // and of another integrator too
+  const PeriodMap other(AssembleSmooth(scene, effects, {}), scene.drive, {.tolerance = 1e-10});
+  EXPECT_ABS(apart(other.After(found.point, 2)->point, found.point), 0, 1e-8, "its tolerance");
+}
+
+TEST(PeriodicMotion, TheDirectSceneAt70MillinewtonsHasOnlyUnstableOnes) {
+  // a motion of two periods, around which it wanders in two bands for ever
+  const Scene scene = FromRest(tests::DirectScene());
+  const PeriodMap map = ExactMap(scene, {.contact_loss = ContactLoss{0.07}});
+  const PeriodicSearch search = FindPeriodicMotion(map, RestOf(scene, map));
+  ASSERT_TRUE(search.found.has_value());
+  EXPECT_EQ(search.found->drive_periods, 2);
+  EXPECT_FALSE(search.found->stable);
+  EXPECT_GT(std::abs(search.found->multipliers(0)), 2);
+  EXPECT_FALSE(search.tried.empty());
+}
+
+TEST(PeriodicMotion, WhatIsNotFoundIsSaid) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const PeriodMap map = ExactMap(scene, {});
+  const PeriodicSearch none =
+      FindPeriodicMotion(map, RestOf(scene, map), {.transient_periods = 1, .newton_steps = 0});
+  EXPECT_FALSE(none.found.has_value());
+  EXPECT_NE(none.tried.find("1 periods of transient"), std::string::npos) << none.tried;
+  EXPECT_GT(none.periods_played, 0);
+
+  const PeriodMap smooth(AssembleSmooth(scene, {}, {}), scene.drive, {});
+  PeriodPoint broken = RestOf(scene, smooth);
+  broken.x(0) = std::nan("");
+  EXPECT_NE(FindPeriodicMotion(smooth, broken).tried.find("stalls"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace haptometer::sim
