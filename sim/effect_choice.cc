@@ -1,5 +1,7 @@
 #include "sim/effect_choice.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -8,6 +10,7 @@
 #include <vector>
 
 #include "sim/effective_scene.h"
+#include "sim/steady_run.h"
 
 namespace haptometer::sim {
 
@@ -33,31 +36,38 @@ bool Reached(Effect effect, const SceneRun& run) {
 // Decides for one scene.
 class Decision {
  public:
-  Decision(const Scene& scene, double duration_s) : scene_(scene), duration_s_(duration_s) {
+  explicit Decision(const Scene& scene) : scene_(scene) {
     for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
       all_[k] = scene.effects.wishes[k] != Wish::kOff;
       choice_.verdicts[k] = {.on = all_[k], .ground = all_[k] ? Ground::kNamed : Ground::kNotNamed};
     }
   }
 
-  EffectChoice Decide() {
+  Result<EffectChoice> Decide(const std::string& where) {
     choice_.on = all_;
-    everything_ = Run(all_);
-    choice_.run = everything_;
-    if (!everything_.stalled_at_s) {
-      LeaveOutWhatIsNeverReached();
-      LeaveOutGravity();
-      LeaveOutByComparison();
+    PlayedScene everything = Play(all_);
+    if (!everything.answered) {
+      return CannotAnswer(where, everything.problem,
+                          "give a duration, or leave out effects that are on");
     }
+    everything_ = everything.run;
+    Take(std::move(everything));
+    LeaveOutWhatIsNeverReached();
+    LeaveOutGravity();
+    LeaveOutByComparison();
     choice_.change = Deviation(scene_.quantity, choice_.run, everything_);
     choice_.runs = runs_;
     return std::move(choice_);
   }
 
  private:
-  SceneRun Run(EffectSet on) {
+  PlayedScene Play(EffectSet on) {
     ++runs_;
-    return RunScene(WithEffects(scene_, on), duration_s_);
+    return PlayWith(scene_, on);
+  }
+  void Take(PlayedScene played) {
+    choice_.run = std::move(played.run);
+    choice_.periodic = std::move(played.periodic);
   }
   bool Asked(Effect effect) const { return scene_.effects[effect] == Wish::kAuto; }
   EffectVerdict& VerdictOf(Effect effect) { return choice_.verdicts[PlaceOf(effect)]; }
@@ -97,7 +107,7 @@ class Decision {
       EffectVerdict& verdict = VerdictOf(effect);
       verdict.ground = Ground::kCompared;
       EffectSet without = choice_.on;
-      verdict.change = DeviationOf(Run(without.reset(PlaceOf(effect))));
+      verdict.change = DeviationOf(Play(without.reset(PlaceOf(effect))));
     }
     std::ranges::sort(open, {}, [&](Effect effect) { return VerdictOf(effect).change; });
     for (const Effect effect : open) TryWithout(effect);
@@ -106,20 +116,18 @@ class Decision {
   void TryWithout(Effect effect) {
     if (!(VerdictOf(effect).change <= scene_.tolerance)) return;
     EffectSet without = choice_.on;
-    SceneRun run = Run(without.reset(PlaceOf(effect)));
-    if (!(DeviationOf(run) <= scene_.tolerance)) return;
+    PlayedScene played = Play(without.reset(PlaceOf(effect)));
+    if (!(DeviationOf(played) <= scene_.tolerance)) return;
     LeaveOut(effect, Ground::kCompared);
-    choice_.run = std::move(run);
+    Take(std::move(played));
   }
 
-  // a run that ended early deviates from everything
-  double DeviationOf(const SceneRun& run) const {
-    if (run.stalled_at_s) return HUGE_VAL;
-    return Deviation(scene_.quantity, run, everything_);
+  // what is not known deviates from everything
+  double DeviationOf(const PlayedScene& played) const {
+    return played.answered ? Deviation(scene_.quantity, played.run, everything_) : HUGE_VAL;
   }
 
   const Scene& scene_;
-  double duration_s_;
   EffectSet all_;
   SceneRun everything_;
   EffectChoice choice_;
@@ -144,8 +152,27 @@ double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& re
   return apart_m == 0 ? 0 : apart_m / peak_m;
 }
 
-EffectChoice ChooseEffects(const Scene& scene, double duration_s) {
-  return Decision(scene, duration_s).Decide();
+PlayedScene PlayWith(const Scene& scene, EffectSet on) {
+  const EffectiveScene effective = WithEffects(scene, on);
+  PlayedScene played;
+  if (!scene.duration_s) {
+    SteadyRun steady = PlaySteady(effective);
+    played.problem = std::move(steady.tried);
+    played.answered = steady.run.has_value();
+    if (steady.run) played.run = std::move(*steady.run);
+    played.periodic = std::move(steady.periodic);
+    return played;
+  }
+  played.run = RunScene(effective, *scene.duration_s);
+  played.answered = !played.run.stalled_at_s;
+  if (!played.answered) {
+    played.problem = fmt::format("events without end at {:.9g} s", *played.run.stalled_at_s);
+  }
+  return played;
+}
+
+Result<EffectChoice> ChooseEffects(const Scene& scene, const std::string& where) {
+  return Decision(scene).Decide(where);
 }
 
 }  // namespace haptometer::sim

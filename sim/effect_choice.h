@@ -3,8 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <string>
 
+#include "base/result.h"
 #include "sim/effects.h"
+#include "sim/periodic_motion.h"
 #include "sim/scene.h"
 #include "sim/scene_run.h"
 
@@ -32,16 +36,30 @@ struct EffectVerdict {
 struct EffectChoice {
   EffectSet on;
   std::array<EffectVerdict, kEffectNames.size()> verdicts{};
-  SceneRun run;          ///< of the choice
+  SceneRun run;  ///< of the choice
+  /// Of a scene without a duration, how the run repeats itself; absent: it is linear.
+  std::optional<PeriodicMotion> periodic;
   double change = 0;     ///< of the asked quantity, by all that was left out together, measured
   std::size_t runs = 1;  ///< that the decision took
 };
+
+/// A scene played with a set of effects.
+struct PlayedScene {
+  bool answered = false;  ///< false: no steady motion was found, or events without end
+  SceneRun run;
+  std::optional<PeriodicMotion> periodic;
+  std::string problem;  ///< why there is no answer
+};
+
+/// The scene's run, or without a duration the motion that it settles to (steady_run.h).
+[[nodiscard]] PlayedScene PlayWith(const Scene& scene, EffectSet on);
 
 /// The relative deviation of the scene's asked quantity between two runs of the same length.
 [[nodiscard]] double Deviation(AskedQuantity quantity, const SceneRun& run,
                                const SceneRun& reference);
 
-/// Plays the scene with the effects that it calls for, and decides those that are "auto".
+/// Plays the scene with the effects that it calls for, and decides those that are "auto": over its
+/// run, or over the motion that it settles to where it has no duration.
 ///
 /// Everything asked about is first played together. Stops and contact whose guards never fell are
 /// left out: the motion is the same. Gravity is left out where then nothing limits the motion. The
@@ -49,6 +67,8 @@ struct EffectChoice {
 /// within scene.tolerance of the run with everything: what is answered never deviates by more.
 ///
 /// Cost: one run where nothing is "auto" or all is proved; else up to two more for each effect.
-[[nodiscard]] EffectChoice ChooseEffects(const Scene& scene, double duration_s);
+/// Error (Cause::kCannotAnswer, `where` names the scene): events without end, or no steady motion
+/// found, with every effect on.
+[[nodiscard]] Result<EffectChoice> ChooseEffects(const Scene& scene, const std::string& where);
 
 }  // namespace haptometer::sim

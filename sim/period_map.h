@@ -47,6 +47,8 @@ class PeriodMap {
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
+  /// The other way round.
+  [[nodiscard]] PiecewiseStart StartOf(const PeriodPoint& point) const;
   /// How large each of a point's coordinates becomes: within a period (SmoothMode::ScaleFrom), the
   /// coil's rise in the end; never 0.
   [[nodiscard]] Eigen::VectorXd ScaleOf(const PeriodPoint& point) const;
@@ -54,7 +56,6 @@ class PeriodMap {
   [[nodiscard]] double error() const { return error_; }
 
  private:
-  [[nodiscard]] PiecewiseStart StartOf(const PeriodPoint& point) const;
   template <typename Motion>
   [[nodiscard]] std::optional<PeriodStep> Play(Motion& motion, int periods, int outputs,
                                                bool with_means) const;

@@ -43,12 +43,11 @@ RunGrid GridOf(double frequency_hz, double duration_s) {
 // Plays a motion and gathers what its window shows.
 class Playing {
  public:
-  Playing(const EffectiveScene& scene, double duration_s)
+  Playing(const EffectiveScene& scene, double duration_s, PiecewiseStart start)
       : scene_(scene),
         grid_(GridOf(scene.scene.drive.frequency_hz, duration_s)),
         model_(AssembleModel(scene.scene)),
-        motion_(SystemOf(scene, model_), scene.scene.drive, PiecewiseStartOf(scene.scene),
-                grid_.outputs, true) {
+        motion_(SystemOf(scene, model_), scene.scene.drive, std::move(start), grid_.outputs, true) {
     run_.outputs_rate_hz = grid_.outputs.rate_hz;
     run_.end_s = duration_s;
     run_.begin_s = grid_.window_begin == 0 ? 0 : TimeOf(grid_.window_begin);
@@ -174,7 +173,11 @@ class Playing {
 }  // namespace
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {
-  return Playing(scene, duration_s).Play();
+  return RunScene(scene, duration_s, PiecewiseStartOf(scene.scene));
+}
+
+SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart start) {
+  return Playing(scene, duration_s, std::move(start)).Play();
 }
 
 }  // namespace haptometer::sim

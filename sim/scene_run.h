@@ -8,6 +8,7 @@
 
 #include "sim/effective_scene.h"
 #include "sim/energy_ledger.h"
+#include "sim/piecewise_motion.h"
 
 namespace haptometer::sim {
 
@@ -48,5 +49,9 @@ inline constexpr double kMostOutputs = 1e8;
 /// gap alone. duration_s > 0, at most kMostOutputs / (kOutputsPerPeriod f). Cost: PiecewiseMotion's
 /// with energies, 64 outputs a period.
 [[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s);
+
+/// The same from any state at t = 0.
+[[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s,
+                                PiecewiseStart start);
 
 }  // namespace haptometer::sim

@@ -19,9 +19,16 @@ namespace {
 
 constexpr double kDurationS = 0.05;
 
+EffectChoice Chosen(const Scene& scene) {
+  auto choice = ChooseEffects(scene, "scene");
+  EXPECT_TRUE(choice) << choice.error().Text();
+  return choice ? *choice : EffectChoice{};
+}
+
 Scene Asking(double gap_m, double preload_n) {
   Scene scene = tests::AdapterScene();
   scene.start = Start::kRest;
+  scene.duration_s = kDurationS;
   scene.effects.travel_stops =
       TravelStops{.gap_up_m = gap_m, .gap_down_m = gap_m, .restitution = 0.5};
   scene.effects.contact_loss = ContactLoss{preload_n};
@@ -37,7 +44,7 @@ const EffectVerdict& VerdictOf(const EffectChoice& choice, Effect effect) {
 
 TEST(EffectChoice, LeavesOutWhatIsNeverReachedInOneRun) {
   const Scene scene = Asking(5e-3, 10);
-  const EffectChoice choice = ChooseEffects(scene, kDurationS);
+  const EffectChoice choice = Chosen(scene);
   EXPECT_EQ(choice.on, EffectSet(1));  // the inductance alone
   EXPECT_EQ(VerdictOf(choice, Effect::kTravelStops).ground, Ground::kNeverReached);
   EXPECT_EQ(VerdictOf(choice, Effect::kContactLoss).ground, Ground::kNeverReached);
@@ -49,7 +56,7 @@ TEST(EffectChoice, LeavesOutWhatIsNeverReachedInOneRun) {
 }
 
 TEST(EffectChoice, KeepsWhatChangesTheAnswer) {
-  const EffectChoice choice = ChooseEffects(Asking(0.3e-3, 0.01), kDurationS);
+  const EffectChoice choice = Chosen(Asking(0.3e-3, 0.01));
   EXPECT_TRUE(VerdictOf(choice, Effect::kTravelStops).on);
   EXPECT_TRUE(VerdictOf(choice, Effect::kContactLoss).on);
   EXPECT_TRUE(VerdictOf(choice, Effect::kGravity).on) << "more than the preload";
@@ -59,13 +66,12 @@ TEST(EffectChoice, KeepsWhatChangesTheAnswer) {
 
 TEST(EffectChoice, TheToleranceDecides) {
   Scene scene = Asking(0.3e-3, 10);
-  const double change =
-      VerdictOf(ChooseEffects(scene, kDurationS), Effect::kGravity).change;  // moves the stops
+  const double change = VerdictOf(Chosen(scene), Effect::kGravity).change;  // moves the stops
   EXPECT_GT(change, 1e-10);
   scene.tolerance = 0.9 * change;
-  EXPECT_TRUE(VerdictOf(ChooseEffects(scene, kDurationS), Effect::kGravity).on);
+  EXPECT_TRUE(VerdictOf(Chosen(scene), Effect::kGravity).on);
   scene.tolerance = 1.1 * change;
-  const EffectChoice loose = ChooseEffects(scene, kDurationS);
+  const EffectChoice loose = Chosen(scene);
   EXPECT_FALSE(VerdictOf(loose, Effect::kGravity).on);
   EXPECT_EQ(VerdictOf(loose, Effect::kGravity).ground, Ground::kCompared);
   EXPECT_LE(loose.change, scene.tolerance);
@@ -76,7 +82,7 @@ TEST(EffectChoice, OfStopsThatAreNamedGravityIsCompared) {
   Scene scene = Asking(0.3e-3, 10);
   scene.effects[Effect::kTravelStops] = Wish::kOn;
   scene.tolerance = 1;
-  const EffectChoice choice = ChooseEffects(scene, kDurationS);
+  const EffectChoice choice = Chosen(scene);
   EXPECT_TRUE(VerdictOf(choice, Effect::kTravelStops).on);
   EXPECT_EQ(VerdictOf(choice, Effect::kTravelStops).ground, Ground::kNamed);
   EXPECT_EQ(VerdictOf(choice, Effect::kGravity).ground, Ground::kCompared);
@@ -85,17 +91,40 @@ TEST(EffectChoice, OfStopsThatAreNamedGravityIsCompared) {
 // whether the inductance matters depends on what is asked
 TEST(EffectChoice, TheInductanceMattersForTheWaveformFirst) {
   Scene scene = tests::AdapterScene();
+  scene.duration_s = kDurationS;
   scene.start = Start::kSteady;
   scene.effects[Effect::kInductance] = Wish::kAuto;
   scene.tolerance = 1e-3;
-  const EffectChoice rms = ChooseEffects(scene, kDurationS);
+  const EffectChoice rms = Chosen(scene);
   EXPECT_FALSE(VerdictOf(rms, Effect::kInductance).on);
   EXPECT_REL(VerdictOf(rms, Effect::kInductance).change, 6.6e-5, 0.02, "two printed digits");
   scene.quantity = AskedQuantity::kSkinWaveform;
-  const EffectChoice waveform = ChooseEffects(scene, kDurationS);
+  const EffectChoice waveform = Chosen(scene);
   EXPECT_TRUE(VerdictOf(waveform, Effect::kInductance).on);
   EXPECT_REL(VerdictOf(waveform, Effect::kInductance).change, 5.2e-3, 0.05,
              "a lag of 5.2 mrad, two digits");
+}
+
+// without a duration the motion that the scene settles to decides
+TEST(EffectChoice, OfASceneThatSettlesComparesPeriodicMotions) {
+  Scene scene = Asking(5e-3, 10);
+  scene.duration_s.reset();
+  const EffectChoice free = Chosen(scene);
+  EXPECT_EQ(free.on, EffectSet(1));
+  EXPECT_FALSE(free.periodic);
+  EXPECT_REL(free.run.skin_rms_m, SolveSteadyState(scene).skin_rms_m, 1e-12, "whole periods");
+
+  scene = Asking(0.4e-3, 10);
+  scene.duration_s.reset();
+  scene.effects[Effect::kGravity] = Wish::kOff;
+  const EffectChoice limited = Chosen(scene);
+  ASSERT_TRUE(limited.periodic);
+  EXPECT_TRUE(VerdictOf(limited, Effect::kTravelStops).on);
+  EXPECT_FALSE(VerdictOf(limited, Effect::kContactLoss).on);
+  EXPECT_EQ(limited.run.mover_peak_m, 0.4e-3);
+  // the end of a long run
+  scene.duration_s = 2;
+  EXPECT_REL(Chosen(scene).run.skin_rms_m, limited.run.skin_rms_m, 1e-9, "2 s of transient");
 }
 
 // scenes over wide ranges; half of their limits lie within a factor of 2 of what is reached
@@ -172,11 +201,12 @@ TEST(EffectChoice, OfRandomScenesStaysWithinTheToleranceAndKeepsLittle) {
   const int count = tests::Repetitions(tests::kIsSanitized ? 12 : 60);
   int active = 0, idle_effects = 0, idle_dropped = 0;
   for (int i = 0; i < count; ++i) {
-    const Scene scene = random.Next();
+    Scene scene = random.Next();
     const double duration_s = random.Duration();
+    scene.duration_s = duration_s;
     const EffectSet all = Everything(scene);
     const SceneRun everything = RunScene(WithEffects(scene, all), duration_s);
-    const EffectChoice choice = ChooseEffects(scene, duration_s);
+    const EffectChoice choice = Chosen(scene);
     ASSERT_FALSE(everything.stalled_at_s) << "seed " << kSeed << ", scene " << i;
     const SceneRun chosen = RunScene(WithEffects(scene, choice.on), duration_s);
     EXPECT_LE(Deviation(scene.quantity, chosen, everything), scene.tolerance)

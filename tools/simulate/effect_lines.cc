@@ -9,7 +9,6 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/effective_scene.h"
 #include "sim/scene_run.h"
 
 namespace haptometer::tools {
@@ -35,16 +34,15 @@ bool HasConstants(const sim::Scene& scene, sim::Effect effect) {
 }
 
 struct TimedRun {
-  sim::SceneRun run;
+  sim::PlayedScene played;
   double seconds = HUGE_VAL;
 };
 
-TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on, double duration_s) {
+TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on) {
   TimedRun timed;
-  const sim::EffectiveScene effective = sim::WithEffects(scene, on);
   for (int k = 0; k < kTimedRuns; ++k) {
     const auto begin = std::chrono::steady_clock::now();
-    timed.run = sim::RunScene(effective, duration_s);
+    timed.played = sim::PlayWith(scene, on);
     const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
     timed.seconds = std::min(timed.seconds, taken.count());
   }
@@ -52,6 +50,7 @@ TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on, double duration_s) 
 }
 
 std::string ChangeText(double change) {
+  if (std::isinf(change)) return "unknown";
   return change == 0 ? "none" : fmt::format("{:.2g}", change);
 }
 
@@ -63,12 +62,15 @@ std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectCh
     const auto effect = static_cast<sim::Effect>(k);
     if (!HasConstants(scene, effect)) continue;
     sim::EffectSet on = choice.on;
-    const TimedRun with = BestRun(scene, on.set(k), choice.run.end_s);
-    const TimedRun without = BestRun(scene, on.reset(k), choice.run.end_s);
-    trials.push_back({.effect = effect,
-                      .change = sim::Deviation(scene.quantity, without.run, with.run),
-                      .with_s = with.seconds,
-                      .without_s = without.seconds});
+    const TimedRun with = BestRun(scene, on.set(k));
+    const TimedRun without = BestRun(scene, on.reset(k));
+    const bool known = with.played.answered && without.played.answered;
+    trials.push_back(
+        {.effect = effect,
+         .change =
+             known ? sim::Deviation(scene.quantity, without.played.run, with.played.run) : HUGE_VAL,
+         .with_s = with.seconds,
+         .without_s = without.seconds});
   }
   return trials;
 }

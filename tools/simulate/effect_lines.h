@@ -11,7 +11,9 @@ namespace haptometer::tools {
 /// What leaving an effect out, or forcing it on, does to the scene's answer.
 struct EffectTrial {
   sim::Effect effect;
-  double change = 0;  ///< of the asked quantity, relative, between with and without it
+  /// Of the asked quantity, relative, between with and without it; infinite where one of them has
+  /// no answer.
+  double change = 0;
   double with_s = 0;  ///< best time of three runs
   double without_s = 0;
 };

@@ -29,7 +29,7 @@ std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
 }
 
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
-  const double duration_s = DecidingDuration(scene);
+  const double duration_s = scene.duration_s.value_or(0);
   const double outputs = duration_s * scene.drive.frequency_hz * sim::kOutputsPerPeriod;
   if (outputs > sim::kMostOutputs) {
     return CannotAnswer(where,
@@ -37,32 +37,7 @@ Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::stri
                         fmt::format("shorten duration_s to {:.3g} s or less",
                                     duration_s * sim::kMostOutputs / outputs));
   }
-  sim::EffectChoice choice = sim::ChooseEffects(scene, duration_s);
-  if (choice.run.stalled_at_s) {
-    return CannotAnswer(where,
-                        fmt::format("has events without end at {:.9g} s", *choice.run.stalled_at_s),
-                        "give the stops less stiffness or a restitution below 1");
-  }
-  return choice;
-}
-
-// the linear steady motion where nothing limits it
-Result<void> AnswerSteady(const sim::EffectiveScene& effective, const std::string& where,
-                          SceneAnswer& answer) {
-  const sim::SteadyState steady = sim::SolveSteadyState(effective.scene);
-  if (!(steady.error_estimate < 1)) {
-    return CannotAnswer(where, "has no steady state: the drive meets an undamped resonance",
-                        "add damping or change frequency_hz");
-  }
-  if (!sim::SteadyMotionIsFree(effective, steady)) {
-    answer.no_steady_because =
-        "stops or lost contact limit the steady motion, which is not searched for yet";
-    if (answer.scene.duration_s) return {};
-    return CannotAnswer(where, answer.no_steady_because, "give a duration");
-  }
-  answer.steady = steady;
-  answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(effective.scene);
-  return {};
+  return sim::ChooseEffects(scene, where);
 }
 
 std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
@@ -75,23 +50,24 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
 
 }  // namespace
 
-double DecidingDuration(const sim::Scene& scene) {
-  return scene.duration_s.value_or(kWindowPeriods / scene.drive.frequency_hz);
-}
-
 Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where) {
   SceneAnswer answer;
   answer.scene = scene;
-  sim::EffectiveScene effective{.scene = scene, .piecewise = {}};
+  const sim::SteadyState linear = sim::SolveSteadyState(scene);
+  if (!(linear.error_estimate < 1)) {
+    return CannotAnswer(where, "has no steady state: the drive meets an undamped resonance",
+                        "add damping or change frequency_hz");
+  }
+  answer.steady = linear;
   if (scene.effects.Asked()) {
     auto choice = DecideEffects(scene, where);
     if (!choice) return std::unexpected(choice.error());
-    effective = sim::WithEffects(scene, choice->on);
+    const sim::EffectiveScene effective = sim::WithEffects(scene, choice->on);
+    answer.steady = sim::SolveSteadyState(effective.scene);
+    if (!sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
     answer.effects = std::move(*choice);
   }
-  if (auto solved = AnswerSteady(effective, where, answer); !solved) {
-    return std::unexpected(solved.error());
-  }
+  if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
   answer.window = WindowOf(answer);
   return answer;
 }

@@ -20,8 +20,9 @@ struct WindowAnswer {
 /// What a scene comes to.
 struct SceneAnswer {
   sim::Scene scene;
-  std::optional<sim::SteadyState> steady;  ///< absent: not known, as `no_steady_because` says
-  std::string no_steady_because;
+  /// The linear steady motion; absent where stops or lost contact limit it. Without a duration
+  /// `effects` then has the motion that the scene settles to.
+  std::optional<sim::SteadyState> steady;
   double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
   std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
   /// What became of its effects, and the run that they were decided by; absent where the scene
@@ -29,13 +30,10 @@ struct SceneAnswer {
   std::optional<sim::EffectChoice> effects;
 };
 
-/// The time over which a scene's effects are decided: the run, or ten periods of the drive.
-[[nodiscard]] double DecidingDuration(const sim::Scene& scene);
-
 /// Solves the scene; `where` names it in errors.
 /// Errors (Cause::kCannotAnswer): an undamped resonance, where there is no steady state; events
-/// without end; a run too long to play; a scene without a duration whose steady motion is limited
-/// by stops or lost contact.
+/// without end; a run too long to play; a scene without a duration whose motion settles to nothing
+/// that was found.
 [[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
 
 }  // namespace haptometer::tools

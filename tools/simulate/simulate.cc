@@ -126,11 +126,16 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
 }
 
 // also of a scene that names no effects
-std::string Explanation(const SceneAnswer& solved) {
+Result<std::string> Explanation(const SceneAnswer& solved, const std::string& where) {
   const sim::Scene& scene = solved.scene;
-  const sim::EffectChoice choice =
-      solved.effects ? *solved.effects : sim::ChooseEffects(scene, DecidingDuration(scene));
-  return ExplainText(scene, choice, TryEffects(scene, choice));
+  Result<sim::EffectChoice> choice = sim::EffectChoice{};
+  if (solved.effects) {
+    choice = *solved.effects;
+  } else {
+    choice = sim::ChooseEffects(scene, where);
+  }
+  if (!choice) return std::unexpected(choice.error());
+  return ExplainText(scene, *choice, TryEffects(scene, *choice));
 }
 
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
@@ -144,7 +149,11 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   }
   SimulateAnswer answer{
       .scene_path = wanted.scene_path, .solved = *solved, .trial_path = {}, .explanation = {}};
-  if (wanted.explain) answer.explanation = Explanation(*solved);
+  if (wanted.explain) {
+    auto explanation = Explanation(*solved, wanted.scene_path);
+    if (!explanation) return std::unexpected(explanation.error());
+    answer.explanation = std::move(*explanation);
+  }
   if (wanted.output.empty()) return answer;
   if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
   answer.trial_path = wanted.output;

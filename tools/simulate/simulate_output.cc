@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -22,6 +23,7 @@ std::string Method(const SceneAnswer& solved) {
   std::vector<std::string> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
   if (solved.window) methods.emplace_back("window by the balanced matrix exponential");
+  if (solved.effects && solved.effects->periodic) methods.emplace_back("shooting");
   if (solved.effects && !solved.effects->run.events.empty()) {
     methods.emplace_back("events located to rounding");
   }
@@ -55,10 +57,21 @@ std::string SteadyText(const SceneAnswer& solved) {
   return text;
 }
 
+// how the motion repeats itself that a limited scene settles to
+std::string PeriodicText(const SceneAnswer& solved) {
+  if (!solved.effects->periodic) return {};
+  const sim::PeriodicMotion& motion = *solved.effects->periodic;
+  return fmt::format(
+      "  settles to a motion that repeats itself every {} period{} of the drive; a small deviation "
+      "shrinks to {:.2g} of itself each time\n",
+      motion.drive_periods, motion.drive_periods == 1 ? "" : "s", std::abs(motion.multipliers(0)));
+}
+
 // the run that the effects were decided by
 std::string RunText(const SceneAnswer& solved) {
   const sim::SceneRun& run = solved.effects->run;
-  std::string text = fmt::format(
+  std::string text = PeriodicText(solved);
+  text += fmt::format(
       "  in the run, {:.6g} to {:.6g} s: skin {:.5f} um RMS, case {:.5f} um RMS, mover +- {:.5f} "
       "um "
       "(whole run {:.5f}), {:.5f} mA RMS, {:.5f} mW\n",
@@ -83,6 +96,18 @@ ordered_json EffectsJson(const SceneAnswer& solved) {
                                                   {"change", cli::NumberOrNull(verdict.change)}};
   }
   return effects;
+}
+
+ordered_json PeriodicJson(const SceneAnswer& solved) {
+  if (!solved.effects || !solved.effects->periodic) return nullptr;
+  const sim::PeriodicMotion& motion = *solved.effects->periodic;
+  ordered_json multipliers = ordered_json::array();
+  for (const auto& multiplier : motion.multipliers) {
+    multipliers.push_back({multiplier.real(), multiplier.imag()});
+  }
+  return {{"drive_periods", motion.drive_periods},
+          {"floquet_multipliers", multipliers},
+          {"residual", motion.residual}};
 }
 
 ordered_json RunJson(const SceneAnswer& solved) {
@@ -127,9 +152,11 @@ std::string SimulateText(const SimulateAnswer& answer) {
   std::string text =
       fmt::format("{}: {}, {:g} V at {:g} Hz\n", answer.scene_path, Bodies(solved.scene),
                   solved.scene.drive.amplitude_v, solved.scene.drive.frequency_hz);
-  text += solved.steady
-              ? SteadyText(solved)
-              : fmt::format("  steady state: not determined, {}\n", solved.no_steady_because);
+  if (solved.steady) {
+    text += SteadyText(solved);
+  } else if (solved.scene.duration_s) {
+    text += "  steady state: limited by stops or lost contact; searched for without a duration\n";
+  }
   if (solved.window) {
     text += fmt::format("  from {}, {:.6g} to {:.6g} s (10 periods): skin {:.5f} um RMS\n",
                         StartName(solved.scene), solved.window->begin_s, solved.window->end_s,
@@ -159,26 +186,34 @@ std::string SimulateJson(const SimulateAnswer& answer) {
   const auto number = [&](double sim::SteadyState::* field) -> ordered_json {
     return steady ? cli::NumberOrNull((*steady).*field) : ordered_json(nullptr);
   };
+  // what a limited scene settles to has these numbers too
+  const auto settled = [&](double sim::SteadyState::* linear,
+                           double sim::SceneRun::* limited) -> ordered_json {
+    const bool periodic = solved.effects && solved.effects->periodic;
+    return periodic ? cli::NumberOrNull(solved.effects->run.*limited) : number(linear);
+  };
   const double relative = solved.skin_rms_relative_uncertainty;
-  ordered_json document{{"scene", answer.scene_path},
-                        {"skin_rms_m", number(&sim::SteadyState::skin_rms_m)},
-                        {"skin_rms_standard_uncertainty_m",
-                         relative > 0 && steady ? cli::NumberOrNull(relative * steady->skin_rms_m)
-                                                : ordered_json(nullptr)},
-                        {"mover_peak_m", number(&sim::SteadyState::mover_peak_m)},
-                        {"case_rms_m", number(&sim::SteadyState::case_rms_m)},
-                        {"current_rms_a", number(&sim::SteadyState::current_rms_a)},
-                        {"power_w", number(&sim::SteadyState::power_w)},
-                        {"phase_rad", number(&sim::SteadyState::phase_rad)},
-                        {"skin_force_peak_n", number(&sim::SteadyState::skin_force_peak_n)},
-                        {"method", Method(solved)},
-                        {"error_estimate", number(&sim::SteadyState::error_estimate)},
-                        {"window_rms_m", nullptr},
-                        {"window_s", nullptr},
-                        {"effects", EffectsJson(solved)},
-                        {"run", RunJson(solved)},
-                        {"assumptions", SimulateAssumptions(answer)},
-                        {"trial", cli::TextOrNull(answer.trial_path)}};
+  ordered_json document{
+      {"scene", answer.scene_path},
+      {"skin_rms_m", settled(&sim::SteadyState::skin_rms_m, &sim::SceneRun::skin_rms_m)},
+      {"skin_rms_standard_uncertainty_m", relative > 0 && steady
+                                              ? cli::NumberOrNull(relative * steady->skin_rms_m)
+                                              : ordered_json(nullptr)},
+      {"mover_peak_m", settled(&sim::SteadyState::mover_peak_m, &sim::SceneRun::mover_peak_m)},
+      {"case_rms_m", settled(&sim::SteadyState::case_rms_m, &sim::SceneRun::case_rms_m)},
+      {"current_rms_a", settled(&sim::SteadyState::current_rms_a, &sim::SceneRun::current_rms_a)},
+      {"power_w", settled(&sim::SteadyState::power_w, &sim::SceneRun::power_w)},
+      {"phase_rad", number(&sim::SteadyState::phase_rad)},
+      {"skin_force_peak_n", number(&sim::SteadyState::skin_force_peak_n)},
+      {"method", Method(solved)},
+      {"error_estimate", number(&sim::SteadyState::error_estimate)},
+      {"window_rms_m", nullptr},
+      {"window_s", nullptr},
+      {"effects", EffectsJson(solved)},
+      {"run", RunJson(solved)},
+      {"periodic", PeriodicJson(solved)},
+      {"assumptions", SimulateAssumptions(answer)},
+      {"trial", cli::TextOrNull(answer.trial_path)}};
   if (solved.window) {
     document["window_rms_m"] = solved.window->skin_rms_m;
     document["window_s"] = {solved.window->begin_s, solved.window->end_s};
