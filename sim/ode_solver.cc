@@ -55,6 +55,7 @@ struct OdeSolver::Parts {
   N_Vector y = nullptr;
   N_Vector out = nullptr;
   N_Vector integrals = nullptr;  // null without any
+  N_Vector integral_tolerance = nullptr;
   void* solver = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;
@@ -67,7 +68,10 @@ struct OdeSolver::Parts {
     const auto integral_count = static_cast<sunindextype>(problem->integrals());
     y = N_VNew_Serial(n, context);
     out = N_VNew_Serial(n, context);
-    if (integral_count > 0) integrals = N_VNew_Serial(integral_count, context);
+    if (integral_count > 0) {
+      integrals = N_VNew_Serial(integral_count, context);
+      integral_tolerance = N_VNew_Serial(integral_count, context);
+    }
     solver = CVodeCreate(method == OdeMethod::kBdf ? CV_BDF : CV_ADAMS, context);
     matrix = SUNDenseMatrix(n, n, context);
     HAPTOMETER_CHECK(y && out && solver && matrix, "no memory for {} states", n);
@@ -81,7 +85,10 @@ struct OdeSolver::Parts {
     SUNMatDestroy(matrix);
     N_VDestroy(y);
     N_VDestroy(out);
-    if (integrals != nullptr) N_VDestroy(integrals);
+    if (integrals != nullptr) {
+      N_VDestroy(integrals);
+      N_VDestroy(integral_tolerance);
+    }
     SUNContext_Free(&context);
   }
 
@@ -161,8 +168,9 @@ void OdeSolver::Begin(const Beginning& beginning) {
   if (parts.integrals == nullptr) return;
   VectorOf(parts.integrals).setZero();
   Check(CVodeQuadReInit(parts.solver, parts.integrals));
-  Check(CVodeQuadSStolerances(parts.solver, parts.relative,
-                              parts.relative * std::max(beginning.integral_scale, kLeastScale)));
+  VectorOf(parts.integral_tolerance) =
+      parts.relative * beginning.integral_scale.cwiseMax(kLeastScale);
+  Check(CVodeQuadSVtolerances(parts.solver, parts.relative, parts.integral_tolerance));
 }
 
 bool OdeSolver::Step() {

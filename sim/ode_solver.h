@@ -60,9 +60,9 @@ class OdeSolver {
   struct Beginning {
     double t_s = 0;
     Eigen::VectorXd y;
-    Eigen::VectorXd scale;      ///< of each state, >= 0
-    double integral_scale = 0;  ///< of all integrals, > 0
-    double longest_step_s = 0;  ///< > 0
+    Eigen::VectorXd scale;           ///< of each state, >= 0
+    Eigen::VectorXd integral_scale;  ///< of each integral, >= 0
+    double longest_step_s = 0;       ///< > 0
   };
   /// Begins anew, at order 1; the integrals begin at 0.
   void Begin(const Beginning& beginning);

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/check.h"
 #include "sim/linear_model.h"
@@ -24,52 +23,27 @@ bool HasConstant(const Mode& mode) {
   return mode.positions.size() > 0 && mode.a.row(last).isZero(0) && mode.b(last) == 0;
 }
 
-Eigen::MatrixXd PositionsOf(const Mode& mode) {
-  if (mode.positions.size() > 0) return mode.positions;
-  return Eigen::MatrixXd::Identity(mode.a.rows(), mode.a.rows());
-}
-
-// what turns a position's square into a power of the size that the ledger's have
-Eigen::VectorXd PowersPerSquare(const PiecewiseLinearSystem& system, const SineDrive& drive) {
-  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-  const Eigen::VectorXd energies = system.modes[0].stored_j.diagonal();
-  return (energies.array() > 0).select(omega * energies, 1);
-}
-
-// The squares of all positions, and of the travel, as dissipating elements of the ledger, which
-// integrates them as exactly as it does energies.
-void AddSquares(PiecewiseLinearSystem& system, const Eigen::VectorXd& factors) {
-  constexpr std::string_view kName = "square";
-  for (Mode& mode : system.modes) {
-    mode.dissipating.resize(system.dissipating_elements.size());
-    const Eigen::MatrixXd rows = PositionsOf(mode);
-    mode.dissipating.reserve(mode.dissipating.size() + static_cast<std::size_t>(rows.rows()) + 1);
-    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
-      mode.dissipating.emplace_back(factors(k) * rows.row(k).transpose() * rows.row(k));
-    }
-    const Eigen::RowVectorXd travel = rows.row(LinearModel::kMover) - rows.row(LinearModel::kCase);
-    mode.dissipating.emplace_back(factors(LinearModel::kMover) * travel.transpose() * travel);
-  }
-  system.dissipating_elements.insert(system.dissipating_elements.end(),
-                                     static_cast<std::size_t>(factors.size()) + 1, kName);
+// every position, and the mover's travel in its case
+std::vector<Eigen::RowVectorXd> RowsToSquare(const Mode& mode) {
+  const Eigen::Index n = mode.positions.size() > 0 ? mode.positions.rows() : mode.a.rows();
+  std::vector<Eigen::RowVectorXd> rows;
+  rows.reserve(static_cast<std::size_t>(n) + 1);
+  for (Eigen::Index k = 0; k < n; ++k) rows.emplace_back(Eigen::RowVectorXd::Unit(n, k));
+  rows.emplace_back(rows[LinearModel::kMover] - rows[LinearModel::kCase]);
+  return rows;
 }
 
 }  // namespace
 
 PeriodMap::PeriodMap(PiecewiseLinearSystem system, const SineDrive& drive)
     : system_{.linear = std::move(system)}, drive_(drive), error_(kExactError) {
-  squares_from_ = system_.linear.dissipating_elements.size();
-  powers_per_square_ = PowersPerSquare(system_.linear, drive);
-  AddSquares(system_.linear, powers_per_square_);
+  system_.linear.squared_rows = RowsToSquare(system_.linear.modes[0]);
 }
 
 PeriodMap::PeriodMap(SmoothSystem system, const SineDrive& drive, const SmoothSettings& settings)
-    : PeriodMap(std::move(system.linear), drive) {
-  system.linear = std::move(system_.linear);
-  system_ = std::move(system);
-  settings_ = settings;
+    : system_(std::move(system)), drive_(drive), settings_(settings), error_(settings.tolerance) {
+  system_.linear.squared_rows = RowsToSquare(system_.linear.modes[0]);
   settings_->with_error = false;
-  error_ = settings.tolerance;
 }
 
 PeriodPoint PeriodMap::PointOf(std::size_t mode, const Eigen::VectorXd& x,
@@ -122,19 +96,15 @@ std::optional<PeriodStep> PeriodMap::Play(Motion& motion, int periods, int outpu
   if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
   PeriodStep step{.point = PointOf(motion.mode(), motion.x(), theta_k)};
   if (!with_means) return step;
-  const EnergyLedger ledger = motion.Ledger();
   const double duration_s = periods / drive_.frequency_hz;
-  const Eigen::Index n = powers_per_square_.size();
-  step.means = PeriodMeans{.mean_squares = Eigen::VectorXd(n),
-                           .power_w = ledger.input_j / duration_s,
-                           .largest = largest,
-                           .events = motion.events().size()};
-  const double* const squares_j = ledger.dissipated_j.data() + squares_from_;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    step.means->mean_squares(k) = squares_j[k] / (powers_per_square_(k) * duration_s);
-  }
-  step.means->travel_mean_square =
-      squares_j[n] / (powers_per_square_(LinearModel::kMover) * duration_s);
+  const std::vector<double> squares = motion.SquareIntegrals();
+  const auto n = static_cast<Eigen::Index>(squares.size()) - 1;
+  step.means =
+      PeriodMeans{.mean_squares = Eigen::Map<const Eigen::VectorXd>(squares.data(), n) / duration_s,
+                  .travel_mean_square = squares.back() / duration_s,
+                  .power_w = motion.Ledger().input_j / duration_s,
+                  .largest = largest,
+                  .events = motion.events().size()};
   return step;
 }
 

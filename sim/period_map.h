@@ -60,12 +60,10 @@ class PeriodMap {
   [[nodiscard]] std::optional<PeriodStep> Play(Motion& motion, int periods, int outputs,
                                                bool with_means) const;
 
-  SmoothSystem system_;  // its dissipating elements are followed by the squares that are averaged
+  SmoothSystem system_;
   SineDrive drive_;
   std::optional<SmoothSettings> settings_;  // absent: exact
   double error_;
-  std::size_t squares_from_ = 0;
-  Eigen::VectorXd powers_per_square_;
 };
 
 }  // namespace haptometer::sim

@@ -11,7 +11,8 @@
 namespace haptometer::sim {
 
 /// One mode of a smooth system as an ODE: y = [x, theta], theta where the coil heats. The integrals
-/// are the input and each dissipating element in J; none where no energies are asked for.
+/// are the input, each dissipating element (J) and each of the squared rows (times s); none where
+/// no energies are asked for.
 ///
 /// Time counts from `origin_s`, where the mode was entered, so that it has its digits for what is
 /// near.
@@ -31,7 +32,9 @@ class SmoothMode final : public OdeProblem {
   /// g, g', g'', g''' of a guard.
   [[nodiscard]] GuardJet Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
   /// g alone.
-  [[nodiscard]] double Value(std::size_t guard, const Eigen::VectorXd& y) const;
+  [[nodiscard]] double Value(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
+  /// The coil's current in A.
+  [[nodiscard]] double Current(double t_s, const Eigen::VectorXd& y) const;
   /// x' S x and the spring's energy.
   [[nodiscard]] double StoredEnergy(const Eigen::VectorXd& y) const;
 
@@ -42,15 +45,23 @@ class SmoothMode final : public OdeProblem {
   /// The rise at which the coil would stay under the currents of that scale; 0 where no heat
   /// leaves.
   [[nodiscard]] double LastRise(const Eigen::VectorXd& scale) const;
-  /// The energy that turns over in a radian of the drive at that scale.
-  [[nodiscard]] double EnergyScale(const Eigen::VectorXd& scale) const;
+  /// How large the integrals become in a radian of the drive at that scale: all energies the same.
+  [[nodiscard]] Eigen::VectorXd IntegralScale(const Eigen::VectorXd& scale) const;
 
  private:
   [[nodiscard]] const Mode& mode() const { return system_->linear.modes[mode_]; }
   [[nodiscard]] Eigen::Index n() const { return mode().a.rows(); }
   [[nodiscard]] Eigen::Vector2d DriveThen(double t_s) const;
   [[nodiscard]] double Pace() const;
-  [[nodiscard]] double ResistanceRise(double theta_k) const;
+  // R(theta) - R0 and the current
+  struct Coil {
+    double rise_ohm = 0;
+    double current_a = 0;
+    double held_back = 1;  // d current / d (current without the rise)
+  };
+  [[nodiscard]] Coil CoilAt(double volt, const Eigen::Ref<const Eigen::VectorXd>& y) const;
+  [[nodiscard]] double RisePerKelvin() const;
+  [[nodiscard]] Eigen::RowVectorXd RowOfPositions(const Eigen::RowVectorXd& row) const;
 
   const SmoothSystem* system_;
   std::size_t mode_;

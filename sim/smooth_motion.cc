@@ -1,6 +1,7 @@
 #include "sim/smooth_motion.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -71,17 +72,20 @@ SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode, con
     : problem(system, mode, drive, with_energy), solver(problem, method, relative) {}
 
 SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
-                           double rate_hz, const SmoothSettings& settings,
+                           const OutputGrid& grid, const SmoothSettings& settings,
                            double temperature_rise_k)
     : system_(std::move(system)),
       drive_(drive),
-      rate_hz_(rate_hz),
+      rate_hz_(grid.rate_hz),
+      grid_origin_s_(static_cast<long double>(grid.origin_s)),
       settings_(settings),
       runs_(system_.linear.modes.size()),
       mode_(start.mode),
       x_(std::move(start.x)),
       temperature_rise_k_(temperature_rise_k) {
-  HAPTOMETER_CHECK(rate_hz > 0 && mode_ < runs_.size(), "{} Hz, mode {}", rate_hz, mode_);
+  HAPTOMETER_CHECK(rate_hz_ > 0 && mode_ < runs_.size(), "{} Hz, mode {}", rate_hz_, mode_);
+  HAPTOMETER_CHECK(grid.origin_s <= 0 && -grid.origin_s * rate_hz_ < 1, "origin {} s at {} Hz",
+                   grid.origin_s, rate_hz_);
   HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
   method_ =
       settings_.method.value_or(MethodFor(system_.linear.modes[mode_], drive, settings_.tolerance));
@@ -92,18 +96,13 @@ SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, Piecewis
     coarse.with_error = coarse.with_energy = false;
     coarse.method = method_;
     companion_.reset(new Companion{
-        .motion{system_, drive, {.mode = mode_, .x = x_}, rate_hz, coarse, temperature_rise_k},
+        .motion{system_, drive, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
         .largest = Positions().cwiseAbs(),
         .difference = Eigen::VectorXd::Zero(Positions().size())});
   }
-  Eigen::VectorXd y = x_;
-  if (system_.heating) {
-    y.conservativeResize(y.size() + 1);
-    y(y.size() - 1) = temperature_rise_k;
-  }
-  Enter(std::move(y));
+  Enter(Whole());
   if (!settings_.with_energy) return;
-  flow_.integrals_j.assign(system_.linear.dissipating_elements.size() + 1, 0);
+  flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
   initial_j_ = Run().problem.StoredEnergy(x_);
 }
 
@@ -119,10 +118,9 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
   run->problem.SetOrigin(origin_s_);
   Eigen::VectorXd scale = run->problem.ScaleFrom(y);
   if (known) scale = scale.cwiseMax(run->solver.scale());
-  const double energy_j = run->problem.EnergyScale(scale);
   run->solver.Begin({.y = std::move(y),
                      .scale = scale,
-                     .integral_scale = energy_j,
+                     .integral_scale = run->problem.IntegralScale(scale),
                      .longest_step_s = kLongestStepPeriods /
                                        (drive_.frequency_hz > 0 ? drive_.frequency_hz : rate_hz_)});
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
@@ -132,8 +130,7 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
 
 void SmoothMotion::Next() {
   if (stalled_at_s_) return;
-  const long double target_s =
-      static_cast<long double>(index_ + 1) / static_cast<long double>(rate_hz_);
+  const long double target_s = TimeOf(index_ + 1);
   std::int64_t steps = 0;
   for (;;) {
     const auto tau_s = static_cast<double>(target_s - origin_s_);
@@ -182,7 +179,8 @@ void SmoothMotion::Arm() {
   if (std::ranges::all_of(run.armed, [](bool armed) { return armed; })) return;
   const Eigen::VectorXd y = run.solver.At(run.solver.end_s());
   for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
-    run.armed[guard] = run.armed[guard] || run.problem.Value(guard, y) > NoiseOf(guard);
+    run.armed[guard] =
+        run.armed[guard] || run.problem.Value(guard, run.solver.end_s(), y) > NoiseOf(guard);
   }
 }
 
@@ -199,14 +197,36 @@ void SmoothMotion::LookForFall() {
     factor *= step_s / static_cast<double>(k + 1);
   }
   for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
-    const Eigen::RowVectorXd& row = system_.linear.modes[mode_].guards[guard].row;
-    Eigen::VectorXd coefficients = (row * terms.topRows(row.size())).transpose();
-    coefficients[0] = run.problem.Value(guard, terms.col(0));
-    const std::optional<double> u = FallWithin(coefficients, run.armed[guard] ? 0 : NoiseOf(guard));
+    const std::optional<double> u =
+        FallWithin(PolynomialOf(guard, terms), run.armed[guard] ? 0 : NoiseOf(guard));
     if (!u) continue;
     const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
     if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
   }
+}
+
+// A guard over the step. One that feels the voltage is no polynomial, but so smooth over an eighth
+// of a period that one through Chebyshev's points is as good: to 1e-15 of what the voltage adds.
+Eigen::VectorXd SmoothMotion::PolynomialOf(std::size_t guard, const Eigen::MatrixXd& terms) {
+  ModeRun& run = Run();
+  const Guard& that = system_.linear.modes[mode_].guards[guard];
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  if (that.feed.size() == 0) {
+    Eigen::VectorXd coefficients = (that.row * terms.topRows(that.row.size())).transpose();
+    coefficients[0] = run.problem.Value(guard, begin_s, terms.col(0));
+    return coefficients;
+  }
+  constexpr Eigen::Index kPoints = 13;
+  Eigen::MatrixXd powers(kPoints, kPoints);
+  Eigen::VectorXd values(kPoints);
+  for (Eigen::Index k = 0; k < kPoints; ++k) {
+    const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
+    const double u = (1 - std::cos(angle)) / 2;
+    const double t_s = begin_s + u * step_s;
+    values[k] = run.problem.Value(guard, t_s, run.solver.At(t_s));
+    for (Eigen::Index j = 0; j < kPoints; ++j) powers(k, j) = j == 0 ? 1 : powers(k, j - 1) * u;
+  }
+  return powers.partialPivLu().solve(values);
 }
 
 void SmoothMotion::Fire(const Fall& fall) {
@@ -216,8 +236,8 @@ void SmoothMotion::Fire(const Fall& fall) {
   const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;
   if (settings_.with_energy) {
     const Eigen::VectorXd integrals = run.solver.IntegralsAt(fall.tau_s);
-    for (std::size_t k = 0; k < flow_.integrals_j.size(); ++k) {
-      flow_.integrals_j[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
+    for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
+      flow_.integrals[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
     }
   }
   origin_s_ += static_cast<long double>(fall.tau_s);
@@ -304,24 +324,66 @@ OdeWork SmoothMotion::work() const {
   return work;
 }
 
-EnergyLedger SmoothMotion::Ledger() const {
+// the integrals up to the output
+std::vector<double> SmoothMotion::IntegralsHere() const {
   HAPTOMETER_CHECK(settings_.with_energy, "no energies were kept");
-  const ModeRun& run = *runs_[mode_];
-  const auto tau_s = static_cast<double>(
-      static_cast<long double>(index_) / static_cast<long double>(rate_hz_) - origin_s_);
-  const Eigen::VectorXd since = run.solver.IntegralsAt(tau_s);
-  EnergyLedger ledger{.initial_j = initial_j_,
-                      .stored_j = run.problem.StoredEnergy(x_),
-                      .impact_j = static_cast<double>(flow_.impact_j)};
-  for (std::size_t k = 0; k < flow_.integrals_j.size(); ++k) {
-    const double sum_j =
-        static_cast<double>(flow_.integrals_j[k]) + since[static_cast<Eigen::Index>(k)];
-    if (k == 0)
-      ledger.input_j = sum_j;
-    else
-      ledger.dissipated_j.push_back(sum_j);
+  const Eigen::VectorXd since = runs_[mode_]->solver.IntegralsAt(TauOfOutput());
+  std::vector<double> integrals;
+  integrals.reserve(flow_.integrals.size());
+  for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
+    integrals.push_back(static_cast<double>(flow_.integrals[k]) +
+                        since[static_cast<Eigen::Index>(k)]);
   }
-  return ledger;
+  return integrals;
+}
+
+EnergyLedger SmoothMotion::Ledger() const {
+  const std::vector<double> integrals = IntegralsHere();
+  const auto squares =
+      integrals.end() - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size());
+  return {.initial_j = initial_j_,
+          .stored_j = runs_[mode_]->problem.StoredEnergy(x_),
+          .input_j = integrals.front(),
+          .impact_j = static_cast<double>(flow_.impact_j),
+          .dissipated_j{integrals.begin() + 1, squares}};
+}
+
+std::vector<double> SmoothMotion::SquareIntegrals() const {
+  const std::vector<double> integrals = IntegralsHere();
+  return {integrals.end() - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size()),
+          integrals.end()};
+}
+
+// the state with the coil's rise
+Eigen::VectorXd SmoothMotion::Whole() const {
+  Eigen::VectorXd y = x_;
+  if (!system_.heating) return y;
+  y.conservativeResize(y.size() + 1);
+  y(y.size() - 1) = temperature_rise_k_;
+  return y;
+}
+
+Eigen::VectorXd SmoothMotion::Rates() const {
+  const Eigen::VectorXd y = Whole();
+  Eigen::VectorXd rate(y.size());
+  runs_[mode_]->problem.Rate(TauOfOutput(), OdeProblem::ConstVector(y.data(), y.size()),
+                             OdeProblem::Vector(rate.data(), rate.size()));
+  const Mode& mode = system_.linear.modes[mode_];
+  if (mode.positions.size() == 0) return rate.head(x_.size());
+  return mode.positions * rate.head(x_.size());
+}
+
+double SmoothMotion::CurrentA() const {
+  return runs_[mode_]->problem.Current(TauOfOutput(), Whole());
+}
+
+long double SmoothMotion::TimeOf(std::uint64_t output) const {
+  return grid_origin_s_ + static_cast<long double>(output) / static_cast<long double>(rate_hz_);
+}
+
+// from where the mode was entered to the output; output 0 is the beginning
+double SmoothMotion::TauOfOutput() const {
+  return index_ == 0 ? 0 : static_cast<double>(TimeOf(index_) - origin_s_);
 }
 
 }  // namespace haptometer::sim

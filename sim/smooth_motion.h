@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sim/energy_ledger.h"
@@ -30,7 +31,7 @@ struct SmoothSettings {
 [[nodiscard]] OdeMethod MethodFor(const Mode& mode, const SineDrive& drive, double tolerance);
 
 /// The motion of a scene with smooth nonlinear effects, with the face of PiecewiseMotion: outputs
-/// at t = i / rate_hz, events located, energies counted.
+/// on the same grid, events located, energies counted.
 ///
 /// **Between events** SUNDIALS CVODES integrates; each step leaves a polynomial behind. A guard,
 /// being affine in the states, is a polynomial too over that step, and the first place where it
@@ -52,7 +53,12 @@ struct SmoothSettings {
 class SmoothMotion {
  public:
   SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start, double rate_hz,
-               const SmoothSettings& settings, double temperature_rise_k = 0);
+               const SmoothSettings& settings, double temperature_rise_k = 0)
+      : SmoothMotion(std::move(system), drive, std::move(start), OutputGrid{.rate_hz = rate_hz},
+                     settings, temperature_rise_k) {}
+  SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
+               const OutputGrid& grid, const SmoothSettings& settings,
+               double temperature_rise_k = 0);
   // problems refer to the system within
   SmoothMotion(const SmoothMotion&) = delete;
   SmoothMotion& operator=(const SmoothMotion&) = delete;
@@ -62,18 +68,24 @@ class SmoothMotion {
   /// in a period and 30 to 100 after an event. Nothing happens after a stall.
   void Next();
 
-  /// The number of the output that the motion stands at; its time is index / rate_hz.
+  /// The number of the output that the motion stands at; 0: at its beginning.
   [[nodiscard]] std::uint64_t index() const { return index_; }
   /// The state there, in the coordinates of the mode() there.
   [[nodiscard]] const Eigen::VectorXd& x() const { return x_; }
   [[nodiscard]] std::size_t mode() const { return mode_; }
   /// The mode's positions x: what all modes have in common.
   [[nodiscard]] Eigen::VectorXd Positions() const;
+  /// Their rates by time.
+  [[nodiscard]] Eigen::VectorXd Rates() const;
+  /// The coil's current there, also where it is no state.
+  [[nodiscard]] double CurrentA() const;
   /// The coil's rise there; 0 without heating.
   [[nodiscard]] double temperature_rise_k() const { return temperature_rise_k_; }
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
   /// The balance up to here; needs `with_energy`.
   [[nodiscard]] EnergyLedger Ledger() const;
+  /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
+  [[nodiscard]] std::vector<double> SquareIntegrals() const;
   /// When the motion stalled, if it did, and why.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
   [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
@@ -100,7 +112,7 @@ class SmoothMotion {
   };
   struct Flow {  // long sums, up to where the mode began
     long double impact_j = 0;
-    std::vector<long double> integrals_j;
+    std::vector<long double> integrals;  // as SmoothMode's
   };
   struct Companion;
 
@@ -108,6 +120,7 @@ class SmoothMotion {
   void Enter(Eigen::VectorXd y);
   void Advance();
   void LookForFall();
+  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard, const Eigen::MatrixXd& terms);
   [[nodiscard]] double NoiseOf(std::size_t guard);
   void Arm();
   void Fire(const Fall& fall);
@@ -118,10 +131,15 @@ class SmoothMotion {
   void Stall(std::string_view reason);
   void TakeOutput(double tau_s);
   void Compare();
+  [[nodiscard]] std::vector<double> IntegralsHere() const;
+  [[nodiscard]] Eigen::VectorXd Whole() const;
+  [[nodiscard]] long double TimeOf(std::uint64_t output) const;
+  [[nodiscard]] double TauOfOutput() const;
 
   SmoothSystem system_;
   SineDrive drive_;
   double rate_hz_;
+  long double grid_origin_s_;
   SmoothSettings settings_;
   OdeMethod method_ = OdeMethod::kBdf;
   double relative_ = 0;                         // the solver's local tolerance

@@ -21,7 +21,10 @@ struct SpringTerms {
 /// A piecewise-linear system with smooth nonlinear terms:
 ///
 ///   x' = A x + b (v - R0 alpha theta i) - push f(d)
-///   theta' = (R(theta) i^2 - theta / Rth) / C,   i = current_row x.
+///   theta' = (R(theta) i^2 - theta / Rth) / C
+///
+/// with the coil's current i = current_row x, or without inductance what R(theta) makes of it,
+/// i = (current_row x + v / R0) / (1 + alpha theta).
 struct SmoothSystem {
   PiecewiseLinearSystem linear;
   std::optional<StiffeningSpring> spring{};
