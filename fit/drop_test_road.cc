@@ -263,18 +263,19 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
 
   // what can be told from where we stand; then solve, weigh by the residuals, solve again
   const auto unknown = UnknownColumns(model, road.problem);
-  road.jacobian = road.problem.Linearise(road.point);
+  road.jacobian = road.problem.Condense(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   LeaveOutSilence(road);
   Reweight(model.loss, road);
-  road.jacobian = road.problem.Linearise(road.point);
+  road.jacobian = road.problem.Condense(road.point);
   const auto is_free = FindFreedom(road, unknown);
   road.solver = road.problem.Minimise(is_free, &road.point);
   if (model.loss == Loss::kHuber) SettleWeights(is_free, road);
   road.solver.iterations += first.iterations;
 
   road.jacobian = road.problem.Linearise(road.point);
-  road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
+  road.seen = FindIdentifiability(road.problem.Condense(road.point), unknown,
+                                  LogarithmColumns(model.records.size()));
   const std::size_t fitted =
       static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -
       road.seen.nullity;

@@ -120,6 +120,9 @@ class RingDownProblem {
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
 
+  /// The same linear least-squares problem in 12 rows a record (condensed_record.h).
+  [[nodiscard]] Jacobian Condense(const RingDownPoint& point) const;
+
   /// Whether the voltages at a point can be computed: no overflow, no root of a negative Km^2.
   [[nodiscard]] bool IsDefined(const RingDownPoint& point) const;
 
@@ -140,6 +143,7 @@ class RingDownProblem {
 
  private:
   [[nodiscard]] LeastSquares Whole() const;
+  [[nodiscard]] LeastSquares Condensed() const;
 
   std::vector<RingDownSamples> records_;
   double inductance_h_;
