@@ -27,8 +27,10 @@ constexpr std::array kColumns{
 constexpr Position kRinging = 5;  // up to kConstant
 constexpr Position kInBlocks = 8;
 constexpr std::size_t kWidth = kColumns.size();
+using Stretch = Condenser::Stretch;
 using Square =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kInBlocks, kInBlocks>;
+using Products = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kInBlocks, 1>;
 
 class Condensing {
  public:
@@ -55,22 +57,33 @@ class Condensing {
     samples_.push_back(std::sqrt(rest_));
   }
 
-  [[nodiscard]] CondensedRecord condensed() const {
+  [[nodiscard]] std::vector<CondensedRow> condensed() const {
     std::vector<std::size_t> used;
-    CondensedRecord condensed;
     for (std::size_t k = 0; k < kWidth; ++k) {
       const bool in_blocks = static_cast<Position>(k) < width_;
       const bool electrical = static_cast<Position>(k) >= kInBlocks && has_current_;
-      if (!in_blocks && !electrical) continue;
-      used.push_back(k);
-      condensed.parts.push_back(kColumns[k]);
+      if (in_blocks || electrical) used.push_back(k);
     }
-    condensed.rows = ReduceRows({rows_, kWidth, samples_}, used);
-    for (double& value : condensed.rows) value /= record_.noise_v;
+    const std::size_t size = used.size() + 1;
+    const auto reduced = ReduceRows({rows_, kWidth, samples_}, used);
+    std::vector<CondensedRow> condensed(size);
+    for (std::size_t row = 0; row < size; ++row) {
+      const double* values = reduced.data() + row * size;
+      auto& [parts, value_v] = condensed[row];
+      for (std::size_t k = 0; k < used.size(); ++k) {
+        parts[Index(kColumns[used[k]])] = values[k] / record_.noise_v;
+      }
+      parts[Index(Part::kByDiscriminant)] =
+          (parts[Index(Part::kTimesEven)] - parts[Index(Part::kOdd)]) / (2 * discriminant());
+      value_v = values[used.size()] / record_.noise_v;
+    }
     return condensed;
   }
 
  private:
+  [[nodiscard]] double discriminant() const {
+    return rates_.decay_per_s * rates_.decay_per_s - rates_.stiffness_per_s2;
+  }
   [[nodiscard]] double SinceBlow(std::size_t n) const {
     return (record_.times_s[n] - rates_.impact_s) / record_.time_scale;
   }
@@ -111,39 +124,40 @@ class Condensing {
     triangle_ = qr.matrixQR().topRows(width_).triangularView<Eigen::Upper>();
   }
 
-  // what makes the parts of the block at `n` of those of the one at 0
-  [[nodiscard]] Square Shift(std::size_t n) const {
+  // the basis's triangle for the parts of the block at `n`, into as many rows
+  void WriteParts(std::size_t n, double* row) const {
     const double t = SinceBlow(n);
     const auto [even, odd] =
         sim::DampedFundamentals(rates_.decay_per_s, rates_.stiffness_per_s2, t);
-    const double discriminant = rates_.decay_per_s * rates_.decay_per_s - rates_.stiffness_per_s2;
-    Square shift = Square::Zero(width_, width_);
-    const Eigen::Matrix2d turn{{even, odd}, {discriminant * odd, even}};
-    shift.block<2, 2>(0, 0) = turn;
-    shift.block<2, 2>(0, 2) = t * turn;
-    shift.block<2, 2>(2, 2) = turn;
-    shift(4, 4) = 1;
-    if (width_ == kRinging) return shift;
+    const double odd_to_even = discriminant() * odd;
     const auto [drift, cosine, sine] = recording_.At(record_.times_s[n]);
-    shift(4, 5) = drift;
-    shift(5, 5) = 1;
-    shift.block<2, 2>(6, 6) << cosine, sine, -sine, cosine;
-    return shift;
+    for (Position k = 0; k < width_; ++k, row += kWidth) {
+      const auto triangle = triangle_.row(k);
+      row[0] = triangle[0] * even + triangle[1] * odd_to_even;
+      row[1] = triangle[0] * odd + triangle[1] * even;
+      row[2] = triangle[2] * even + triangle[3] * odd_to_even + t * row[0];
+      row[3] = triangle[2] * odd + triangle[3] * even + t * row[1];
+      row[4] = triangle[4];
+      if (width_ == kRinging) continue;
+      row[5] = triangle[5] + drift * triangle[4];
+      row[6] = triangle[6] * cosine - triangle[7] * sine;
+      row[7] = triangle[6] * sine + triangle[7] * cosine;
+    }
   }
 
   void TakeBlock(std::size_t first) {
     if (orthonormal_.size() == 0) MakeBasis();
     const Eigen::Map<const Eigen::VectorXd> values(record_.voltages_v.data() + first,
                                                    static_cast<Position>(kBlock));
-    const Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kInBlocks, 1> products =
-        orthonormal_.transpose() * values;
-    rest_ += (values - orthonormal_ * products).squaredNorm();
-    const Square parts = triangle_ * Shift(first);
-    for (Position row = 0; row < width_; ++row) {
-      for (Position k = 0; k < width_; ++k) rows_.push_back(parts(row, k));
-      rows_.resize(rows_.size() + kWidth - static_cast<std::size_t>(width_));
-      samples_.push_back(products[row]);
-    }
+    Products products(width_);
+    products.noalias() = orthonormal_.transpose() * values;
+    left_ = values;
+    left_.noalias() -= orthonormal_ * products;
+    rest_ += left_.squaredNorm();
+    const std::size_t row = samples_.size();
+    samples_.insert(samples_.end(), products.begin(), products.end());
+    rows_.resize(kWidth * samples_.size());
+    WriteParts(first, rows_.data() + kWidth * row);
   }
 
   const RingDownSamples& record_;
@@ -152,6 +166,7 @@ class Condensing {
   Position width_;  // of a block's parts
   RingingMoments moments_;
   Eigen::MatrixXd orthonormal_;
+  Eigen::VectorXd left_;  // of a block's samples, by these
   Square triangle_;
   bool has_current_ = false;
   double rest_ = 0;
@@ -159,22 +174,16 @@ class Condensing {
   std::vector<double> samples_;
 };
 
-}  // namespace
-
-std::array<double, 3> RecordingParts::At(double time_s) const {
-  if (hum_rad_per_s == 0) return {time_s - middle_s, 1, 0};
-  return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
-}
-
 std::vector<Stretch> StretchesOf(const RingDownSamples& record) {
   std::vector<Stretch> stretches;
   const auto& times = record.times_s;
+  const double steps_per_s = record.step_s > 0 ? 1 / record.step_s : 0;
   std::size_t first = 0;
   while (first < times.size()) {
     std::size_t end = first;  // of the samples on the grid that begins at `first`
     const std::size_t most =
         record.root_weights.empty() ? std::min(times.size(), first + kBlock) : first;
-    while (end < most && std::abs((times[end] - times[first]) / record.step_s -
+    while (end < most && std::abs((times[end] - times[first]) * steps_per_s -
                                   static_cast<double>(end - first)) < kOnGrid) {
       ++end;
     }
@@ -187,17 +196,24 @@ std::vector<Stretch> StretchesOf(const RingDownSamples& record) {
   return stretches;
 }
 
+}  // namespace
+
 bool CanBeCondensed(const RingDownSamples& record, const RingingRates& rates) {
   const double length_s = (record.times_s.back() - rates.impact_s) / record.time_scale;
   const double square = rates.stiffness_per_s2 - rates.decay_per_s * rates.decay_per_s;
   return record.step_s > 0 && length_s > 0 && square * length_s * length_s > kLeastAngle;
 }
 
-CondensedRecord CondenseRecord(const RingDownSamples& record, const std::vector<Stretch>& stretches,
-                               const RingingRates& rates) {
-  Condensing condensing(record, rates);
-  condensing.Take(stretches);
-  return condensing.condensed();
+Condenser::Condenser(const RingDownSamples& record)
+    : record_(&record), stretches_(StretchesOf(record)) {}
+
+const std::vector<CondensedRow>& Condenser::At(const RingingRates& rates) {
+  if (rates_ == rates) return last_;
+  Condensing condensing(*record_, rates);
+  condensing.Take(stretches_);
+  last_ = condensing.condensed();
+  rates_ = rates;
+  return last_;
 }
 
 }  // namespace haptometer::fit

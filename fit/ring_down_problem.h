@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -107,8 +108,7 @@ struct RecordPoles {
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
-/// with the sign of `polarity`. Derivatives are automatic for the circuit's poles and shapes, and
-/// written down for each sample (ringing_moments.h).
+/// with the sign of `polarity`. Derivatives are those of ringing_sum.h.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
@@ -128,6 +128,10 @@ class RingDownProblem {
 
   /// Weighted residuals alone, records in order.
   [[nodiscard]] std::vector<double> Residuals(const RingDownPoint& point) const;
+
+  /// J'c: the products of each parameter's derivatives at a point with `changes` of the residuals.
+  [[nodiscard]] std::vector<double> Products(const RingDownPoint& point,
+                                             std::span<const double> changes) const;
 
   /// The model's voltage at `times_s` for a record, offset and disturbances included.
   [[nodiscard]] std::vector<double> Voltages(const RingDownPoint& point, std::size_t record,

@@ -92,8 +92,35 @@ class JointFit:
                                for r, load_ohm in enumerate(LOADS_OHM)])
 
     def run(self, **tolerances):
-        p, _ = curve_fit(self.model, None, self.values, p0=self.start, sigma=self.sigma, **tolerances)
+        p, covariance = curve_fit(self.model, None, self.values, p0=self.start, sigma=self.sigma, **tolerances)
+        self.deviations = np.sqrt(np.diag(covariance))[:3]
         return {"Kv": p[0], "Bv": p[1], "Km": np.sqrt(p[2])}
+
+    def task(self):
+        """The same arrays, weights and start for bench/fit_rate.cc, every number with all of its digits."""
+        numbers = [*self.start[:3], MV_KG, R_OHM, L_H, len(self.times)]
+        first = 0
+        for r, times in enumerate(self.times):
+            values = self.values[first:first + len(times)]
+            numbers += [len(times), LOADS_OHM[r], self.sigma[first], *self.start[3 + 3 * r:6 + 3 * r]]
+            numbers += np.column_stack((times, values)).ravel().tolist()
+            first += len(times)
+        return " ".join(repr(float(number)) for number in numbers)
+
+
+class OurFit:
+    """bench/fit_rate.cc with the task in its memory."""
+
+    def __init__(self, program, task):
+        self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        bufsize=1)
+        self.process.stdin.write(task + "\n")
+
+    def run(self):
+        self.process.stdin.write("fit\n")
+        self.process.stdin.flush()
+        self.seconds, stiffness, damping, square, *self.deviations = map(float, self.process.stdout.readline().split())
+        return {"Kv": stiffness, "Bv": damping, "Km": np.sqrt(square)}
 
 
 def processor_seconds():
@@ -119,9 +146,11 @@ def compare(program, paths, records, rounds):
     answer = run()
     fit = JointFit(records, answer)
     tight = dict(ftol=1e-15, xtol=1e-15, gtol=1e-15, maxfev=10_000)
+    ours = OurFit(pathlib.Path(program).parent / "fit_rate", fit.task())
     bare = [sys.executable, "-c", "import numpy, scipy.optimize"]
     sides = {
         "fit-lra, whole process": lambda: constants(run()),
+        "the fit alone": ours.run,
         "curve_fit alone": fit.run,
         "curve_fit alone, to rounding": lambda: fit.run(**tight),
         "Python with SciPy imported, no fit": lambda: subprocess.run(bare, check=True) and None,
@@ -129,6 +158,8 @@ def compare(program, paths, records, rounds):
     times = {name: [] for name in sides}
     for name in list(sides) * rounds:
         clock_ms, processor_ms, found = timed(sides[name])
+        if name == "the fit alone":
+            clock_ms = processor_ms = 1e3 * ours.seconds
         times[name].append((clock_ms, processor_ms))
         for constant, value in (found or {}).items():
             off = value / constants(answer)[constant] - 1
