@@ -88,8 +88,8 @@ Answer Fit(const Task& task) {
   const auto& problem = task.problem;
   const auto is_free = FreeColumns(problem.records().size());
   Answer answer{task.start, {}};
-  if (!problem.Minimise(is_free, &answer.point).converged) std::cerr << "not converged\n";
-  const Jacobian at = problem.Condense(answer.point);
+  Jacobian at;
+  if (!problem.Minimise(is_free, &answer.point, &at).converged) std::cerr << "not converged\n";
   const auto seen = FindIdentifiability(at, is_free, std::vector<bool>(is_free.size(), false));
   double squares = 0;
   for (const double residual : at.residuals) squares += residual * residual;

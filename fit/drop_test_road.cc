@@ -269,11 +269,13 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
   Reweight(model.loss, road);
   road.jacobian = road.problem.Condense(road.point);
   const auto is_free = FindFreedom(road, unknown);
-  road.solver = road.problem.Minimise(is_free, &road.point);
-  if (model.loss == Loss::kHuber) SettleWeights(is_free, road);
+  road.solver = road.problem.Minimise(is_free, &road.point, &road.jacobian);
+  if (model.loss == Loss::kHuber) {
+    SettleWeights(is_free, road);
+    road.jacobian = road.problem.Condense(road.point);
+  }
   road.solver.iterations += first.iterations;
 
-  road.jacobian = road.problem.Condense(road.point);
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
   const std::size_t fitted =
       static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -

@@ -179,12 +179,14 @@ LeastSquares RingDownProblem::Condensed() const {
   return {kCondensedRows * records_.size(), columns, evaluate};
 }
 
-SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free,
-                                       RingDownPoint* point) const {
+SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
+                                       Jacobian* condensed) const {
   HAPTOMETER_CHECK(point->own.size() == records_.size(), "{} records, {} points", records_.size(),
                    point->own.size());
   std::vector<double> columns = ToColumns(*point);
-  const SolverReport report = fit::Minimise(Condensed(), is_free, &columns);
+  const LeastSquares problem = Condensed();
+  const SolverReport report = fit::Minimise(problem, is_free, &columns);
+  if (condensed != nullptr) *condensed = fit::Linearise(problem, columns);
   *point = FromColumns(columns);
   return report;
 }

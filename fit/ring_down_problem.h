@@ -114,8 +114,9 @@ class RingDownProblem {
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
 
   /// Minimises (least_squares.h) over the columns that are free; `point` becomes the best one
-  /// found.
-  [[nodiscard]] SolverReport Minimise(const std::vector<bool>& is_free, RingDownPoint* point) const;
+  /// found, and `condensed`, where it is asked for, what Condense gives there, at no further cost.
+  [[nodiscard]] SolverReport Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
+                                      Jacobian* condensed = nullptr) const;
 
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
