@@ -14,6 +14,22 @@ pkg_check_modules(libserialport REQUIRED IMPORTED_TARGET libserialport)  # libse
 pkg_check_modules(libmodbus REQUIRED IMPORTED_TARGET libmodbus)          # libmodbus-dev
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)             # libhdf5-dev
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libmatio-dev
+# From archives where there are some (Debian's packages hold both forms): the shared HDF5 reads Amazon's S3
+# too, for which every start of the program would load libcurl and 30 libraries behind it, 7 ms.
+find_library(hdf5_archive libhdf5.a HINTS ${hdf5_LIBRARY_DIRS})
+find_library(matio_archive libmatio.a HINTS ${matio_LIBRARY_DIRS})
+find_library(szip_library sz)              # libaec-dev, which libhdf5-dev brings
+if(hdf5_archive AND matio_archive AND szip_library)
+  add_library(hdf5_archive STATIC IMPORTED)
+  set_target_properties(hdf5_archive PROPERTIES IMPORTED_LOCATION ${hdf5_archive}
+    INTERFACE_LINK_LIBRARIES "${szip_library};ZLIB::ZLIB;${CMAKE_DL_LIBS};m")
+  add_library(matio_archive STATIC IMPORTED)
+  set_target_properties(matio_archive PROPERTIES IMPORTED_LOCATION ${matio_archive}
+    INTERFACE_LINK_LIBRARIES "hdf5_archive;ZLIB::ZLIB")
+  set_target_properties(PkgConfig::hdf5 PROPERTIES INTERFACE_LINK_LIBRARIES hdf5_archive)
+  set_target_properties(PkgConfig::matio PROPERTIES INTERFACE_LINK_LIBRARIES matio_archive)
+endif()
+mark_as_advanced(hdf5_archive matio_archive szip_library)
 pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
 find_package(CLI11 REQUIRED)               # libcli11-dev
 # libsundials-dev: its own config wants OpenMP, which clang lacks. CVODES, not CVODE: the same functions

@@ -42,10 +42,8 @@ AtExtreme CountAt(const std::vector<double>& values, double extreme, double peri
   return count;
 }
 
-}  // namespace
-
-double ConverterStep(const std::vector<double>& values_v) {
-  const auto distinct = DistinctValues(values_v);
+// of all values' differences; 0 where they are no multiples of one, or are too many
+double StepBetween(const std::vector<double>& distinct) {
   if (distinct.size() < 2 || distinct.size() > kMostCodes) return 0;
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t k = 1; k < distinct.size(); ++k) {
@@ -58,10 +56,16 @@ double ConverterStep(const std::vector<double>& values_v) {
   return step;
 }
 
+}  // namespace
+
+double ConverterStep(const std::vector<double>& values_v) {
+  return StepBetween(DistinctValues(values_v));
+}
+
 std::size_t MaskRails(std::vector<double>& values_v, double period_samples) {
   const auto distinct = DistinctValues(values_v);
   if (distinct.size() < 3) return 0;
-  const double step = ConverterStep(values_v);
+  const double step = StepBetween(distinct);
   const double rest = distinct[distinct.size() / 2];
   std::size_t masked = 0;
   for (const double extreme : {distinct.front(), distinct.back()}) {

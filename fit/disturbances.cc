@@ -49,20 +49,27 @@ class Remainder {
                                               static_cast<Eigen::Index>(fit.jacobian.columns));
     taken_ = jacobian.colwise().normalized().householderQr().householderQ() *
              Eigen::MatrixXd::Identity(rows_, jacobian.cols());
+    taken_residual_ = taken_.transpose() * residual_;
+    square_ = residual_.squaredNorm();
   }
 
-  // amplitudes of further columns and the power that they take away per column
-  Suspect Try(Eigen::MatrixXd columns) const {
-    columns -= taken_ * (taken_.transpose() * columns);
-    const Eigen::VectorXd seen = columns.transpose() * residual_;
-    const Eigen::MatrixXd normal = columns.transpose() * columns;
+  // Amplitudes of further columns, of which the last rows are given and all others are 0, and the
+  // power that they take away per column. What the fit has taken of the columns is subtracted from
+  // their products.
+  [[nodiscard]] Suspect Try(const Eigen::MatrixXd& columns) const {
+    const Eigen::Index rows = columns.rows();
+    const Eigen::MatrixXd taken = taken_.bottomRows(rows).transpose().lazyProduct(columns);
+    const Eigen::VectorXd seen =
+        columns.transpose() * residual_.tail(rows) - taken.transpose() * taken_residual_;
+    const Eigen::MatrixXd normal =
+        columns.transpose().lazyProduct(columns) - taken.transpose() * taken;
     const Eigen::VectorXd amplitudes = normal.ldlt().solve(seen);
-    const double taken = seen.dot(amplitudes);
-    const double left = std::max(residual_.squaredNorm() - taken, 0.0);
+    const double gained = seen.dot(amplitudes);
+    const double left = std::max(square_ - gained, 0.0);
     const auto degrees = static_cast<double>(rows_ - taken_.cols() - columns.cols());
     Suspect suspect;
     suspect.amplitude_v = amplitudes.norm();
-    suspect.gain = taken / static_cast<double>(columns.cols()) /
+    suspect.gain = gained / static_cast<double>(columns.cols()) /
                    std::max(left / degrees, std::numeric_limits<double>::min());
     return suspect;
   }
@@ -70,7 +77,9 @@ class Remainder {
  private:
   Eigen::Index rows_;
   Eigen::VectorXd residual_;
+  double square_ = 0;      // of the residual
   Eigen::MatrixXd taken_;  // orthonormal
+  Eigen::VectorXd taken_residual_;
 };
 
 Suspect TryDrift(const RingSamples& samples, const Remainder& remainder) {
@@ -86,7 +95,7 @@ Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hu
   Eigen::MatrixXd columns(times.size(), 2);
   columns << (2 * std::numbers::pi * hum_hz * times).cos(),
       (2 * std::numbers::pi * hum_hz * times).sin();
-  Suspect suspect = remainder.Try(std::move(columns));
+  Suspect suspect = remainder.Try(columns);
   suspect.kind = Suspect::Kind::kHum;
   suspect.value = hum_hz;
   return suspect;
@@ -106,7 +115,7 @@ Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Re
     columns.row(n) << pair.even, angular * pair.odd;
     columns.row(n) *= std::exp(-power * poles.decay_per_s * since_s);
   }
-  Suspect suspect = remainder.Try(std::move(columns));
+  Suspect suspect = remainder.Try(columns);
   suspect.kind = Suspect::Kind::kNonlinear;
   return suspect;
 }
@@ -129,14 +138,13 @@ class BlowTrial {
 
   // the blow just before the `first`-th sample
   [[nodiscard]] Suspect At(std::size_t first, const Remainder& remainder) const {
-    const auto rows = static_cast<Eigen::Index>(times_.size());
-    Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(rows, 2);
+    Eigen::MatrixXd columns(static_cast<Eigen::Index>(times_.size() - first), 2);
     const std::size_t from = Block(first);
-    for (std::size_t n = first; n < times_.size(); ++n) {
-      columns.row(static_cast<Eigen::Index>(n)) =
-          motion_.row(static_cast<Eigen::Index>(Block(n) - from));
+    for (Eigen::Index n = 0; n < columns.rows(); ++n) {
+      const std::size_t block = Block(first + static_cast<std::size_t>(n));
+      columns.row(n) = motion_.row(static_cast<Eigen::Index>(block - from));
     }
-    Suspect suspect = remainder.Try(std::move(columns));
+    Suspect suspect = remainder.Try(columns);
     suspect.kind = Suspect::Kind::kBlow;
     suspect.first = first;
     suspect.value = times_[first] - step_s_ / 2;

@@ -130,8 +130,8 @@ struct DropTestFit {
 ///
 /// Errors (Cause::kCannotAnswer): no records; no ring-down found in one (nothing above the noise,
 /// fewer than 32 samples or 2 periods after the impact, fewer than 5 samples a period); held and
-/// free cases together without both masses. One sample costs about 1 us an iteration; memory 130
-/// bytes a sample and record.
+/// free cases together without both masses. Cost: 1 us a sample
+/// in all, 5 ns of it an evaluation of the joint fit; memory below 130 bytes a sample.
 [[nodiscard]] Result<DropTestFit> FitDropTest(const std::vector<ImpulseRecord>& records,
                                               const ActuatorKnowns& knowns,
                                               Loss loss = Loss::kSquares);

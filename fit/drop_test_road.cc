@@ -139,7 +139,7 @@ std::vector<double> ChangeByInput(const DropTestRoad& road, const DropTestModel&
     residuals[0][n] = (residuals[0][n] - residuals[1][n]) / (2 * kShare);
   }
   // given parameters move by themselves, the others follow
-  auto change = Response(road.seen, road.jacobian, residuals[0]);
+  auto change = Response(road.seen, road.problem.Products(road.point, residuals[0]));
   for (std::size_t k = 0; k < change.size(); ++k) {
     change[k] += (points[0][k] - points[1][k]) / (2 * kShare);
   }
@@ -263,26 +263,31 @@ DropTestRoad Travel(const DropTestModel& model, bool uses_heights) {
 
   // what can be told from where we stand; then solve, weigh by the residuals, solve again
   const auto unknown = UnknownColumns(model, road.problem);
-  road.jacobian = road.problem.Linearise(road.point);
+  road.jacobian = road.problem.Condense(road.point);
   const SolverReport first = road.problem.Minimise(FindFreedom(road, unknown), &road.point);
   LeaveOutSilence(road);
   Reweight(model.loss, road);
-  road.jacobian = road.problem.Linearise(road.point);
+  road.jacobian = road.problem.Condense(road.point);
   const auto is_free = FindFreedom(road, unknown);
-  road.solver = road.problem.Minimise(is_free, &road.point);
-  if (model.loss == Loss::kHuber) SettleWeights(is_free, road);
+  road.solver = road.problem.Minimise(is_free, &road.point, &road.jacobian);
+  if (model.loss == Loss::kHuber) {
+    SettleWeights(is_free, road);
+    road.jacobian = road.problem.Condense(road.point);
+  }
   road.solver.iterations += first.iterations;
 
-  road.jacobian = road.problem.Linearise(road.point);
   road.seen = FindIdentifiability(road.jacobian, unknown, LogarithmColumns(model.records.size()));
   const std::size_t fitted =
       static_cast<std::size_t>(std::count(unknown.begin(), unknown.end(), true)) -
       road.seen.nullity;
-  const double degrees = static_cast<double>(road.jacobian.rows) - static_cast<double>(fitted);
+  double samples = 0;
+  for (const auto& record : road.problem.records()) {
+    samples += static_cast<double>(record.times_s.size());
+  }
+  const double degrees = samples - static_cast<double>(fitted);
   // the noise is the residuals' own power over all samples; the fit has taken its parameters' share
-  road.variance = model.loss == Loss::kHuber
-                      ? HuberVariance(ScaledResiduals(road), fitted)
-                      : static_cast<double>(road.jacobian.rows) / std::max(degrees, 1.0);
+  road.variance = model.loss == Loss::kHuber ? HuberVariance(ScaledResiduals(road), fitted)
+                                             : samples / std::max(degrees, 1.0);
   road.consistency = CheckConsistency(
       Compared(model, road.problem, std::exp(road.point.shared[Index(Shared::kMass)])));
   for (std::size_t k = 0; k < model.inputs.size(); ++k) {

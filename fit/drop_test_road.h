@@ -24,7 +24,7 @@ struct DropTestRoad {
   RingDownProblem problem;
   RingDownPoint point;  ///< the solution
   SolverReport solver;
-  Jacobian jacobian;                       ///< at the solution
+  Jacobian jacobian;                       ///< at the solution, condensed
   Identifiability seen;                    ///< at the solution, all unknowns free
   double variance = 1;                     ///< of the weighted residuals, per degree of freedom
   Consistency consistency;                 ///< of the drops with each other

@@ -139,11 +139,18 @@ double Variance(const Identifiability& identifiability, const std::vector<double
 
 std::vector<double> Response(const Identifiability& identifiability, const Jacobian& jacobian,
                              const std::vector<double>& residual_change) {
-  const auto columns = static_cast<Position>(identifiability.columns);
-  const Eigen::Map<const RowMajor> covariance(identifiability.covariance.data(), columns, columns);
   const Eigen::Map<const Eigen::VectorXd> change(residual_change.data(),
                                                  static_cast<Position>(residual_change.size()));
-  const Eigen::VectorXd response = -(covariance * (View(jacobian).transpose() * change));
+  const Eigen::VectorXd products = View(jacobian).transpose() * change;
+  return Response(identifiability, std::vector<double>(products.begin(), products.end()));
+}
+
+std::vector<double> Response(const Identifiability& identifiability,
+                             const std::vector<double>& products) {
+  const auto columns = static_cast<Position>(identifiability.columns);
+  const Eigen::Map<const RowMajor> covariance(identifiability.covariance.data(), columns, columns);
+  const Eigen::Map<const Eigen::VectorXd> along(products.data(), columns);
+  const Eigen::VectorXd response = -(covariance * along);
   return {response.data(), response.data() + response.size()};
 }
 

@@ -55,4 +55,8 @@ struct Identifiability {
                                            const Jacobian& jacobian,
                                            const std::vector<double>& residual_change);
 
+/// The same of the products J' change.
+[[nodiscard]] std::vector<double> Response(const Identifiability& identifiability,
+                                           const std::vector<double>& products);
+
 }  // namespace haptometer::fit

@@ -1,153 +1,19 @@
 #include "fit/ring_down_problem.h"
 
-#include <ceres/jet.h>
-
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "base/check.h"
-#include "fit/ringing_moments.h"
-#include "sim/ring_down.h"
+#include "fit/condensed_record.h"
+#include "fit/ringing_parts.h"
+#include "fit/ringing_sum.h"
+#include "fit/row_reduction.h"
 
 namespace haptometer::fit {
 namespace {
-
-// the parameters behind which derivatives are automatic, up to the circuit's numbers
-constexpr std::size_t kRingingCount = Index(Own::kDrift);
-constexpr int kAutomatic = static_cast<int>(kSharedCount + kRingingCount);
-using Jet = ceres::Jet<double, kAutomatic>;
-
-Jet RingingMass(const RingDownSamples& record, const Jet* shared) {
-  return record.mass_ratio * exp(shared[Index(Shared::kMass)]) + record.added_mass_kg;
-}
-
-// the circuit of one record from logarithmic parameters
-sim::RingDown<Jet> Circuit(const RingDownSamples& record, double inductance_h, const Jet* shared) {
-  return sim::RingDown<Jet>(
-      {.stiffness_n_per_m = exp(shared[Index(Shared::kStiffness)]),
-       .damping_n_s_per_m = exp(shared[Index(Shared::kDamping)]),
-       .force_constant_squared_n2_per_a2 = shared[Index(Shared::kForceConstantSquared)],
-       .mass_kg = RingingMass(record, shared),
-       .coil_resistance_ohm = exp(shared[Index(Shared::kResistance)]),
-       .inductance_h = inductance_h,
-       .load_ohm = record.load_ohm});
-}
-
-// what the shape is multiplied by; not a number where a given speed meets an impossible Km^2
-Jet Amplitude(const RingDownSamples& record, const Jet* shared, const Jet* own) {
-  const Jet& square = shared[Index(Shared::kForceConstantSquared)];
-  if (record.signal == RingingSignal::kReleaseVoltage) {
-    return record.release_current_a * square / RingingMass(record, shared);
-  }
-  if (record.speed_m_per_s == 0) return exp(own[Index(Own::kAmplitude)]);
-  return record.speed_m_per_s * sqrt(square);
-}
-
-// below 0 at first, as the thesis has it of the voltage (equation 2.1)
-sim::RingingShape<Jet> Shape(RingingSignal signal, const sim::RingDown<Jet>& circuit) {
-  if (signal == RingingSignal::kBlowVoltage) return circuit.voltage();
-  if (signal == RingingSignal::kReleaseVoltage) return circuit.release();
-  const auto& displacement = circuit.displacement();
-  return {-displacement.even, -displacement.odd, -displacement.electrical};
-}
-
-// what one volt (or volt per second) of each disturbance adds at a time
-struct Disturbances {
-  explicit Disturbances(const RingDownSamples& record)
-      : middle_s(0.5 * (record.times_s.front() + record.times_s.back())),
-        hum_rad_per_s(2 * std::numbers::pi * record.hum_hz) {}
-
-  [[nodiscard]] std::array<double, 3> At(double time_s) const {
-    if (hum_rad_per_s == 0) return {time_s - middle_s, 1, 0};
-    return {time_s - middle_s, std::cos(hum_rad_per_s * time_s), std::sin(hum_rad_per_s * time_s)};
-  }
-  [[nodiscard]] double Sum(const double* own, double time_s) const {
-    const auto [drift, cosine, sine] = At(time_s);
-    return own[Index(Own::kDrift)] * drift + own[Index(Own::kHumCosine)] * cosine +
-           own[Index(Own::kHumSine)] * sine;
-  }
-
-  double middle_s;
-  double hum_rad_per_s;
-};
-
-struct Jets {
-  std::array<Jet, kSharedCount> shared;
-  std::array<Jet, kRingingCount> own;
-};
-
-Jets MakeJets(const double* shared, const double* own) {
-  Jets jets;
-  for (std::size_t k = 0; k < kSharedCount; ++k)
-    jets.shared[k] = Jet(shared[k], static_cast<int>(k));
-  for (std::size_t k = 0; k < kRingingCount; ++k) {
-    jets.own[k] = Jet(own[k], static_cast<int>(kSharedCount + k));
-  }
-  return jets;
-}
-
-// A record's ringing at a point: offset - (even E + odd O + electrical e^(-p t)), and its
-// derivatives. The blow's direction is such that the first half period has the record's polarity.
-class Ringing {
- public:
-  Ringing(const RingDownSamples& record, double inductance_h, const Jets& jets)
-      : circuit_(Circuit(record, inductance_h, jets.shared.data())),
-        impact_s_(jets.own[Index(Own::kImpact)].a),
-        offset_v_(jets.own[Index(Own::kOffset)].a),
-        per_time_scale_(1 / record.time_scale),
-        moments_(circuit_.decay_per_s().a, circuit_.stiffness_per_s2().a,
-                 circuit_.electrical_rate_per_s().a, record.step_s / record.time_scale) {
-    const Jet amplitude = record.polarity * Amplitude(record, jets.shared.data(), jets.own.data());
-    const auto shape = Shape(record.signal, circuit_);
-    even_ = amplitude * shape.even;
-    odd_ = amplitude * shape.odd;
-    electrical_ = amplitude * shape.electrical;
-  }
-
-  // to the next sample's time
-  void MoveTo(double time_s) { moment_ = moments_.At((time_s - impact_s_) * per_time_scale_); }
-  [[nodiscard]] double voltage() const {
-    return offset_v_ -
-           (even_.a * moment_.even + odd_.a * moment_.odd + electrical_.a * moment_.electrical);
-  }
-
-  // times `weight`: the shared parameters' at `row`, the ringing's own from `row + first` on
-  void WriteDerivatives(double weight, std::size_t first, double* row) const {
-    const RingingSlopes slopes = moments_.SlopesAt(moment_);
-    const double by_decay = even_.a * slopes.even_by_decay + odd_.a * slopes.odd_by_decay;
-    const double by_stiffness =
-        even_.a * slopes.even_by_stiffness + odd_.a * slopes.odd_by_stiffness;
-    const double by_electrical_rate = -electrical_.a * moment_.since_s * moment_.electrical;
-    const auto by = [&](int k) {
-      return -weight *
-             (even_.v[k] * moment_.even + odd_.v[k] * moment_.odd +
-              electrical_.v[k] * moment_.electrical + by_decay * circuit_.decay_per_s().v[k] +
-              by_stiffness * circuit_.stiffness_per_s2().v[k] +
-              by_electrical_rate * circuit_.electrical_rate_per_s().v[k]);
-    };
-    for (int k = 0; k < static_cast<int>(kSharedCount); ++k) row[k] = by(k);
-    row[first + Index(Own::kAmplitude)] =
-        by(static_cast<int>(kSharedCount + Index(Own::kAmplitude)));
-    const double by_time = even_.a * slopes.even_by_time + odd_.a * slopes.odd_by_time -
-                           circuit_.electrical_rate_per_s().a * electrical_.a * moment_.electrical;
-    row[first + Index(Own::kImpact)] = weight * by_time * per_time_scale_;
-    row[first + Index(Own::kOffset)] = weight;
-  }
-
- private:
-  sim::RingDown<Jet> circuit_;
-  Jet even_;
-  Jet odd_;
-  Jet electrical_;
-  double impact_s_;
-  double offset_v_;
-  double per_time_scale_;
-  RingingMoments moments_;
-  RingingMoment moment_;
-};
 
 // Where one record's rows go.
 struct RecordRows {
@@ -155,29 +21,88 @@ struct RecordRows {
   double* derivatives = nullptr;  // the first row's; null where none are asked for
   std::size_t columns = 0;        // of a row
   std::size_t first = 0;          // the record's own
+
+  // one row's derivatives by the shared parameters and the record's own; 0 by all others'
+  void Write(std::size_t n, const double* slopes) const {
+    double* row = derivatives + n * columns;
+    std::fill_n(row, columns, 0.0);
+    std::copy_n(slopes, kSharedCount, row);
+    std::copy_n(slopes + kSharedCount, kOwnCount, row + first);
+  }
 };
 
+double Weight(const RingDownSamples& record, std::size_t n) {
+  return (record.root_weights.empty() ? 1 : record.root_weights[n]) / record.noise_v;
+}
+
+// adds `factor` times the derivatives of a sum of parts
+void AddSlopes(const RingingSum& sum, const PartNumbers& parts, double factor,
+               AnsweredSlopes* slopes) {
+  for (std::size_t part = 0; part < kPartCount; ++part) {
+    if (parts[part] == 0) continue;
+    const double share = factor * parts[part];
+    for (std::size_t k = 0; k < slopes->size(); ++k) (*slopes)[k] += share * sum.slopes[part][k];
+  }
+}
+
 // false, a rejected step, where a trial point is so far away that the voltage overflows
-bool WriteRows(const RingDownSamples& record, double inductance_h, const double* shared,
-               const double* own, const RecordRows& rows) {
-  Ringing ringing(record, inductance_h, MakeJets(shared, own));
-  const Disturbances disturbances(record);
+bool WriteRows(const RingDownSamples& record, const RingingSum& sum, const RecordRows& rows) {
+  RingingParts parts(record, sum.rates);
+  RingingParts parts_of_slopes = parts;
   for (std::size_t n = 0; n < record.times_s.size(); ++n) {
-    const double time_s = record.times_s[n];
-    const double weight =
-        (record.root_weights.empty() ? 1 : record.root_weights[n]) / record.noise_v;
-    ringing.MoveTo(time_s);
-    const double model_v = ringing.voltage() + disturbances.Sum(own, time_s);
+    const double weight = Weight(record, n);
+    const double model_v = parts.SumAt(record.times_s[n], sum.voltage);
     rows.residuals[n] = (model_v - record.voltages_v[n]) * weight;
     if (!std::isfinite(rows.residuals[n])) return false;
     if (rows.derivatives == nullptr) continue;
-    double* row = rows.derivatives + n * rows.columns;
-    std::fill_n(row, rows.columns, 0.0);
-    ringing.WriteDerivatives(weight, rows.first, row);
-    const auto disturbance = disturbances.At(time_s);
-    for (std::size_t k = 0; k < disturbance.size(); ++k) {
-      row[rows.first + kRingingCount + k] = disturbance[k] * weight;
-    }
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, parts_of_slopes.At(record.times_s[n]), weight, &slopes);
+    rows.Write(n, slopes.data());
+  }
+  return true;
+}
+
+// a record's rows as few that have the same squares and products
+constexpr std::size_t kCondensedRows = kAnsweredCount + 1;
+
+bool WriteCondensed(const std::vector<CondensedRow>& condensed, const RingingSum& sum,
+                    const RecordRows& rows) {
+  for (std::size_t k = 0; k < kCondensedRows; ++k) {
+    const auto [parts, value] = k < condensed.size() ? condensed[k] : CondensedRow{};
+    rows.residuals[k] = std::inner_product(parts.begin(), parts.end(), sum.voltage.begin(), -value);
+    if (!std::isfinite(rows.residuals[k])) return false;
+    if (rows.derivatives == nullptr) continue;
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, parts, 1, &slopes);
+    rows.Write(k, slopes.data());
+  }
+  return true;
+}
+
+// all rows, reduced
+bool WriteReduced(const RingDownSamples& record, const RingingSum& sum, const RecordRows& rows) {
+  const std::size_t samples = record.times_s.size();
+  std::vector<double> residuals(samples);
+  std::vector<double> derivatives(rows.derivatives == nullptr ? 0 : samples * kAnsweredCount);
+  const RecordRows whole{.residuals = residuals,
+                         .derivatives = derivatives.empty() ? nullptr : derivatives.data(),
+                         .columns = kAnsweredCount,
+                         .first = kSharedCount};
+  if (!WriteRows(record, sum, whole)) return false;
+  if (derivatives.empty()) {
+    std::ranges::fill(rows.residuals, 0.0);
+    const double squares =
+        std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
+    rows.residuals[0] = std::sqrt(squares);
+    return true;
+  }
+  std::vector<std::size_t> all(kAnsweredCount);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto reduced = ReduceRows({derivatives, kAnsweredCount, residuals}, all);
+  for (std::size_t k = 0; k < kCondensedRows; ++k) {
+    const double* row = reduced.data() + k * kCondensedRows;
+    rows.residuals[k] = row[kAnsweredCount];
+    rows.Write(k, row);
   }
   return true;
 }
@@ -220,9 +145,8 @@ LeastSquares RingDownProblem::Whole() const {
       const std::size_t first = Column(r, Own::kAmplitude);
       RecordRows out{.residuals = residuals.subspan(row, rows), .columns = columns, .first = first};
       if (!jacobian.empty()) out.derivatives = jacobian.data() + row * columns;
-      if (!WriteRows(records_[r], inductance_h_, point.data(), point.data() + first, out)) {
-        return false;
-      }
+      const auto sum = SumOfParts(records_[r], inductance_h_, point.data(), point.data() + first);
+      if (!WriteRows(records_[r], sum, out)) return false;
       row += rows;
     }
     return true;
@@ -230,18 +154,49 @@ LeastSquares RingDownProblem::Whole() const {
   return {RowCount(records_), columns, evaluate};
 }
 
-SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free,
-                                       RingDownPoint* point) const {
+LeastSquares RingDownProblem::Condensed() const {
+  const std::size_t columns = kSharedCount + kOwnCount * records_.size();
+  std::vector<Condenser> condensers;
+  condensers.reserve(records_.size());
+  for (const RingDownSamples& record : records_) condensers.emplace_back(record);
+  const auto evaluate = [this, columns, condensers = std::move(condensers)](
+                            std::span<const double> point, std::span<double> residuals,
+                            std::span<double> jacobian) mutable {
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      const std::size_t first = Column(r, Own::kAmplitude);
+      RecordRows out{.residuals = residuals.subspan(r * kCondensedRows, kCondensedRows),
+                     .columns = columns,
+                     .first = first};
+      if (!jacobian.empty()) out.derivatives = jacobian.data() + r * kCondensedRows * columns;
+      const auto sum = SumOfParts(records_[r], inductance_h_, point.data(), point.data() + first);
+      const bool is_defined = CanBeCondensed(records_[r], sum.rates)
+                                  ? WriteCondensed(condensers[r].At(sum.rates), sum, out)
+                                  : WriteReduced(records_[r], sum, out);
+      if (!is_defined) return false;
+    }
+    return true;
+  };
+  return {kCondensedRows * records_.size(), columns, evaluate};
+}
+
+SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
+                                       Jacobian* condensed) const {
   HAPTOMETER_CHECK(point->own.size() == records_.size(), "{} records, {} points", records_.size(),
                    point->own.size());
   std::vector<double> columns = ToColumns(*point);
-  const SolverReport report = fit::Minimise(Whole(), is_free, &columns);
+  const LeastSquares problem = Condensed();
+  const SolverReport report = fit::Minimise(problem, is_free, &columns);
+  if (condensed != nullptr) *condensed = fit::Linearise(problem, columns);
   *point = FromColumns(columns);
   return report;
 }
 
 Jacobian RingDownProblem::Linearise(const RingDownPoint& point) const {
   return fit::Linearise(Whole(), ToColumns(point));
+}
+
+Jacobian RingDownProblem::Condense(const RingDownPoint& point) const {
+  return fit::Linearise(Condensed(), ToColumns(point));
 }
 
 bool RingDownProblem::IsDefined(const RingDownPoint& point) const {
@@ -255,28 +210,44 @@ std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const
   return residuals;
 }
 
+std::vector<double> RingDownProblem::Products(const RingDownPoint& point,
+                                              std::span<const double> changes) const {
+  std::vector<double> products(kSharedCount + kOwnCount * records_.size());
+  for (std::size_t r = 0; r < records_.size(); ++r) {
+    const RingDownSamples& record = records_[r];
+    const auto sum = SumOfParts(record, inductance_h_, point.shared.data(), point.own[r].data());
+    RingingParts parts(record, sum.rates);
+    PartNumbers along{};
+    for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+      const PartNumbers here = parts.At(record.times_s[n]);
+      const double change = Weight(record, n) * changes[n];
+      for (std::size_t k = 0; k < kPartCount; ++k) along[k] += change * here[k];
+    }
+    changes = changes.subspan(record.times_s.size());
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, along, 1, &slopes);
+    for (std::size_t k = 0; k < kSharedCount; ++k) products[k] += slopes[k];
+    for (std::size_t k = 0; k < kOwnCount; ++k) {
+      products[Column(r, static_cast<Own>(k))] = slopes[kSharedCount + k];
+    }
+  }
+  return products;
+}
+
 std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::size_t record,
                                               const std::vector<double>& times_s) const {
-  const double* own = point.own[record].data();
-  Ringing ringing(records_[record], inductance_h_, MakeJets(point.shared.data(), own));
-  const Disturbances disturbances(records_[record]);
+  const auto sum =
+      SumOfParts(records_[record], inductance_h_, point.shared.data(), point.own[record].data());
+  RingingParts parts(records_[record], sum.rates);
   std::vector<double> voltages(times_s.size());
-  for (std::size_t n = 0; n < times_s.size(); ++n) {
-    ringing.MoveTo(times_s[n]);
-    voltages[n] = ringing.voltage() + disturbances.Sum(own, times_s[n]);
-  }
+  std::ranges::transform(times_s, voltages.begin(),
+                         [&](double time_s) { return parts.SumAt(time_s, sum.voltage); });
   return voltages;
 }
 
 RecordPoles RingDownProblem::Poles(const RingDownPoint& point, std::size_t record) const {
-  const Jets jets = MakeJets(point.shared.data(), point.own[record].data());
-  const auto circuit = Circuit(records_[record], inductance_h_, jets.shared.data());
-  RecordPoles poles{{circuit.decay_per_s().a, circuit.stiffness_per_s2().a}};
-  for (std::size_t k = 0; k < kSharedCount; ++k) {
-    poles.decay_slopes[k] = circuit.decay_per_s().v[static_cast<int>(k)];
-    poles.stiffness_slopes[k] = circuit.stiffness_per_s2().v[static_cast<int>(k)];
-  }
-  return poles;
+  return SumOfParts(records_[record], inductance_h_, point.shared.data(), point.own[record].data())
+      .poles;
 }
 
 }  // namespace haptometer::fit

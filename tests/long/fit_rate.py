@@ -4,10 +4,12 @@
   fit_rate.py build/release/bin [--samples 10000] [--rounds 15]
 
 An open drop and one with 33 ohm, white noise of 0.5 % (seeded), as CSV files that have just been written, so
-that they are in the page cache. Both sides fit one closed form, the coil's inductance included, with the same
+that they are in the page cache. All sides fit one closed form, the coil's inductance included, with the same
 parameters: Kv, Bv, Km^2, and each record's amplitude, impact and offset. SciPy is given the records as
 arrays, cut where fit-lra cuts them, weights, and start values as good as a matrix pencil's; it runs with its
-own settings, differences for derivatives, and once more with tolerances of 1e-15. Rounds in alternation.
+own settings, differences for derivatives, and once more with tolerances of 1e-15. `the fit alone` is ours of
+the same arrays, weights and start, to rounding and with its covariance (bench/fit_rate.cc). The Python process
+imports, reads both files and fits with curve_fit's own settings. Rounds in alternation.
 """
 import argparse
 import json
@@ -79,11 +81,11 @@ def write_records(folder, samples):
 class JointFit:
     """The two records as one curve over the nine parameters."""
 
-    def __init__(self, records, answer):
-        cut = [slice(-r["samples"], None) for r in answer["records"]]
-        self.times = [times[c] for (times, _), c in zip(records, cut)]
-        self.values = np.concatenate([volts[c] for (_, volts), c in zip(records, cut)])
-        self.sigma = np.concatenate([np.full(r["samples"], r["residual_rms_v"]) for r in answer["records"]])
+    def __init__(self, records, parts):
+        """`parts`: of each record the number of its last samples and their noise."""
+        self.times = [times[-samples:] for (times, _), (samples, _) in zip(records, parts)]
+        self.values = np.concatenate([volts[-samples:] for (_, volts), (samples, _) in zip(records, parts)])
+        self.sigma = np.concatenate([np.full(samples, noise_v) for samples, noise_v in parts])
         self.start = [TRUTH["Kv"] * 1.0002, TRUTH["Bv"] * 1.02, 0.97,
                       AMPLITUDE_V * 1.01, IMPACT_S + 1e-6, 0.0, AMPLITUDE_V * 0.99, IMPACT_S - 1e-6, 0.0]
 
@@ -92,8 +94,35 @@ class JointFit:
                                for r, load_ohm in enumerate(LOADS_OHM)])
 
     def run(self, **tolerances):
-        p, _ = curve_fit(self.model, None, self.values, p0=self.start, sigma=self.sigma, **tolerances)
+        p, covariance = curve_fit(self.model, None, self.values, p0=self.start, sigma=self.sigma, **tolerances)
+        self.deviations = np.sqrt(np.diag(covariance))[:3]
         return {"Kv": p[0], "Bv": p[1], "Km": np.sqrt(p[2])}
+
+    def task(self):
+        """The same arrays, weights and start for bench/fit_rate.cc, every number with all of its digits."""
+        numbers = [*self.start[:3], MV_KG, R_OHM, L_H, len(self.times)]
+        first = 0
+        for r, times in enumerate(self.times):
+            values = self.values[first:first + len(times)]
+            numbers += [len(times), LOADS_OHM[r], self.sigma[first], *self.start[3 + 3 * r:6 + 3 * r]]
+            numbers += np.column_stack((times, values)).ravel().tolist()
+            first += len(times)
+        return " ".join(repr(float(number)) for number in numbers)
+
+
+class OurFit:
+    """bench/fit_rate.cc with the task in its memory."""
+
+    def __init__(self, program, task):
+        self.process = subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+                                        bufsize=1)
+        self.process.stdin.write(task + "\n")
+
+    def run(self):
+        self.process.stdin.write("fit\n")
+        self.process.stdin.flush()
+        self.seconds, stiffness, damping, square, *self.deviations = map(float, self.process.stdout.readline().split())
+        return {"Kv": stiffness, "Bv": damping, "Km": np.sqrt(square)}
 
 
 def processor_seconds():
@@ -117,24 +146,34 @@ def compare(program, paths, records, rounds):
     command = [program, *paths, "--json"]
     run = lambda: json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     answer = run()
-    fit = JointFit(records, answer)
+    fit = JointFit(records, [(r["samples"], r["residual_rms_v"]) for r in answer["records"]])
     tight = dict(ftol=1e-15, xtol=1e-15, gtol=1e-15, maxfev=10_000)
-    bare = [sys.executable, "-c", "import numpy, scipy.optimize"]
+    ours = OurFit(pathlib.Path(program).parent / "fit_rate", fit.task())
+    whole = [sys.executable, os.path.abspath(__file__), "--peer", *map(str, paths), json.dumps(
+        [[r["samples"], r["residual_rms_v"]] for r in answer["records"]])]
     sides = {
         "fit-lra, whole process": lambda: constants(run()),
+        "the fit alone": ours.run,
         "curve_fit alone": fit.run,
         "curve_fit alone, to rounding": lambda: fit.run(**tight),
-        "Python with SciPy imported, no fit": lambda: subprocess.run(bare, check=True) and None,
+        "Python that imports, reads, fits": lambda: json.loads(
+            subprocess.run(whole, check=True, capture_output=True).stdout),
     }
     times = {name: [] for name in sides}
     for name in list(sides) * rounds:
         clock_ms, processor_ms, found = timed(sides[name])
+        if name == "the fit alone":
+            clock_ms = processor_ms = 1e3 * ours.seconds
         times[name].append((clock_ms, processor_ms))
         for constant, value in (found or {}).items():
             off = value / constants(answer)[constant] - 1
             if abs(off) > 1e-5:
                 raise SystemExit(f"{name}: {constant} is {off:.1e} off fit-lra's")
     tight_found = fit.run(**tight)
+    ours.run()
+    for mine, theirs in zip(ours.deviations, fit.deviations):
+        if abs(mine / theirs - 1) > 1e-3:
+            raise SystemExit(f"a standard deviation is {mine:.6g} here and {theirs:.6g} by curve_fit")
     return times, {c: abs(tight_found[c] / constants(answer)[c] - 1) for c in TRUTH}
 
 
@@ -142,16 +181,24 @@ def report(times, off):
     best = {name: min(clock for clock, _ in all_) for name, all_ in times.items()}
     for name, all_ in times.items():
         clock, processor = np.median(all_, axis=0)
-        print(f"{name:36} best {best[name]:7.1f} ms, median {clock:7.1f} ms; of the processor {processor:7.1f} ms")
-    ours = best["fit-lra, whole process"]
-    importing = best["Python with SciPy imported, no fit"]
-    for name in ("curve_fit alone", "curve_fit alone, to rounding"):
-        print(f"{name}: {best[name] / ours:.2f} times the whole process of fit-lra; with Python and its imports "
-              f"{(best[name] + importing) / ours:.1f} times")
+        print(f"{name:36} best {best[name]:7.2f} ms, median {clock:7.2f} ms; of the processor {processor:7.2f} ms")
+    print(f"fit against fit: curve_fit takes {best['curve_fit alone'] / best['the fit alone']:.1f} times as long with its "
+          f"own settings, {best['curve_fit alone, to rounding'] / best['the fit alone']:.1f} times to rounding, as ours")
+    whole, python = best["fit-lra, whole process"], best["Python that imports, reads, fits"]
+    print(f"process against process: Python takes {python / whole:.1f} times as long as fit-lra")
     print("constants agree to " + ", ".join(f"{constant} {value:.1e}" for constant, value in off.items()))
 
 
+def peer(open_path, loaded_path, parts):
+    """What a Python program does that is told where each record's ring-down begins, and its noise."""
+    records = [np.loadtxt(path, delimiter=",", skiprows=6, unpack=True) for path in (open_path, loaded_path)]
+    print(json.dumps(JointFit(records, json.loads(parts)).run()))
+
+
 def main():
+    if sys.argv[1:2] == ["--peer"]:
+        peer(*sys.argv[2:])
+        return
     parser = argparse.ArgumentParser()
     parser.add_argument("programs")
     parser.add_argument("--samples", type=int, default=10_000)
