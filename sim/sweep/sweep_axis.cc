@@ -27,7 +27,10 @@ double ValueAt(const SweepRange& range, double numerator, double denominator) {
     return (range.begin * (denominator - numerator) + range.end * numerator) / denominator;
   }
   if (numerator == denominator) return range.end;
-  return range.begin * std::pow(range.end / range.begin, numerator / denominator);
+  // a power rounds as often as its exponent is large: 30000.000000000015 in double
+  const long double ratio = static_cast<long double>(range.end) / range.begin;
+  const long double way = static_cast<long double>(numerator) / denominator;
+  return static_cast<double>(range.begin * std::pow(ratio, way));
 }
 
 std::size_t CountOf(const SweepAxis& axis) {

@@ -66,8 +66,7 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   const std::uint32_t digest = question.scene.Digest(TextsOf(axes));
   TableHeader header;
   header.question = {fmt::format("# haptometer sweep {}", HAPTOMETER_VERSION),
-                     fmt::format("# scene = {}", name),
-                     fmt::format("# scene_digest = {:08x}", digest)};
+                     fmt::format("# scene = {}", name)};
   header.columns = {"point"};
   for (const sim::SweepAxis& axis : axes) {
     header.question.push_back(fmt::format("# vary = {}={}", axis.key, sim::WordOf(axis)));
@@ -75,6 +74,8 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   }
   header.question.push_back(fmt::format("# sampling = {}", SamplingOf(question.points)));
   header.question.push_back(fmt::format("# points = {}", question.points.size()));
+  // last: another one also follows from keys that differ, and those are to be told first
+  header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
   for (const AnswerColumn& column : AnswerColumns()) header.columns.emplace_back(column.name);
   header.columns.emplace_back("remark");
   header.varied = axes.size();
