@@ -28,9 +28,10 @@ double ValueAt(const SweepRange& range, double numerator, double denominator) {
   }
   if (numerator == denominator) return range.end;
   // a power rounds as often as its exponent is large: 30000.000000000015 in double
-  const long double ratio = static_cast<long double>(range.end) / range.begin;
-  const long double way = static_cast<long double>(numerator) / denominator;
-  return static_cast<double>(range.begin * std::pow(ratio, way));
+  const auto begin = static_cast<long double>(range.begin);
+  const auto ratio = static_cast<long double>(range.end) / begin;
+  const auto way = static_cast<long double>(numerator) / static_cast<long double>(denominator);
+  return static_cast<double>(begin * std::pow(ratio, way));
 }
 
 std::size_t CountOf(const SweepAxis& axis) {

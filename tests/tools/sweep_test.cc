@@ -150,6 +150,7 @@ TEST_F(SweepVerb, KeepsTheRowOfAPointWithoutAnAnswer) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("1 of 4 points are not answered, the first: point 2: "));
   const std::vector<Row> rows = RowsOf(Content("t.csv"));
+  ASSERT_EQ(rows.size(), 4U);
   EXPECT_THAT(rows[1].at("remark"), HasSubstr("[sensor]: rate_hz: is not 1/sampling_s"));
   for (const AnswerColumn& column : AnswerColumns()) {
     EXPECT_EQ(rows[1].at(std::string(column.name)), "");
