@@ -94,9 +94,43 @@ TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   const json answer = json::parse(Captured(RunSimulate, "simulate", {kAdapter, "--json"}).out);
   for (const AnswerColumn& column : AnswerColumns()) {
     const std::string name(column.name);
-    ASSERT_TRUE(answer.contains(name)) << "a column has the name of simulate's key";
-    if (name == "window_rms_m") continue;
-    EXPECT_EQ(std::stod(row.at(name)), answer.at(name).get<double>()) << name;
+    if (name.starts_with("run_") || name == "window_rms_m") {
+      EXPECT_EQ(row.at(name), "") << name;
+    } else {
+      EXPECT_EQ(std::stod(row.at(name)), answer.at(name).get<double>()) << name;
+    }
+  }
+}
+
+// stops within the mover's travel: no steady motion, but the numbers of the run
+TEST_F(SweepVerb, AnswersScenesWithEffects) {
+  std::ifstream adapter(kAdapter);
+  const std::string linear{std::istreambuf_iterator<char>(adapter), {}};
+  const std::string scene = File("scene.toml", linear +
+                                                   "[run]\nduration_s = 0.1\n"
+                                                   "[effects]\ntravel_stops = true\n"
+                                                   "[travel_stops]\nrestitution = 0.5\n");
+  const std::vector<Row> rows =
+      RowsOf(Table({scene, "--vary", "travel_stops.gap_m=0.3mm,2mm"}, "t.csv"));
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("skin_rms_m"), "");
+  EXPECT_THAT(rows[0].at("remark"), HasSubstr("stops or lost contact limit the steady motion"));
+  EXPECT_EQ(rows[1].at("remark"), "");
+  EXPECT_NE(rows[1].at("skin_rms_m"), "");
+  EXPECT_EQ(rows[1].at("run_events"), "0");
+  EXPECT_GT(std::stod(rows[0].at("run_events")), 10);
+
+  const std::string tight = File("tight.toml", Content("scene.toml") + "gap_m = 0.3e-3\n");
+  const json answer = json::parse(Captured(RunSimulate, "simulate", {tight, "--json"}).out);
+  EXPECT_EQ(std::stod(rows[0].at("window_rms_m")), answer.at("window_rms_m").get<double>());
+  double events = 0;
+  for (const json& event : answer.at("run").at("events")) events += event.at("count").get<double>();
+  for (const AnswerColumn& column : AnswerColumns()) {
+    const std::string name(column.name);
+    if (!name.starts_with("run_")) continue;
+    EXPECT_EQ(std::stod(rows[0].at(name)),
+              name == "run_events" ? events : answer.at("run").at(name.substr(4)).get<double>())
+        << name;
   }
 }
 
@@ -376,7 +410,7 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{kCone, "--vary", "sensor.kind=ideal", "--vary", "sensor.averages=1:3:4"},
        "is not a whole number"},
       {{kCone, "--vary", "drive.kind=sine,square"}, "--vary drive.kind = square: "},
-      {{kCone, "--vary", "effects.gravity=false,true"}, "--vary effects.gravity = true: "},
+      {{kCone, "--vary", "effects.tremor=false,true"}, "--vary effects.tremor = true: "},
       {{kCone, "--vary", "drive.frequency_hz=100V,200V"}, "'V' is not a unit of a frequency"},
       {{kCone, "--vary", "drive.frequency_hz=low,high"}, "'low' is not a frequency"},
       {{kCone, "--vary", "actuator.moving_mass_kg=1.4,1.5"}, "did you mean 1.4g?"},

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "tools/simulate/scene_answer.h"
@@ -10,7 +11,8 @@ namespace haptometer::tools {
 
 /// A number of a scene's answer as a column of a sweep's table.
 struct AnswerColumn {
-  std::string_view name;                                      ///< as `simulate --json` has it
+  /// as `simulate --json` has it, with "run_" before what stands under `run`
+  std::string_view name;
   std::optional<double> (*value)(const SceneAnswer& answer);  ///< empty: not in this answer
 };
 
@@ -18,6 +20,6 @@ struct AnswerColumn {
 [[nodiscard]] std::span<const AnswerColumn> AnswerColumns();
 
 /// What a row says although its point is answered; empty: nothing.
-[[nodiscard]] std::string_view AnswerRemark(const SceneAnswer& answer);
+[[nodiscard]] std::string AnswerRemark(const SceneAnswer& answer);
 
 }  // namespace haptometer::tools
