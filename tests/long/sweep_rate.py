@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """What a second worker gains a sweep, beside what a second process gains it, in the same run.
 
-  /usr/bin/python3 tests/long/sweep_rate.py build/release/bin [--scene FILE] [--points 2000] [--rounds 7]
+  /usr/bin/python3 tests/long/sweep_rate.py build/release/bin [--scene FILE] [--points 1000] [--rounds 7]
 
-Four ways of the same sweep in alternation, by the clock: one process with one thread; one with two threads; two
+Without --scene the thesis's adapter scene with travel stops at 0.5 mm, reached around the resonance only, so that points
+take from 2 to 5 ms; a linear one is --scene fixtures/lra_adapter.toml. Four ways of the same sweep in alternation, by the clock: one process with one thread; one with two threads; two
 processes with one thread and half of the points each (--shard), started together; and one thread without the work,
 `--resume` of the finished table, which is what all the rest costs. Tables are compared byte for byte, the shards'
 after --merge. Gain: the time of one thread over that of two. The bar: two workers gain at least 0.9 of what two
@@ -17,6 +18,15 @@ import subprocess
 import sys
 import tempfile
 import time
+
+STOPS = """
+[effects]
+travel_stops = true
+[travel_stops]
+stiffness_n_per_m = 1e6
+damping_n_s_per_m = 1
+gap_m = 0.5e-3
+"""
 
 
 def begin(program, question, table, *more):
@@ -35,6 +45,13 @@ def timed(*processes_of):
 def content(path):
     with open(path, "rb") as file:
         return file.read()
+
+
+def scene_with_stops(folder):
+    path = os.path.join(folder, "stops.toml")
+    with open(path, "wb") as file:
+        file.write(content("fixtures/lra_adapter.toml") + STOPS.encode())
+    return path
 
 
 def measure(program, question, folder, rounds):
@@ -79,16 +96,17 @@ def report(times_s, points):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("programs")
-    parser.add_argument("--scene", default="fixtures/lra_adapter.toml")
-    parser.add_argument("--points", type=int, default=2000)
+    parser.add_argument("--scene")
+    parser.add_argument("--points", type=int, default=1000)
     parser.add_argument("--duration", default="0.1s", help="of each point's run")
     parser.add_argument("--rounds", type=int, default=7)
     arguments = parser.parse_args()
-    question = [arguments.scene, "--vary", f"drive.frequency_hz=100Hz:400Hz:{arguments.points}", "--vary",
-                f"run.duration_s={arguments.duration}"]
     program = os.path.join(arguments.programs, "haptometer")
+    vary = ["--vary", f"drive.frequency_hz=100Hz:400Hz:{arguments.points}", "--vary",
+            f"run.duration_s={arguments.duration}"]
     with tempfile.TemporaryDirectory() as folder:
-        good = report(measure(program, question, folder, arguments.rounds), arguments.points)
+        scene = arguments.scene or scene_with_stops(folder)
+        good = report(measure(program, [scene, *vary], folder, arguments.rounds), arguments.points)
     sys.exit(0 if good else 1)
 
 
