@@ -17,7 +17,15 @@ constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
 
-double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
+// x' form x, without a vector between: the allocator's lock would cost threads a tenth of their
+// time
+double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
+  double sum = 0;
+  for (Eigen::Index column = 0; column < x.size(); ++column) {
+    sum += x[column] * form.col(column).dot(x);
+  }
+  return sum;
+}
 
 }  // namespace
 

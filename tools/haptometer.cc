@@ -31,6 +31,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
     {"fit-skin", "The skin's constants under a contact from drive sweeps", RunFitSkin},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
+    {"sweep", "A scene's answers over any of its keys, as a table", RunSweep},
     {"tune", "The adapter that moves the skin most, with a proof", RunTune},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });

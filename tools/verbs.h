@@ -11,6 +11,7 @@ int RunFitLra(int argc, const char* const* argv);
 int RunFitSkin(int argc, const char* const* argv);
 int RunSimulate(int argc, const char* const* argv);
 int RunStudy(int argc, const char* const* argv);
+int RunSweep(int argc, const char* const* argv);
 int RunTrial(int argc, const char* const* argv);
 int RunTune(int argc, const char* const* argv);
 

@@ -1,0 +1,63 @@
+#include "tools/sweep/answer_columns.h"
+
+#include <array>
+
+namespace haptometer::tools {
+namespace {
+
+using Number = std::optional<double>;
+
+// of the steady motion, where that is known
+template <double sim::SteadyState::* kMember>
+Number Steady(const SceneAnswer& answer) {
+  return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
+}
+
+// of the run of a scene with effects
+template <double sim::SceneRun::* kMember>
+Number OfRun(const SceneAnswer& answer) {
+  return answer.effects ? Number(answer.effects->run.*kMember) : std::nullopt;
+}
+
+Number EventsOf(const SceneAnswer& answer) {
+  if (!answer.effects) return std::nullopt;
+  std::size_t events = 0;
+  for (const sim::EventCount& event : answer.effects->run.events) events += event.count;
+  return static_cast<double>(events);
+}
+
+constexpr auto kColumns = std::to_array<AnswerColumn>({
+    {"skin_rms_m", Steady<&sim::SteadyState::skin_rms_m>},
+    {"mover_peak_m", Steady<&sim::SteadyState::mover_peak_m>},
+    {"case_rms_m", Steady<&sim::SteadyState::case_rms_m>},
+    {"current_rms_a", Steady<&sim::SteadyState::current_rms_a>},
+    {"power_w", Steady<&sim::SteadyState::power_w>},
+    {"phase_rad", Steady<&sim::SteadyState::phase_rad>},
+    {"skin_force_peak_n", Steady<&sim::SteadyState::skin_force_peak_n>},
+    {"window_rms_m",
+     [](const SceneAnswer& a) { return a.window ? Number(a.window->skin_rms_m) : std::nullopt; }},
+    {"error_estimate", Steady<&sim::SteadyState::error_estimate>},
+    {"run_skin_rms_m", OfRun<&sim::SceneRun::skin_rms_m>},
+    {"run_case_rms_m", OfRun<&sim::SceneRun::case_rms_m>},
+    {"run_current_rms_a", OfRun<&sim::SceneRun::current_rms_a>},
+    {"run_power_w", OfRun<&sim::SceneRun::power_w>},
+    {"run_mover_peak_m", OfRun<&sim::SceneRun::mover_peak_m>},
+    {"run_mover_peak_of_run_m", OfRun<&sim::SceneRun::mover_peak_of_run_m>},
+    {"run_events", EventsOf},
+    {"run_energy_imbalance",
+     [](const SceneAnswer& a) {
+       return a.effects ? Number(a.effects->run.ledger.Imbalance()) : std::nullopt;
+     }},
+});
+
+}  // namespace
+
+std::span<const AnswerColumn> AnswerColumns() { return kColumns; }
+
+std::string AnswerRemark(const SceneAnswer& answer) {
+  if (!answer.steady) return answer.no_steady_because;
+  const bool is_short = answer.scene.duration_s && !answer.window;
+  return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
+}
+
+}  // namespace haptometer::tools

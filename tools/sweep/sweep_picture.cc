@@ -1,0 +1,217 @@
+#include "tools/sweep/sweep_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "tools/plot/gnuplot.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::size_t kMostCurves = 8;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// apart in grey too (Okabe and Ito, 2008)
+constexpr std::array<std::string_view, kMostCurves> kColours{
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#b0b0b0"};
+
+double NumberOr(const std::string& cell, double otherwise) {
+  double number = 0;
+  const char* end = cell.data() + cell.size();
+  const auto [stop, failure] = std::from_chars(cell.data(), end, number);
+  return failure == std::errc{} && stop == end ? number : otherwise;
+}
+
+// A varied key's column: its values in the order of their first appearance, and each row's.
+struct KeyColumn {
+  std::string name;
+  bool is_logarithmic = false;
+  std::vector<std::string> texts;
+  std::vector<std::size_t> of_row;
+  std::map<std::string, std::size_t> places;
+
+  void Take(const std::string& text) {
+    const auto [found, is_new] = places.emplace(text, texts.size());
+    if (is_new) texts.push_back(text);
+    of_row.push_back(found->second);
+  }
+  [[nodiscard]] bool AreNumbers() const {
+    return std::ranges::all_of(
+        texts, [](const std::string& text) { return std::isfinite(NumberOr(text, kNaN)); });
+  }
+  // where a value lies on the axis: texts lie in a row
+  [[nodiscard]] std::vector<double> Positions() const {
+    const bool are_numbers = AreNumbers();
+    std::vector<double> positions(texts.size());
+    for (std::size_t k = 0; k < texts.size(); ++k) {
+      positions[k] = are_numbers ? NumberOr(texts[k], kNaN) : static_cast<double>(k);
+    }
+    return positions;
+  }
+};
+
+struct SweepColumns {
+  bool is_sampled = false;
+  std::string column;
+  std::vector<KeyColumn> keys;
+  std::vector<double> values;  // NaN: not answered
+};
+
+SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
+  const TableHeader& header = reader.header();
+  SweepColumns columns{.column = column, .keys = {}, .values = {}};
+  for (std::size_t k = 0; k < header.varied; ++k) {
+    KeyColumn key;
+    key.name = header.columns[k + 1];
+    const std::string log = fmt::format("# vary = {}=log:", key.name);
+    key.is_logarithmic = std::ranges::any_of(
+        header.question, [&](const std::string& line) { return line.starts_with(log); });
+    columns.keys.push_back(std::move(key));
+  }
+  columns.is_sampled = std::ranges::any_of(header.question, [](const std::string& line) {
+    return line.starts_with("# sampling = latin");
+  });
+  const auto place =
+      static_cast<std::size_t>(std::ranges::find(header.columns, column) - header.columns.begin());
+  for (auto row = reader.Next(); row; row = reader.Next()) {
+    const std::vector<std::string> cells = CellsOf(*row);
+    if (cells.size() != header.columns.size() || place >= cells.size()) continue;
+    for (std::size_t k = 0; k < header.varied; ++k) columns.keys[k].Take(cells[k + 1]);
+    columns.values.push_back(NumberOr(cells[place], kNaN));
+  }
+  return columns;
+}
+
+plot::Panel PanelOver(const KeyColumn& key, const std::string& column) {
+  plot::Panel panel{.title = {}, .x_label = key.name, .y_label = column, .series = {}};
+  panel.log_axes = key.is_logarithmic ? plot::LogAxes::kX : plot::LogAxes::kNone;
+  if (key.AreNumbers()) return panel;
+  for (std::size_t k = 0; k < key.texts.size(); ++k) {
+    panel.ticks.push_back({static_cast<double>(k), key.texts[k]});
+  }
+  return panel;
+}
+
+// the rows that `keep` lets through, by their place on the axis
+template <typename Keep>
+plot::Series SeriesOver(const KeyColumn& key, const SweepColumns& columns, const Keep& keep) {
+  const std::vector<double> positions = key.Positions();
+  std::vector<std::pair<double, double>> points;
+  for (std::size_t row = 0; row < columns.values.size(); ++row) {
+    if (keep(row)) points.emplace_back(positions[key.of_row[row]], columns.values[row]);
+  }
+  std::ranges::sort(points, {}, &std::pair<double, double>::first);
+  plot::Series series;
+  series.x.reserve(points.size());
+  series.y.reserve(points.size());
+  for (const auto& [x, y] : points) {
+    series.x.push_back(x);
+    series.y.push_back(y);
+  }
+  return series;
+}
+
+std::string StyleOf(const SweepColumns& columns, std::size_t curve) {
+  return fmt::format("{} pt 7 ps 0.3 lc rgb '{}'", columns.is_sampled ? "points" : "linespoints",
+                     kColours[curve % kColours.size()]);
+}
+
+// One panel: every curve of `other`, evenly chosen where there are more than can be told apart.
+plot::Panel CurvesOver(const KeyColumn& key, const KeyColumn& other, const SweepColumns& columns) {
+  plot::Panel panel = PanelOver(key, columns.column);
+  const std::size_t curves = std::min(other.texts.size(), kMostCurves);
+  for (std::size_t k = 0; k < curves; ++k) {
+    const std::size_t value = curves < 2 ? 0 : k * (other.texts.size() - 1) / (curves - 1);
+    plot::Series series =
+        SeriesOver(key, columns, [&](std::size_t row) { return other.of_row[row] == value; });
+    series.title = fmt::format("{} = {}", other.name, other.texts[value]);
+    series.style = StyleOf(columns, k);
+    panel.series.push_back(std::move(series));
+  }
+  return panel;
+}
+
+bool IsEven(const KeyColumn& key) {
+  if (!key.AreNumbers() || key.texts.size() < 2) return false;
+  const std::vector<double> x = key.Positions();
+  const double step = x[1] - x[0];
+  for (std::size_t k = 1; k < x.size(); ++k) {
+    if (!(std::abs(x[k] - x[k - 1] - step) <= 1e-6 * std::abs(step))) return false;
+  }
+  return step != 0;
+}
+
+plot::Map MapOf(const SweepColumns& columns) {
+  const KeyColumn& across = columns.keys[0];
+  const KeyColumn& up = columns.keys[1];
+  const std::vector<double> x = across.Positions();
+  const std::vector<double> y = up.Positions();
+  plot::Map map{.title = {},
+                .x_label = across.name,
+                .y_label = up.name,
+                .value_label = columns.column,
+                .x_start = x[0],
+                .x_step = x[1] - x[0],
+                .y_start = y[0],
+                .y_step = y[1] - y[0],
+                .values = {}};
+  map.values.assign(x.size(), std::vector<double>(y.size(), kNaN));
+  for (std::size_t row = 0; row < columns.values.size(); ++row) {
+    map.values[across.of_row[row]][up.of_row[row]] = columns.values[row];
+  }
+  return map;
+}
+
+Result<void> DrawPoints(const std::string& path, const SweepColumns& columns) {
+  std::vector<plot::Panel> panels;
+  panels.reserve(columns.keys.size());
+  for (const KeyColumn& key : columns.keys) {
+    plot::Panel panel = PanelOver(key, columns.column);
+    panel.series.push_back(SeriesOver(key, columns, [](std::size_t) { return true; }));
+    panel.series.back().style = StyleOf(columns, 0);
+    panels.push_back(std::move(panel));
+  }
+  return plot::DrawPanels(path, panels);
+}
+
+}  // namespace
+
+Result<void> CheckPicture(const std::string& path, const TableHeader& header) {
+  if (path.empty()) return {};
+  if (!header.shard.empty()) {
+    return Usage("--plot", "draws whole sweeps, not a shard", "give it to --merge");
+  }
+  if (header.varied > 2) {
+    return Usage("--plot", fmt::format("draws one or two varied keys, not {}", header.varied),
+                 "vary fewer, or draw from the table");
+  }
+  return plot::CheckPlotPath(path);
+}
+
+Result<void> DrawSweep(const std::string& path, const std::string& table,
+                       const std::string& column) {
+  auto reader = TableReader::Open(table);
+  if (!reader) return std::unexpected(reader.error());
+  const SweepColumns columns = ReadColumns(*reader, column);
+  const bool has_value =
+      std::ranges::any_of(columns.values, [](double v) { return std::isfinite(v); });
+  if (!has_value) return CannotAnswer(path, fmt::format("no point has a {} to draw", column));
+  if (columns.keys.size() == 1 || columns.is_sampled) return DrawPoints(path, columns);
+  const bool first_is_longer = columns.keys[0].texts.size() >= columns.keys[1].texts.size();
+  const KeyColumn& longer = columns.keys[first_is_longer ? 0 : 1];
+  const KeyColumn& shorter = columns.keys[first_is_longer ? 1 : 0];
+  if (shorter.texts.size() > kMostCurves && IsEven(longer) && IsEven(shorter)) {
+    return plot::DrawMap(path, MapOf(columns));
+  }
+  return plot::DrawPanels(path, {CurvesOver(longer, shorter, columns)});
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,152 @@
+#include "tools/sweep/table_file.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "tools/sweep/table_reader.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr MonotonicNs kSyncNs = kNsPerS;
+
+// Whether the file ends within its header: then nothing was computed yet.
+bool IsBegunOnly(const std::string& path, const std::string& header) {
+  std::ifstream file(path, std::ios::binary);
+  std::string begin(header.size(), '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  return begin.size() < header.size() && header.starts_with(begin);
+}
+
+Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header) {
+  const std::string difference = DifferenceOf(reader.header(), header);
+  if (!difference.empty()) {
+    return Usage(reader.path(), "was begun with " + difference,
+                 "name another file, or say --overwrite");
+  }
+  const auto said = [](const std::string& shard) { return shard.empty() ? "no" : shard; };
+  if (reader.header().shard == header.shard) return {};
+  return Usage(reader.path(),
+               fmt::format("was begun with {} --shard, not {}", said(reader.header().shard),
+                           said(header.shard)),
+               "name another file, or say --overwrite");
+}
+
+// How many rows stand there, each as this question makes it.
+Result<std::uint64_t> CountRows(TableReader& reader, const SweepQuestion& question) {
+  const std::uint64_t rows = question.shard.RowsOf(question.points.size());
+  std::uint64_t row = 0;
+  for (auto line = reader.Next(); line; line = reader.Next(), ++row) {
+    const bool is_ours =
+        row < rows &&
+        line->starts_with(RowBegin(question.shard.PointOf(row),
+                                   question.points.At(question.shard.PointOf(row)))) &&
+        CellsOf(*line).size() == reader.header().columns.size();
+    if (is_ours) continue;
+    return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", row + 1),
+                 "was it edited? name another file, or say --overwrite");
+  }
+  return row;
+}
+
+}  // namespace
+
+TableFile::TableFile(std::string path, int descriptor)
+    : path_(std::move(path)), descriptor_(descriptor), synced_ns_(clock_.Now()) {}
+
+TableFile::TableFile(TableFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      rows_(other.rows_),
+      synced_ns_(other.synced_ns_) {}
+
+TableFile::~TableFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+Result<TableFile> TableFile::Open(const std::string& path, bool may_exist) {
+  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (may_exist ? 0 : O_EXCL);
+  constexpr mode_t kMode = 0666;  // the user's mask takes its part
+  TableFile file(path, open(path.c_str(), flags, kMode));
+  if (file.descriptor_ < 0) {
+    if (errno == EEXIST) {
+      return Usage(path, "already exists",
+                   "go on with it by --resume, name another file, or say --overwrite");
+    }
+    return Usage(path, std::string("cannot be written: ") + std::strerror(errno), "name another");
+  }
+  struct stat status{};
+  if (fstat(file.descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
+    return Usage(path, "is there and is no file", "name another");
+  }
+  if (flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
+    return Usage(path, "is being written by another run", "wait for it, or name another file");
+  }
+  return file;
+}
+
+Result<void> TableFile::CutAt(std::uint64_t bytes) {
+  const auto end = static_cast<off_t>(bytes);
+  if (ftruncate(descriptor_, end) == 0 && lseek(descriptor_, end, SEEK_SET) == end) return {};
+  return Failed(path_, std::string("cannot be cut: ") + std::strerror(errno));
+}
+
+Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& header,
+                                   bool replace) {
+  auto file = Open(path, replace);
+  if (!file) return file;
+  if (auto cut = file->CutAt(0); !cut) return std::unexpected(cut.error());
+  if (auto written = file->Append(header.Text()); !written) {
+    return std::unexpected(written.error());
+  }
+  return file;
+}
+
+Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
+                                    const SweepQuestion& question) {
+  if (IsBegunOnly(path, header.Text())) return Begin(path, header, true);
+  auto file = Open(path, true);  // locked before it is read
+  if (!file) return file;
+  auto reader = TableReader::Open(path);
+  if (!reader) return std::unexpected(reader.error());
+  if (auto same = CheckQuestion(*reader, header); !same) return std::unexpected(same.error());
+  const auto rows = CountRows(*reader, question);
+  if (!rows) return std::unexpected(rows.error());
+  file->rows_ = *rows;
+  if (auto cut = file->CutAt(reader->read_bytes()); !cut) return std::unexpected(cut.error());
+  return file;
+}
+
+Result<void> TableFile::Append(std::string_view rows) {
+  while (!rows.empty()) {
+    const ssize_t written = write(descriptor_, rows.data(), rows.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      return Failed(path_, std::string("cannot be written: ") + std::strerror(errno),
+                    "make room, then go on with --resume");
+    }
+    rows.remove_prefix(static_cast<std::size_t>(written));
+  }
+  const MonotonicNs now_ns = clock_.Now();
+  if (now_ns - synced_ns_ < kSyncNs) return {};
+  synced_ns_ = now_ns;
+  return Finish();
+}
+
+Result<void> TableFile::Finish() {
+  if (fdatasync(descriptor_) == 0) return {};
+  return Failed(path_, std::string("is not safe on the disk: ") + std::strerror(errno),
+                "make room, then go on with --resume");
+}
+
+}  // namespace haptometer::tools
