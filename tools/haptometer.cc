@@ -32,6 +32,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"fit-skin", "The skin's constants under a contact from drive sweeps", RunFitSkin},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
     {"tune", "The adapter that moves the skin most, with a proof", RunTune},
+    {"reproduce", "The thesis's numbers and figures, computed anew and compared", RunReproduce},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });
 

@@ -134,6 +134,7 @@ std::string AxisWords(const Panel& panel) {
   std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
   words += panel.has_margins ? "set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n"
                              : "unset offsets\n";
+  words += panel.equal_axes ? "set size ratio -1\n" : "set size noratio\n";
   const bool both = panel.log_axes == LogAxes::kBoth;
   words += NumbersOn('y', both || panel.log_axes == LogAxes::kY, panel, &Series::y);
   if (panel.ticks.empty()) {

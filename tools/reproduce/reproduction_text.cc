@@ -1,0 +1,136 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "tools/reproduce/reproduction_output.h"
+
+namespace haptometer::tools {
+namespace {
+
+std::string WithUnit(std::string number, std::string_view unit) {
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
+// as many decimals as are printed
+std::string PrintedText(const ThesisNumber& number) {
+  switch (number.relation) {
+    case Relation::kNotPrinted:
+      return "-";
+    case Relation::kBelow:
+      return WithUnit(fmt::format("< {:g}", number.value), number.unit.name);
+    case Relation::kAbove:
+      return WithUnit(fmt::format("> {:g}", number.value), number.unit.name);
+    case Relation::kEquals:
+      break;
+  }
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(2 * number.half_step))));
+  return WithUnit(fmt::format("{:.{}f}", number.value, decimals), number.unit.name);
+}
+
+std::string IntervalText(const std::optional<dsp::Interval>& interval, double si) {
+  if (!interval) return {};
+  return fmt::format(" [{:.4g}, {:.4g}]", interval->lower / si, interval->upper / si);
+}
+
+std::string OursText(const ThesisRow& row) {
+  if (!row.ours) return "not determined";
+  const ThesisUnit& unit = row.number().unit;
+  return WithUnit(fmt::format("{:.5g}{}", *row.ours / unit.si, IntervalText(row.interval, unit.si)),
+                  unit.name);
+}
+
+std::string CauseText(const ThesisNumber& number, const CandidateCause& cause) {
+  return fmt::format(
+      "candidate cause: {}: {}{}", cause.text,
+      WithUnit(fmt::format("{:.5g}", cause.gives / number.unit.si), number.unit.name),
+      Hits(number, cause) ? ", as printed" : "");
+}
+
+std::string DeviationText(const std::optional<double>& deviation) {
+  return deviation ? fmt::format("{:+.2f} %", 100 * *deviation) : std::string();
+}
+
+void AppendRow(std::string& text, std::string_view what, const RowWords& words) {
+  fmt::format_to(std::back_inserter(text), "  {:<44} {:>12} {:>24} {:>10}  {}\n", what,
+                 words.printed, words.ours, words.deviation, words.verdict);
+  for (const std::string& line : words.why) {
+    fmt::format_to(std::back_inserter(text), "      {}\n", line);
+  }
+}
+
+std::string ChainText(const std::vector<ChainRow>& rows) {
+  std::string text = "\nScene -> sensor -> record -> analyze: the answer beside the truth\n";
+  for (const ChainRow& row : rows) {
+    AppendRow(text, fmt::format("{}; {}, {}", row.sensor, row.scene, row.quantity), WordsOf(row));
+  }
+  const auto holding = std::ranges::count_if(rows, &ChainRow::holds);
+  return text + fmt::format("{} of {} hold\n", holding, rows.size());
+}
+
+}  // namespace
+
+RowWords WordsOf(const ThesisRow& row) {
+  const ThesisNumber& number = row.number();
+  RowWords words{.printed = PrintedText(number),
+                 .ours = OursText(row),
+                 .deviation = DeviationText(DeviationOf(row)),
+                 .verdict = std::string(Name(VerdictOf(row))) + (row.generated ? " *" : ""),
+                 .why = {}};
+  if (!row.remark.empty()) words.why.push_back(row.remark);
+  if (VerdictOf(row) == RowVerdict::kReproduced) return words;
+  for (const CandidateCause& cause : row.candidates) words.why.push_back(CauseText(number, cause));
+  return words;
+}
+
+RowWords WordsOf(const ChainRow& row) {
+  const bool length = row.unit == "m";
+  const double si = length ? 1e-6 : 1;
+  const std::string_view unit = length ? "um" : row.unit;
+  RowWords words{.printed = "-", .ours = "not answered", .deviation = {}, .verdict = {}, .why = {}};
+  if (row.truth) words.printed = WithUnit(fmt::format("{:.6g}", *row.truth / si), unit);
+  if (row.answer) {
+    words.ours =
+        WithUnit(fmt::format("{:.6g}{}", *row.answer / si, IntervalText(row.interval, si)), unit);
+  }
+  if (row.truth && row.answer) words.deviation = DeviationText(*row.answer / *row.truth - 1);
+  words.verdict = row.holds() ? "holds" : "misses";
+  if (!row.remark.empty()) words.why.push_back(row.remark);
+  return words;
+}
+
+std::string CountsText(const Reproduction& reproduction) {
+  return fmt::format("{} reproduced, {} explained by a candidate, {} disagree; {} not printed",
+                     CountOf(reproduction, RowVerdict::kReproduced),
+                     CountOf(reproduction, RowVerdict::kExplained),
+                     CountOf(reproduction, RowVerdict::kDisagrees),
+                     CountOf(reproduction, RowVerdict::kNotPrinted));
+}
+
+std::string ReproductionText(const Reproduction& reproduction) {
+  std::string text = fmt::format(
+      "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of Washington, "
+      "2013,\n"
+      "computed anew: {}\n\n  {:<44} {:>12} {:>24} {:>10}  verdict\n",
+      CountsText(reproduction), "", "printed", "ours", "deviation");
+  std::string_view group;
+  for (const ThesisRow& row : reproduction.rows) {
+    const ThesisNumber& number = row.number();
+    if (number.group != group) {
+      group = number.group;
+      fmt::format_to(std::back_inserter(text), "\n{}\n", group);
+    }
+    const std::string what = number.where.empty()
+                                 ? std::string(number.what)
+                                 : fmt::format("{}: {}", number.where, number.what);
+    AppendRow(text, what, WordsOf(row));
+  }
+  text += '\n';
+  for (const std::string& assumption : ReproductionAssumptions()) {
+    fmt::format_to(std::back_inserter(text), "assumed: {}\n", assumption);
+  }
+  return reproduction.chain ? text + ChainText(*reproduction.chain) : text;
+}
+
+}  // namespace haptometer::tools
