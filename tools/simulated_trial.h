@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "base/result.h"
+#include "trial/byte_sink.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {
@@ -11,5 +13,10 @@ namespace haptometer::tools {
 /// Errors: as trial::TrialWriter.
 [[nodiscard]] Result<void> WriteSimulatedTrial(const std::string& path, const trial::Record& record,
                                                bool overwrite);
+
+/// The same into any sink; `name` stands for the path in messages.
+[[nodiscard]] Result<void> WriteSimulatedTrialIn(std::unique_ptr<trial::ByteSink> sink,
+                                                 const std::string& name,
+                                                 const trial::Record& record);
 
 }  // namespace haptometer::tools

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "tools/reproduce/passing_file.h"
 #include "tools/simulated_trial.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
@@ -108,8 +109,10 @@ Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, d
         record.metadata.labels = {{"subject", std::to_string(s + 1)},
                                   {"condition", condition.name},
                                   {"repeat", std::to_string(repeat)}};
-        const auto path = folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
-        if (auto written = WriteSimulatedTrial(path, record, false); !written) return written;
+        const std::string path =
+            folder / fmt::format("s{}_{}_{}.bin", s + 1, condition.name, repeat);
+        auto written = WriteSimulatedTrialIn(MakePassingFile(path), path, record);
+        if (!written) return written;
       }
     }
   }

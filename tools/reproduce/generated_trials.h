@@ -30,7 +30,7 @@ inline constexpr int kGeneratedRepeats = 3;
 ///
 /// The logarithm of a trial's RMS is that of its condition plus a subject's share (standard
 /// deviation 0.25), the subject's own in that condition (0.12), both centred, and the trial's
-/// (0.05). Errors: as WriteSimulatedTrial.
+/// (0.05). Errors: as WriteSimulatedTrialIn.
 [[nodiscard]] Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions,
                                           double frequency_hz, std::uint64_t seed,
                                           const std::filesystem::path& folder);

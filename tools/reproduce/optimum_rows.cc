@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
+#include <string_view>
 
 #include "sim/steady_state.h"
 #include "sim/tuning/adapter_grid.h"
@@ -39,22 +41,23 @@ std::string RidgeRemark(const sim::TuningProblem& problem) {
       1e3 * least->value, 1e3 * most->value);
 }
 
-// the neighbours of the printed stiffness among equal steps
-std::string StiffnessRemark(const sim::TuningProblem& problem) {
-  const auto values = sim::EqualSteps(problem.bounds.stiffness_n_per_m, kValuesPerAxis);
-  const double printed = SiValue(ThesisNumberOf("grid-stiffness"));
-  const auto above = std::ranges::lower_bound(values, printed);
+// the neighbours of a printed number among equal steps
+std::string StepsRemark(std::string_view key, const sim::Range& range) {
+  const auto values = sim::EqualSteps(range, kValuesPerAxis);
+  const ThesisNumber& number = ThesisNumberOf(key);
+  const auto above = std::ranges::lower_bound(values, SiValue(number));
   if (above == values.begin() || above == values.end()) return {};
-  return fmt::format(
-      "the printed one is no point of 20 equal steps: {:.1f} and {:.1f} N/m are next", *(above - 1),
-      *above);
+  return fmt::format("the printed one is no point of {} equal steps: {:.6g} and {:.6g} {} are next",
+                     kValuesPerAxis, *(above - 1) / number.unit.si, *above / number.unit.si,
+                     number.unit.name);
 }
 
 std::vector<ThesisRow> GridRows(const sim::TuningProblem& problem, double printed_rms_m) {
   const sim::GridBest best = sim::BestOnGrid(problem, kValuesPerAxis);
   std::vector<ThesisRow> rows = PointRows(true, best.point);
   rows[0].remark = RidgeRemark(problem);
-  rows[2].remark = StiffnessRemark(problem);
+  rows[1].remark = StepsRemark("grid-skin-side-mass", problem.bounds.skin_side_mass_kg);
+  rows[2].remark = StepsRemark("grid-stiffness", problem.bounds.stiffness_n_per_m);
   rows.push_back({.key = "grid-rms",
                   .ours = best.skin_rms_m,
                   .remark = fmt::format("of {} points; the printed point gives {:.5f} mm, {:.2f} % "
@@ -64,10 +67,22 @@ std::vector<ThesisRow> GridRows(const sim::TuningProblem& problem, double printe
   return rows;
 }
 
+double AloneHz(double stiffness_n_per_m, double mass_kg) {
+  return std::sqrt(stiffness_n_per_m / mass_kg) / (2 * std::numbers::pi);
+}
+
+std::string AloneRemark(const sim::Adapter& ours) {
+  return fmt::format("along the ridge: sqrt(Ka/Ma2)/2 pi is {:.2f} Hz here, {:.2f} Hz as printed",
+                     AloneHz(ours.stiffness_n_per_m, ours.skin_side_mass_kg),
+                     AloneHz(SiValue(ThesisNumberOf("optimum-stiffness")),
+                             SiValue(ThesisNumberOf("optimum-skin-side-mass"))));
+}
+
 std::vector<ThesisRow> ContinuousRows(const sim::TuningProblem& problem, double printed_rms_m) {
   const sim::AdapterOptimum best =
       sim::FindAdapterOptimum(sim::Objective::kSkinRms, problem, sim::ReceptorField{});
   std::vector<ThesisRow> rows = PointRows(false, best.point);
+  rows[1].remark = rows[2].remark = AloneRemark(best.point.adapter);
   rows.push_back(
       {.key = "optimum-rms",
        .ours = best.value,

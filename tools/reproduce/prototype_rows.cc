@@ -23,7 +23,10 @@ std::vector<ThesisRow> WeightRows(const ThesisModel& model) {
   const double softest = sim::SkinUnderArea(kIa2AreaM2, model.skin_range).stiffness_n_per_m;
   const double printed_n = SiValue(ThesisNumberOf("weight"));
   const double printed_m = SiValue(ThesisNumberOf("sag"));
-  return {{.key = "weight", .ours = weight_n},
+  return {{.key = "weight",
+           .ours = weight_n,
+           .remark = fmt::format("the printed one is that of {:.2f} g",
+                                 1e3 * printed_n / fit::kGravityMPerS2)},
           {.key = "sag",
            .ours = weight_n / softest,
            .candidates = {{.text = fmt::format("the printed weight on {:g} N/m", softest),

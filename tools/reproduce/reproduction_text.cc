@@ -29,16 +29,18 @@ std::string PrintedText(const ThesisNumber& number) {
   return WithUnit(fmt::format("{:.{}f}", number.value, decimals), number.unit.name);
 }
 
-std::string IntervalText(const std::optional<dsp::Interval>& interval, double si) {
+std::string IntervalText(const std::optional<dsp::Interval>& interval, double si, int digits) {
   if (!interval) return {};
-  return fmt::format(" [{:.4g}, {:.4g}]", interval->lower / si, interval->upper / si);
+  return fmt::format(" [{:.{}g}, {:.{}g}]", interval->lower / si, digits, interval->upper / si,
+                     digits);
 }
 
 std::string OursText(const ThesisRow& row) {
   if (!row.ours) return "not determined";
   const ThesisUnit& unit = row.number().unit;
-  return WithUnit(fmt::format("{:.5g}{}", *row.ours / unit.si, IntervalText(row.interval, unit.si)),
-                  unit.name);
+  return WithUnit(
+      fmt::format("{:.5g}{}", *row.ours / unit.si, IntervalText(row.interval, unit.si, 4)),
+      unit.name);
 }
 
 std::string CauseText(const ThesisNumber& number, const CandidateCause& cause) {
@@ -53,7 +55,7 @@ std::string DeviationText(const std::optional<double>& deviation) {
 }
 
 void AppendRow(std::string& text, std::string_view what, const RowWords& words) {
-  fmt::format_to(std::back_inserter(text), "  {:<44} {:>12} {:>24} {:>10}  {}\n", what,
+  fmt::format_to(std::back_inserter(text), "  {:<49} {:>12} {:>25} {:>10}  {}\n", what,
                  words.printed, words.ours, words.deviation, words.verdict);
   for (const std::string& line : words.why) {
     fmt::format_to(std::back_inserter(text), "      {}\n", line);
@@ -62,11 +64,16 @@ void AppendRow(std::string& text, std::string_view what, const RowWords& words) 
 
 std::string ChainText(const std::vector<ChainRow>& rows) {
   std::string text = "\nScene -> sensor -> record -> analyze: the answer beside the truth\n";
+  std::string_view sensor;
   for (const ChainRow& row : rows) {
-    AppendRow(text, fmt::format("{}; {}, {}", row.sensor, row.scene, row.quantity), WordsOf(row));
+    if (row.sensor != sensor) {
+      sensor = row.sensor;
+      fmt::format_to(std::back_inserter(text), "\n{}\n", sensor);
+    }
+    AppendRow(text, fmt::format("{}: {}", row.scene, row.quantity), WordsOf(row));
   }
   const auto holding = std::ranges::count_if(rows, &ChainRow::holds);
-  return text + fmt::format("{} of {} hold\n", holding, rows.size());
+  return text + fmt::format("\n{} of {} hold\n", holding, rows.size());
 }
 
 }  // namespace
@@ -91,8 +98,8 @@ RowWords WordsOf(const ChainRow& row) {
   RowWords words{.printed = "-", .ours = "not answered", .deviation = {}, .verdict = {}, .why = {}};
   if (row.truth) words.printed = WithUnit(fmt::format("{:.6g}", *row.truth / si), unit);
   if (row.answer) {
-    words.ours =
-        WithUnit(fmt::format("{:.6g}{}", *row.answer / si, IntervalText(row.interval, si)), unit);
+    words.ours = WithUnit(
+        fmt::format("{:.6g}{}", *row.answer / si, IntervalText(row.interval, si, 6)), unit);
   }
   if (row.truth && row.answer) words.deviation = DeviationText(*row.answer / *row.truth - 1);
   words.verdict = row.holds() ? "holds" : "misses";
@@ -112,7 +119,7 @@ std::string ReproductionText(const Reproduction& reproduction) {
   std::string text = fmt::format(
       "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of Washington, "
       "2013,\n"
-      "computed anew: {}\n\n  {:<44} {:>12} {:>24} {:>10}  verdict\n",
+      "computed anew: {}\n\n  {:<49} {:>12} {:>25} {:>10}  verdict\n",
       CountsText(reproduction), "", "printed", "ours", "deviation");
   std::string_view group;
   for (const ThesisRow& row : reproduction.rows) {
@@ -121,10 +128,9 @@ std::string ReproductionText(const Reproduction& reproduction) {
       group = number.group;
       fmt::format_to(std::back_inserter(text), "\n{}\n", group);
     }
-    const std::string what = number.where.empty()
-                                 ? std::string(number.what)
-                                 : fmt::format("{}: {}", number.where, number.what);
-    AppendRow(text, what, WordsOf(row));
+    RowWords words = WordsOf(row);
+    if (!number.where.empty()) words.verdict += fmt::format(" ({})", number.where);
+    AppendRow(text, number.what, words);
   }
   text += '\n';
   for (const std::string& assumption : ReproductionAssumptions()) {

@@ -47,7 +47,9 @@ std::vector<ThesisRow> RiseRows(const ThesisModel& model) {
                                : std::string();
   return {{.key = "rise-ratio", .ours = Over(adapter_full_s, direct_full_s), .remark = full},
           {.key = "amplitude-ratio", .ours = PeakOf(adapter) / PeakOf(direct)},
-          {.key = "start-ratio", .ours = Over(adapter_s, direct_s)},
+          {.key = "start-ratio",
+           .ours = Over(adapter_s, direct_s),
+           .remark = "the curves are not the same: the heavier skin side starts later"},
           {.key = "latency-adapter", .ours = adapter_full_s, .remark = Judged(adapter_full_s)},
           {.key = "start-direct", .ours = direct_s},
           {.key = "start-cone", .ours = cone_s},
