@@ -123,20 +123,20 @@ TEST(ThesisRows, HaveTheVerdictsThatTheModelGives) {
 TEST(ThesisRows, OfASpoiledModelDisagree) {
   ThesisModel stiff;
   stiff.adapter.stiffness_n_per_m *= 1.3;
-  const auto of_stiff = ModelRows(stiff);
-  for (const std::string_view key : {"ratio-adapter-direct", "impedance-match", "built-ia2"}) {
-    EXPECT_EQ(VerdictOf(RowOf(of_stiff, key)), RowVerdict::kDisagrees) << key;
-  }
+  const auto disagrees = [](const std::vector<ThesisRow>& rows, std::string_view key) {
+    EXPECT_EQ(VerdictOf(RowOf(rows, key)), RowVerdict::kDisagrees) << key;
+  };
+  disagrees(DisplacementRows(stiff), "ratio-adapter-direct");
+  disagrees(FrequencyRows(stiff), "impedance-match");
+  disagrees(PrototypeRows(stiff), "built-ia2");
   ThesisModel resistive;
   resistive.actuator.resistance_ohm *= 2;
-  const auto of_resistive = ModelRows(resistive);
   for (const std::string_view key : {"current", "power", "current-reduction"}) {
-    EXPECT_EQ(VerdictOf(RowOf(of_resistive, key)), RowVerdict::kDisagrees) << key;
+    disagrees(ElectricalRows(resistive), key);
   }
   ThesisModel slow;
   slow.drive.frequency_hz = 175;
-  EXPECT_EQ(VerdictOf(RowOf(DisplacementRows(slow), "ratio-adapter-direct")),
-            RowVerdict::kDisagrees);
+  disagrees(DisplacementRows(slow), "ratio-adapter-direct");
 }
 
 TEST(StudyRows, FindTheTruthsThatTheTrialsWereMadeWith) {

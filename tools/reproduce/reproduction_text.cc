@@ -54,12 +54,31 @@ std::string DeviationText(const std::optional<double>& deviation) {
   return deviation ? fmt::format("{:+.2f} %", 100 * *deviation) : std::string();
 }
 
+// broken at spaces into lines of kWhyColumns, six columns in
+std::string Wrapped(std::string_view line) {
+  constexpr std::size_t kWhyColumns = 110;
+  std::string text = "      ";
+  std::size_t column = 0;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    if (column > 0 && column + 1 + end > kWhyColumns) {
+      text += "\n        ";
+      column = 2;
+    } else if (column > 0) {
+      text += ' ';
+      ++column;
+    }
+    text += line.substr(0, end);
+    column += end;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return text + '\n';
+}
+
 void AppendRow(std::string& text, std::string_view what, const RowWords& words) {
   fmt::format_to(std::back_inserter(text), "  {:<49} {:>12} {:>25} {:>10}  {}\n", what,
                  words.printed, words.ours, words.deviation, words.verdict);
-  for (const std::string& line : words.why) {
-    fmt::format_to(std::back_inserter(text), "      {}\n", line);
-  }
+  for (const std::string& line : words.why) text += Wrapped(line);
 }
 
 std::string ChainText(const std::vector<ChainRow>& rows) {
