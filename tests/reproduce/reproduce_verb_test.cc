@@ -84,7 +84,7 @@ TEST(ReproduceVerb, TextSaysWhatIsGeneratedAndWhatIsACandidate) {
 }
 
 TEST(ReproduceVerb, RefusesPlacesThatCannotBeWritten) {
-  EXPECT_EQ(Reproduced({"--report", "thesis.pdf"}).status, 2);
+  EXPECT_EQ(Reproduced({"--report", ::testing::TempDir() + "thesis.pdf"}).status, 2);
   EXPECT_EQ(Reproduced({"--figures", "/dev/null"}).status, 2);
   EXPECT_EQ(Reproduced({"--thesis"}).status, 2);
 }

@@ -52,6 +52,9 @@ inline constexpr ReferenceNumber kThesisReference[] = {
     {"mover-travel-adapter", 0.000826268452713214},
     {"mover-travel-direct", 8.62940800602667e-05},
     {"contact-force", 0.34488560908319377},
+    {"interpolated-direct", 4.407043710967163e-05},
+    {"interpolated-cone", 4.520497233650174e-05},
+    {"interpolated-adapter", 0.00019124171149710291},
     {"phase-without-reaction", 0.0021783928422569264},
 };
 

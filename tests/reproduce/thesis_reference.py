@@ -3,8 +3,8 @@
 
 Written from the equations of motion (J. Lindsay, "A Mechanical Amplifier for Haptic Feedback",
 University of Washington, 2013, equations 2.1-2.4, with the reaction +Km i on the case), not from the
-program: matrices by hand, phasors by numpy.linalg.solve, motion from rest by eigenvectors, receptors
-counted one by one.
+program: matrices by hand, phasors by numpy.linalg.solve, motion from rest by eigenvectors, an
+interpolated input step by step, receptors counted one by one.
 
   thesis_reference.py            print the header
   thesis_reference.py --check    compare with thesis_reference.h beside this file; 0 when equal to
@@ -16,8 +16,9 @@ import sys
 
 try:
     import numpy as np
+    import scipy.linalg
 except ImportError as missing:
-    print(f"skipped: {missing}; install python3-numpy")
+    print(f"skipped: {missing}; install python3-numpy and python3-scipy")
     sys.exit(77)
 
 MV, MC, KV, BV, KM, R, L = 1.4e-3, 0.6e-3, 2800, 0.0322, 1, 27, 130e-6
@@ -79,6 +80,23 @@ def reach(a, b, level):
         middle = (low + high) / 2
         low, high = (middle, high) if abs(motion(middle)) < level else (low, middle)
     return high
+
+
+def interpolated_run(a, b, step, duration):
+    """RMS of the skin over a whole run from rest, the input in straight lines between samples."""
+    n, finer = len(a), 8
+    g = np.zeros((n + 2, n + 2))
+    g[:n, :n], g[:n, n], g[n, n + 1] = a, b, 1
+    over = scipy.linalg.expm(g * step / finer)
+    x, squares, count = np.zeros(n), 0.0, 0
+    for k in range(round(duration / step)):
+        u = 5 * np.sin(2 * np.pi * 225 * step * np.array([k, k + 1]))
+        z = np.concatenate([x, [u[0], (u[1] - u[0]) / step]])
+        for _ in range(finer):
+            z = over @ z
+            squares, count = squares + z[n - 2]**2, count + 1
+        x = z[:n]
+    return np.sqrt(squares / count)
 
 
 def driver(hertz):
@@ -169,6 +187,8 @@ def rows():
     yield "mover-travel-adapter", abs(t[1] - t[3])
     yield "mover-travel-direct", abs(d[1] - d[3])
     yield "contact-force", abs((600 + 2j * np.pi * 225 * 0.75) * t[5])
+    for name, contact in (("direct", direct), ("cone", cone), ("adapter", tuned)):
+        yield f"interpolated-{name}", interpolated_run(*contact, 0.34e-3, 0.7)
     yield "phase-without-reaction", abs(np.angle(phasors(*system(*skin(78.5), None, False))[0]))
 
 
