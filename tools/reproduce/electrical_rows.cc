@@ -9,8 +9,8 @@
 #include "sim/linear_model.h"
 #include "sim/piecewise_motion.h"
 #include "sim/piecewise_scene.h"
+#include "sim/scene_mode.h"
 #include "sim/steady_state.h"
-#include "sim/time_response.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {
@@ -24,24 +24,32 @@ constexpr double kOutputHz = 1e4;
 // coil's reaction on the case, which matrix 2.5 has.
 double PhaseWithoutReaction(const sim::Scene& scene) {
   sim::LinearModel linear = sim::AssembleModel(scene);
-  linear.a(sim::LinearModel::kCaseVelocity, sim::LinearModel::kCurrent) = 0;
+  const double reaction = scene.actuator.force_constant_n_per_a / sim::CaseSideMass(scene);
+  linear.a.row(sim::LinearModel::kCaseVelocity) -= reaction * linear.current_row;
+  linear.b(sim::LinearModel::kCaseVelocity) -= reaction * linear.current_per_volt;
   return sim::SolveSteadyState(linear, scene.drive, scene.skin).phase_rad;
 }
 
-// of the whole run from rest
-double RunCurrent(const sim::Scene& scene, double duration_s) {
-  const sim::TimeResponse response(sim::AssembleModel(scene), scene.drive, sim::Start::kRest);
-  return response.WindowRms(sim::LinearModel::kCurrent, 0, duration_s);
-}
-
-// mean of v i over the whole run from rest, by the energy ledger
-double RunPower(sim::Scene scene, double duration_s) {
+// energies of a whole run from rest, exact
+sim::EnergyLedger RunEnergies(sim::Scene scene, double duration_s) {
   scene.start = sim::Start::kRest;
   sim::PiecewiseMotion motion(sim::AssemblePiecewise(scene, {}), scene.drive,
                               sim::PiecewiseStartOf(scene), kOutputHz, true);
   const auto outputs = static_cast<std::uint64_t>(std::llround(duration_s * kOutputHz));
   while (motion.index() < outputs) motion.Next();
-  return motion.Ledger().input_j / duration_s;
+  return motion.Ledger();
+}
+
+// RMS, by what the coil dissipates: R integral of i^2
+double RunCurrent(const sim::Scene& scene, double duration_s) {
+  const auto coil = static_cast<std::size_t>(sim::SceneElement::kCoil);
+  const double dissipated_j = RunEnergies(scene, duration_s).dissipated_j[coil];
+  return std::sqrt(dissipated_j / (scene.actuator.resistance_ohm * duration_s));
+}
+
+// mean of v i
+double RunPower(const sim::Scene& scene, double duration_s) {
+  return RunEnergies(scene, duration_s).input_j / duration_s;
 }
 
 template <typename Measure>
