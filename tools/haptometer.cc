@@ -33,6 +33,7 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
     {"sweep", "A scene's answers over any of its keys, as a table", RunSweep},
     {"tune", "The adapter that moves the skin most, with a proof", RunTune},
+    {"reproduce", "The thesis's numbers and figures, computed anew and compared", RunReproduce},
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });
 

@@ -9,6 +9,7 @@ int RunAnalyze(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);
 int RunFitLra(int argc, const char* const* argv);
 int RunFitSkin(int argc, const char* const* argv);
+int RunReproduce(int argc, const char* const* argv);
 int RunSimulate(int argc, const char* const* argv);
 int RunStudy(int argc, const char* const* argv);
 int RunSweep(int argc, const char* const* argv);

@@ -169,14 +169,21 @@ std::string PanelScript(std::size_t number, const Panel& panel) {
   return script + "\n";
 }
 
+// a square leaves room for the key beside it, not above
+std::string_view ShapeWords(const Panel& panel) {
+  return panel.equal_axes ? "set size ratio -1\nset key rmargin top vertical\n"
+                          : "set size noratio\nset key tmargin right horizontal\n";
+}
+
 std::string Script(const std::string& path, const Terminal& terminal,
                    const std::vector<Panel>& panels) {
-  const std::size_t height = 320 * panels.size();
+  const bool square = std::ranges::any_of(panels, &Panel::equal_axes);
+  const std::size_t height = (square ? 560 : 320) * panels.size();
   std::string script =
       "set encoding utf8\nset terminal " +
       fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
       "\nset termoption noenhanced\nset output " + Quoted(path) +
-      "\nset grid lc rgb '#e0e0e0'\nset key tmargin right horizontal\nset autoscale xfix\n"
+      "\nset grid lc rgb '#e0e0e0'\nset autoscale xfix\n"
       "set boxwidth 0.6\nset format '%.10g'\n";
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
@@ -184,7 +191,10 @@ std::string Script(const std::string& path, const Terminal& terminal,
     }
   }
   script += fmt::format("set multiplot layout {},1\n", panels.size());
-  for (std::size_t p = 0; p < panels.size(); ++p) script += PanelScript(p, panels[p]);
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    script += ShapeWords(panels[p]);
+    script += PanelScript(p, panels[p]);
+  }
   return script + "unset multiplot\nunset output\n";
 }
 

@@ -40,6 +40,7 @@ struct Panel {
   bool y_from_zero = false;
   bool x_from_zero = false;  ///< and a twentieth further than the last point
   bool has_margins = false;  ///< room between the outermost points and the frame
+  bool equal_axes = false;   ///< one unit is as long along y as along x: circles are round
 };
 
 /// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).

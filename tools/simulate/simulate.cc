@@ -5,7 +5,6 @@
 #include <string>
 #include <utility>
 
-#include "base/clock.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/options.h"
@@ -13,9 +12,8 @@
 #include "tools/simulate/effect_lines.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_output.h"
-#include "tools/simulated_channel.h"
+#include "tools/simulated_trial.h"
 #include "tools/verbs.h"
-#include "trial/trial_writer.h"
 
 namespace haptometer::tools {
 namespace {
@@ -56,27 +54,6 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
 }
 
-Result<void> WriteTrial(const SimulateOptions& wanted, const trial::Record& record) {
-  const trial::Channel& channel = record.channels.front();
-  trial::TrialHeader header{.timing = trial::Timing::kUniform,
-                            .rate_hz = record.stretches.front().rate_hz,
-                            .channels = {FormatOf(channel)},
-                            .metadata = record.metadata};
-  const trial::ChannelFormat format = header.channels.front();
-  SystemClock clock;
-  auto writer = trial::TrialWriter::Create(wanted.output, std::move(header),
-                                           {.overwrite = wanted.overwrite}, clock);
-  if (!writer) return std::unexpected(writer.error());
-  for (std::size_t row = 0; row < record.rows; ++row) {
-    const trial::Sample sample{RawOf(format, channel.values[row]), channel.statuses[row]};
-    const trial::Row next{.index = static_cast<std::int64_t>(row), .samples = {&sample, 1}};
-    if (auto appended = writer->Append(next); !appended) return appended;
-  }
-  auto totals = writer->Finish();
-  if (!totals) return std::unexpected(totals.error());
-  return {};
-}
-
 // Fills in what a trial needs and the scene does not say, and says so.
 Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
   if (!scene.sensor) {
@@ -96,7 +73,7 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
   }
   trial::Record record = sim::SimulateRecord(scene, duration_s);
   record.metadata.fields["scene"] = wanted.scene_path;
-  return WriteTrial(wanted, record);
+  return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
 }
 
 // The scene with what the command line says over it.

@@ -1,0 +1,161 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/residual.h"
+#include "tests/temporary_files.h"
+#include "tests/tools/captured.h"
+#include "tools/reproduce/reproduction_figures.h"
+#include "tools/reproduce/reproduction_output.h"
+#include "tools/verbs.h"
+
+namespace haptometer::tools {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Outcome Reproduced(const std::vector<std::string>& words) {
+  return Captured(RunReproduce, "reproduce", words);
+}
+
+// once for all tests of it
+const Outcome& Chained() {
+  static const Outcome outcome = Reproduced({"--chain", "--json"});
+  return outcome;
+}
+
+TEST(ReproduceVerb, JsonHasEveryNumberOfTheThesisOnceAndIsComplete) {
+  ASSERT_EQ(Chained().status, 0) << Chained().err;
+  const json document = json::parse(Chained().out);
+  const json& rows = document.at("rows");
+  ASSERT_EQ(rows.size(), ThesisNumbers().size());
+  const std::set<std::string> verdicts{"reproduced", "explained", "disagrees", "not printed"};
+  int counted = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const json& row = rows.at(i);
+    EXPECT_EQ(row.at("key"), ThesisNumbers()[i].key);
+    for (const char* key :
+         {"group", "where", "what", "relation", "printed", "printed_half_step", "unit", "ours",
+          "ours_interval_95", "deviation", "verdict", "generated", "candidates", "remark"}) {
+      EXPECT_TRUE(row.contains(key)) << row.at("key") << ' ' << key;
+    }
+    EXPECT_TRUE(verdicts.contains(row.at("verdict").get<std::string>()));
+    EXPECT_TRUE(row.at("ours").is_number()) << row.at("key");
+    EXPECT_EQ(row.at("printed").is_null(), row.at("verdict") == "not printed");
+    ++counted;
+  }
+  EXPECT_EQ(document.at("reproduced").get<int>() + document.at("explained").get<int>() +
+                document.at("disagree").get<int>() + document.at("not_printed").get<int>(),
+            counted);
+  EXPECT_FALSE(document.at("assumptions").empty());
+  EXPECT_TRUE(document.at("files").empty());
+}
+
+TEST(ReproduceVerb, TheChainReturnsTheSimulatedTruth) {
+  const json chain = json::parse(Chained().out).at("chain");
+  EXPECT_EQ(chain.size(), 21U);
+  for (const json& row : chain) {
+    EXPECT_TRUE(row.at("holds").get<bool>()) << row.dump();
+    if (row.at("truth").is_null() || row.at("unit") == "Hz") continue;
+    EXPECT_REL(row.at("answer").get<double>(), row.at("truth").get<double>(), 0.01,
+               "11 um of noise on 45 um over 2 s");
+  }
+  EXPECT_TRUE(chain.back().at("answer").is_null()) << "62.5 readings a second";
+}
+
+TEST(ReproduceVerb, TextSaysWhatIsGeneratedAndWhatIsACandidate) {
+  const Outcome outcome = Reproduced({});
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.out, HasSubstr("not of the thesis's recordings"));
+  EXPECT_THAT(outcome.out, HasSubstr("reproduced * (3.1.2, p. 24)"));
+  EXPECT_THAT(outcome.out, HasSubstr("candidate cause: equation 2.3 as printed"));
+  EXPECT_THAT(outcome.out, HasSubstr("disagrees (Table 2.3, p. 12)"));
+  EXPECT_THAT(outcome.out, Not(HasSubstr(" nan")));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("not determined")));
+}
+
+TEST(ReproduceVerb, RefusesPlacesThatCannotBeWritten) {
+  EXPECT_EQ(Reproduced({"--report", ::testing::TempDir() + "thesis.pdf"}).status, 2);
+  EXPECT_EQ(Reproduced({"--figures", "/dev/null"}).status, 2);
+  EXPECT_EQ(Reproduced({"--thesis"}).status, 2);
+}
+
+using ReproduceFiles = tests::TemporaryFiles;
+
+TEST_F(ReproduceFiles, FiguresAndPageAreWritten) {
+  const std::string page = directory_ / "thesis.html";
+  const std::string figures = directory_ / "figures";
+  const Outcome outcome = Reproduced({"--figures", figures, "--report", page, "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json files = json::parse(outcome.out).at("files");
+  ASSERT_EQ(files.size(), 10U);
+  for (const char* name : {"2.2", "2.3", "2.4", "2.5", "2.6", "2.7", "3.3", "3.4", "3.5"}) {
+    const std::string svg = Content(std::string("figures/figure-") + name + ".svg");
+    EXPECT_THAT(svg, HasSubstr("<svg")) << name;
+    EXPECT_THAT(svg, HasSubstr("</svg>")) << name;
+  }
+  const std::string html = Content("thesis.html");
+  EXPECT_THAT(html, HasSubstr("Figure 9."));
+  EXPECT_THAT(html, HasSubstr("generated, not measured"));
+  EXPECT_THAT(html, HasSubstr("0.0438 mm"));
+  EXPECT_THAT(html, HasSubstr("candidate cause"));
+}
+
+const ThesisFigure& FigureOf(const std::vector<ThesisFigure>& figures, std::string_view name) {
+  return *std::ranges::find(figures, name, &ThesisFigure::name);
+}
+
+double LargestOf(const plot::Series& series) { return *std::ranges::max_element(series.y); }
+
+// what is drawn holds what is printed beside it
+TEST(ThesisFigures, HoldTheExtremesOfTheirData) {
+  const auto figures = ModelFigures({});
+  ASSERT_EQ(figures.size(), 6U);
+  const auto& rise = FigureOf(figures, "figure-2.3").panels[0].series;
+  ASSERT_EQ(rise.size(), 3U);
+  EXPECT_REL(LargestOf(rise[0]), 0.28309, 0.02, "98 % settled after 0.1 s");
+  const plot::Series& direct = rise[2];
+  EXPECT_REL(*std::max_element(direct.y.begin() + 1000, direct.y.end()), 0.063626, 1e-3,
+             "settled; 89 points a period");
+  const auto& impedance = FigureOf(figures, "figure-2.4").panels[0].series[1];
+  const auto dip = std::ranges::min_element(impedance.y);
+  EXPECT_ABS(impedance.x[static_cast<std::size_t>(dip - impedance.y.begin())], 223.65, 0.25,
+             "steps of a quarter of a hertz");
+  EXPECT_REL(*dip, 0.64547, 1e-3, "NumPy; a parabola between two points");
+  for (const plot::Series& curve : FigureOf(figures, "figure-2.5").panels[0].series) {
+    EXPECT_EQ(curve.x.size(), 101U);
+    EXPECT_ABS(curve.y[50], 1, 1e-12, "nothing changed");
+  }
+  EXPECT_EQ(LargestOf(FigureOf(figures, "figure-2.6").panels[0].series[0]), 49);
+  const auto& stimulus = FigureOf(figures, "figure-2.7").panels[0].series;
+  EXPECT_REL(LargestOf(stimulus[0]), 6.2425, 0.005, "a step lies between two of 5 um");
+  EXPECT_REL(LargestOf(stimulus[1]), 4.9688, 0.005, "the same");
+  EXPECT_REL(LargestOf(stimulus[2]), 2.2204, 0.005, "the same");
+}
+
+// 49 circles of 5.7 mm about a pad of 15 mm, as many reached as are counted
+TEST(ThesisFigures, DrawTheFieldsThatAreReached) {
+  const auto figures = ModelFigures({});
+  for (const plot::Panel& panel : FigureOf(figures, "figure-2.2").panels) {
+    EXPECT_TRUE(panel.equal_axes);
+    std::array<std::ptrdiff_t, 3> circles{};
+    for (std::size_t i = 0; i < circles.size(); ++i) {
+      circles[i] = std::ranges::count_if(panel.series[i].y, [](double y) { return std::isnan(y); });
+    }
+    EXPECT_EQ(circles[0] + circles[1], 49);
+    EXPECT_EQ(circles[2], 1);
+    EXPECT_THAT(panel.title, HasSubstr(std::to_string(circles[1]) + " reached"));
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::tools

@@ -1,0 +1,60 @@
+#include "tools/reproduce/reproduction.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "base/check.h"
+#include "tools/reproduce/row_groups.h"
+
+namespace haptometer::tools {
+namespace {
+
+// in the thesis's order, each once
+std::vector<ThesisRow> InOrder(std::vector<ThesisRow> rows) {
+  const auto numbers = ThesisNumbers();
+  HAPTOMETER_CHECK(rows.size() == numbers.size(), "{} rows, {} numbers", rows.size(),
+                   numbers.size());
+  std::vector<ThesisRow> ordered;
+  ordered.reserve(rows.size());
+  for (const ThesisNumber& number : numbers) {
+    const auto found = std::ranges::find(rows, number.key, &ThesisRow::key);
+    HAPTOMETER_CHECK(found != rows.end(), "no row {}", number.key);
+    ordered.push_back(std::move(*found));
+  }
+  return ordered;
+}
+
+}  // namespace
+
+Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain) {
+  auto study = RunGeneratedStudy(model);
+  if (!study) return std::unexpected(study.error());
+  std::vector<ThesisRow> rows = StudyRows(*study);
+  for (auto* group : {DisplacementRows, ElectricalRows, OptimumRows, FrequencyRows, RiseRows,
+                      ReceptorRows, PrototypeRows}) {
+    for (ThesisRow& row : group(model)) rows.push_back(std::move(row));
+  }
+  Reproduction reproduction{model, *std::move(study), InOrder(std::move(rows)), std::nullopt};
+  if (!with_chain) return reproduction;
+  auto chain = RunChain(model);
+  if (!chain) return std::unexpected(chain.error());
+  reproduction.chain = *std::move(chain);
+  return reproduction;
+}
+
+std::size_t CountOf(const Reproduction& reproduction, RowVerdict verdict) {
+  return static_cast<std::size_t>(std::ranges::count(reproduction.rows, verdict, VerdictOf));
+}
+
+std::vector<std::string> ReproductionAssumptions() {
+  return {
+      "printed values are true to half a unit of their last digit; 8200 N/m and 220 Hz to 50 N/m "
+      "and 5 Hz",
+      "equation 2.3 with the coil's reaction on the case, as matrix 2.5 has it",
+      "the skin's stiffness up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m",
+      "no cause is proved: each is a candidate whose number was computed",
+      "rows marked * are of trials that this program generated with the truths printed, not of the "
+      "thesis's recordings, which were not published"};
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/result.h"
+#include "tools/reproduce/chain.h"
+#include "tools/reproduce/generated_study.h"
+#include "tools/reproduce/thesis_model.h"
+#include "tools/reproduce/thesis_row.h"
+
+namespace haptometer::tools {
+
+/// The thesis, computed anew.
+struct Reproduction {
+  ThesisModel model;
+  GeneratedStudy study;
+  std::vector<ThesisRow> rows;                 ///< one for each of ThesisNumbers(), in their order
+  std::optional<std::vector<ChainRow>> chain;  ///< where it was asked for
+};
+
+/// Computes every row of ThesisNumbers() with the rooms as they are: nothing of it is stored.
+///
+/// Cost: some 2 s, most of it the analysis of 96 generated trials. Errors: as RunGeneratedStudy and
+/// RunChain.
+[[nodiscard]] Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain);
+
+/// How many rows have that verdict.
+[[nodiscard]] std::size_t CountOf(const Reproduction& reproduction, RowVerdict verdict);
+
+/// What the numbers rest on, one sentence each.
+[[nodiscard]] std::vector<std::string> ReproductionAssumptions();
+
+}  // namespace haptometer::tools

@@ -1,0 +1,161 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "tools/reproduce/reproduction_output.h"
+
+namespace haptometer::tools {
+namespace {
+
+std::string WithUnit(std::string number, std::string_view unit) {
+  return unit.empty() ? number : fmt::format("{} {}", number, unit);
+}
+
+// as many decimals as are printed
+std::string PrintedText(const ThesisNumber& number) {
+  switch (number.relation) {
+    case Relation::kNotPrinted:
+      return "-";
+    case Relation::kBelow:
+      return WithUnit(fmt::format("< {:g}", number.value), number.unit.name);
+    case Relation::kAbove:
+      return WithUnit(fmt::format("> {:g}", number.value), number.unit.name);
+    case Relation::kEquals:
+      break;
+  }
+  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(2 * number.half_step))));
+  return WithUnit(fmt::format("{:.{}f}", number.value, decimals), number.unit.name);
+}
+
+std::string IntervalText(const std::optional<dsp::Interval>& interval, double si, int digits) {
+  if (!interval) return {};
+  return fmt::format(" [{:.{}g}, {:.{}g}]", interval->lower / si, digits, interval->upper / si,
+                     digits);
+}
+
+std::string OursText(const ThesisRow& row) {
+  if (!row.ours) return "not determined";
+  const ThesisUnit& unit = row.number().unit;
+  return WithUnit(
+      fmt::format("{:.5g}{}", *row.ours / unit.si, IntervalText(row.interval, unit.si, 4)),
+      unit.name);
+}
+
+std::string CauseText(const ThesisNumber& number, const CandidateCause& cause) {
+  return fmt::format(
+      "candidate cause: {}: {}{}", cause.text,
+      WithUnit(fmt::format("{:.5g}", cause.gives / number.unit.si), number.unit.name),
+      Hits(number, cause) ? ", as printed" : "");
+}
+
+std::string DeviationText(const std::optional<double>& deviation) {
+  return deviation ? fmt::format("{:+.2f} %", 100 * *deviation) : std::string();
+}
+
+// broken at spaces into lines of kWhyColumns, six columns in
+std::string Wrapped(std::string_view line) {
+  constexpr std::size_t kWhyColumns = 110;
+  std::string text = "      ";
+  std::size_t column = 0;
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find(' '), line.size());
+    if (column > 0 && column + 1 + end > kWhyColumns) {
+      text += "\n        ";
+      column = 2;
+    } else if (column > 0) {
+      text += ' ';
+      ++column;
+    }
+    text += line.substr(0, end);
+    column += end;
+    line.remove_prefix(std::min(end + 1, line.size()));
+  }
+  return text + '\n';
+}
+
+void AppendRow(std::string& text, std::string_view what, const RowWords& words) {
+  fmt::format_to(std::back_inserter(text), "  {:<49} {:>12} {:>25} {:>10}  {}\n", what,
+                 words.printed, words.ours, words.deviation, words.verdict);
+  for (const std::string& line : words.why) text += Wrapped(line);
+}
+
+std::string ChainText(const std::vector<ChainRow>& rows) {
+  std::string text = "\nScene -> sensor -> record -> analyze: the answer beside the truth\n";
+  std::string_view sensor;
+  for (const ChainRow& row : rows) {
+    if (row.sensor != sensor) {
+      sensor = row.sensor;
+      fmt::format_to(std::back_inserter(text), "\n{}\n", sensor);
+    }
+    AppendRow(text, fmt::format("{}: {}", row.scene, row.quantity), WordsOf(row));
+  }
+  const auto holding = std::ranges::count_if(rows, &ChainRow::holds);
+  return text + fmt::format("\n{} of {} hold\n", holding, rows.size());
+}
+
+}  // namespace
+
+RowWords WordsOf(const ThesisRow& row) {
+  const ThesisNumber& number = row.number();
+  RowWords words{.printed = PrintedText(number),
+                 .ours = OursText(row),
+                 .deviation = DeviationText(DeviationOf(row)),
+                 .verdict = std::string(Name(VerdictOf(row))) + (row.generated ? " *" : ""),
+                 .why = {}};
+  if (!row.remark.empty()) words.why.push_back(row.remark);
+  if (VerdictOf(row) == RowVerdict::kReproduced) return words;
+  for (const CandidateCause& cause : row.candidates) words.why.push_back(CauseText(number, cause));
+  return words;
+}
+
+RowWords WordsOf(const ChainRow& row) {
+  const bool length = row.unit == "m";
+  const double si = length ? 1e-6 : 1;
+  const std::string_view unit = length ? "um" : row.unit;
+  RowWords words{.printed = "-", .ours = "not answered", .deviation = {}, .verdict = {}, .why = {}};
+  if (row.truth) words.printed = WithUnit(fmt::format("{:.6g}", *row.truth / si), unit);
+  if (row.answer) {
+    words.ours = WithUnit(
+        fmt::format("{:.6g}{}", *row.answer / si, IntervalText(row.interval, si, 6)), unit);
+  }
+  if (row.truth && row.answer) words.deviation = DeviationText(*row.answer / *row.truth - 1);
+  words.verdict = row.holds() ? "holds" : "misses";
+  if (!row.remark.empty()) words.why.push_back(row.remark);
+  return words;
+}
+
+std::string CountsText(const Reproduction& reproduction) {
+  return fmt::format("{} reproduced, {} explained by a candidate, {} disagree; {} not printed",
+                     CountOf(reproduction, RowVerdict::kReproduced),
+                     CountOf(reproduction, RowVerdict::kExplained),
+                     CountOf(reproduction, RowVerdict::kDisagrees),
+                     CountOf(reproduction, RowVerdict::kNotPrinted));
+}
+
+std::string ReproductionText(const Reproduction& reproduction) {
+  std::string text = fmt::format(
+      "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of Washington, "
+      "2013,\n"
+      "computed anew: {}\n\n  {:<49} {:>12} {:>25} {:>10}  verdict\n",
+      CountsText(reproduction), "", "printed", "ours", "deviation");
+  std::string_view group;
+  for (const ThesisRow& row : reproduction.rows) {
+    const ThesisNumber& number = row.number();
+    if (number.group != group) {
+      group = number.group;
+      fmt::format_to(std::back_inserter(text), "\n{}\n", group);
+    }
+    RowWords words = WordsOf(row);
+    if (!number.where.empty()) words.verdict += fmt::format(" ({})", number.where);
+    AppendRow(text, number.what, words);
+  }
+  text += '\n';
+  for (const std::string& assumption : ReproductionAssumptions()) {
+    fmt::format_to(std::back_inserter(text), "assumed: {}\n", assumption);
+  }
+  return reproduction.chain ? text + ChainText(*reproduction.chain) : text;
+}
+
+}  // namespace haptometer::tools

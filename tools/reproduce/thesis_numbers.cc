@@ -1,0 +1,189 @@
+#include "tools/reproduce/thesis_numbers.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/check.h"
+
+namespace haptometer::tools {
+namespace {
+
+using enum Relation;
+
+constexpr ThesisUnit kMm{"mm", "m", 1e-3};
+constexpr ThesisUnit kUm{"um", "m", 1e-6};
+constexpr ThesisUnit kMa{"mA", "A", 1e-3};
+constexpr ThesisUnit kMw{"mW", "W", 1e-3};
+constexpr ThesisUnit kDegree{"deg", "rad", 0.017453292519943295};
+constexpr ThesisUnit kPercent{"%", "", 1e-2};
+constexpr ThesisUnit kOne{"", "", 1};
+constexpr ThesisUnit kGram{"g", "kg", 1e-3};
+constexpr ThesisUnit kNPerM{"N/m", "N/m", 1};
+constexpr ThesisUnit kNsPerM{"N s/m", "N s/m", 1};
+constexpr ThesisUnit kMm2{"mm2", "m2", 1e-6};
+constexpr ThesisUnit kHz{"Hz", "Hz", 1};
+constexpr ThesisUnit kMs{"ms", "s", 1e-3};
+constexpr ThesisUnit kStimulus{"mm x Nr", "m", 1e-3};
+constexpr ThesisUnit kNewton{"N", "N", 1};
+
+constexpr std::string_view kDisplacement = "Steady displacement of the skin";
+constexpr std::string_view kInput = "Electrical input without adapter";
+constexpr std::string_view kSaving = "What the adapter saves at the input";
+constexpr std::string_view kGrid = "Optimum by the grid of Table 2.2, 20 even steps an axis";
+constexpr std::string_view kContinuous = "Optimum over the same ranges without steps";
+constexpr std::string_view kResonance = "Resonance with the adapter";
+constexpr std::string_view kRise = "Displacement over time from rest";
+constexpr std::string_view kImpedance = "Impedances of skin and of LRA with adapter";
+constexpr std::string_view kSensitivity = "Largest change of the RMS at +-50 % of one number";
+constexpr std::string_view kReceptors = "Receptors reached";
+constexpr std::string_view kStimuli = "Skin stimulus S = Nr x RMS";
+constexpr std::string_view kSag = "Weight of the prototype on the skin";
+constexpr std::string_view kFactors = "Displacement of the prototypes over their controls";
+constexpr std::string_view kBuilt = "The same as the model has it, base as built";
+constexpr std::string_view kMatching = "Voltages matched by perception";
+constexpr std::string_view kPower = "Power from the matched voltages";
+constexpr std::string_view kLinearity = "Linearity, 1 to 5 V";
+constexpr std::string_view kAssumed = "What the model takes for granted";
+constexpr std::string_view kBeyond = "Future work";
+
+constexpr auto kNumbers = std::to_array<ThesisNumber>({
+    {"rms-direct", kDisplacement, "Table 2.3, p. 12", "LRA direct, 78.5 mm2", kEquals, 0.0438,
+     0.00005, kMm},
+    {"rms-cone", kDisplacement, "Table 2.3, p. 12", "LRA with cone, 1 mm2", kEquals, 0.0455,
+     0.00005, kMm},
+    {"rms-adapter", kDisplacement, "Table 2.3, p. 12", "LRA with adapter, 1 mm2", kEquals, 0.1917,
+     0.00005, kMm},
+    {"ratio-adapter-direct", kDisplacement, "2.2.2, p. 14", "adapter over direct", kEquals, 4.4,
+     0.05, kOne},
+
+    {"current", kInput, "2.2.1, p. 13", "RMS current", kEquals, 130, 0.5, kMa},
+    {"power", kInput, "2.2.1, p. 13", "power", kEquals, 457, 0.5, kMw},
+    {"phase", kInput, "2.2.1, p. 13", "phase between voltage and current", kEquals, 0.1, 0.05,
+     kDegree},
+
+    {"current-reduction", kSaving, "2.2.2, p. 14", "RMS current less than direct", kEquals, 15, 0.5,
+     kPercent},
+    {"power-reduction", kSaving, "2.2.2, p. 14", "power less than direct", kEquals, 15, 0.5,
+     kPercent},
+
+    {"grid-motor-side-mass", kGrid, "Table 2.4, p. 15", "Ma1", kEquals, 0.25, 0.005, kGram},
+    {"grid-skin-side-mass", kGrid, "Table 2.4, p. 15", "Ma2", kEquals, 4.35, 0.005, kGram},
+    {"grid-stiffness", kGrid, "Table 2.4, p. 15", "Ka", kEquals, 8200, 50, kNPerM},
+    {"grid-damping", kGrid, "Table 2.4, p. 15", "Ba", kEquals, 0.01, 0.005, kNsPerM},
+    {"grid-contact-area", kGrid, "Table 2.4, p. 15", "A", kEquals, 1.0, 0.05, kMm2},
+    {"grid-rms", kGrid, "Table 2.3, p. 12", "RMS there", kEquals, 0.1917, 0.00005, kMm},
+
+    {"optimum-motor-side-mass", kContinuous, "Table 2.4, p. 15", "Ma1", kEquals, 0.25, 0.005,
+     kGram},
+    {"optimum-skin-side-mass", kContinuous, "Table 2.4, p. 15", "Ma2", kEquals, 4.35, 0.005, kGram},
+    {"optimum-stiffness", kContinuous, "Table 2.4, p. 15", "Ka", kEquals, 8200, 50, kNPerM},
+    {"optimum-damping", kContinuous, "Table 2.4, p. 15", "Ba", kEquals, 0.01, 0.005, kNsPerM},
+    {"optimum-contact-area", kContinuous, "Table 2.4, p. 15", "A", kEquals, 1.0, 0.05, kMm2},
+    {"optimum-rms", kContinuous, "", "RMS there", kNotPrinted, 0, 0, kMm},
+    {"optimum-upper-bound", kContinuous, "", "no adapter within the ranges gives more", kNotPrinted,
+     0, 0, kMm},
+
+    {"resonant-frequency", kResonance, "Table 2.4, p. 15", "frequency of the largest amplitude",
+     kEquals, 218, 0.5, kHz},
+
+    {"rise-ratio", kRise, "Fig. 2.3, p. 15", "time to 90 %, adapter over direct: \"much longer\"",
+     kAbove, 1, 0, kOne},
+    {"amplitude-ratio", kRise, "Fig. 2.3, p. 15", "amplitude, adapter over direct: \"four times\"",
+     kEquals, 4, 0.5, kOne},
+    {"start-ratio", kRise, "2.3, p. 20", "time to 25 um, adapter over direct: never behind", kBelow,
+     1, 0, kOne},
+    {"latency-adapter", kRise, "1, p. 4 and 2.3, p. 20", "adapter at 90 %, below what is perceived",
+     kBelow, 50, 0, kMs},
+    {"start-direct", kRise, "", "direct at 25 um", kNotPrinted, 0, 0, kMs},
+    {"start-cone", kRise, "", "cone at 25 um", kNotPrinted, 0, 0, kMs},
+    {"start-adapter", kRise, "", "adapter at 25 um", kNotPrinted, 0, 0, kMs},
+
+    {"impedance-match", kImpedance, "2.2.2, p. 14", "frequency at which both are equal", kEquals,
+     220, 5, kHz},
+    {"impedance-dip", kImpedance, "Fig. 2.4, p. 16", "frequency of the dip: \"operating\"", kEquals,
+     225, 5, kHz},
+    {"impedance-ratio", kImpedance, "", "LRA with adapter over skin at the drive", kNotPrinted, 0,
+     0, kOne},
+
+    {"sensitivity-Ma1", kSensitivity, "2.2.2, p. 14", "Ma1: \"less than 2 percent\"", kBelow, 2, 0,
+     kPercent},
+    {"sensitivity-Ma2", kSensitivity, "2.2.2, p. 14", "Ma2: \"large\"", kAbove, 2, 0, kPercent},
+    {"sensitivity-Ka", kSensitivity, "2.2.2, p. 14", "Ka: \"large\"", kAbove, 2, 0, kPercent},
+    {"sensitivity-Ba", kSensitivity, "2.2.2, p. 14", "Ba: \"less than 2 percent\"", kBelow, 2, 0,
+     kPercent},
+    {"sensitivity-Ks", kSensitivity, "2.2.2, p. 14", "Ks: \"less than 2 percent\"", kBelow, 2, 0,
+     kPercent},
+    {"sensitivity-Bs", kSensitivity, "2.2.2, p. 14", "Bs: \"large\"", kAbove, 2, 0, kPercent},
+
+    {"receptors", kReceptors, "Fig. 2.6, p. 18", "most", kEquals, 49, 0.5, kOne},
+    {"all-receptors-cell", kReceptors, "", "all from this radius on, cell-centred grid",
+     kNotPrinted, 0, 0, kMm},
+    {"all-receptors-edge", kReceptors, "", "all from this radius on, grid edge to edge",
+     kNotPrinted, 0, 0, kMm},
+
+    {"stimulus-adapter", kStimuli, "2.2.3, p. 14", "largest with adapter", kEquals, 4.90, 0.005,
+     kStimulus},
+    {"stimulus-direct", kStimuli, "2.2.3, p. 18", "without adapter", kEquals, 2.15, 0.005,
+     kStimulus},
+    {"stimulus-ratio", kStimuli, "3.3, p. 29", "with over without", kEquals, 2.28, 0.005, kOne},
+
+    {"weight", kSag, "3.1.1, p. 24", "weight of 7.5 g", kEquals, 0.06, 0.005, kNewton},
+    {"sag", kSag, "3.1.1, p. 24", "static displacement", kEquals, 0.75, 0.005, kMm},
+
+    {"factor-ia1", kFactors, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, 3.26, 0.005, kOne},
+    {"factor-ia2", kFactors, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, 4.25, 0.005,
+     kOne},
+    {"factor-p", kFactors, "3.1.2, p. 24", "larger p of the two paired t tests", kBelow, 0.001, 0,
+     kOne},
+
+    {"built-ia1", kBuilt, "3.1.2, p. 24", "IA#1 over stock LRA", kEquals, 3.26, 0.005, kOne},
+    {"built-ia2", kBuilt, "3.1.2, p. 24", "IA#2 over LRA with 1.1 mm2", kEquals, 4.25, 0.005, kOne},
+
+    {"matching-ia1", kMatching, "3.2.2, p. 28", "IA#1, voltage lower by", kEquals, 35, 0.5,
+     kPercent},
+    {"matching-ia2", kMatching, "3.2.2, p. 28", "IA#2, voltage lower by", kEquals, 32, 0.5,
+     kPercent},
+    {"matching-p-at-1v", kMatching, "3.2.2, p. 28", "at 1 V: smaller p of the two", kAbove, 0.05, 0,
+     kOne},
+    {"matching-p-from-2v", kMatching, "3.2.2, p. 28", "from 2 V on: largest p of all", kBelow, 0.05,
+     0, kOne},
+    {"matching-p-controls", kMatching, "3.2.2, p. 28", "controls: smaller p of the two", kAbove,
+     0.05, 0, kOne},
+    {"gain-at-175hz", kMatching, "3.2.1, p. 26", "gain of the adapter at 175 Hz, where this ran",
+     kAbove, 1, 0, kOne},
+
+    {"power-saving", kPower, "3.3, p. 29", "power saved at 66 % of the voltage", kEquals, 55, 0.5,
+     kPercent},
+    {"power-possible", kPower, "3.3, p. 29", "power saved by four times the displacement", kEquals,
+     75, 0.5, kPercent},
+
+    {"linearity-curvature-p", kLinearity, "Fig. 3.5, p. 28", "p of the readings' curvature", kAbove,
+     0.05, 0, kOne},
+    {"linearity-r-squared", kLinearity, "Fig. 3.5, p. 28", "R^2 of the line: \"linear\"", kAbove,
+     0.99, 0, kOne},
+
+    {"mover-travel-adapter", kAssumed, "", "travel of the moving mass with adapter, +-",
+     kNotPrinted, 0, 0, kMm},
+    {"mover-travel-direct", kAssumed, "", "the same without", kNotPrinted, 0, 0, kMm},
+    {"contact-force", kAssumed, "3.1.1, p. 23", "force on the skin, +-, within the weight", kBelow,
+     0.06, 0, kNewton},
+    {"contact-loss-rms", kAssumed, "", "RMS where the contact may break", kNotPrinted, 0, 0, kMm},
+
+    {"most-skin-power", kBeyond, "4.1, p. 31", "most power into the skin", kNotPrinted, 0, 0, kMw},
+    {"most-rms-per-watt", kBeyond, "4.1, p. 31", "RMS where it is largest per watt", kNotPrinted, 0,
+     0, kUm},
+});
+
+}  // namespace
+
+std::span<const ThesisNumber> ThesisNumbers() { return kNumbers; }
+
+const ThesisNumber& ThesisNumberOf(std::string_view key) {
+  const auto* const found = std::ranges::find(kNumbers, key, &ThesisNumber::key);
+  HAPTOMETER_CHECK(found != kNumbers.end(), "no number {}", key);
+  return *found;
+}
+
+double SiValue(const ThesisNumber& number) { return number.value * number.unit.si; }
+
+}  // namespace haptometer::tools

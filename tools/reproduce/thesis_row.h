@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dsp/statistics/interval.h"
+#include "tools/reproduce/thesis_numbers.h"
+
+namespace haptometer::tools {
+
+/// A reading of the thesis, or a fault in its simulation, under which our model gives another
+/// number.
+struct CandidateCause {
+  std::string text;
+  double gives = 0;  ///< SI
+  /// What it gives where it is worked out from printed numbers, whose last digits are rounded;
+  /// nothing: `gives` alone.
+  std::optional<dsp::Interval> from_rounded{};
+};
+
+/// How printed and computed number stand to each other.
+enum class RowVerdict : std::uint8_t {
+  kReproduced,  ///< ours is within half a unit of the last printed digit, or the relation holds
+  kExplained,   ///< ours is not, but what a named cause gives is; "candidate": it is not proved
+  kDisagrees,   ///< neither
+  kNotPrinted,  ///< the thesis says nothing of it
+};
+
+/// "reproduced", "explained", "disagrees", "not printed".
+[[nodiscard]] std::string_view Name(RowVerdict verdict);
+
+/// One quantity: printed, computed, compared.
+struct ThesisRow {
+  std::string_view key;        ///< of its ThesisNumber
+  std::optional<double> ours;  ///< SI, computed in this run; nothing: not determined
+  /// 95 % interval of `ours`, where it was measured on generated trials: reproduced means then that
+  /// the printed value lies within.
+  std::optional<dsp::Interval> interval{};
+  std::vector<CandidateCause> candidates{};  ///< causes; none is proved
+  std::string remark{};
+  bool generated = false;  ///< `ours` is of trials that this run generated, not of the thesis's
+
+  [[nodiscard]] const ThesisNumber& number() const { return ThesisNumberOf(key); }
+};
+
+/// Whether a number in SI is what the thesis prints: for kEquals to half a unit of its last digit,
+/// with 1e-9 of that for the conversion of units.
+[[nodiscard]] bool IsAsPrinted(const ThesisNumber& number, double value);
+
+/// Whether what the cause gives, or some of it, is what the thesis prints.
+[[nodiscard]] bool Hits(const ThesisNumber& number, const CandidateCause& cause);
+
+[[nodiscard]] RowVerdict VerdictOf(const ThesisRow& row);
+
+/// ours / printed - 1; nothing where no value is printed, or only a bound.
+[[nodiscard]] std::optional<double> DeviationOf(const ThesisRow& row);
+
+}  // namespace haptometer::tools
