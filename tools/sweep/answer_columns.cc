@@ -55,7 +55,8 @@ constexpr auto kColumns = std::to_array<AnswerColumn>({
 std::span<const AnswerColumn> AnswerColumns() { return kColumns; }
 
 std::string AnswerRemark(const SceneAnswer& answer) {
-  if (!answer.steady) return answer.no_steady_because;
+  if (!answer.steady)
+    return "stops or lost contact limit the motion: its numbers are those of run_";
   const bool is_short = answer.scene.duration_s && !answer.window;
   return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
 }
