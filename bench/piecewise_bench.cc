@@ -17,6 +17,7 @@
 
 #include "sim/linear_model.h"
 #include "sim/piecewise_scene.h"
+#include "sim/stop_modes.h"
 #include "sim/uniform_motion.h"
 #include "tests/sim/reference/events_reference.h"
 #include "tests/sim/thesis_scenes.h"

@@ -17,8 +17,10 @@ struct ContactModes {
   Eigen::RowVectorXd gap_row;    ///< of the flight's states: xp - xs
   Eigen::MatrixXd take_off;      ///< (flight's states, n + 1)
   Eigen::MatrixXd landing;       ///< (n + 1, flight's states)
-  std::size_t gap_order = 2;     ///< derivatives of the gap that vanish at take-off, with itself
-  bool force_at_landing = true;  ///< false: the force begins at zero
+  Eigen::RowVectorXd force_feed{};  ///< (kInputs) of u, to be added to the force; empty: none
+  Eigen::RowVectorXd gap_feed{};    ///< the same of the gap
+  std::size_t gap_order = 2;        ///< derivatives of the gap that vanish at take-off, with itself
+  bool force_at_landing = true;     ///< false: the force begins at zero
 };
 
 /// Assembles both. The skin must have stiffness or damping.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/piecewise_linear.h"
+#include "sim/excitation.h"
 
 namespace haptometer::sim {
 
@@ -12,10 +12,15 @@ namespace {
 
 // [E, V R^-1] out of exp(G h)
 template <typename Matrix>
-Matrix StepOf(const Matrix& exponential) {
-  Matrix step = exponential.topRows(exponential.rows() - 2);
-  const auto turn = exponential.bottomRightCorner(2, 2).inverse().eval();
-  step.rightCols(2) = (step.rightCols(2) * turn).eval();
+Matrix StepOf(const Matrix& exponential, Eigen::Index signals) {
+  Matrix step = exponential.topRows(exponential.rows() - signals);
+  if (signals == 2) {
+    const auto turn = exponential.bottomRightCorner(2, 2).inverse().eval();
+    step.rightCols(2) = (step.rightCols(2) * turn).eval();
+    return step;
+  }
+  const Matrix turn = exponential.bottomRightCorner(signals, signals).inverse();
+  step.rightCols(signals) = (step.rightCols(signals) * turn).eval();
   return step;
 }
 
@@ -37,10 +42,14 @@ Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd&
   return generator;
 }
 
-Eigen::MatrixXd InputRows(const SineDrive& drive, Eigen::Index n) {
-  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(kInputs, n + 2);
-  rows(kVoltage, n) = drive.amplitude_v;
-  return rows;
+Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::MatrixXd& inputs,
+                                const ExcitationShape& shape) {
+  const Eigen::Index n = a.rows(), m = shape.generator.rows();
+  Eigen::MatrixXd generator = Eigen::MatrixXd::Zero(n + m, n + m);
+  generator.topLeftCorner(n, n) = a;
+  generator.topRightCorner(n, m) = inputs * shape.rows;
+  generator.bottomRightCorner(m, m) = shape.generator;
+  return generator;
 }
 
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
@@ -51,12 +60,12 @@ Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
   return {std::sin(phase_rad), std::cos(phase_rad)};
 }
 
-Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s) {
-  return StepOf<Eigen::MatrixXd>(MatrixExponential(h_s * generator));
+Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s, Eigen::Index signals) {
+  return StepOf<Eigen::MatrixXd>(MatrixExponential(h_s * generator), signals);
 }
 
-LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s) {
-  return StepOf<LongMatrix>(LongMatrixExponential(generator, h_s));
+LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s, Eigen::Index signals) {
+  return StepOf<LongMatrix>(LongMatrixExponential(generator, h_s), signals);
 }
 
 DriveSequence::DriveSequence(double frequency_hz, double start_s, double rate_hz)

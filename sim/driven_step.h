@@ -11,6 +11,8 @@
 
 namespace haptometer::sim {
 
+struct ExcitationShape;
+
 /// G of z = [x, sin w t, cos w t], z' = G z: (n + 2, n + 2).
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive);
 
@@ -18,8 +20,10 @@ namespace haptometer::sim {
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::VectorXd& b,
                                               const SineDrive& drive);
 
-/// (kInputs, n + 2): the inputs u (piecewise_linear.h) out of z = [x, sin w t, cos w t], (n) x.
-[[nodiscard]] Eigen::MatrixXd InputRows(const SineDrive& drive, Eigen::Index n);
+/// The same for x' = A x + inputs u, u and w as `shape` has them: z = [x, w], (n + m, n + m).
+[[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a,
+                                              const Eigen::MatrixXd& inputs,
+                                              const ExcitationShape& shape);
 
 /// [sin w t, cos w t], the phase from the whole number of cycles on: exact to rounding at any time.
 [[nodiscard]] Eigen::Vector2d DriveAt(double frequency_hz, long double t_s);
@@ -29,10 +33,14 @@ namespace haptometer::sim {
 /// exp(G h) = [[E, V], [0, R]], R the drive's turn over h; the step is [E, V R^-1]. What the bodies
 /// still feel of the drive lies near the end of a long step, so its phase is not carried across
 /// thousands of cycles. Cost: one exponential.
-[[nodiscard]] Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s);
+///
+/// `signals`: how many the drive has, 2 of a sine; (n, n + signals).
+[[nodiscard]] Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s,
+                                         Eigen::Index signals = 2);
 
 /// The same in long double, for steps so long that eps |G| h counts.
-[[nodiscard]] LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s);
+[[nodiscard]] LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s,
+                                        Eigen::Index signals = 2);
 
 /// DriveAt at equal times start_s + i / rate_hz, cheaper where they are asked for one after the
 /// other: each from the phase of the 32nd sample before it at most and a turn that is kept. What

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <numeric>
 
-#include "sim/driven_step.h"
 #include "sim/matrix_exponential.h"
 #include "sim/scene_mode.h"
 
@@ -52,6 +51,19 @@ std::vector<Eigen::MatrixXd> Integrals(const Eigen::MatrixXd& generator,
   return forms;
 }
 
+// what comes in from outside, v i and the finger's part, of [x, u]; made symmetric
+Eigen::MatrixXd InputForm(const Mode& mode) {
+  const Eigen::Index n = mode.a.rows(), m = n + kInputs;
+  Eigen::RowVectorXd current = Eigen::RowVectorXd::Zero(m);
+  current.head(n) = mode.current_row;
+  current(n + kVoltage) = mode.current_per_volt;
+  Eigen::MatrixXd half = Eigen::RowVectorXd::Unit(m, n + kVoltage).transpose() * current / 2;
+  if (mode.finger_force_row.size() > 0) {
+    half -= Eigen::RowVectorXd::Unit(m, n + kFingerRate).transpose() * mode.finger_force_row / 2;
+  }
+  return half + half.transpose();
+}
+
 }  // namespace
 
 double EnergyLedger::Imbalance() const {
@@ -62,29 +74,24 @@ double EnergyLedger::Imbalance() const {
 }
 
 StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& squared_rows,
-                      const Eigen::MatrixXd& generator, const SineDrive& drive, double h_s) {
-  const Eigen::Index n = mode.a.rows();
+                      const Eigen::MatrixXd& generator, const Eigen::MatrixXd& input_rows,
+                      double h_s) {
+  const Eigen::Index n = mode.a.rows(), m = input_rows.cols();
   // [x, u] = from z
-  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n + kInputs, n + 2);
+  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(n + kInputs, n + m);
   from.topLeftCorner(n, n).setIdentity();
-  from.bottomRows(kInputs) = InputRows(drive, n);
+  from.bottomRightCorner(kInputs, m) = input_rows;
+  const auto in_z = [&](const Eigen::MatrixXd& form) {
+    return FormIn(form, from.topRows(form.rows()));
+  };
 
-  // v i, made symmetric
-  const Eigen::RowVectorXd voltage = from.row(n + kVoltage);
-  const Eigen::RowVectorXd current =
-      mode.current_row * from.topRows(n) + mode.current_per_volt * voltage;
-  const Eigen::MatrixXd half = voltage.transpose() * current / 2;
-  std::vector<Eigen::MatrixXd> forms{half + half.transpose()};
+  std::vector<Eigen::MatrixXd> forms{in_z(InputForm(mode))};
   forms.reserve(1 + mode.dissipating.size() + squared_rows.size());
-  for (const Eigen::MatrixXd& power : mode.dissipating) {
-    forms.push_back(power.size() > 0 ? FormIn(power, from.topRows(power.rows())) : power);
-  }
+  for (const Eigen::MatrixXd& power : mode.dissipating) forms.push_back(in_z(power));
   for (const Eigen::RowVectorXd& positions_row : squared_rows) {
     const Eigen::RowVectorXd row =
         mode.positions.size() > 0 ? (positions_row * mode.positions).eval() : positions_row;
-    Eigen::MatrixXd form = Eigen::MatrixXd::Zero(n + 2, n + 2);
-    form.topLeftCorner(n, n) = row.transpose() * row;
-    forms.push_back(form);
+    forms.push_back(in_z(row.transpose() * row));
   }
   forms = Integrals(generator, std::move(forms), h_s);
   StepEnergy energy{.input_j = forms.front()};

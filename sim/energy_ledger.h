@@ -22,9 +22,9 @@ struct EnergyLedger {
   [[nodiscard]] double Imbalance() const;
 };
 
-/// Integrals over a step h as quadratic forms of z = [x, sin w t, cos w t] at its beginning.
+/// Integrals over a step h as quadratic forms of z = [x, w] (excitation.h) at its beginning.
 struct StepEnergy {
-  Eigen::MatrixXd input_j;                      ///< (n + 2, n + 2)
+  Eigen::MatrixXd input_j;                      ///< (n + m, n + m)
   std::vector<Eigen::MatrixXd> dissipated_j{};  ///< the same; (0, 0) where an element rests
   std::vector<Eigen::MatrixXd> squares{};       ///< of the system's squared_rows, times s
 };
@@ -37,7 +37,7 @@ struct StepEnergy {
 /// sign and lose no digits. Cost: a doubling per factor of two in |G| h, 10 to 100 us.
 [[nodiscard]] StepEnergy EnergyOver(const Mode& mode,
                                     const std::vector<Eigen::RowVectorXd>& squared_rows,
-                                    const Eigen::MatrixXd& generator, const SineDrive& drive,
-                                    double h_s);
+                                    const Eigen::MatrixXd& generator,
+                                    const Eigen::MatrixXd& input_rows, double h_s);
 
 }  // namespace haptometer::sim

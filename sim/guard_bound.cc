@@ -16,25 +16,6 @@ double BalancedNorm(const Eigen::MatrixXd& generator) {
   return Balance(generator).matrix.cwiseAbs().colwise().sum().maxCoeff();
 }
 
-// The largest entries of |rows exp(G s)| over s in [0, horizon], the drive's pair by its amplitude.
-Eigen::MatrixXd LargestOver(const Eigen::MatrixXd& generator, Eigen::MatrixXd rows,
-                            double horizon_s) {
-  const auto points = static_cast<int>(std::clamp(
-      std::ceil(horizon_s * BalancedNorm(generator) / kSpacingTimesNorm), 1.0, 2 * kMostPoints));
-  const double spacing_s = horizon_s / points;
-  const Eigen::MatrixXd step = MatrixExponential(generator * spacing_s);
-  Eigen::MatrixXd largest = rows.cwiseAbs();
-  Eigen::VectorXd amplitude = rows.rightCols(2).rowwise().norm();
-  for (int point = 1; point < points; ++point) {
-    rows = (rows * step).eval();
-    largest = largest.cwiseMax(rows.cwiseAbs());
-    amplitude = amplitude.cwiseMax(rows.rightCols(2).rowwise().norm());
-  }
-  // the pair's amplitude serves both of its entries, which a turn mixes
-  largest.rightCols(2) = amplitude.replicate(1, 2);
-  return (1 + std::ldexp(1.0, -20)) * largest * MatrixExponential(generator.cwiseAbs() * spacing_s);
-}
-
 }  // namespace
 
 GuardVerdict Judge(const GuardJet& begin, const GuardJet& end, const GuardBounds& bounds,
@@ -61,41 +42,64 @@ double GuardBound::LongestHorizon(const Eigen::MatrixXd& generator) {
 }
 
 GuardBound::GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorXd& row,
-                       double offset, double horizon_s)
+                       double offset, const ExcitationShape& shape, double horizon_s)
     : generator_(generator),
+      pairs_(shape.pairs),
       horizon_s_(horizon_s),
       row_(row.transpose()),
       offset_(offset),
+      feeds_(!row_.tail(shape.generator.rows()).isZero(0)),
       derivatives_(4, generator.rows()) {
-  const Eigen::Index n = row.size() - 2;
+  const Eigen::Index n = generator.rows() - shape.generator.rows();
+  for (Eigen::Index& pair : pairs_) pair += n;
   derivatives_.row(0) = row;
   for (Eigen::Index k = 1; k < 4; ++k) derivatives_.row(k) = derivatives_.row(k - 1) * generator;
-  const Eigen::MatrixXd largest = LargestOver(generator, derivatives_.row(2), horizon_s);
-  second_bound_ = largest.leftCols(n).transpose();
-  drive_bounds_[0] = largest.rightCols(2).norm();
+  second_bound_ = LargestOver(derivatives_.row(2)).transpose();
 }
 
-GuardJet GuardBound::Jet(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const {
-  const Eigen::Index n = x.size();
+// The largest entries of |rows exp(G s)| over s in [0, horizon], pairs by their magnitude.
+Eigen::MatrixXd GuardBound::LargestOver(Eigen::MatrixXd rows) const {
+  const auto points = static_cast<int>(std::clamp(
+      std::ceil(horizon_s_ * BalancedNorm(generator_) / kSpacingTimesNorm), 1.0, 2 * kMostPoints));
+  const double spacing_s = horizon_s_ / points;
+  const Eigen::MatrixXd step = MatrixExponential(generator_ * spacing_s);
+  Eigen::MatrixXd largest = Eigen::MatrixXd::Zero(rows.rows(), rows.cols());
+  for (int point = 0; point < points; ++point) {
+    if (point > 0) rows = (rows * step).eval();
+    Eigen::MatrixXd sizes = rows.cwiseAbs();
+    // a pair's magnitude serves both of its entries, which a turn mixes
+    for (const Eigen::Index pair : pairs_) {
+      sizes.middleCols(pair, 2) = rows.middleCols(pair, 2).rowwise().norm().replicate(1, 2);
+    }
+    largest = largest.cwiseMax(sizes);
+  }
+  largest =
+      (1 + std::ldexp(1.0, -20)) * largest * MatrixExponential(generator_.cwiseAbs() * spacing_s);
+  for (const Eigen::Index pair : pairs_) {
+    largest.col(pair) = largest.middleCols(pair, 2).rowwise().norm().eval();
+  }
+  return largest;
+}
+
+GuardJet GuardBound::Jet(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const {
   GuardJet jet{};
-  const Eigen::Vector4d values = derivatives_.leftCols(n) * x + derivatives_.rightCols(2) * drive;
+  const Eigen::Vector4d values =
+      derivatives_.leftCols(x.size()) * x + derivatives_.rightCols(w.size()) * w;
   Eigen::Vector4d::Map(jet.data()) = values;
   // the value as Value() rounds it, so that all decisions see one number
-  jet[0] = Value(x, drive);
+  jet[0] = Value(x, w);
   return jet;
 }
 
-GuardBounds GuardBound::Bounds(const Eigen::VectorXd& x) {
+GuardBounds GuardBound::Bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& largest) {
   if (higher_bounds_.size() == 0) {
     Eigen::MatrixXd higher(2, generator_.rows());
     higher << derivatives_.row(3), derivatives_.row(3) * generator_;
-    const Eigen::MatrixXd largest = LargestOver(generator_, higher, horizon_s_);
-    higher_bounds_ = largest.leftCols(x.size());
-    drive_bounds_[1] = largest.row(0).tail(2).norm();
-    drive_bounds_[2] = largest.row(1).tail(2).norm();
+    higher_bounds_ = LargestOver(higher);
   }
-  const Eigen::Vector2d higher = higher_bounds_ * x.cwiseAbs();
-  return {SecondBound(x), higher(0) + drive_bounds_[1], higher(1) + drive_bounds_[2]};
+  const Eigen::Vector2d higher = higher_bounds_.leftCols(x.size()) * x.cwiseAbs() +
+                                 higher_bounds_.rightCols(largest.size()) * largest;
+  return {SecondBound(x, largest), higher(0), higher(1)};
 }
 
 double GuardBound::Noise(const Eigen::VectorXd& x) const {

@@ -3,6 +3,9 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <vector>
+
+#include "sim/excitation.h"
 
 namespace haptometer::sim {
 
@@ -36,44 +39,50 @@ using GuardBounds = std::array<double, 3>;
 [[nodiscard]] GuardVerdict Judge(const GuardJet& begin, const GuardJet& end,
                                  const GuardBounds& bounds, double h_s);
 
-/// A guard g = row x + offset of z' = G z, z = [x, sin w t, cos w t], with its derivatives
+/// A guard g = row z + offset of z' = G z, z = [x, w] (excitation.h), with its derivatives
 /// g^(k) = row G^k z and bounds of them over any interval up to a horizon.
 ///
 /// |row G^k exp(G s) z| <= beta_k |z| with beta_k >= |row G^k exp(G s)| entry by entry for all s in
 /// [0, horizon]: the largest values on a grid of spacing r, 4 r |G|_1 <= 1 (balanced), times
 /// exp(|G| r), which covers what lies between (|y exp(G r)| <= |y| exp(|G| r)), times 1 + 2^-20 for
-/// rounding. The drive enters by its amplitude, so that the bound holds at any phase.
+/// rounding. Sines enter by their amplitudes, so that the bound holds at any phase.
 class GuardBound {
  public:
   /// The longest horizon that set-up covers with 256 points of the grid: 64 / |G|_1, balanced.
   [[nodiscard]] static double LongestHorizon(const Eigen::MatrixXd& generator);
 
-  /// `row` has the entries of z. Cost: horizon |G|_1 / 16 us or so.
+  /// `row` has the entries of z, the last of which are the `pairs`' (ExcitationShape). Cost:
+  /// horizon |G|_1 / 16 us or so.
   GuardBound(const Eigen::MatrixXd& generator, const Eigen::RowVectorXd& row, double offset,
-             double horizon_s);
+             const ExcitationShape& shape, double horizon_s);
 
-  [[nodiscard]] double Value(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const {
-    return row_.head(x.size()).dot(x) + row_.tail<2>().dot(drive) + offset_;
+  [[nodiscard]] double Value(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const {
+    const double value = row_.head(x.size()).dot(x) + offset_;
+    return feeds_ ? value + row_.tail(w.size()).dot(w) : value;
   }
-  [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::Vector2d& drive) const;
-  /// M2 alone, from the state at the interval's beginning.
-  [[nodiscard]] double SecondBound(const Eigen::VectorXd& x) const {
-    return second_bound_.dot(x.cwiseAbs()) + drive_bounds_[0];
+  [[nodiscard]] GuardJet Jet(const Eigen::VectorXd& x, const Eigen::VectorXd& w) const;
+  /// M2 alone, from the state at the interval's beginning and LargestSignals.
+  [[nodiscard]] double SecondBound(const Eigen::VectorXd& x, const Eigen::VectorXd& largest) const {
+    return second_bound_.head(x.size()).dot(x.cwiseAbs()) +
+           second_bound_.tail(largest.size()).dot(largest);
   }
   /// All three. M3 and M4 are set up when first asked for.
-  [[nodiscard]] GuardBounds Bounds(const Eigen::VectorXd& x);
+  [[nodiscard]] GuardBounds Bounds(const Eigen::VectorXd& x, const Eigen::VectorXd& largest);
   /// What rounding may make of a value that is zero: 2^-44 of the sum's terms in x.
   [[nodiscard]] double Noise(const Eigen::VectorXd& x) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXd LargestOver(Eigen::MatrixXd rows) const;
+
   Eigen::MatrixXd generator_;
+  std::vector<Eigen::Index> pairs_;  // of z
   double horizon_s_;
-  Eigen::VectorXd row_;  // (n + 2)
+  Eigen::VectorXd row_;  // (n + m)
   double offset_;
-  Eigen::MatrixXd derivatives_;           // (4, n + 2): row G^k
-  Eigen::VectorXd second_bound_;          // (n): beta_2
-  Eigen::MatrixXd higher_bounds_;         // (2, n): beta_3, beta_4; empty until asked for
-  std::array<double, 3> drive_bounds_{};  // what the drive adds to each
+  bool feeds_;                     // w counts in the value itself
+  Eigen::MatrixXd derivatives_;    // (4, n + m): row G^k
+  Eigen::VectorXd second_bound_;   // (n + m): beta_2; of a pair in its first
+  Eigen::MatrixXd higher_bounds_;  // (2, n + m): beta_3, beta_4; empty until asked for
 };
 
 }  // namespace haptometer::sim

@@ -51,6 +51,11 @@ void FillCoil(const Actuator& actuator, double Mc1, LinearModel& model) {
 
 LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>& adapter,
                           const Skin& skin) {
+  return AssembleModel(actuator, adapter, skin, Grip{});
+}
+
+LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>& adapter,
+                          const Skin& skin, const Grip& grip) {
   CheckActuator(actuator);
   const Eigen::Index n = (adapter ? 6 : 4) + (actuator.inductance_h > 0 ? 1 : 0);
   LinearModel model{.a = Eigen::MatrixXd::Zero(n, n),
@@ -59,6 +64,8 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
   const double Mc1 = actuator.case_mass_kg + (adapter ? adapter->motor_side_mass_kg : 0);
   const double Ks = skin.stiffness_n_per_m, Bs = skin.damping_n_s_per_m;
   FillMotor(actuator, Mc1, model.a);
+  model.a(3, 2) -= grip.stiffness_n_per_m / Mc1;
+  model.a(3, 3) -= grip.damping_n_s_per_m / Mc1;
 
   if (!adapter) {
     // the case itself on the skin
@@ -81,7 +88,9 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
 }
 
 LinearModel AssembleModel(const Scene& scene) {
-  return AssembleModel(scene.actuator, scene.adapter, scene.skin);
+  Actuator actuator = scene.actuator;
+  actuator.resistance_ohm += scene.drive.source_resistance_ohm;
+  return AssembleModel(actuator, scene.adapter, scene.skin, scene.grip);
 }
 
 Eigen::Index StateOf(const LinearModel& model, SensorTarget target) {

@@ -44,7 +44,12 @@ struct LinearModel {
 [[nodiscard]] LinearModel AssembleModel(const Actuator& actuator,
                                         const std::optional<Adapter>& adapter, const Skin& skin);
 
-/// The same of a scene's bodies.
+/// The same with the case held by a grip.
+[[nodiscard]] LinearModel AssembleModel(const Actuator& actuator,
+                                        const std::optional<Adapter>& adapter, const Skin& skin,
+                                        const Grip& grip);
+
+/// The same of a scene's bodies, the source's resistance added to the coil's.
 [[nodiscard]] LinearModel AssembleModel(const Scene& scene);
 
 /// The state that the sensor's target is.

@@ -17,13 +17,13 @@ std::size_t PlaceOf(int level) {
 }  // namespace
 
 ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
-                         const SineDrive& drive, double rate_hz)
+                         const ExcitationShape& shape, double rate_hz)
     : system_(&system),
       mode_(&mode),
-      drive_(&drive),
+      shape_(&shape),
       rate_hz_(rate_hz),
       step_s_(1 / rate_hz),
-      generator_(DrivenGenerator(mode.a, mode.b, drive)) {
+      generator_(DrivenGenerator(mode.a, mode.Inputs(), shape)) {
   if (mode.guards.empty()) return;
   const double longest_s = GuardBound::LongestHorizon(generator_);
   while (coarsest_level_ < kFinestLevel && std::ldexp(step_s_, -coarsest_level_) > longest_s) {
@@ -33,7 +33,8 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
 
 const Eigen::MatrixXd& ModeStepper::Step(int level) {
   Eigen::MatrixXd& step = steps_[PlaceOf(level)];
-  if (step.size() == 0) step = DrivenStep(generator_, std::ldexp(step_s_, -level));
+  if (step.size() == 0)
+    step = DrivenStep(generator_, std::ldexp(step_s_, -level), shape_->generator.rows());
   return step;
 }
 
@@ -41,7 +42,8 @@ const LongMatrix& ModeStepper::LongStep(std::size_t power) {
   LongMatrix& step = long_steps_[power];
   if (step.size() == 0) {
     const long double outputs = std::ldexp(1.0L, static_cast<int>(power));
-    step = LongDrivenStep(generator_, outputs / static_cast<long double>(rate_hz_));
+    step = LongDrivenStep(generator_, outputs / static_cast<long double>(rate_hz_),
+                          shape_->generator.rows());
   }
   return step;
 }
@@ -49,8 +51,8 @@ const LongMatrix& ModeStepper::LongStep(std::size_t power) {
 const StepEnergy& ModeStepper::Energy(int level) {
   StepEnergy& energy = energies_[PlaceOf(level)];
   if (energy.input_j.size() == 0) {
-    energy =
-        EnergyOver(*mode_, system_->squared_rows, generator_, *drive_, std::ldexp(step_s_, -level));
+    energy = EnergyOver(*mode_, system_->squared_rows, generator_, shape_->rows,
+                        std::ldexp(step_s_, -level));
   }
   return energy;
 }
@@ -60,10 +62,12 @@ std::vector<GuardBound>& ModeStepper::Guards() {
   guards_.reserve(mode_->guards.size());
   const Eigen::Index n = mode_->a.rows();
   for (const Guard& guard : mode_->guards) {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n + 2);
-    if (guard.feed.size() > 0) row = guard.feed * InputRows(*drive_, n);
+    const Eigen::Index m = shape_->generator.rows();
+    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n + m);
     row.head(n) = guard.row;
-    guards_.emplace_back(generator_, row, guard.offset, std::ldexp(step_s_, -coarsest_level_));
+    if (guard.feed.size() > 0) row.tail(m) = guard.feed * shape_->rows;
+    guards_.emplace_back(generator_, row, guard.offset, *shape_,
+                         std::ldexp(step_s_, -coarsest_level_));
   }
   return guards_;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/energy_ledger.h"
+#include "sim/excitation.h"
 #include "sim/guard_bound.h"
 #include "sim/matrix_exponential.h"
 #include "sim/piecewise_linear.h"
@@ -20,12 +21,12 @@ inline constexpr std::uint64_t kTicks = std::uint64_t{1} << kFinestLevel;
 /// Long steps reach over 2^40 outputs.
 inline constexpr std::size_t kLongPowers = 41;
 
-/// The matrices of one mode, each made when first asked for, so that a mode that is never entered
-/// costs nothing. Not for sharing between threads.
+/// The matrices of one mode under one shape of excitation, each made when first asked for, so that
+/// a mode that is never entered costs nothing. Not for sharing between threads.
 class ModeStepper {
  public:
-  /// Outputs come at rate_hz; system and drive must outlive this.
-  ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode, const SineDrive& drive,
+  /// Outputs come at rate_hz; system and shape must outlive this.
+  ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode, const ExcitationShape& shape,
               double rate_hz);
 
   [[nodiscard]] const Mode& mode() const { return *mode_; }
@@ -44,7 +45,7 @@ class ModeStepper {
   static constexpr std::size_t kLevels = kFinestLevel + 1;
   const PiecewiseLinearSystem* system_;
   const Mode* mode_;
-  const SineDrive* drive_;
+  const ExcitationShape* shape_;
   double rate_hz_;
   double step_s_;
   Eigen::MatrixXd generator_;

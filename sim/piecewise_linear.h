@@ -34,9 +34,12 @@ struct Transition {
   std::optional<Bounce> bounce{};
 };
 
-/// What acts from outside, u = [v]: the terminal voltage.
+/// What acts from outside, u = [v, xg, vg]: the terminal voltage, the position of the finger under
+/// the skin and its rate.
 inline constexpr Eigen::Index kVoltage = 0;
-inline constexpr Eigen::Index kInputs = 1;
+inline constexpr Eigen::Index kFinger = 1;
+inline constexpr Eigen::Index kFingerRate = 2;
+inline constexpr Eigen::Index kInputs = 3;
 
 /// A mode holds while row x + feed u + offset >= 0, a gap or a contact force.
 struct Guard {
@@ -46,7 +49,7 @@ struct Guard {
   Eigen::RowVectorXd feed{};  ///< (kInputs); empty: none
 };
 
-/// x' = A x + b v with the drive's voltage v; a constant force is a state that stays 1.
+/// x' = A x + b v + finger [xg, vg]; a constant force is a state that stays 1.
 ///
 /// Modes may have coordinates of their own (and their own n): a stiff contact is described by its
 /// penetration, not by the difference of two positions.
@@ -56,13 +59,26 @@ struct Mode {
   Eigen::VectorXd b;          ///< (n)
   Eigen::MatrixXd positions;  ///< (outputs, n): what is handed out; empty: x itself
   std::vector<Guard> guards{};
-  Eigen::MatrixXd stored_j;  ///< (n, n) symmetric: stored energy x' S x in J
+  /// (n, n) symmetric: stored energy x' S x in J; or of [x, u], as below.
+  Eigen::MatrixXd stored_j;
   /// (n): the current in A is current_row x + current_per_volt v, and v times it the power in
   Eigen::RowVectorXd current_row;
   double current_per_volt = 0;
+  Eigen::MatrixXd finger{};  ///< (n, 2), or empty: the finger's motion reaches nothing
+  /// (n + kInputs) of [x, u]: the force that the skin's foot feels, so that -vg times it is the
+  /// power that the finger's motion puts in; empty: none.
+  Eigen::RowVectorXd finger_force_row{};
   /// For each of the system's dissipating elements, the power x' D x in W: (n, n) symmetric, or
   /// empty where it rests. (n + kInputs, n + kInputs): of [x, u] in place of x.
   std::vector<Eigen::MatrixXd> dissipating{};
+
+  /// (n, kInputs): what u does to x'.
+  [[nodiscard]] Eigen::MatrixXd Inputs() const {
+    Eigen::MatrixXd inputs = Eigen::MatrixXd::Zero(a.rows(), kInputs);
+    inputs.col(kVoltage) = b;
+    if (finger.size() > 0) inputs.rightCols(2) = finger;
+    return inputs;
+  }
 };
 
 /// Linear motions that follow each other: the exact model of play, stops and breaking contact.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -29,32 +30,95 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
 
 }  // namespace
 
-PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive,
+PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excitation,
                                  PiecewiseStart start, const OutputGrid& grid, bool with_energy)
     : system_(std::move(system)),
-      drive_(drive),
+      excitation_(std::move(excitation)),
       rate_hz_(grid.rate_hz),
       origin_s_(static_cast<long double>(grid.origin_s)),
       with_energy_(with_energy),
-      outputs_drive_(drive.frequency_hz, grid.origin_s, grid.rate_hz),
       mode_(start.mode),
-      now_{.x = std::move(start.x), .drive = DriveAt(drive.frequency_hz, 0)},
+      now_{.x = std::move(start.x), .drive = {}},
       anchor_(now_.x) {
   HAPTOMETER_CHECK(rate_hz_ > 0 && mode_ < system_.modes.size(), "{} Hz, mode {}", rate_hz_, mode_);
   const double passed = -grid.origin_s * rate_hz_;  // of the first output step
   HAPTOMETER_CHECK(passed >= 0 && passed < 1, "origin {} s at {} Hz", grid.origin_s, rate_hz_);
   now_.tick = static_cast<std::uint64_t>(std::ldexp(passed, kFinestLevel));
   HAPTOMETER_CHECK(now_.x.size() == system_.modes[mode_].a.rows(), "{} states", now_.x.size());
-  for (const Mode& mode : system_.modes) steppers_.emplace_back(system_, mode, drive_, rate_hz_);
+  BeginPiece(0);
   if (!with_energy_) return;
   flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
   flow_.squares.assign(system_.squared_rows.size(), 0);
   initial_j_ = StoredNow();
 }
 
+// Where its pieces differ only in numbers the matrices stay.
+std::size_t PiecewiseMotion::PlaceOfShape() {
+  const auto found = std::ranges::find_if(
+      shapes_, [&](const Shape& shape) { return SameShape(shape.first, piece_); });
+  if (found != shapes_.end()) return static_cast<std::size_t>(found - shapes_.begin());
+  Shape& shape = shapes_.emplace_back();
+  shape.first = piece_;
+  shape.shape = ShapeOf(piece_);
+  for (const Mode& mode : system_.modes) {
+    shape.steppers.emplace_back(system_, mode, shape.shape, rate_hz_);
+  }
+  return shapes_.size() - 1;
+}
+
+// At now_, whose state stays.
+void PiecewiseMotion::BeginPiece(std::size_t place) {
+  place_ = place;
+  piece_ = excitation_.Piece(place);
+  active_ = PlaceOfShape();
+  largest_signals_ = LargestSignals(piece_);
+  FillSignals(piece_, std::max(TimeAt(now_.tick), piece_.begin_s), now_.drive);
+  SetSequences();
+  if (place + 1 == excitation_.size()) {
+    piece_end_index_ = std::numeric_limits<std::uint64_t>::max();
+    return;
+  }
+  const long double outputs = (piece_.end_s - origin_s_) * static_cast<long double>(rate_hz_);
+  // a double's rounding of the time apart, it is an output
+  const long double nearest = std::round(outputs);
+  const bool at_output = std::abs(outputs - nearest) <= 0x1p-50L * std::max(outputs, 1.0L);
+  const long double whole = at_output ? nearest : std::floor(outputs);
+  const long double part = std::ldexp(outputs - whole, kFinestLevel);
+  piece_end_index_ = static_cast<std::uint64_t>(whole);
+  piece_end_tick_ = at_output ? 0 : static_cast<std::uint64_t>(std::round(part));
+  if (piece_end_tick_ > 0 || piece_end_index_ == 0) return;
+  // an output ends the step before it
+  --piece_end_index_;
+  piece_end_tick_ = kTicks;
+}
+
+void PiecewiseMotion::SetSequences() {
+  constexpr long double kWorthIt = 64;
+  sequences_.clear();
+  if ((piece_.end_s - piece_.begin_s) * static_cast<long double>(rate_hz_) < kWorthIt) return;
+  for (const ExcitationTerm& term : piece_.terms) {
+    if (term.kind == ExcitationTerm::Kind::kPolynomial) continue;
+    sequences_.emplace_back(term.frequency_hz, static_cast<double>(origin_s_) - term.origin_s,
+                            rate_hz_);
+  }
+}
+
+void PiecewiseMotion::SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w) {
+  const bool plain = piece_.terms.size() == 1 && sequences_.size() == 1 &&
+                     piece_.terms[0].kind == ExcitationTerm::Kind::kTone &&
+                     piece_.terms[0].phase_rad == 0;
+  if (plain) {
+    w = sequences_[0].At(output);
+    return;
+  }
+  const long double outputs = static_cast<long double>(output);
+  FillSignals(piece_, origin_s_ + outputs / static_cast<long double>(rate_hz_), w);
+}
+
 void PiecewiseMotion::Next() {
   if (stalled_at_s_) return;
-  const bool may_clear = !departure_ && now_.tick == 0 && Stepper().CoarsestLevel() == 0;
+  const bool may_clear =
+      !departure_ && now_.tick == 0 && Stepper().CoarsestLevel() == 0 && !PieceEndsWithin();
   if (may_clear) Step(now_, 0, next_);
   if (may_clear && ClearAtOnce(next_)) {
     if (with_energy_) CountEnergy(now_, 0);
@@ -73,18 +137,24 @@ bool PiecewiseMotion::ClearAtOnce(const Point& end) {
   const double h_s = 1 / rate_hz_;
   return std::ranges::all_of(Stepper().Guards(), [&](const GuardBound& guard) {
     const double least = std::min(guard.Value(now_.x, now_.drive), guard.Value(end.x, end.drive));
-    return least > guard.SecondBound(now_.x) * h_s * h_s / 8;
+    return least > guard.SecondBound(now_.x, largest_signals_) * h_s * h_s / 8;
   });
 }
 
-// An output step in intervals that can be judged.
+// An output step in intervals that can be judged, none of them across the end of a piece.
 void PiecewiseMotion::Play() {
   const Point begin = now_;
   const Flow before = flow_;
-  const std::size_t events_before = events_.size();
+  const std::size_t events_before = events_.size(), place = place_;
   int level = Stepper().CoarsestLevel();
   while (now_.tick < kTicks && !stalled_at_s_) {
-    const std::uint64_t ticks = std::min(kTicks - now_.tick, kTicks >> level);
+    if (PieceEndsWithin() && now_.tick >= piece_end_tick_) {
+      BeginPiece(place_ + 1);
+      level = Stepper().CoarsestLevel();
+      continue;
+    }
+    const std::uint64_t end_tick = PieceEndsWithin() ? piece_end_tick_ : kTicks;
+    const std::uint64_t ticks = std::min(end_tick - now_.tick, kTicks >> level);
     const Point end = Travelled(now_, ticks, false);
     const Ahead ahead = LookAhead(end, ticks);
     if (!ahead.known) {
@@ -100,15 +170,28 @@ void PiecewiseMotion::Play() {
       level = std::max(level - 1, Stepper().CoarsestLevel());
     }
   }
-  if (events_.size() > events_before || begin.tick > 0) {
-    anchor_ = now_.x;
-    anchor_index_ = index_ + 1;
-    return;
+  const bool whole = begin.tick == 0 && place_ == place && !PieceEndsWithin();
+  if (events_.size() == events_before) {
+    // nothing happened: the same bits as if nobody had looked
+    flow_ = before;
+    now_ = begin;
+    if (place_ != place) BeginPiece(place);
+    Pass();
   }
-  // nothing happened: the same bits as if nobody had looked
-  flow_ = before;
-  if (with_energy_) CountEnergy(begin, 0);
-  Step(begin, 0, now_);
+  if (events_.size() == events_before && whole) return;
+  anchor_ = now_.x;
+  anchor_index_ = index_ + 1;
+}
+
+// An output step without looking at guards.
+void PiecewiseMotion::Pass() {
+  while (PieceEndsWithin()) {
+    if (now_.tick < piece_end_tick_) {
+      now_ = Travelled(now_, piece_end_tick_ - now_.tick, with_energy_);
+    }
+    BeginPiece(place_ + 1);
+  }
+  now_ = Travelled(now_, kTicks - now_.tick, with_energy_);
 }
 
 long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
@@ -121,11 +204,18 @@ long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
 void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
   const Eigen::Index n = from.x.size();
   to.tick = from.tick + (kTicks >> level);
-  to.drive = to.tick == kTicks ? outputs_drive_.At(index_ + 1)
-                               : DriveAt(drive_.frequency_hz, TimeAt(to.tick));
-  // the order of UniformMotion, for the sake of equal bits
+  if (to.tick == kTicks) {
+    SignalsAtOutput(index_ + 1, to.drive);
+  } else {
+    FillSignals(piece_, TimeAt(to.tick), to.drive);
+  }
   const Eigen::MatrixXd& step = Stepper().Step(level);
-  to.x.noalias() = step.col(n) * to.drive[0] + step.col(n + 1) * to.drive[1];
+  if (to.drive.size() == 2) {
+    // the order of UniformMotion, for the sake of equal bits
+    to.x.noalias() = step.col(n) * to.drive[0] + step.col(n + 1) * to.drive[1];
+  } else {
+    to.x.noalias() = step.rightCols(to.drive.size()) * to.drive;
+  }
   for (Eigen::Index k = 0; k < n; ++k) to.x.noalias() += step.col(k) * from.x[k];
 }
 
@@ -144,7 +234,7 @@ PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t tick
 
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {
   const StepEnergy& energy = Stepper().Energy(level);
-  Eigen::VectorXd z(from.x.size() + 2);
+  Eigen::VectorXd z(from.x.size() + from.drive.size());
   z << from.x, from.drive;
   flow_.input_j += static_cast<long double>(Quadratic(energy.input_j, z));
   for (std::size_t k = 0; k < energy.dissipated_j.size(); ++k) {
@@ -192,7 +282,7 @@ std::optional<std::uint64_t> PiecewiseMotion::FallOf(std::size_t guard, const Po
   const GuardJet end_jet = bound.Jet(end.x, end.drive);
   const double h_s = std::ldexp(static_cast<double>(ticks), -kFinestLevel) / rate_hz_;
   const auto above = [&](const Point& point) { return bound.Value(point.x, point.drive) >= 0; };
-  switch (Judge(jet, end_jet, bound.Bounds(now_.x), h_s)) {
+  switch (Judge(jet, end_jet, bound.Bounds(now_.x, largest_signals_), h_s)) {
     case GuardVerdict::kClear:
       return {};
     case GuardVerdict::kCrosses:
@@ -277,8 +367,10 @@ void PiecewiseMotion::Reanchor() {
   if (index_ <= anchor_index_ || (index_ - anchor_index_) % kOutputsBetweenAnchors != 0) return;
   using LongVector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
   const Eigen::Index n = anchor_.size();
-  LongVector z(n + 2);
+  const Eigen::Index m = now_.drive.size();
+  LongVector z(n + m);
   z.head(n) = anchor_.cast<long double>();
+  Eigen::VectorXd signals(m);
   std::uint64_t passed = anchor_index_;
   for (std::size_t power = kLongPowers; power-- > 0;) {
     const std::uint64_t stride = std::uint64_t{1} << power;
@@ -286,7 +378,8 @@ void PiecewiseMotion::Reanchor() {
     passed += stride;
     const long double t_s =
         origin_s_ + static_cast<long double>(passed) / static_cast<long double>(rate_hz_);
-    z.tail(2) = DriveAt(drive_.frequency_hz, t_s).cast<long double>();
+    FillSignals(piece_, t_s, signals);
+    z.tail(m) = signals.cast<long double>();
     z.head(n) = (Stepper().LongStep(power) * z).eval();
   }
   now_.x = z.head(n).cast<double>();
@@ -300,18 +393,22 @@ Eigen::VectorXd PiecewiseMotion::Positions() const {
 
 Eigen::VectorXd PiecewiseMotion::Rates() const {
   const Mode& mode = system_.modes[mode_];
-  const Eigen::VectorXd rates = mode.a * now_.x + mode.b * (drive_.amplitude_v * now_.drive[0]);
+  const Eigen::VectorXd rates = mode.a * now_.x + mode.Inputs() * Inputs();
   if (mode.positions.size() == 0) return rates;
   return mode.positions * rates;
 }
 
 double PiecewiseMotion::CurrentA() const {
   const Mode& mode = system_.modes[mode_];
-  return mode.current_row.dot(now_.x) + mode.current_per_volt * drive_.amplitude_v * now_.drive[0];
+  return mode.current_row.dot(now_.x) + mode.current_per_volt * Inputs()(kVoltage);
 }
 
 double PiecewiseMotion::StoredNow() const {
-  return Quadratic(system_.modes[mode_].stored_j, now_.x);
+  const Eigen::MatrixXd& form = system_.modes[mode_].stored_j;
+  if (form.rows() == now_.x.size()) return Quadratic(form, now_.x);
+  Eigen::VectorXd with_inputs(form.rows());
+  with_inputs << now_.x, Inputs();
+  return Quadratic(form, with_inputs);
 }
 
 EnergyLedger PiecewiseMotion::Ledger() const {

@@ -10,6 +10,7 @@
 
 #include "sim/driven_step.h"
 #include "sim/energy_ledger.h"
+#include "sim/excitation.h"
 #include "sim/mode_stepper.h"
 #include "sim/piecewise_linear.h"
 #include "sim/scene.h"
@@ -37,7 +38,7 @@ struct OutputGrid {
   double origin_s = 0;
 };
 
-/// The motion of a piecewise-linear system under a sine drive: exact within each mode, with its
+/// The motion of a piecewise-linear system under an excitation: exact within each mode, with its
 /// events located, handed out on a grid of equal steps.
 ///
 /// **Between outputs.** An output step without events is one product with one matrix, so guards
@@ -51,6 +52,10 @@ struct OutputGrid {
 /// one minimum; else it is halved. All guards are judged over the same interval before the earliest
 /// event in it is taken, so events cannot change places.
 ///
+/// **The excitation's pieces** begin at known times: an output step is split there, to 2^-50 of it,
+/// or at the output itself where the two agree to rounding. What is shown for the very moment is
+/// the state before the new piece.
+///
 /// **Located** by descent through steps of halves to 2^-50 of an output step, left of the crossing
 /// (a gap is never negative). What remains is rounding of the state: max(1e-12 s, 1e-13 A/|v|), v
 /// the speed of crossing and A the size of the motion; a graze, where v vanishes, is decided by g
@@ -62,12 +67,17 @@ class PiecewiseMotion {
  public:
   /// `with_energy` keeps the ledger: 0.2 us more for a step, and some
   /// ms for each mode in which there are events.
+  PiecewiseMotion(PiecewiseLinearSystem system, Excitation excitation, PiecewiseStart start,
+                  const OutputGrid& grid, bool with_energy = false);
+  /// The same under a sine.
+  PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive, PiecewiseStart start,
+                  const OutputGrid& grid, bool with_energy = false)
+      : PiecewiseMotion(std::move(system), Excitation(drive), std::move(start), grid, with_energy) {
+  }
   PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive, PiecewiseStart start,
                   double rate_hz, bool with_energy = false)
       : PiecewiseMotion(std::move(system), drive, std::move(start), OutputGrid{.rate_hz = rate_hz},
                         with_energy) {}
-  PiecewiseMotion(PiecewiseLinearSystem system, const SineDrive& drive, PiecewiseStart start,
-                  const OutputGrid& grid, bool with_energy = false);
   // steppers refer to the system within
   PiecewiseMotion(const PiecewiseMotion&) = delete;
   PiecewiseMotion& operator=(const PiecewiseMotion&) = delete;
@@ -85,6 +95,8 @@ class PiecewiseMotion {
   [[nodiscard]] Eigen::VectorXd Positions() const;
   /// Their rates by time.
   [[nodiscard]] Eigen::VectorXd Rates() const;
+  /// (kInputs): what acts from outside there.
+  [[nodiscard]] Eigen::VectorXd Inputs() const { return shape().rows * now_.drive; }
   /// The coil's current there, also where it is no state.
   [[nodiscard]] double CurrentA() const;
   [[nodiscard]] const std::vector<Event>& events() const { return events_; }
@@ -99,7 +111,7 @@ class PiecewiseMotion {
  private:
   struct Point {
     Eigen::VectorXd x;
-    Eigen::Vector2d drive;
+    Eigen::VectorXd drive;   // the signals w of the piece
     std::uint64_t tick = 0;  // since the output before
   };
   struct Ahead {
@@ -114,7 +126,20 @@ class PiecewiseMotion {
     std::vector<long double> squares;
   };
 
-  [[nodiscard]] ModeStepper& Stepper() { return steppers_[mode_]; }
+  struct Shape {  // pieces that share their matrices
+    ExcitationPiece first;
+    ExcitationShape shape;
+    std::deque<ModeStepper> steppers;  // one for each mode
+  };
+
+  [[nodiscard]] ModeStepper& Stepper() { return shapes_[active_].steppers[mode_]; }
+  [[nodiscard]] const ExcitationShape& shape() const { return shapes_[active_].shape; }
+  void BeginPiece(std::size_t place);
+  void SetSequences();
+  [[nodiscard]] std::size_t PlaceOfShape();
+  [[nodiscard]] bool PieceEndsWithin() const { return piece_end_index_ == index_; }
+  void SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w);
+  void Pass();
   [[nodiscard]] long double TimeAt(std::uint64_t tick) const;
   void Step(const Point& from, int level, Point& to);  // not in place
   [[nodiscard]] Point Travelled(Point from, std::uint64_t ticks, bool count_energy);
@@ -136,12 +161,17 @@ class PiecewiseMotion {
   [[nodiscard]] double StoredNow() const;
 
   PiecewiseLinearSystem system_;
-  SineDrive drive_;
+  Excitation excitation_;
   double rate_hz_;
   long double origin_s_;
   bool with_energy_;
-  std::deque<ModeStepper> steppers_;  // one for each mode
-  DriveSequence outputs_drive_;
+  std::deque<Shape> shapes_;
+  std::size_t active_ = 0;  // of shapes_
+  std::size_t place_ = 0;   // of the piece
+  ExcitationPiece piece_;
+  Eigen::VectorXd largest_signals_;  // of the piece
+  std::uint64_t piece_end_index_ = 0, piece_end_tick_ = 0;
+  std::vector<DriveSequence> sequences_;  // of the piece's tones; none: asked for one by one
   std::uint64_t index_ = 0;
   std::size_t mode_;
   Point now_;

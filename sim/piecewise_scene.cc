@@ -191,7 +191,8 @@ class Assembly {
     const Eigen::RowVectorXd row = in_contact ? contact_->force_row : contact_->gap_row;
     // the free scene in contact lacks the last state: its guard keeps the base's row
     const bool linear = in_contact && here.stop == 0;
-    AddGuard(here, linear ? row : (row * At(here).from).eval(), transition);
+    AddGuard(here, linear ? row : (row * At(here).from).eval(), transition,
+             in_contact ? contact_->force_feed : contact_->gap_feed);
   }
 
   const Scene& scene_;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "sim/actuator.h"
+#include "sim/drive.h"
 #include "sim/effects.h"
 #include "sim/skin.h"
 #include "trial/sensor_head.h"
@@ -19,12 +20,6 @@ struct Adapter {
   double skin_side_mass_kg = 0;   ///< Ma2 > 0
   double stiffness_n_per_m = 0;   ///< Ka > 0
   double damping_n_s_per_m = 0;   ///< Ba >= 0
-};
-
-/// v(t) = amplitude_v sin(2 pi frequency_hz t), from t = 0 on.
-struct SineDrive {
-  double amplitude_v = 0;
-  double frequency_hz = 0;  ///< > 0
 };
 
 /// What the bodies do at t = 0.
@@ -69,7 +64,7 @@ struct Sensor {
 /// A perfect sensor on the skin: 10 kHz, no averaging, rounding, noise, range or delay.
 [[nodiscard]] Sensor IdealSensor();
 
-/// A scene with a sine drive. Without effects it is linear and contact is bilateral: the skin also
+/// A scene. Without effects it is linear and contact is bilateral: the skin also
 /// pulls. Without an adapter the case itself touches the skin, directly or through a
 /// rigid massless cone; the two differ only in the skin's constants.
 struct Scene {
@@ -77,11 +72,13 @@ struct Scene {
   ActuatorCovariance actuator_covariance{};  ///< how well its numbers are known; 0: exactly
   std::optional<Adapter> adapter;
   Skin skin;
-  SineDrive drive;
+  Drive drive;
   std::optional<double> duration_s;  ///< absent: steady state only
   std::optional<Start> start;        ///< as stated; StartOf() gives the default
   std::optional<Sensor> sensor;
   Effects effects{};
+  Grip grip{};               ///< of the case to ground; 0: free
+  FingerMotion finger{};     ///< no tones: it rests
   double tolerance = 1e-10;  ///< of the quantity: what effects = "auto" may neglect
   AskedQuantity quantity = AskedQuantity::kSkinRms;
 };

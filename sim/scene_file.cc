@@ -13,6 +13,7 @@
 
 #include "base/input_file.h"
 #include "base/toml_table.h"
+#include "sim/drive_file.h"
 #include "sim/effective_scene.h"
 #include "sim/effects_file.h"
 #include "sim/scene_values.h"
@@ -28,12 +29,6 @@ constexpr long long kMostAverages = 65536;
 // what the format knows and this version cannot honour
 void RefuseUnsimulated(TomlTable& table, std::string_view key, std::string what) {
   table.Refuse(key, std::move(what), std::string(kThisVersion));
-}
-
-void RefuseAll(TomlTable& table, std::initializer_list<std::string_view> keys) {
-  for (const std::string_view key : keys) {
-    if (table.Has(key)) RefuseUnsimulated(table, key, "is not simulated yet");
-  }
 }
 
 // where a relative path in the scene leads: beside the scene
@@ -113,15 +108,13 @@ Skin ReadSkin(TomlTable& table) {
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
 }
 
-SineDrive ReadDrive(TomlTable& table) {
-  const auto kind = table.Text("kind");
-  if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
-  if (kind && *kind != "sine") {
-    RefuseUnsimulated(table, "kind", fmt::format("\"{}\" is not simulated yet", *kind));
-    return {};
-  }
-  return {.amplitude_v = NotNegative(table, "amplitude_v", Dimension::kVoltage),
-          .frequency_hz = Positive(table, "frequency_hz", Dimension::kFrequency)};
+// what is answered rests on a sine
+Drive ReadSineDrive(TomlTable& table, const std::string& scene_path) {
+  Drive drive = ReadDrive(table, scene_path);
+  if (drive.kind == DriveKind::kSine) return drive;
+  RefuseUnsimulated(table, "kind",
+                    fmt::format("\"{}\" is not simulated yet", table.Text("kind").value_or("")));
+  return {};
 }
 
 void ReadDemand(TomlTable& table, Scene& scene) {
@@ -252,10 +245,10 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   scene.adapter = ReadAdapter(root->Table("adapter"));
   scene.effects = ReadEffects(*root, skin_table);
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
-  if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table);
+  if (drive_table != nullptr) scene.drive = ReadSineDrive(*drive_table, where);
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
-  RefuseAll(*root, {"mounting"});
+  scene.grip = ReadMounting(root->Table("mounting"));
 
   // a misspelt key explains a missing table, so missing ones are told last
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());

@@ -55,7 +55,9 @@ Mode InCoordinates(const Mode& base, const Eigen::MatrixXd& to, const Eigen::Mat
             .positions = base.positions * from,
             .stored_j = FormIn(base.stored_j, from),
             .current_row = base.current_row * from,
-            .current_per_volt = base.current_per_volt};
+            .current_per_volt = base.current_per_volt,
+            .finger = base.finger.size() > 0 ? (to * base.finger).eval() : base.finger,
+            .finger_force_row = RowIn(base.finger_force_row, from)};
   mode.dissipating.reserve(base.dissipating.size());
   for (const Eigen::MatrixXd& power : base.dissipating) {
     mode.dissipating.push_back(FormIn(power, from));
@@ -123,12 +125,14 @@ StopMode LeavingMode(const TravelStops& stops, const Mode& base, int side) {
 StopMode RestingMode(const Scene& scene, const TravelStops& stops, const Mode& base, int side) {
   StopMode stop = DepthMode(base, StopState::kResting, side, GapOn(stops, side));
   const Eigen::Index n = base.a.rows();
-  // the force that keeps d'' = 0, to which a coil without inductance adds at once
+  // the force that keeps d'' = 0, to which a coil without inductance and a finger under the case
+  // add at once
   const Eigen::RowVectorXd force = stop.mode.a.row(kDepthRate) / InverseMass(scene);
-  const double force_per_volt = stop.mode.b(kDepthRate) / InverseMass(scene);
+  const Eigen::MatrixXd inputs = stop.mode.Inputs();
+  const Eigen::RowVectorXd feed = inputs.row(kDepthRate) / InverseMass(scene);
   const Eigen::VectorXd push = PushColumn(scene, n, side);
   const Eigen::MatrixXd held = stop.mode.a + push * force;
-  const Eigen::VectorXd held_b = stop.mode.b + push * force_per_volt;
+  const Eigen::MatrixXd held_inputs = inputs + push * feed;
 
   // d and d' are zero and leave
   std::vector<Eigen::Index> kept;
@@ -138,10 +142,11 @@ StopMode RestingMode(const Scene& scene, const TravelStops& stops, const Mode& b
   stop.from = stop.from(Eigen::all, kept).eval();
   stop.mode = InCoordinates(base, stop.to, stop.from);
   stop.mode.a = held(kept, kept);
-  stop.mode.b = held_b(kept);
+  stop.mode.b = held_inputs(kept, kVoltage);
+  if (base.finger.size() > 0) stop.mode.finger = held_inputs.rightCols(2)(kept, Eigen::all);
   stop.mode.name = side > 0 ? "resting up" : "resting down";
   stop.guards = {force(kept).eval()};
-  if (force_per_volt != 0) stop.feed = force_per_volt * Eigen::RowVectorXd::Unit(kInputs, kVoltage);
+  if (!feed.isZero(0)) stop.feed = feed;
   return stop;
 }
 

@@ -197,8 +197,9 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
        "[travel_stops]: gap_m: is no more than the 4.9 um that gravity moves the mover; the motion "
        "would begin on the stop"},
       {"[mounting]\nkind = 'grounded'\n",
-       "mounting: is not simulated yet; this version simulates "
-       "a sine drive"}};
+       "[mounting]: kind: \"grounded\" is not known; use one of free, grip"},
+      {"[mounting]\nkind = 'grip'\nstiffness_n_per_m = 100\n",
+       "[mounting]: damping_n_s_per_m: is missing; add it, in N s/m or with a unit"}};
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(WithoutLine(ErrorOf(kCone + text)), "scene.toml: " + message) << text;
   }

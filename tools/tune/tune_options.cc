@@ -96,7 +96,12 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   const auto scene = sim::ReadSceneFile(words.scenes.front());
   if (!scene) return std::unexpected(scene.error());
   question.name = words.scenes.front();
+  if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0) {
+    return CannotAnswer(words.scenes.front(), "holds the case by a grip, which tune does not know",
+                        "set [mounting] kind = \"free\"");
+  }
   question.problem.actuator = scene->actuator;
+  question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;
   question.problem.drive = scene->drive;
   if (words.skin == "scene") question.problem.fixed_skin = scene->skin;
   return {};

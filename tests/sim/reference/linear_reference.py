@@ -149,6 +149,42 @@ class FromRest:
         return mp.sqrt(mp.re(total) / (end - begin))
 
 
+class Burst:
+    """From rest under a burst, mode by mode: c' = l c + beta (a + r tau) e^(j w s), piece by piece."""
+
+    def __init__(self, texts, start, rise, hold, fall):
+        a, b = system(texts)
+        self.rates, self.vectors = mp.eig(a)
+        self.drive = mp.lu_solve(self.vectors, VOLT * b)
+        ends = [mp.mpf(float(start))]
+        for length in (rise, hold, fall):
+            ends.append(ends[-1] + mp.mpf(float(length)))
+        # (begin, end, envelope at begin, its slope)
+        self.pieces = [(ends[0], ends[1], 0, 1 / (ends[1] - ends[0])), (ends[1], ends[2], 1, 0),
+                       (ends[2], ends[3], 1, -1 / (ends[3] - ends[2]))]
+
+    def state(self, t):
+        w = 2 * mp.pi * HERTZ
+        out = []
+        for rate, beta in zip(self.rates, self.drive):
+            total = mp.mpc(0)
+            for sign in (1, -1):
+                # sin = (e^jws - e^-jws) / 2j, s from the burst's begin
+                jw, weight = mp.mpc(0, sign * w), sign / mp.mpc(0, 2)
+                for begin, end, level, slope in self.pieces:
+                    if t <= begin:
+                        continue
+                    end = min(end, t)
+                    q = slope / (jw - rate)
+                    p = (level - q) / (jw - rate)
+                    part = (p + q * (end - begin)) * mp.exp(jw * (end - self.pieces[0][0]))
+                    part = part * mp.exp(rate * (t - end))
+                    part -= p * mp.exp(jw * (begin - self.pieces[0][0]) + rate * (t - begin))
+                    total += weight * beta * part
+            out.append(total)
+        return [mp.re(v) for v in self.vectors * mp.matrix(out)]
+
+
 def moler():
     """C. Moler, "A Balancing Act for the Matrix Exponential", 2012: the matrix of that example."""
     a, b, c, d, e = map(mp.mpf, (2e10, 4e8 / 6, 200 / 3, 3.0, 1e-8))
@@ -251,6 +287,11 @@ def header():
         out += [f"inline constexpr double kAdapterLater{name}[7] = {{", states + "};"]
     out.append("")
     out += hard_cases()
+    out += ["// a burst: begins at 3.1 ms, rises over 7.1 ms, holds for 21.3 ms, falls over 5.1 ms; states",
+            "// every 5 ms up to 50 ms", "inline constexpr double kBurstStates[10][7] = {"]
+    burst = Burst(SCENES["Adapter"], "0.0031", "0.0071", "0.0213", "0.0051")
+    out += ["    {" + rows(burst.state(mp.mpf(k) / 200), 5).lstrip() + "}," for k in range(1, 11)]
+    out += ["};", ""]
 
     out += ["// exp(A h) of the adapter scene, row by row", "struct ExponentialReference {",
             "  double h_s;", "  double entries[49];", "};",

@@ -1,0 +1,176 @@
+#include "sim/drive_file.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "base/input_file.h"
+#include "sim/scene_values.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+constexpr std::string_view kColumn = "voltage_v";
+constexpr double kLargestVoltageV = 1e9;
+
+struct NamedKind {
+  std::string_view name;
+  DriveKind kind;
+};
+constexpr std::array kKinds{
+    NamedKind{"sine", DriveKind::kSine},   NamedKind{"tones", DriveKind::kTones},
+    NamedKind{"burst", DriveKind::kBurst}, NamedKind{"chirp", DriveKind::kChirp},
+    NamedKind{"pulse", DriveKind::kPulse}, NamedKind{"samples", DriveKind::kSamples}};
+
+Tone ReadTone(TomlTable& table, std::string_view amplitude, Dimension dimension) {
+  return {.amplitude = NotNegative(table, amplitude, dimension),
+          .frequency_hz = Positive(table, "frequency_hz", Dimension::kFrequency),
+          .phase_rad = table.Number("phase_rad", Dimension::kNone).value_or(0)};
+}
+
+std::vector<Tone> ReadTones(TomlTable& table, std::string_view amplitude, Dimension dimension) {
+  std::vector<Tone> tones;
+  const std::vector<TomlTable*> parts = table.Tables("tone");
+  tones.reserve(parts.size());
+  for (TomlTable* part : parts) tones.push_back(ReadTone(*part, amplitude, dimension));
+  return tones;
+}
+
+void ReadBurst(TomlTable& table, Drive& drive) {
+  drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
+  drive.rise_s = NotNegativeOr(table, "rise_s", Dimension::kTime, 0);
+  drive.hold_s = NotNegativeOr(table, "hold_s", Dimension::kTime, 0);
+  drive.fall_s = NotNegativeOr(table, "fall_s", Dimension::kTime, 0);
+  if (drive.rise_s + drive.hold_s + drive.fall_s > 0) return;
+  table.Refuse("hold_s", "leaves a burst of no length", "give rise_s, hold_s or fall_s");
+}
+
+void ReadChirp(TomlTable& table, Drive& drive) {
+  drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
+  drive.end_frequency_hz = Positive(table, "end_frequency_hz", Dimension::kFrequency);
+  drive.duration_s = Positive(table, "duration_s", Dimension::kTime);
+  if (!table.Has("hold_tolerance")) return;
+  drive.hold_tolerance = table.Require("hold_tolerance", Dimension::kNone);
+  if (!(drive.hold_tolerance >= 1e-13 && drive.hold_tolerance <= 0.1)) {
+    table.Refuse("hold_tolerance", "is not 1e-13 to 0.1", "it is relative to amplitude_v");
+  }
+}
+
+// a line's number; nothing where it is none
+std::optional<double> NumberIn(std::string_view line) {
+  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
+  const bool whole = error == std::errc{} && end == line.data() + line.size();
+  return whole && std::abs(value) <= kLargestVoltageV ? std::optional(value) : std::nullopt;
+}
+
+// the file's voltages, or what is wrong with it
+Result<std::vector<double>> ReadVoltages(const std::string& path) {
+  const auto text = ReadInputFile(path);
+  if (!text) return std::unexpected(text.error());
+  std::vector<double> voltages_v;
+  std::size_t number = 0;
+  for (std::size_t at = 0; at < text->size(); ++number) {
+    const std::size_t end = std::min(text->find('\n', at), text->size());
+    const std::string_view line = std::string_view(*text).substr(at, end - at);
+    at = end + 1;
+    const std::string where = fmt::format("{}:{}", path, number + 1);
+    if (number == 0) {
+      if (line.starts_with(kColumn) && line.size() <= kColumn.size() + 1) continue;
+      return CannotAnswer(where, fmt::format("is not the column's name {}", kColumn),
+                          "begin the file with it");
+    }
+    const std::optional<double> value = NumberIn(line);
+    if (!value) return CannotAnswer(where, fmt::format("\"{}\" is no voltage", line), "check it");
+    voltages_v.push_back(*value);
+  }
+  if (voltages_v.size() >= 2) return voltages_v;
+  return CannotAnswer(path, "has fewer than two voltages", "give one a line");
+}
+
+void ReadSamples(TomlTable& table, const std::string& scene_path, Drive& drive) {
+  auto samples = std::make_shared<VoltageSamples>();
+  samples->rate_hz = Positive(table, "rate_hz", Dimension::kFrequency);
+  const auto file = table.Text("file");
+  if (!file) {
+    table.Refuse("file", "is missing", "a file of voltages, one a line under voltage_v");
+    return;
+  }
+  const auto path = std::filesystem::path(scene_path).parent_path() / *file;
+  auto voltages_v = ReadVoltages(path.string());
+  if (!voltages_v) {
+    table.Refuse("file", fmt::format("{}: {}", voltages_v.error().where, voltages_v.error().what),
+                 voltages_v.error().remedy);
+    return;
+  }
+  samples->voltages_v = std::move(*voltages_v);
+  drive.samples = std::move(samples);
+}
+
+}  // namespace
+
+Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
+  Drive drive;
+  drive.source_resistance_ohm =
+      NotNegativeOr(table, "source_resistance_ohm", Dimension::kResistance, 0);
+  std::vector<std::string> names;
+  names.reserve(kKinds.size());
+  for (const NamedKind& known : kKinds) names.emplace_back(known.name);
+  if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
+  const auto kind = table.Choice("kind", names);
+  if (table.Has("kind") && !kind) return drive;
+  for (const NamedKind& known : kKinds) {
+    if (known.name == kind) drive.kind = known.kind;
+  }
+  if (drive.kind == DriveKind::kSamples) {
+    ReadSamples(table, scene_path, drive);
+    return drive;
+  }
+  if (drive.kind == DriveKind::kTones) {
+    drive.tones = ReadTones(table, "amplitude_v", Dimension::kVoltage);
+    if (drive.tones.empty()) table.Refuse("tone", "is missing", "give one or more [[drive.tone]]");
+    return drive;
+  }
+  if (drive.kind == DriveKind::kPulse) {
+    drive.amplitude_v = table.Require("amplitude_v", Dimension::kVoltage);
+    drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
+    drive.hold_s = Positive(table, "hold_s", Dimension::kTime);
+    return drive;
+  }
+  drive.amplitude_v = NotNegative(table, "amplitude_v", Dimension::kVoltage);
+  drive.frequency_hz = Positive(table, "frequency_hz", Dimension::kFrequency);
+  if (drive.kind == DriveKind::kBurst) ReadBurst(table, drive);
+  if (drive.kind == DriveKind::kChirp) ReadChirp(table, drive);
+  return drive;
+}
+
+Grip ReadMounting(TomlTable* table) {
+  if (table == nullptr) return {};
+  const auto kind = table->Choice("kind", {"free", "grip"});
+  if (!table->Has("kind")) table->Refuse("kind", "is missing", "\"free\" or \"grip\"");
+  if (kind != "grip") return {};
+  return {.stiffness_n_per_m = NotNegative(*table, "stiffness_n_per_m", Dimension::kStiffness),
+          .damping_n_s_per_m = NotNegative(*table, "damping_n_s_per_m", Dimension::kDamping)};
+}
+
+FingerMotion ReadFingerMotion(TomlTable& table) {
+  FingerMotion finger{ReadTones(table, "amplitude_m", Dimension::kLength)};
+  if (finger.tones.empty()) {
+    finger.tones.push_back(ReadTone(table, "amplitude_m", Dimension::kLength));
+  }
+  return finger;
+}
+
+}  // namespace haptometer::sim
