@@ -16,9 +16,9 @@ namespace haptometer::sim {
 namespace {
 
 // the solver's local tolerance over what is asked of the whole motion: errors add up over the
-// steps of a ringing resonance (measured: by 300 to 3000 and by 50 to 400)
+// steps of a ringing resonance (measured: by 300 to 3000 and by 50 to 510)
 constexpr double kLocalPartBdf = 1.0 / 3000;
-constexpr double kLocalPartAdams = 1.0 / 500;
+constexpr double kLocalPartAdams = 1.0 / 1000;
 // where rounding begins to rule
 constexpr double kLeastRelative = 0x1p-48;
 // of the second run

@@ -24,7 +24,7 @@ inline constexpr double kMatchingFrequencyHz = 175;
 /// What the thesis simulated: Table 2.1, the drive of 2.1.1 (p. 9), the adapter of Table 2.4.
 struct ThesisModel {
   sim::Actuator actuator = sim::ThesisC10100();
-  sim::SineDrive drive{.amplitude_v = 5, .frequency_hz = 225};
+  sim::Drive drive{.amplitude_v = 5, .frequency_hz = 225};
   sim::Adapter adapter{.motor_side_mass_kg = 0.25e-3,
                        .skin_side_mass_kg = 4.35e-3,
                        .stiffness_n_per_m = 8200,
