@@ -393,7 +393,7 @@ Eigen::VectorXd PiecewiseMotion::Positions() const {
 
 Eigen::VectorXd PiecewiseMotion::Rates() const {
   const Mode& mode = system_.modes[mode_];
-  const Eigen::VectorXd rates = mode.a * now_.x + mode.Inputs() * Inputs();
+  Eigen::VectorXd rates = mode.a * now_.x + mode.Inputs() * Inputs();
   if (mode.positions.size() == 0) return rates;
   return mode.positions * rates;
 }

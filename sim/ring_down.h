@@ -196,7 +196,7 @@ template <typename T>
 T RingDown<T>::At(const RingingShape<T>& shape, const T& time_s) const {
   using std::exp;
   const DampedPair<T> pair = DampedFundamentals(decay_per_s_, stiffness_per_s2_, time_s);
-  const T value = shape.even * pair.even + shape.odd * pair.odd;
+  T value = shape.even * pair.even + shape.odd * pair.odd;
   if (!(electrical_rate_per_s_ > 0.0) || time_s < 0.0) return value;
   return value + shape.electrical * exp(-electrical_rate_per_s_ * time_s);
 }

@@ -16,6 +16,14 @@ constexpr double kGrowth = 0.1;
 
 double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
 
+// [x, u] with the voltage; the finger rests
+Eigen::VectorXd WithVoltage(const Eigen::Ref<const Eigen::VectorXd>& x, double volt) {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(x.size() + kInputs);
+  z.head(x.size()) = x;
+  z(x.size() + kVoltage) = volt;
+  return z;
+}
+
 }  // namespace
 
 SmoothMode::SmoothMode(const SmoothSystem& system, std::size_t mode, const SineDrive& drive,
@@ -108,9 +116,7 @@ void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) con
   const Mode& m = mode();
   const double volt = drive_.amplitude_v * DriveThen(t_s)[0];
   const Coil coil = CoilAt(volt, y);
-  // [x, u]
-  Eigen::VectorXd z(n() + kInputs);
-  z << y.head(n()), volt;
+  const Eigen::VectorXd z = WithVoltage(y.head(n()), volt);
   rate.setZero();  // a mode may know of no dissipation at all
   rate[0] = volt * coil.current_a;
   for (std::size_t k = 0; k < m.dissipating.size(); ++k) {
@@ -222,8 +228,7 @@ double SmoothMode::LastRise(const Eigen::VectorXd& scale) const {
 Eigen::VectorXd SmoothMode::IntegralScale(const Eigen::VectorXd& scale) const {
   if (!with_energy_) return {};
   const Mode& m = mode();
-  Eigen::VectorXd z(n() + kInputs);
-  z << scale.head(n()), drive_.amplitude_v;
+  const Eigen::VectorXd z = WithVoltage(scale.head(n()), drive_.amplitude_v);
   const double current =
       m.current_row.cwiseAbs().dot(scale.head(n())) + m.current_per_volt * drive_.amplitude_v;
   double power_w = drive_.amplitude_v * current;

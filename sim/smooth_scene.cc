@@ -38,6 +38,7 @@ SpringTerms TermsOf(const Mode& before, const Mode& after) {
 
 SmoothSystem AssembleSmooth(const Scene& scene, const PiecewiseEffects& piecewise,
                             const SmoothEffects& smooth) {
+  HAPTOMETER_CHECK(scene.finger.tones.empty(), "a finger that moves under smooth effects");
   SmoothSystem system{.linear = AssemblePiecewise(scene, piecewise),
                       .spring = smooth.spring,
                       .heating = smooth.heating,

@@ -8,7 +8,7 @@ Written from the equations of motion of the bodies (see linear_reference.py), wi
   contact   the skin pushes with F0 + Ks xs + Bs vs; when that is gone the body flies under F0 and
             the skin follows by itself until they meet
 not from the program. DOP853 at rtol 1e-13; events by a secant rule on integrations from the step's
-beginning, not on its interpolant. Radau, an implicit method, confirms the first scene to 1e-8.
+beginning, not on its interpolant. Radau, an implicit method, confirms the first scene to 1e-7.
 
   smooth_reference.py            print the header
   smooth_reference.py --check    compare with smooth_reference.h beside this file; 0 when within 3e-11
