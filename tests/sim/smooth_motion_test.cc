@@ -20,9 +20,7 @@ namespace haptometer::sim {
 namespace {
 
 constexpr Eigen::Index kMover = LinearModel::kMover;
-constexpr Eigen::Index kMoverVelocity = LinearModel::kMoverVelocity;
 constexpr Eigen::Index kCase = LinearModel::kCase;
-constexpr Eigen::Index kCaseVelocity = LinearModel::kCaseVelocity;
 
 Scene FromRest(Scene scene) {
   scene.start = Start::kRest;
