@@ -155,15 +155,20 @@ double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& re
 PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);
   PlayedScene played;
-  if (!scene.duration_s) {
+  PiecewiseStart start = {};
+  if (!scene.duration_s || StartOf(scene) == Start::kSteady) {
     SteadyRun steady = PlaySteady(effective);
     played.problem = std::move(steady.tried);
     played.answered = steady.run.has_value();
     if (steady.run) played.run = std::move(*steady.run);
     played.periodic = std::move(steady.periodic);
-    return played;
+    if (!scene.duration_s || !played.answered) return played;
+    played.periodic.reset();
+    start = std::move(steady.start);
+  } else {
+    start = PiecewiseStartOf(effective.scene);
   }
-  played.run = RunScene(effective, *scene.duration_s);
+  played.run = RunScene(effective, *scene.duration_s, std::move(start));
   played.answered = !played.run.stalled_at_s;
   if (!played.answered) {
     played.problem = fmt::format("events without end at {:.9g} s", *played.run.stalled_at_s);

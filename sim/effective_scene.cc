@@ -39,6 +39,14 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
   return effective;
 }
 
+bool CanRest(const EffectiveScene& scene) {
+  const auto& [stops, loss] = scene.piecewise;
+  if (stops && !(std::min(stops->gap_up_m, stops->gap_down_m) > 0)) return false;
+  const Skin& skin = scene.scene.skin;
+  return !loss ||
+         (loss->preload_n > 0 && (skin.stiffness_n_per_m > 0 || skin.damping_n_s_per_m > 0));
+}
+
 bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady) {
   const auto& [stops, loss] = scene.piecewise;
   const double room = 1 - steady.error_estimate;

@@ -24,6 +24,10 @@ struct EffectiveScene {
 /// every chosen effect must be there, gaps and preload positive with gravity in them.
 [[nodiscard]] EffectiveScene WithEffects(const Scene& scene, EffectSet on);
 
+/// Whether the scene can rest before anything moves: room to every stop, a preload that presses, a
+/// skin that carries it.
+[[nodiscard]] bool CanRest(const EffectiveScene& scene);
+
 /// Whether the linear steady motion stays clear of stops and keeps contact: then it is a motion of
 /// the scene with them, too. By the amplitudes of travel and skin force, exact under a sine.
 [[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady);

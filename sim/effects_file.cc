@@ -96,6 +96,7 @@ void ReadContact(TomlTable* skin, TomlTable* table, Effects& effects) {
                  "remove one of the two");
   }
   if (!said && unilateral) wish = Wish::kOn;
+  if (!said && !unilateral) wish = Wish::kOff;
 }
 
 void ReadWishes(TomlTable& root, TomlTable* skin, Effects& effects) {
@@ -129,8 +130,9 @@ void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) 
     Wish& wish = effects[need.effect];
     if (need.stated || wish == Wish::kOff) continue;
     const std::string_view name = kEffectNames[PlaceOf(need.effect)];
-    if (!all) {
-      TomlTable* table = root.Table("effects");
+    // contact = "unilateral" is a wish of its own
+    if (!all || wish == Wish::kOn) {
+      TomlTable* table = all ? nullptr : root.Table("effects");
       const bool by_skin = table == nullptr || !table->Has(name);
       (by_skin ? *skin : *table)
           .Refuse(by_skin ? "contact" : name, fmt::format("needs {}", need.where),

@@ -22,8 +22,9 @@ constexpr std::size_t kKeptOutputs = 4096;
 // plays as far as it is asked to and remembers the last outputs
 class Player {
  public:
-  Player(EffectiveScene scene, SensorTarget target)
+  Player(EffectiveScene scene, PiecewiseStart start, SensorTarget target)
       : scene_(std::move(scene)),
+        start_(std::move(start)),
         position_(StateOf(AssembleModel(scene_.scene), target)),
         rate_hz_(kOutputsPerPeriod * scene_.scene.drive.frequency_hz) {
     Begin();
@@ -68,6 +69,7 @@ class Player {
   }
 
   EffectiveScene scene_;
+  PiecewiseStart start_;
   Eigen::Index position_;
   double rate_hz_;
   std::mutex mutex_;
@@ -78,9 +80,12 @@ class Player {
 
 }  // namespace
 
-trial::Displacement PlayedMotion(const EffectiveScene& scene, SensorTarget target) {
+trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart start,
+                                 SensorTarget target) {
   // shared, because a std::function is copied freely
-  return [player = std::make_shared<Player>(scene, target)](double t_s) { return player->At(t_s); };
+  return [player = std::make_shared<Player>(scene, std::move(start), target)](double t_s) {
+    return player->At(t_s);
+  };
 }
 
 }  // namespace haptometer::sim

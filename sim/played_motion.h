@@ -13,6 +13,9 @@ namespace haptometer::sim {
 /// that holds an event. Before t = 0 it stands at its first value. Questions should come in
 /// ascending order, give or take 4096 outputs; an earlier one plays the motion anew. NaN after a
 /// stall. Threads may share it: they wait for each other.
-[[nodiscard]] trial::Displacement PlayedMotion(const EffectiveScene& scene, SensorTarget target);
+///
+/// `start` is the state at t = 0.
+[[nodiscard]] trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart start,
+                                               SensorTarget target);
 
 }  // namespace haptometer::sim

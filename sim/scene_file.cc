@@ -121,7 +121,7 @@ void ReadDemand(TomlTable& table, Scene& scene) {
   if (table.Has("tolerance")) {
     scene.tolerance = table.Require("tolerance", Dimension::kNone);
     if (!(scene.tolerance >= kLeastTolerance && scene.tolerance < 1)) {
-      table.Refuse("tolerance", fmt::format("is not {:g} to 1", kLeastTolerance),
+      table.Refuse("tolerance", fmt::format("is not {:g} or more and below 1", kLeastTolerance),
                    "it is relative: 1e-3 asks for three digits");
     }
   }
@@ -209,7 +209,16 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
 
 // gravity may take the mover onto its stop or the bodies off the skin before anything moves
 void RefuseImpossibleRest(TomlTable& root, TomlTable& skin, const Scene& scene) {
+  const bool breaks = scene.effects[Effect::kContactLoss] != Wish::kOff;
+  if (breaks && scene.skin.stiffness_n_per_m == 0 && scene.skin.damping_n_s_per_m == 0) {
+    skin.Refuse("preload_n", "presses on a skin without stiffness and damping",
+                "give it one of them");
+  }
   if (scene.effects[Effect::kGravity] == Wish::kOff) return;
+  if (breaks && scene.grip.stiffness_n_per_m > 0) {
+    skin.Refuse("preload_n", "stands with gravity and a grip, which carries part of the weight",
+                "leave gravity out and give the whole preload");
+  }
   const double sag_m = MoverSag(scene);
   if (scene.effects[Effect::kTravelStops] != Wish::kOff) {
     const TravelStops& stops = *scene.effects.travel_stops;
@@ -222,7 +231,7 @@ void RefuseImpossibleRest(TomlTable& root, TomlTable& skin, const Scene& scene) 
                    "the motion would begin on the stop");
     }
   }
-  if (scene.effects[Effect::kContactLoss] == Wish::kOff) return;
+  if (!breaks) return;
   if (!(scene.effects.contact_loss->preload_n + Weight(scene) > 0)) {
     skin.Refuse("preload_n",
                 fmt::format("does not carry the bodies' {:.3g} N of weight", -Weight(scene)),

@@ -14,6 +14,7 @@
 #include "sim/effective_scene.h"
 #include "sim/linear_model.h"
 #include "sim/played_motion.h"
+#include "sim/steady_run.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
 
@@ -26,7 +27,12 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
   }
   const EffectiveScene effective = WithEffects(stated, on);
   if (effective.piecewise.stops || effective.piecewise.contact_loss) {
-    return PlayedMotion(effective, target);
+    // a steady motion that stops limit is searched for; what settles to none begins at rest
+    const bool steady = StartOf(stated) == Start::kSteady;
+    SteadyRun settled = steady ? PlaySteady(effective) : SteadyRun{};
+    Scene resting = effective.scene;
+    resting.start = Start::kRest;
+    return PlayedMotion(effective, settled.run ? settled.start : PiecewiseStartOf(resting), target);
   }
   const Scene& scene = effective.scene;
   const LinearModel model = AssembleModel(scene);

@@ -1,5 +1,7 @@
 #include "sim/steady_run.h"
 
+#include <fmt/core.h>
+
 #include "sim/period_map.h"
 #include "sim/piecewise_scene.h"
 #include "sim/steady_state.h"
@@ -22,15 +24,21 @@ SteadyRun PlaySteady(const EffectiveScene& scene) {
   if (SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) {
     EffectiveScene linear{.scene = scene.scene, .piecewise = {}};
     linear.scene.start = Start::kSteady;
-    steady.run = RunScene(linear, PlayedS(scene));
+    steady.start = PiecewiseStartOf(linear.scene);
+    steady.run = RunScene(linear, PlayedS(scene), steady.start);
     return steady;
   }
   const PeriodMap map(AssemblePiecewise(scene.scene, scene.piecewise), scene.scene.drive);
-  const PiecewiseStart start = PiecewiseStartOf(scene.scene);
+  // the linear steady motion may lie beyond a stop
+  Scene resting = scene.scene;
+  resting.start = Start::kRest;
+  const PiecewiseStart start = PiecewiseStartOf(resting);
   PeriodicSearch search = FindPeriodicMotion(map, map.PointOf(start.mode, start.x));
-  steady.tried = search.tried;
+  steady.tried = fmt::format(
+      "no stable motion was found that repeats itself every 1, 2 or 4 periods ({})", search.tried);
   if (!search.found || !search.found->stable) return steady;
-  steady.run = RunScene(scene, PlayedS(scene), map.StartOf(search.found->point));
+  steady.start = map.StartOf(search.found->point);
+  steady.run = RunScene(scene, PlayedS(scene), steady.start);
   steady.periodic = std::move(search.found);
   return steady;
 }

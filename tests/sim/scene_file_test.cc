@@ -187,7 +187,8 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
       {"[gravity]\nacceleration_m_per_s2 = 0\n",
        "[gravity]: acceleration_m_per_s2: is 0; leave gravity out"},
       {"[run]\ntolerance = 2\n",
-       "[run]: tolerance: is not 1e-11 to 1; it is relative: 1e-3 asks for three digits"},
+       "[run]: tolerance: is not 1e-11 or more and below 1; it is relative: 1e-3 asks for three "
+       "digits"},
       {"[run]\nquantity = 'skin'\n",
        "[run]: quantity: \"skin\" is not known; use one of skin_rms_m, skin_waveform_m, "
        "mover_peak_m, current_rms_a"},
@@ -203,9 +204,22 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
   for (const auto& [text, message] : cases) {
     EXPECT_EQ(WithoutLine(ErrorOf(kCone + text)), "scene.toml: " + message) << text;
   }
-  EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive + kSkin + "contact = 'unilateral'\n")),
-            "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/notation.md lists the "
-            "constants");
+  const std::string needs =
+      "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/notation.md lists the "
+      "constants";
+  const std::string unilateral = kActuator + kDrive + kSkin + "contact = 'unilateral'\n";
+  EXPECT_EQ(WithoutLine(ErrorOf(unilateral)), needs);
+  EXPECT_EQ(WithoutLine(ErrorOf("effects = 'auto'\n" + unilateral)), needs);
+  EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive +
+                                "[skin]\nstiffness_n_per_m = 0\ndamping_n_s_per_m = 0\n"
+                                "preload_n = 1\n[effects]\ncontact_loss = true\n")),
+            "scene.toml: [skin]: preload_n: presses on a skin without stiffness and damping; give "
+            "it one of them");
+  EXPECT_EQ(Read("effects = 'auto'\n" + kActuator + kDrive + kSkin +
+                 "contact = 'bilateral'\npreload_n = 1\n")
+                .effects[Effect::kContactLoss],
+            Wish::kOff)
+      << "bilateral is said";
   EXPECT_EQ(WithoutLine(ErrorOf(kActuator + kDrive + kSkin +
                                 "contact = 'bilateral'\npreload_n = 1\n[effects]\n"
                                 "contact_loss = true\n")),

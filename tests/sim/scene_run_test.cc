@@ -5,8 +5,10 @@
 #include <cmath>
 #include <string_view>
 
+#include "sim/effect_choice.h"
 #include "sim/linear_model.h"
 #include "sim/sensor_model.h"
+#include "sim/steady_run.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
 #include "tests/residual.h"
@@ -85,6 +87,26 @@ TEST(SceneRun, GravityMovesWhatLimitsTheMotion) {
   // alone it changes nothing
   EXPECT_EQ(RunScene(WithEffects(scene, Only({Effect::kGravity})), 0.05).skin_m,
             RunScene(WithEffects(scene, Only({})), 0.05).skin_m);
+}
+
+// "as if the drive had been on forever" never lies beyond a stop
+TEST(PlayedMotion, OfASteadyStartIsTheMotionThatSettles) {
+  Scene scene = WithStops(0.4e-3);
+  scene.start = Start::kSteady;
+  scene.effects[Effect::kTravelStops] = Wish::kOn;
+  const EffectSet on = Only({Effect::kTravelStops});
+  const SteadyRun settled = PlaySteady(WithEffects(scene, on));
+  ASSERT_TRUE(settled.run);
+  const trial::Displacement motion = MotionOf(scene, SensorTarget::kSkin);
+  const double peak_m = settled.run->skin_m.cwiseAbs().maxCoeff();
+  for (const Eigen::Index k : {0, 100, 500}) {
+    EXPECT_ABS(motion(static_cast<double>(k) / settled.run->outputs_rate_hz),
+               settled.run->skin_m(k), 1e-9 * peak_m, "an ulp of t apart, or a quintic");
+  }
+  scene.duration_s = 0.02;
+  const PlayedScene played = PlayWith(scene, on);
+  ASSERT_TRUE(played.answered);
+  EXPECT_LE(played.run.mover_peak_of_run_m, 0.4e-3 * (1 + 1e-12));
 }
 
 // a sensor over a scene with stops sees the motion that the run has, in any order of asking

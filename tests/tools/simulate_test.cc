@@ -241,6 +241,18 @@ TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const std::string limited =
       Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");
   EXPECT_EQ(Simulate({limited, "--tolerance", "2"}).status, 2);
+  EXPECT_EQ(Simulate({limited, "--explain", "--json"}).status, 2);
+  const Outcome idle = Simulate({Scene("[travel_stops]\ngap_m = '50um'\nrestitution = 0\n")});
+  EXPECT_EQ(idle.status, 0);
+  EXPECT_THAT(idle.err, HasSubstr("[travel_stops] are stated and off"));
+  // what the scene does not call for is not forced on where it is impossible
+  const Outcome impossible =
+      Simulate({Scene("[effects]\ngravity = true\n[travel_stops]\ngap_m = '4um'\n"
+                      "restitution = 0\n"),
+                "--explain"});
+  EXPECT_EQ(impossible.status, 0) << impossible.err;
+  EXPECT_EQ(Simulate({kFixtures + "/lra_adapter.toml", "--duration", "1e6s", "--explain"}).status,
+            3);
   EXPECT_EQ(Simulate({limited, "--duration", "20ms"}).status, 0);
   const Outcome endless = Simulate({limited, "--duration", "1e6s"});
   EXPECT_EQ(endless.status, 3);

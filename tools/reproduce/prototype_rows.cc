@@ -117,7 +117,7 @@ std::vector<ThesisRow> AssumedRows(const ThesisModel& model) {
   const double weight_n = kPrototypeMassKg * fit::kGravityMPerS2;
   return {{.key = "mover-travel-adapter",
            .ours = steady.mover_peak_m,
-           .remark = "more than an LRA of this size can give; its stops are not in the model"},
+           .remark = "more than an LRA of this size can give; the thesis gives no travel limit"},
           {.key = "mover-travel-direct",
            .ours = sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).mover_peak_m},
           {.key = "contact-force",

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "sim/effective_scene.h"
 #include "sim/scene_run.h"
 
 namespace haptometer::tools {
@@ -62,6 +63,9 @@ std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectCh
     const auto effect = static_cast<sim::Effect>(k);
     if (!HasConstants(scene, effect)) continue;
     sim::EffectSet on = choice.on;
+    // what the scene does not call for may be impossible in it
+    if (!sim::CanRest(sim::WithEffects(scene, on.set(k)))) continue;
+    if (!sim::CanRest(sim::WithEffects(scene, on.reset(k)))) continue;
     const TimedRun with = BestRun(scene, on.set(k));
     const TimedRun without = BestRun(scene, on.reset(k));
     const bool known = with.played.answered && without.played.answered;
@@ -86,6 +90,7 @@ std::string VerdictText(const sim::EffectVerdict& verdict) {
     case sim::Ground::kSuperposed:
       return "off: nothing limits the motion, so weight moves its centre alone";
     case sim::Ground::kCompared:
+      if (verdict.change == 0) return "off: without it the answer is the same";
       return fmt::format("{}: without it the answer changes by {}", verdict.on ? "on" : "off",
                          ChangeText(verdict.change));
   }

@@ -28,6 +28,21 @@ std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   return window;
 }
 
+std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
+  if (!answer.effects) return AnswerWindow(answer.scene);
+  const sim::SceneRun& run = answer.effects->run;
+  const double length_s = kWindowPeriods / answer.scene.drive.frequency_hz;
+  if (!answer.scene.duration_s || run.end_s - run.begin_s < length_s * (1 - 1e-9)) return {};
+  return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
+}
+
+}  // namespace
+
+const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
+  const bool settled = !answer.scene.duration_s && answer.effects && answer.effects->periodic;
+  return settled ? &answer.effects->run : nullptr;
+}
+
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
   const double duration_s = scene.duration_s.value_or(0);
   const double outputs = duration_s * scene.drive.frequency_hz * sim::kOutputsPerPeriod;
@@ -39,16 +54,6 @@ Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::stri
   }
   return sim::ChooseEffects(scene, where);
 }
-
-std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
-  if (!answer.effects) return AnswerWindow(answer.scene);
-  const sim::SceneRun& run = answer.effects->run;
-  const double length_s = kWindowPeriods / answer.scene.drive.frequency_hz;
-  if (!answer.scene.duration_s || run.end_s - run.begin_s < length_s * (1 - 1e-9)) return {};
-  return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
-}
-
-}  // namespace
 
 Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where) {
   SceneAnswer answer;

@@ -30,6 +30,14 @@ struct SceneAnswer {
   std::optional<sim::EffectChoice> effects;
 };
 
+/// The motion that a limited scene without a duration settles to; null for others.
+[[nodiscard]] const sim::SceneRun* SettledRun(const SceneAnswer& answer);
+
+/// Decides the scene's effects; `where` names it in errors.
+/// Errors (Cause::kCannotAnswer): ChooseEffects's; a run too long to play.
+[[nodiscard]] Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene,
+                                                      const std::string& where);
+
 /// Solves the scene; `where` names it in errors.
 /// Errors (Cause::kCannotAnswer): an undamped resonance, where there is no steady state; events
 /// without end; a run too long to play; a scene without a duration whose motion settles to nothing

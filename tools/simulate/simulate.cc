@@ -88,7 +88,8 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
     scene->tolerance = wanted.tolerance->value;
     if (!(scene->tolerance >= sim::kLeastTolerance && scene->tolerance < 1)) {
       return Usage("--tolerance",
-                   fmt::format("{:g} is not {:g} to 1", scene->tolerance, sim::kLeastTolerance),
+                   fmt::format("{:g} is not {:g} or more and below 1", scene->tolerance,
+                               sim::kLeastTolerance),
                    "it is relative: 1e-3 asks for three digits");
     }
   }
@@ -109,15 +110,27 @@ Result<std::string> Explanation(const SceneAnswer& solved, const std::string& wh
   if (solved.effects) {
     choice = *solved.effects;
   } else {
-    choice = sim::ChooseEffects(scene, where);
+    choice = DecideEffects(scene, where);
   }
   if (!choice) return std::unexpected(choice.error());
   return ExplainText(scene, *choice, TryEffects(scene, *choice));
 }
 
+// constants of effects that the scene does not call for are no mistake, but may be one
+void RemarkIdleConstants(const sim::Scene& scene) {
+  const sim::Effects& effects = scene.effects;
+  if (effects.travel_stops && effects[sim::Effect::kTravelStops] == sim::Wish::kOff) {
+    cli::Remark(kVerb, "[travel_stops] are stated and off: travel_stops = true in [effects]");
+  }
+  if (effects.contact_loss && effects[sim::Effect::kContactLoss] == sim::Wish::kOff) {
+    cli::Remark(kVerb, "preload_n is stated and contact cannot break: contact = \"unilateral\"");
+  }
+}
+
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   const auto scene = ReadScene(wanted);
   if (!scene) return std::unexpected(scene.error());
+  RemarkIdleConstants(*scene);
   const auto solved = AnswerScene(*scene, wanted.scene_path);
   if (!solved) return std::unexpected(solved.error());
   if (scene->duration_s && !solved->window) {
@@ -144,6 +157,11 @@ int RunSimulate(int argc, const char* const* argv) {
   SimulateOptions wanted;
   Declare(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
+  if (wanted.explain && options.json()) {
+    const auto refusal = Usage("--explain", "prints a table for people",
+                               "--json alone has each effect's decision and its ground");
+    return cli::ReportError(kVerb, refusal.error());
+  }
   const auto answer = Answer(wanted);
   if (!answer) return cli::ReportError(kVerb, answer.error());
   fmt::print("{}", options.json() ? SimulateJson(*answer) : SimulateText(*answer));

@@ -91,9 +91,12 @@ ordered_json EffectsJson(const SceneAnswer& solved) {
   ordered_json effects = ordered_json::object();
   for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
     const sim::EffectVerdict& verdict = choice.verdicts[k];
-    effects[std::string(sim::kEffectNames[k])] = {{"on", verdict.on},
-                                                  {"why", VerdictText(verdict)},
-                                                  {"change", cli::NumberOrNull(verdict.change)}};
+    const bool asked =
+        verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
+    effects[std::string(sim::kEffectNames[k])] = {
+        {"on", verdict.on},
+        {"why", VerdictText(verdict)},
+        {"change", asked ? cli::NumberOrNull(verdict.change) : ordered_json(nullptr)}};
   }
   return effects;
 }
@@ -189,8 +192,8 @@ std::string SimulateJson(const SimulateAnswer& answer) {
   // what a limited scene settles to has these numbers too
   const auto settled = [&](double sim::SteadyState::* linear,
                            double sim::SceneRun::* limited) -> ordered_json {
-    const bool periodic = solved.effects && solved.effects->periodic;
-    return periodic ? cli::NumberOrNull(solved.effects->run.*limited) : number(linear);
+    const sim::SceneRun* run = SettledRun(solved);
+    return run != nullptr ? cli::NumberOrNull(run->*limited) : number(linear);
   };
   const double relative = solved.skin_rms_relative_uncertainty;
   ordered_json document{

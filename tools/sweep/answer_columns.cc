@@ -13,6 +13,13 @@ Number Steady(const SceneAnswer& answer) {
   return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
 }
 
+// the same, or of the motion that a limited scene settles to
+template <double sim::SteadyState::* kMember, double sim::SceneRun::* kSettled>
+Number Settled(const SceneAnswer& answer) {
+  const sim::SceneRun* settled = SettledRun(answer);
+  return settled != nullptr ? Number(settled->*kSettled) : Steady<kMember>(answer);
+}
+
 // of the run of a scene with effects
 template <double sim::SceneRun::* kMember>
 Number OfRun(const SceneAnswer& answer) {
@@ -27,11 +34,11 @@ Number EventsOf(const SceneAnswer& answer) {
 }
 
 constexpr auto kColumns = std::to_array<AnswerColumn>({
-    {"skin_rms_m", Steady<&sim::SteadyState::skin_rms_m>},
-    {"mover_peak_m", Steady<&sim::SteadyState::mover_peak_m>},
-    {"case_rms_m", Steady<&sim::SteadyState::case_rms_m>},
-    {"current_rms_a", Steady<&sim::SteadyState::current_rms_a>},
-    {"power_w", Steady<&sim::SteadyState::power_w>},
+    {"skin_rms_m", Settled<&sim::SteadyState::skin_rms_m, &sim::SceneRun::skin_rms_m>},
+    {"mover_peak_m", Settled<&sim::SteadyState::mover_peak_m, &sim::SceneRun::mover_peak_m>},
+    {"case_rms_m", Settled<&sim::SteadyState::case_rms_m, &sim::SceneRun::case_rms_m>},
+    {"current_rms_a", Settled<&sim::SteadyState::current_rms_a, &sim::SceneRun::current_rms_a>},
+    {"power_w", Settled<&sim::SteadyState::power_w, &sim::SceneRun::power_w>},
     {"phase_rad", Steady<&sim::SteadyState::phase_rad>},
     {"skin_force_peak_n", Steady<&sim::SteadyState::skin_force_peak_n>},
     {"window_rms_m",
@@ -55,7 +62,7 @@ constexpr auto kColumns = std::to_array<AnswerColumn>({
 std::span<const AnswerColumn> AnswerColumns() { return kColumns; }
 
 std::string AnswerRemark(const SceneAnswer& answer) {
-  if (!answer.steady)
+  if (!answer.steady && SettledRun(answer) == nullptr)
     return "stops or lost contact limit the motion: its numbers are those of run_";
   const bool is_short = answer.scene.duration_s && !answer.window;
   return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
