@@ -45,8 +45,7 @@ class Player {
  private:
   void Begin() {
     motion_ = std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene_.scene, scene_.piecewise),
-                                                scene_.scene.drive, PiecewiseStartOf(scene_.scene),
-                                                rate_hz_);
+                                                scene_.scene.drive, start_, rate_hz_);
     jets_.clear();
     first_ = 0;
     Keep();

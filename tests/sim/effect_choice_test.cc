@@ -134,9 +134,9 @@ class RandomScenes {
 
   Scene Next() {
     Scene scene = NextBodies();
-    const SteadyState steady = SolveSteadyState(scene);
-    scene.effects.travel_stops = NextStops(steady.mover_peak_m);
-    scene.effects.contact_loss = ContactLoss{NearOrFar(steady.skin_force_peak_n)};
+    const SteadyState steady_state = SolveSteadyState(scene);
+    scene.effects.travel_stops = NextStops(steady_state.mover_peak_m);
+    scene.effects.contact_loss = ContactLoss{NearOrFar(steady_state.skin_force_peak_n)};
     // weight away from the skin is carried by no preload; half the least gap is sag at most
     const TravelStops& stops = *scene.effects.travel_stops;
     const double most = 0.5 * std::min(stops.gap_up_m, stops.gap_down_m) / MoverSag(scene);
@@ -147,7 +147,12 @@ class RandomScenes {
     }
     scene.tolerance = Between(1e-9, 1e-2);
     scene.quantity = static_cast<AskedQuantity>(engine_() % kAskedQuantityNames.size());
-    scene.start = engine_() % 2 == 0 ? Start::kRest : Start::kSteady;
+    // what settles where stops limit it takes hundreds of periods: other tests
+    EffectSet all;
+    all.set();
+    const bool steady =
+        engine_() % 2 == 0 && SteadyMotionIsFree(WithEffects(scene, all), steady_state);
+    scene.start = steady ? Start::kSteady : Start::kRest;
     return scene;
   }
   double Duration() { return Between(0.02, 0.08); }
@@ -198,7 +203,7 @@ EffectSet Everything(const Scene& scene) {
 TEST(EffectChoice, OfRandomScenesStaysWithinTheToleranceAndKeepsLittle) {
   constexpr std::uint64_t kSeed = 20261122;
   RandomScenes random(kSeed);
-  const int count = tests::Repetitions(tests::kIsSanitized ? 12 : 60);
+  const int count = tests::Repetitions(tests::kIsSanitized ? 6 : 30);
   int active = 0, idle_effects = 0, idle_dropped = 0;
   for (int i = 0; i < count; ++i) {
     Scene scene = random.Next();

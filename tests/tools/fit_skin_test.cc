@@ -42,8 +42,7 @@ class FitSkinFiles : public tests::TemporaryFiles {
       const double hz = 40 * std::pow(12.5, k / 24.0);
       const auto steady =
           sim::SolveSteadyState(model, {.amplitude_v = 3, .frequency_hz = hz}, skin);
-      const auto per_ampere =
-          steady.phasors(model.skin()) / steady.current_a;
+      const auto per_ampere = steady.phasors(model.skin()) / steady.current_a;
       rows += fmt::format("{}{:.3f},{:.6f},100\n", prefix, hz,
                           1e5 * std::abs(per_ampere) * std::exp(0.01 * noise(engine)));
     }

@@ -60,9 +60,9 @@ TEST_F(VariedSceneFile, RefusesAsTheStrictReaderDoesWithoutALine) {
 
 TEST_F(VariedSceneFile, LooksForFilesBesideTheScene) {
   (void)File("soft.toml",
-       "moving_mass_kg = 1.4e-3\ncase_mass_kg = 0.6e-3\nstiffness_n_per_m = 1000\n"
-       "damping_n_s_per_m = 0.03\nforce_constant_n_per_a = 1\nresistance_ohm = 27\n"
-       "inductance_h = 1e-4\n");
+             "moving_mass_kg = 1.4e-3\ncase_mass_kg = 0.6e-3\nstiffness_n_per_m = 1000\n"
+             "damping_n_s_per_m = 0.03\nforce_constant_n_per_a = 1\nresistance_ohm = 27\n"
+             "inductance_h = 1e-4\n");
   const std::string path =
       File("scene.toml",
            "[skin]\nstiffness_n_per_m = 600\ndamping_n_s_per_m = 0.75\n[drive]\nkind = 'sine'\n"
