@@ -16,6 +16,7 @@
 #include "sim/piecewise_scene.h"
 #include "sim/scene_mode.h"
 #include "sim/uniform_motion.h"
+#include "tests/repetitions.h"
 #include "tests/residual.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/thesis_scenes.h"
@@ -305,8 +306,10 @@ std::vector<Scene> SomeScenes() {
 }
 
 TEST(Excitation, EnergyClosesWhateverHappens) {
-  std::size_t events = 0;
+  std::size_t events = 0, place = 0;
   for (const Scene& scene : SomeScenes()) {
+    // one in eight where each takes ten times as long
+    if (tests::kIsSanitized && place++ % 8 != 0) continue;
     for (const PiecewiseEffects& effects : SomeEffects()) {
       PiecewiseMotion motion = Motion(scene, effects, 1e4);
       while (motion.index() < 200 && !motion.stalled_at_s()) motion.Next();
@@ -319,7 +322,7 @@ TEST(Excitation, EnergyClosesWhateverHappens) {
       events += motion.events().size();
     }
   }
-  EXPECT_GT(events, 200U);
+  EXPECT_GT(events, tests::kIsSanitized ? 20U : 200U);
 }
 
 TEST(Excitation, EffectsThatAreNeverReachedLeaveNoTrace) {
