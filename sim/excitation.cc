@@ -56,8 +56,7 @@ void FillShape(const ExcitationTerm& term, Eigen::Index at, ExcitationShape& sha
 
 // sin and cos of a tone's phase
 Eigen::Vector2d TurnOf(const ExcitationTerm& term, long double t_s) {
-  const Eigen::Vector2d turn =
-      DriveAt(term.frequency_hz, t_s - static_cast<long double>(term.origin_s));
+  Eigen::Vector2d turn = DriveAt(term.frequency_hz, t_s - static_cast<long double>(term.origin_s));
   if (term.phase_rad == 0) return turn;
   const double s = std::sin(term.phase_rad), c = std::cos(term.phase_rad);
   return {turn[0] * c + turn[1] * s, turn[1] * c - turn[0] * s};
