@@ -47,14 +47,11 @@ std::size_t CountOf(const Reproduction& reproduction, RowVerdict verdict) {
 }
 
 std::vector<std::string> ReproductionAssumptions() {
-  return {
-      "printed values are true to half a unit of their last digit; 8200 N/m and 220 Hz to 50 N/m "
-      "and 5 Hz",
-      "equation 2.3 with the coil's reaction on the case, as matrix 2.5 has it",
-      "the skin's stiffness up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m",
-      "no cause is proved: each is a candidate whose number was computed",
-      "rows marked * are of trials that this program generated with the truths printed, not of the "
-      "thesis's recordings, which were not published"};
+  return {"printed values are true to half their last digit; 8200 N/m to 50 N/m, 220 Hz to 5 Hz",
+          "equation 2.3 with the coil's reaction on the case, as matrix 2.5 has it",
+          "the skin's stiffness up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m",
+          "no cause is proved: each is a candidate whose number was computed",
+          "rows marked * are of generated trials, not of the thesis's recordings"};
 }
 
 }  // namespace haptometer::tools
