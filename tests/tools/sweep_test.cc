@@ -5,79 +5,19 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "tests/temporary_files.h"
-#include "tests/tools/captured.h"
+#include "tests/tools/sweep_verb.h"
 #include "tools/sweep/answer_columns.h"
-#include "tools/sweep/sweep_table.h"
-#include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
-
-const std::string kAdapter = HAPTOMETER_FIXTURES "/lra_adapter.toml";
-const std::string kCone = HAPTOMETER_FIXTURES "/lra_cone.toml";
-const std::vector<std::string> kGrid{kAdapter, "--vary", "drive.frequency_hz=200Hz:250Hz:11",
-                                     "--vary", "skin.stiffness_n_per_m=600,1200,2000"};
-const std::vector<std::string> kSampled{kAdapter,
-                                        "--vary",
-                                        "drive.frequency_hz=100Hz:400Hz",
-                                        "--vary",
-                                        "skin.damping_n_s_per_m=log:0.75:2.38",
-                                        "--samples",
-                                        "40",
-                                        "--seed",
-                                        "7"};
-
-using Row = std::map<std::string, std::string>;
-
-class SweepVerb : public tests::TemporaryFiles {
- protected:
-  [[nodiscard]] std::string Path(const std::string& name) const { return directory_ / name; }
-
-  [[nodiscard]] Outcome Sweep(std::vector<std::string> words, const std::string& table,
-                              const std::vector<std::string>& more = {}) const {
-    words.insert(words.end(), {"-o", Path(table)});
-    words.insert(words.end(), more.begin(), more.end());
-    return Captured(RunSweep, "sweep", words);
-  }
-
-  // what a sweep writes that must succeed
-  [[nodiscard]] std::string Table(const std::vector<std::string>& words, const std::string& name,
-                                  const std::vector<std::string>& more = {}) const {
-    const Outcome outcome = Sweep(words, name, more);
-    EXPECT_EQ(outcome.status, 0) << outcome.err;
-    return Content(name);
-  }
-
-  [[nodiscard]] static std::vector<Row> RowsOf(const std::string& table) {
-    std::istringstream lines(table);
-    std::vector<std::string> columns;
-    std::vector<Row> rows;
-    for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with('#')) continue;
-      const std::vector<std::string> cells = CellsOf(line);
-      if (columns.empty()) {
-        columns = cells;
-        continue;
-      }
-      EXPECT_EQ(cells.size(), columns.size()) << line;
-      Row row;
-      for (std::size_t k = 0; k < cells.size(); ++k) row[columns[k]] = cells[k];
-      rows.push_back(std::move(row));
-    }
-    return rows;
-  }
-};
 
 TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   const std::vector<Row> rows = RowsOf(Table(kGrid, "t.csv"));
@@ -192,142 +132,6 @@ TEST_F(SweepVerb, KeepsTheRowOfAPointWithoutAnAnswer) {
   EXPECT_NE(rows[2].at("skin_rms_m"), "");
 }
 
-TEST_F(SweepVerb, WritesTheSameBytesWithAnyThreads) {
-  for (const auto& words : {kGrid, kSampled}) {
-    const std::string one = Table(words, "one.csv", {"--threads", "1", "--overwrite"});
-    for (const char* threads : {"2", "7"}) {
-      EXPECT_EQ(Table(words, "more.csv", {"--threads", threads, "--overwrite"}), one);
-    }
-  }
-}
-
-TEST_F(SweepVerb, MergesShardsToTheBytesOfOneRun) {
-  for (const auto& words : {kGrid, kSampled}) {
-    const std::string whole = Table(words, "whole.csv", {"--overwrite"});
-    for (const std::size_t shards : {1U, 2U, 3U, 4U, 5U, 6U, 7U, 41U}) {
-      std::vector<std::string> merge{"--merge"};
-      for (std::size_t k = shards; k > 0; --k) {  // in whatever order
-        const std::string name = "s" + std::to_string(k) + ".csv";
-        const std::string shard = std::to_string(k) + "/" + std::to_string(shards);
-        const std::string table = Table(words, name, {"--shard", shard, "--overwrite"});
-        EXPECT_EQ(RowsOf(table).size(), (RowsOf(whole).size() + shards - k) / shards);
-        merge.push_back(Path(name));
-      }
-      EXPECT_EQ(Table(merge, "merged.csv", {"--overwrite"}), whole) << shards << " shards";
-    }
-  }
-}
-
-// in the rows every other byte and both sides of each line end, in the header every 31st: each run
-// waits for the disk
-TEST_F(SweepVerb, GoesOnFromAnyByteToTheSameBytes) {
-  const std::vector<std::string> words{kCone, "--vary", "drive.frequency_hz=200:210:3"};
-  for (const std::vector<std::string>& more :
-       {std::vector<std::string>{"--overwrite"}, {"--overwrite", "--shard", "2/2"}}) {
-    const std::string whole = Table(words, "whole.csv", more);
-    std::vector<std::string> resumed = more;
-    resumed.front() = "--resume";
-    const std::size_t rows = whole.find("remark\n");
-    for (std::size_t length = 0; length <= whole.size(); ++length) {
-      const bool is_at_line_end = whole[std::min(length, whole.size() - 1)] == '\n' ||
-                                  (length > 0 && whole[length - 1] == '\n');
-      if (!is_at_line_end && length % (length < rows ? 31 : 2) != 0) continue;
-      (void)File("cut.csv", whole.substr(0, length));
-      ASSERT_EQ(Table(words, "cut.csv", resumed), whole) << "cut behind " << length << " bytes";
-    }
-  }
-  EXPECT_EQ(Table(words, "new.csv", {"--resume"}), Table(words, "whole.csv", {"--overwrite"}));
-}
-
-TEST_F(SweepVerb, GoesOnOnlyWithItsOwnTable) {
-  const std::string whole = Table(kGrid, "t.csv");
-  const auto refused = [&](std::vector<std::string> words, const std::vector<std::string>& more,
-                           const std::string& said) {
-    std::vector<std::string> resumed{"--resume"};
-    resumed.insert(resumed.end(), more.begin(), more.end());
-    const Outcome outcome = Sweep(std::move(words), "t.csv", resumed);
-    EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("t.csv: "));
-    EXPECT_THAT(outcome.err, HasSubstr(said));
-  };
-  std::vector<std::string> finer = kGrid;
-  finer[2] = "drive.frequency_hz=200Hz:250Hz:21";
-  refused(finer, {},
-          "was begun with 'vary = drive.frequency_hz=200:250:11', not 'vary = "
-          "drive.frequency_hz=200:250:21'");
-  std::vector<std::string> other_scene = kGrid;
-  other_scene[0] = File("lra_adapter.toml", [] {
-    std::ifstream file(kAdapter);
-    const std::string text{std::istreambuf_iterator<char>(file), {}};
-    return text + "[run]\nstart = 'rest'\n";
-  }());
-  refused(other_scene, {}, "was begun with 'scene_digest = ");
-  refused(kSampled, {}, "was begun with 'vary = ");
-  refused(kGrid, {"--shard", "1/2"}, "was begun with no --shard, not 1/2");
-  EXPECT_EQ(Content("t.csv"), whole);
-
-  // rows that it would not write: another value, a cell too few, one row too many
-  const std::string value = std::string(whole).replace(whole.find("\n5,205,"), 7, "\n5,206,");
-  const std::string last = whole.substr(whole.rfind('\n', whole.size() - 2) + 1);
-  for (const auto& [edited, row] :
-       {std::pair(value, "row 5"), std::pair(whole + last, "row 34"),
-        std::pair(whole.substr(0, whole.size() - last.size()) + "33,250,2000,1\n", "row 33")}) {
-    (void)File("t.csv", edited);
-    refused(kGrid, {}, std::string(row) + " is not what this sweep makes");
-    EXPECT_EQ(Content("t.csv"), edited);
-  }
-  (void)File("t.csv", "time_s,voltage_v\n1,2\n");
-  const Outcome foreign = Sweep(kGrid, "t.csv", {"--resume"});
-  EXPECT_EQ(foreign.status, 3);
-  EXPECT_THAT(foreign.err, HasSubstr("t.csv: is no table of haptometer sweep"));
-}
-
-TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {
-  (void)File("t.csv", "the only copy\n");
-  const Outcome outcome = Sweep(kGrid, "t.csv");
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("already exists; go on with it by --resume"));
-  EXPECT_EQ(Content("t.csv"), "the only copy\n");
-  EXPECT_EQ(RowsOf(Table(kGrid, "t.csv", {"--overwrite"})).size(), 33U);
-}
-
-TEST_F(SweepVerb, RefusesWhatMakesNoWhole) {
-  const auto shard = [&](const std::string& name, const std::string& part,
-                         const std::string& seed) {
-    std::vector<std::string> words = kSampled;
-    words.back() = seed;
-    return Table(words, name, {"--shard", part});
-  };
-  const std::string second = shard("2.csv", "2/3", "7");
-  (void)shard("1.csv", "1/3", "7");
-  (void)shard("3.csv", "3/3", "7");
-  (void)shard("other.csv", "3/3", "8");
-  (void)shard("half.csv", "1/2", "7");
-  (void)File("cut.csv", second.substr(0, second.size() - 5));
-  (void)File("short.csv", second.substr(0, second.rfind('\n', second.size() - 2) + 1));
-  (void)File("header.csv", second.substr(0, 80));
-  const auto refused = [&](const std::vector<std::string>& names, int status,
-                           const std::string& said) {
-    std::vector<std::string> words{"--merge"};
-    for (const std::string& name : names) words.push_back(Path(name));
-    const Outcome outcome = Sweep(words, "whole.csv");
-    EXPECT_EQ(outcome.status, status) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr(said));
-    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
-    EXPECT_FALSE(std::filesystem::exists(Path("whole.csv")));
-  };
-  refused({"1.csv", "3.csv"}, 3, "point 2 of 40 is in none of the tables");
-  refused({"2.csv", "3.csv"}, 3, "point 1 of 40 is in none");
-  refused({"1.csv", "short.csv", "3.csv"}, 3, "point 38 of 40 is in none");
-  refused({"1.csv", "2.csv", "3.csv", "2.csv"}, 2, "holds point 2, which ");
-  refused({"half.csv", "2.csv", "3.csv", "1.csv"}, 2, "holds point 1, which ");
-  refused({"1.csv", "2.csv", "other.csv"}, 2,
-          "'sampling = latin hypercube, 40 samples, seed 8', not 'sampling");
-  refused({"1.csv", "cut.csv", "3.csv"}, 3, "cut.csv: ends amid a row; go on with it by --resume");
-  refused({"1.csv", "header.csv"}, 3, "header.csv: is no table of haptometer sweep");
-  refused({"1.csv", "none.csv"}, 3, "none.csv: no such file");
-}
-
 TEST_F(SweepVerb, TellsTheBestRow) {
   const Outcome outcome = Sweep(kGrid, "t.csv", {"--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -349,9 +153,17 @@ TEST_F(SweepVerb, TellsTheBestRow) {
   const json none =
       json::parse(Sweep(kGrid, "t.csv", {"--resume", "--json", "--best", "window_rms_m"}).out);
   EXPECT_TRUE(none.at("best").is_null());
+  EXPECT_THAT(Sweep(kGrid, "t.csv", {"--resume", "--best", "window_rms_m"}).out,
+              HasSubstr("largest window_rms_m: no row has one"));
   EXPECT_THAT(Sweep(kGrid, "t.csv", {"--resume"}).out,
               HasSubstr("largest skin_rms_m: 0.000200176 at point 16, drive.frequency_hz = 225, "
                         "skin.stiffness_n_per_m = 600"));
+}
+
+TEST_F(SweepVerb, SaysWhichRowsTheBestWasComparedWith) {
+  const Outcome outcome =
+      Sweep({kAdapter, "--vary", "run.duration_s=10ms,0.1s"}, "t.csv", {"--best", "window_rms_m"});
+  EXPECT_THAT(outcome.out, HasSubstr("(compared: 1 of 2 rows, the others have none)"));
 }
 
 TEST_F(SweepVerb, DrawsOneOrTwoKeys) {

@@ -30,6 +30,7 @@ std::optional<double> NumberOf(const std::string& cell) {
 void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   const auto value = NumberOf(cells[column]);
   if (!value) return;
+  ++summary.compared;
   const bool is_better = !summary.best || (summary.wish.least ? *value < summary.best->value
                                                               : *value > summary.best->value);
   if (!is_better) return;
@@ -105,7 +106,13 @@ std::string SummaryText(const SweepSummary& summary) {
     for (std::size_t k = 0; k < summary.best->values.size(); ++k) {
       text += fmt::format(", {} = {}", summary.header.columns[k + 1], summary.best->values[k]);
     }
+    if (summary.compared < summary.answered) {
+      text += fmt::format(" (compared: {} of {} rows, the others have none)", summary.compared,
+                          summary.answered);
+    }
     text += '\n';
+  } else if (summary.answered > 0) {
+    text += fmt::format("  {}: no row has one\n", BestName(summary.wish));
   }
   if (!summary.plot.empty()) text += fmt::format("  drawn: {}\n", summary.plot);
   return text;
@@ -130,11 +137,10 @@ std::string SummaryJson(const SweepSummary& summary) {
       const auto number = NumberOf(text);
       values[summary.header.columns[k + 1]] = number ? ordered_json(*number) : ordered_json(text);
     }
-    document["best"] = {{"column", summary.wish.column},
-                        {"direction", summary.wish.least ? "least" : "largest"},
-                        {"value", summary.best->value},
-                        {"point", summary.best->point},
-                        {"values", values}};
+    document["best"] = {
+        {"column", summary.wish.column}, {"direction", summary.wish.least ? "least" : "largest"},
+        {"value", summary.best->value},  {"rows_compared", summary.compared},
+        {"point", summary.best->point},  {"values", values}};
   }
   return cli::JsonText(document);
 }
