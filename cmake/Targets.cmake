@@ -1,5 +1,30 @@
 # One function per kind of target.
 
+# haptometer_join(TARGET)
+# Where HAPTOMETER_JOIN_SOURCES is on (set by presets), the target's sources are compiled in groups, each
+# of files whose names agree (tools/source_groups.py): headers, dearer than what reads them, are read
+# once per group.
+function(haptometer_join target)
+  if(NOT HAPTOMETER_JOIN_SOURCES)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cc$")
+  list(TRANSFORM sources PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
+  execute_process(
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/source_groups.py ${sources}
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+    OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  string(REPLACE "\n" ";" groups "${groups}")
+  foreach(line IN LISTS groups)
+    string(REPLACE " " ";" line "${line}")
+    list(GET line 0 group)
+    list(GET line 1 source)
+    set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+endfunction()
+
 # haptometer_room(NAME HEADERS ... SOURCES ... DEPENDS ... PARTS ...)
 # A room: the static library haptometer_NAME, also known as haptometer::NAME. DEPENDS are lower rooms
 # and parts that its headers show; PARTS are third-party libraries that only its sources use. Each header
@@ -14,6 +39,7 @@ function(haptometer_room name)
                  FILES ${room_HEADERS})
   target_compile_features(${target} PUBLIC cxx_std_23)
   target_link_libraries(${target} PUBLIC ${room_DEPENDS} PRIVATE ${room_PARTS})
+  haptometer_join(${target})
   install(TARGETS ${target} EXPORT haptometer
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
           FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/haptometer)
@@ -22,7 +48,7 @@ endfunction()
 # haptometer_test(NAME SOURCES ... DEPENDS ...)
 # The program NAME_test with one ctest entry per GoogleTest case. Fixtures and programs are found
 # through compile definitions, so a test runs from any directory. HAPTOMETER_TEST_FLAGS and
-# HAPTOMETER_PRECOMPILE_TESTS (set by presets) spare the sanitizer builds half of their compile time.
+# HAPTOMETER_PRECOMPILE_TESTS (set by presets) spare compile time: a test's own code need not be fast.
 function(haptometer_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS")
   set(target ${name}_test)
@@ -33,6 +59,7 @@ function(haptometer_test name)
     HAPTOMETER_PROGRAMS="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   target_link_libraries(${target} PRIVATE ${test_DEPENDS} GTest::gtest_main GTest::gmock)
   target_compile_options(${target} PRIVATE ${HAPTOMETER_TEST_FLAGS})
+  haptometer_join(${target})
   if(HAPTOMETER_PRECOMPILE_TESTS)
     target_precompile_headers(${target} PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
     if("nlohmann_json::nlohmann_json" IN_LIST test_DEPENDS)
