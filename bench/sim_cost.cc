@@ -15,6 +15,8 @@
 #include "bench/sim_cost_peers.h"
 #include "bench/sim_cost_rung.h"
 #include "bench/sim_cost_truth.h"
+#include "sim/steady_state.h"
+#include "tests/sim/reference/linear_reference.h"
 
 namespace haptometer::sim {
 namespace {
@@ -100,7 +102,17 @@ class Ladder {
   Truth truth_;
 };
 
+// the steady state alone, which is another question: its RMS against 50 digits
+void Phasor(int runs) {
+  const Scene scene = SceneOf({});
+  SteadyState steady;
+  const double time_us = BestMicroseconds(runs, [&] { steady = SolveSteadyState(scene); });
+  fmt::print("linear,phasor,,{:.3g},,,,,,{:.3g},,,,,,,,,\n", time_us,
+             std::abs(steady.skin_rms_m / tests::kAdapterSkinRmsM - 1));
+}
+
 void Linear(std::size_t outputs, int runs) {
+  Phasor(runs);
   const Question question{.name = "linear", .outputs = outputs};
   const Ladder ladder(question, runs);
   ladder.Climb("exact steps", "", ByExactSteps);

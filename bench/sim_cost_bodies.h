@@ -1,7 +1,7 @@
 #pragma once
 
 // The adapter scene of the thesis for those who solve it without sim/: the equations of motion of
-// its bodies, written once more, for any kind of number.
+// its bodies, written once more. Number: double, or one of 113 bits.
 
 #include <Eigen/Core>
 #include <array>
@@ -52,22 +52,22 @@ struct Question {
 inline constexpr double kRisePerK = 3.93e-3;
 
 /// y' at a terminal voltage. In flight the skin follows by itself.
-template <typename Number>
-void RateOf(const Question& question, bool contact, Number volt, const Number* y, Number* rate) {
+inline void RateOf(const Question& question, bool contact, double volt, const double* y,
+                   double* rate) {
   const Bodies& b = question.bodies;
-  const Number d = y[kXv] - y[kXa];
-  const Number hardening =
+  const double d = y[kXv] - y[kXa];
+  const double hardening =
       question.cubic_n_per_m3 * (d * d + 3 * question.sag_m * (d + question.sag_m));
-  const Number spring = d * (b.Kv + hardening) + b.Bv * (y[kVv] - y[kVa]);
-  const Number joint = b.Ka * (y[kXa] - y[kXs]) + b.Ba * (y[kVa] - y[kVs]);
-  const Number skin = contact ? b.Ks * y[kXs] + b.Bs * y[kVs] : Number(-question.preload_n);
+  const double spring = d * (b.Kv + hardening) + b.Bv * (y[kVv] - y[kVa]);
+  const double joint = b.Ka * (y[kXa] - y[kXs]) + b.Ba * (y[kVa] - y[kVs]);
+  const double skin = contact ? b.Ks * y[kXs] + b.Bs * y[kVs] : -question.preload_n;
   const bool heats = question.heat_capacity_j_per_k > 0;
-  const Number i = y[kCurrent];
-  const Number drop = heats ? b.R * (1 + kRisePerK * y[kEighth]) * i : b.R * i;
+  const double i = y[kCurrent];
+  const double drop = heats ? b.R * (1 + kRisePerK * y[kEighth]) * i : b.R * i;
   rate[kXv] = y[kVv];
   rate[kVv] = -(b.Km * i + spring) / b.Mv;
   rate[kXa] = y[kVa];
-  rate[kVa] = (b.Km * i + spring - joint) / (Number(b.Mc) + Number(b.Ma1));
+  rate[kVa] = (b.Km * i + spring - joint) / (b.Mc + b.Ma1);
   rate[kXs] = y[kVs];
   rate[kVs] = (joint - skin) / b.Ma2;
   rate[kCurrent] = (volt - drop + b.Km * (y[kVv] - y[kVa])) / b.L;
@@ -75,7 +75,7 @@ void RateOf(const Question& question, bool contact, Number volt, const Number* y
     rate[kEighth] = (drop * i - y[kEighth] / question.thermal_resistance_k_per_w) /
                     question.heat_capacity_j_per_k;
   } else if (question.preload_n > 0) {
-    rate[kEighth] = contact ? Number(0) : -(Number(question.preload_n) + b.Ks * y[kEighth]) / b.Bs;
+    rate[kEighth] = contact ? 0 : -(question.preload_n + b.Ks * y[kEighth]) / b.Bs;
   }
 }
 
@@ -90,8 +90,8 @@ std::array<Number, 3> GuardsOf(const Question& question, bool contact, const Num
   }
   if (question.preload_n > 0) {
     const Bodies& b = question.bodies;
-    guards[2] =
-        contact ? Number(question.preload_n) + b.Ks * y[kXs] + b.Bs * y[kVs] : y[kEighth] - y[kXs];
+    guards[2] = contact ? Number(question.preload_n) + Number(b.Ks) * y[kXs] + Number(b.Bs) * y[kVs]
+                        : y[kEighth] - y[kXs];
   }
   return guards;
 }
@@ -108,7 +108,7 @@ void Cross(const Question& question, std::size_t guard, bool* contact, Number* y
   const Number Mc1 = Number(b.Mc) + Number(b.Ma1);
   const Number impulse =
       (1 + Number(question.restitution)) * (y[kVv] - y[kVa]) / (1 / Number(b.Mv) + 1 / Mc1);
-  y[kVv] -= impulse / b.Mv;
+  y[kVv] -= impulse / Number(b.Mv);
   y[kVa] += impulse / Mc1;
 }
 

@@ -38,15 +38,32 @@ Quad Evaluate(const Coefficients& series, Quad t) {
   return sum;
 }
 
-// One step's series of all states. RateOf() is affine in the coefficients but for two products,
-// which are carried as series of their own: the cube of the spring's length and the heated coil's R
-// i and R i^2.
+// the question's constants
+struct QuadBodies {
+  Quad Mv, Mc1, Kv, Bv, Km, R, L, Ma2, Ka, Ba, Ks, Bs, volt, K3, sag, preload, C, Rth;
+
+  explicit QuadBodies(const Question& question) {
+    const auto in = [](double value) { return static_cast<Quad>(value); };
+    const Bodies& b = question.bodies;
+    Mv = in(b.Mv), Mc1 = in(b.Mc) + in(b.Ma1), Kv = in(b.Kv), Bv = in(b.Bv), Km = in(b.Km);
+    R = in(b.R), L = in(b.L), Ma2 = in(b.Ma2), Ka = in(b.Ka), Ba = in(b.Ba);
+    Ks = in(b.Ks), Bs = in(b.Bs), volt = in(b.volt), K3 = in(question.cubic_n_per_m3);
+    sag = in(question.sag_m), preload = in(question.preload_n);
+    C = in(question.heat_capacity_j_per_k), Rth = in(question.thermal_resistance_k_per_w);
+  }
+};
+
+// One step's series of all states: the equations of RateOf(), coefficient by coefficient. Two
+// products are carried as series of their own: the cube of the spring's length and the heated
+// coil's R i.
 class Series {
  public:
-  Series(const Question& question, bool contact) : question_(&question), contact_(contact) {
-    const long double pi_low = -5.01655761266833202355e-20L;  // of pi beyond a long double
-    omega_ = 2 * (Quad(std::numbers::pi_v<long double>) + Quad(pi_low)) *
-             Quad(question.bodies.frequency_hz);
+  Series(const Question& question, bool contact)
+      : question_(&question), bodies_(question), contact_(contact) {
+    // pi in two parts
+    const auto high = static_cast<Quad>(std::numbers::pi_v<long double>);
+    const auto low = static_cast<Quad>(-5.01655761266833202355e-20L);
+    omega_ = 2 * (high + low) * static_cast<Quad>(question.bodies.frequency_hz);
   }
 
   void Expand(const Values& y, Quad sine, Quad cosine) {
@@ -68,25 +85,21 @@ class Series {
  private:
   // coefficient k + 1 from those up to k
   void Next(std::size_t k) {
-    const Bodies& b = question_->bodies;
-    const bool first = k == 0;
+    const QuadBodies& b = bodies_;
+    const Quad one = k == 0 ? 1 : 0;  // a constant's coefficient
     const auto of = [&](std::size_t state) { return states_[state][k]; };
-    const Quad travel = of(kXv) - of(kXa);
-    Quad spring = b.Kv * travel + b.Bv * (of(kVv) - of(kVa));
-    if (question_->cubic_n_per_m3 > 0) {
-      const Quad sag = question_->sag_m;
-      length_[k] = travel + (first ? sag : Quad(0));
+    const Quad travel = of(kXv) - of(kXa), speed = of(kVv) - of(kVa);
+    Quad spring = b.Kv * travel + b.Bv * speed;
+    if (b.K3 > 0) {
+      length_[k] = travel + one * b.sag;
       square_[k] = Product(length_, length_, k);
-      const Quad cube = Product(square_, length_, k) - (first ? sag * sag * sag : Quad(0));
-      spring += question_->cubic_n_per_m3 * cube;
+      spring += b.K3 * (Product(square_, length_, k) - one * b.sag * b.sag * b.sag);
     }
     const Quad joint = b.Ka * (of(kXa) - of(kXs)) + b.Ba * (of(kVa) - of(kVs));
-    const Quad preload = first ? Quad(question_->preload_n) : Quad(0);
-    const Quad skin = contact_ ? b.Ks * of(kXs) + b.Bs * of(kVs) : -preload;
-    const bool heats = question_->heat_capacity_j_per_k > 0;
+    const Quad skin = contact_ ? b.Ks * of(kXs) + b.Bs * of(kVs) : -one * b.preload;
     drop_[k] = b.R * of(kCurrent);
-    if (heats) {
-      resistance_[k] = b.R * ((first ? Quad(1) : Quad(0)) + kRisePerK * of(kEighth));
+    if (b.C > 0) {
+      resistance_[k] = b.R * (one + static_cast<Quad>(kRisePerK) * of(kEighth));
       drop_[k] = Product(resistance_, states_[kCurrent], k);
     }
 
@@ -94,24 +107,23 @@ class Series {
     rate[kXv] = of(kVv);
     rate[kVv] = -(b.Km * of(kCurrent) + spring) / b.Mv;
     rate[kXa] = of(kVa);
-    rate[kVa] = (b.Km * of(kCurrent) + spring - joint) / (Quad(b.Mc) + Quad(b.Ma1));
+    rate[kVa] = (b.Km * of(kCurrent) + spring - joint) / b.Mc1;
     rate[kXs] = of(kVs);
     rate[kVs] = (joint - skin) / b.Ma2;
-    rate[kCurrent] = (b.volt * sine_[k] - drop_[k] + b.Km * (of(kVv) - of(kVa))) / b.L;
-    if (heats) {
-      const Quad power = Product(drop_, states_[kCurrent], k);
-      rate[kEighth] = (power - of(kEighth) / question_->thermal_resistance_k_per_w) /
-                      question_->heat_capacity_j_per_k;
-    } else if (question_->preload_n > 0 && !contact_) {
-      rate[kEighth] = -(preload + b.Ks * of(kEighth)) / b.Bs;
+    rate[kCurrent] = (b.volt * sine_[k] - drop_[k] + b.Km * speed) / b.L;
+    if (b.C > 0) {
+      rate[kEighth] = (Product(drop_, states_[kCurrent], k) - of(kEighth) / b.Rth) / b.C;
+    } else if (!contact_) {
+      rate[kEighth] = -(one * b.preload + b.Ks * of(kEighth)) / b.Bs;
     }
-    const Quad by = Quad(1) / static_cast<double>(k + 1);
+    const Quad by = Quad(1) / static_cast<Quad>(k + 1);
     for (std::size_t s = 0; s < kMostBodyStates; ++s) states_[s][k + 1] = rate[s] * by;
     sine_[k + 1] = omega_ * cosine_[k] * by;
     cosine_[k + 1] = -omega_ * sine_[k] * by;
   }
 
   const Question* question_;
+  QuadBodies bodies_;
   bool contact_;
   Quad omega_ = 0;
   std::array<Coefficients, kMostBodyStates> states_{};
@@ -195,7 +207,7 @@ Truth TruthOf(const Question& question) {
   const auto outputs = static_cast<Eigen::Index>(question.outputs);
   Truth truth{.samples = motion.Compared().replicate(1, outputs + 1), .largest{}, .events_s{}};
   const int inner = std::max(1, static_cast<int>(std::ceil(kStepsPerSecond / question.rate_hz)));
-  const Quad step_s = Quad(1) / (Quad(question.rate_hz) * inner);
+  const Quad step_s = 1 / (static_cast<Quad>(question.rate_hz) * inner);
   for (Eigen::Index i = 1; i <= outputs; ++i) {
     for (int k = 0; k < inner; ++k) motion.Advance(step_s);
     truth.samples.col(i) = motion.Compared();
