@@ -38,7 +38,7 @@ Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
   Eigen::MatrixXd samples(model.states(), static_cast<Eigen::Index>(count));
   if (count == 0) return samples;
   samples.col(0) = initial;
-  const Eigen::MatrixXd step = DrivenStep(DrivenGenerator(model, drive), 1 / rate_hz);
+  const Eigen::MatrixXd step = DrivenStep(model, drive, 1 / rate_hz);
   const DriveSequence sequence(drive.frequency_hz, start_s, rate_hz);
   switch (model.states()) {
     case 4:

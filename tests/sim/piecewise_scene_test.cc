@@ -65,6 +65,17 @@ double LargestTravel(const Eigen::MatrixXd& samples) {
   return (samples.row(LinearModel::kMover) - samples.row(LinearModel::kCase)).cwiseAbs().maxCoeff();
 }
 
+TEST(PiecewiseScene, WithAStiffMoverTakesTheSameSteps) {
+  for (Scene scene : {FromRest(AdapterScene()), FromRest(tests::DirectScene())}) {
+    scene.actuator.stiffness_n_per_m = 1e11;
+    for (const Scene& stiff : {scene, WithoutInductance(scene)}) {
+      const LinearModel model = AssembleModel(stiff);
+      const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.states());
+      EXPECT_EQ(SamplesOf(stiff, {}, 100), UniformMotion(model, stiff.drive, rest, 0, 1e4, 100));
+    }
+  }
+}
+
 TEST(PiecewiseScene, EffectsThatAreNeverReachedLeaveNoTrace) {
   for (const Scene& linear : {FromRest(AdapterScene()), FromRest(tests::DirectScene()),
                               WithoutInductance(FromRest(AdapterScene())),
