@@ -28,6 +28,14 @@ inline constexpr double kDirectPowerW = 4.5336881305926601959e-1;
 inline constexpr double kDirectPhaseRad = -2.0170804039579360929e-2;
 inline constexpr double kDirectSkinForcePeakN = 2.3204791276438137598e-1;
 
+inline constexpr double kStiffMoverSkinRmsM = 4.4862913407134882771e-13;
+inline constexpr double kStiffMoverMoverPeakM = 1.8518090047643850980e-12;
+inline constexpr double kStiffMoverCaseRmsM = 5.9068606663474188337e-14;
+inline constexpr double kStiffMoverCurrentRmsA = 1.3094266681631399599e-1;
+inline constexpr double kStiffMoverPowerW = 4.6294151381014190053e-1;
+inline constexpr double kStiffMoverPhaseRad = -6.8066794845990011567e-3;
+inline constexpr double kStiffMoverSkinForcePeakN = 7.7294767144592690413e-10;
+
 // RMS of the skin over the last 10 periods of 0.1 s from rest, adapter scene
 inline constexpr double kAdapterWindowRmsM = 1.9117910472254904510e-4;
 

@@ -32,6 +32,7 @@ SCENES = {
     "Adapter": dict(**ACTUATOR, **ADAPTER, Ks="600", Bs="0.75"),
     "Cone": dict(**ACTUATOR, Ks="600", Bs="0.75"),
     "Direct": dict(**ACTUATOR, Ks="1861.2", Bs="2.2185"),
+    "StiffMover": dict(**dict(ACTUATOR, Kv="1e11"), **ADAPTER, Ks="600", Bs="0.75"),
 }
 VOLT, HERTZ = mp.mpf(5), mp.mpf(225)
 # Every constant is rounded to the nearest double first: the references are those of the numbers that
