@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/excitation.h"
+#include "sim/piecewise_linear.h"
 
 namespace haptometer::sim {
 
@@ -52,6 +53,25 @@ Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a, const Eigen::MatrixXd&
   return generator;
 }
 
+LongMatrix LongDrivenGenerator(const Mode& mode, const ExcitationShape& shape) {
+  const Eigen::Index n = mode.a.rows(), m = shape.generator.rows();
+  LongMatrix inputs = mode.Inputs().cast<long double>();
+  inputs.col(kVoltage) += mode.b_rest.cast<long double>();
+  LongMatrix generator = DrivenGenerator(mode.a, mode.Inputs(), shape).cast<long double>();
+  generator.topLeftCorner(n, n) += mode.a_rest.cast<long double>();
+  generator.topRightCorner(n, m) = inputs * shape.rows.cast<long double>();
+  return generator;
+}
+
+LongMatrix LongDrivenGenerator(const LinearModel& model, const SineDrive& drive) {
+  const Eigen::Index n = model.states();
+  LongMatrix generator = DrivenGenerator(model, drive).cast<long double>();
+  generator.topLeftCorner(n, n) += model.a_rest.cast<long double>();
+  generator.block(0, n, n, 1) = static_cast<long double>(drive.amplitude_v) *
+                                (model.b.cast<long double>() + model.b_rest.cast<long double>());
+  return generator;
+}
+
 Eigen::Vector2d DriveAt(double frequency_hz, long double t_s) {
   // whole cycles leave in 64 bits before the sine sees the rest; rint, unlike nearbyint, is one
   // instruction
@@ -64,8 +84,14 @@ Eigen::MatrixXd DrivenStep(const Eigen::MatrixXd& generator, double h_s, Eigen::
   return StepOf<Eigen::MatrixXd>(MatrixExponential(h_s * generator), signals);
 }
 
-LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s, Eigen::Index signals) {
+LongMatrix LongDrivenStep(const LongMatrix& generator, long double h_s, Eigen::Index signals) {
   return StepOf<LongMatrix>(LongMatrixExponential(generator, h_s), signals);
+}
+
+Eigen::MatrixXd DrivenStep(const LinearModel& model, const SineDrive& drive, double h_s) {
+  if (model.a_rest.size() == 0) return DrivenStep(DrivenGenerator(model, drive), h_s);
+  const auto length_s = static_cast<long double>(h_s);
+  return LongDrivenStep(LongDrivenGenerator(model, drive), length_s).cast<double>();
 }
 
 DriveSequence::DriveSequence(double frequency_hz, double start_s, double rate_hz)

@@ -12,6 +12,7 @@
 namespace haptometer::sim {
 
 struct ExcitationShape;
+struct Mode;
 
 /// G of z = [x, sin w t, cos w t], z' = G z: (n + 2, n + 2).
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const LinearModel& model, const SineDrive& drive);
@@ -24,6 +25,13 @@ struct ExcitationShape;
 [[nodiscard]] Eigen::MatrixXd DrivenGenerator(const Eigen::MatrixXd& a,
                                               const Eigen::MatrixXd& inputs,
                                               const ExcitationShape& shape);
+
+/// The mode's under an excitation of that shape, in long double and with what rounding left out of
+/// a and b: for modes that have a rest.
+[[nodiscard]] LongMatrix LongDrivenGenerator(const Mode& mode, const ExcitationShape& shape);
+
+/// The same of the model under a sine.
+[[nodiscard]] LongMatrix LongDrivenGenerator(const LinearModel& model, const SineDrive& drive);
 
 /// [sin w t, cos w t], the phase from the whole number of cycles on: exact to rounding at any time.
 [[nodiscard]] Eigen::Vector2d DriveAt(double frequency_hz, long double t_s);
@@ -39,8 +47,12 @@ struct ExcitationShape;
                                          Eigen::Index signals = 2);
 
 /// The same in long double, for steps so long that eps |G| h counts.
-[[nodiscard]] LongMatrix LongDrivenStep(const Eigen::MatrixXd& generator, long double h_s,
+[[nodiscard]] LongMatrix LongDrivenStep(const LongMatrix& generator, long double h_s,
                                         Eigen::Index signals = 2);
+
+/// DrivenStep of the model under the drive; by LongDrivenStep, 0.1 ms, where the model has a rest.
+[[nodiscard]] Eigen::MatrixXd DrivenStep(const LinearModel& model, const SineDrive& drive,
+                                         double h_s);
 
 /// DriveAt at equal times start_s + i / rate_hz, cheaper where they are asked for one after the
 /// other: each from the phase of the 32nd sample before it at most and a turn that is kept. What

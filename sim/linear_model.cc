@@ -1,5 +1,7 @@
 #include "sim/linear_model.h"
 
+#include <utility>
+
 #include "base/check.h"
 
 namespace haptometer::sim {
@@ -13,38 +15,114 @@ void CheckActuator(const Actuator& actuator) {
                    actuator.resistance_ohm, actuator.inductance_h);
 }
 
+// a, b and current_row of LinearModel, in arithmetic of either length
+template <typename Scalar>
+struct Rows {
+  explicit Rows(Eigen::Index states)
+      : a(Matrix::Zero(states, states)),
+        b(Vector::Zero(states)),
+        current(RowVector::Zero(states)) {}
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using RowVector = Eigen::Matrix<Scalar, 1, Eigen::Dynamic>;
+  Matrix a;
+  Vector b;
+  RowVector current;
+};
+
+struct Bodies {
+  const Actuator& actuator;
+  const std::optional<Adapter>& adapter;
+  const Skin& skin;
+  const Grip& grip;
+  [[nodiscard]] Eigen::Index states() const {
+    return (adapter ? 6 : 4) + (actuator.inductance_h > 0 ? 1 : 0);
+  }
+};
+
+// Mc1
+template <typename Scalar>
+Scalar CaseSide(const Bodies& bodies) {
+  return Scalar{bodies.actuator.case_mass_kg} +
+         Scalar{bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0};
+}
+
 // the moving mass and its spring, which all scenes share, and what they do to the case of mass Mc1
 // (rows 2, 3 and 5 of matrix 2.5, without the coil's and the adapter's part)
-void FillMotor(const Actuator& actuator, double Mc1, Eigen::MatrixXd& a) {
-  const double Mv = actuator.moving_mass_kg, Kv = actuator.stiffness_n_per_m;
-  const double Bv = actuator.damping_n_s_per_m;
-  a(0, 1) = 1;
-  a.row(1).head(4) << -Kv / Mv, -Bv / Mv, Kv / Mv, Bv / Mv;
-  a(2, 3) = 1;
-  a.row(3).head(4) << Kv / Mc1, Bv / Mc1, -Kv / Mc1, -Bv / Mc1;
+template <typename Scalar>
+void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
+  const Scalar Mv = actuator.moving_mass_kg, Kv = actuator.stiffness_n_per_m;
+  const Scalar Bv = actuator.damping_n_s_per_m;
+  rows.a(0, 1) = 1;
+  rows.a.row(1).head(4) << -Kv / Mv, -Bv / Mv, Kv / Mv, Bv / Mv;
+  rows.a(2, 3) = 1;
+  rows.a.row(3).head(4) << Kv / Mc1, Bv / Mc1, -Kv / Mc1, -Bv / Mc1;
+}
+
+// what holds the case: the grip, and the skin itself or the adapter between
+template <typename Scalar>
+void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
+  const Scalar Ks = bodies.skin.stiffness_n_per_m, Bs = bodies.skin.damping_n_s_per_m;
+  rows.a(3, 2) -= Scalar{bodies.grip.stiffness_n_per_m} / Mc1;
+  rows.a(3, 3) -= Scalar{bodies.grip.damping_n_s_per_m} / Mc1;
+  if (!bodies.adapter) {
+    rows.a(3, 2) -= Ks / Mc1;
+    rows.a(3, 3) -= Bs / Mc1;
+    return;
+  }
+  const Scalar Ma2 = bodies.adapter->skin_side_mass_kg;
+  const Scalar Ka = bodies.adapter->stiffness_n_per_m, Ba = bodies.adapter->damping_n_s_per_m;
+  rows.a(3, 2) -= Ka / Mc1;
+  rows.a(3, 3) -= Ba / Mc1;
+  rows.a(3, 4) = Ka / Mc1;
+  rows.a(3, 5) = Ba / Mc1;
+  rows.a(4, 5) = 1;
+  rows.a.row(5).segment(2, 4) << Ka / Ma2, Ba / Ma2, -(Ka + Ks) / Ma2, -(Ba + Bs) / Ma2;
 }
 
 // the coil (row 1 of matrix 2.5) and its forces
-void FillCoil(const Actuator& actuator, double Mc1, LinearModel& model) {
-  const double Mv = actuator.moving_mass_kg, Km = actuator.force_constant_n_per_a;
-  const double R = actuator.resistance_ohm, L = actuator.inductance_h;
-  const Eigen::Index n = model.states();
-  Eigen::VectorXd force_per_ampere = Eigen::VectorXd::Zero(n);
+template <typename Scalar>
+void FillCoil(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
+  const Scalar Mv = actuator.moving_mass_kg, Km = actuator.force_constant_n_per_a;
+  const Scalar R = actuator.resistance_ohm, L = actuator.inductance_h;
+  const Eigen::Index n = rows.a.rows();
+  typename Rows<Scalar>::Vector force_per_ampere = Rows<Scalar>::Vector::Zero(n);
   force_per_ampere(LinearModel::kMoverVelocity) = -Km / Mv;
   force_per_ampere(LinearModel::kCaseVelocity) = Km / Mc1;
   if (L > 0) {
     const Eigen::Index i = n - 1;
-    model.a.row(i).head(4) << 0, Km / L, 0, -Km / L;
-    model.a(i, i) = -R / L;
-    model.a.col(i) += force_per_ampere;
-    model.b(i) = 1 / L;
-    model.current_row(i) = 1;
+    rows.a.row(i).head(4) << 0, Km / L, 0, -Km / L;
+    rows.a(i, i) = -R / L;
+    rows.a.col(i) += force_per_ampere;
+    rows.b(i) = 1 / L;
+    rows.current(i) = 1;
     return;
   }
-  model.current_row.head(4) << 0, Km / R, 0, -Km / R;
-  model.current_per_volt = 1 / R;
-  model.a += force_per_ampere * model.current_row;
-  model.b = force_per_ampere / R;
+  rows.current.head(4) << 0, Km / R, 0, -Km / R;
+  rows.a += force_per_ampere * rows.current;
+  rows.b = force_per_ampere / R;
+}
+
+template <typename Scalar>
+Rows<Scalar> RowsOf(const Bodies& bodies) {
+  Rows<Scalar> rows(bodies.states());
+  const auto Mc1 = CaseSide<Scalar>(bodies);
+  FillMotor(bodies.actuator, Mc1, rows);
+  FillMounting(bodies, Mc1, rows);
+  FillCoil(bodies.actuator, Mc1, rows);
+  return rows;
+}
+
+bool AllButOneBody(const Bodies& bodies) {
+  const double inverse_mass = 1 / bodies.actuator.moving_mass_kg + 1 / CaseSide<double>(bodies);
+  const double square = bodies.actuator.stiffness_n_per_m * inverse_mass;
+  return square > LinearModel::kStiffMoverRadPerS * LinearModel::kStiffMoverRadPerS;
+}
+
+void AddRest(const Bodies& bodies, LinearModel& model) {
+  const auto rows = RowsOf<long double>(bodies);
+  model.a_rest = (rows.a - model.a.cast<long double>()).cast<double>();
+  model.b_rest = (rows.b - model.b.cast<long double>()).cast<double>();
 }
 
 }  // namespace
@@ -57,33 +135,15 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
 LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>& adapter,
                           const Skin& skin, const Grip& grip) {
   CheckActuator(actuator);
-  const Eigen::Index n = (adapter ? 6 : 4) + (actuator.inductance_h > 0 ? 1 : 0);
-  LinearModel model{.a = Eigen::MatrixXd::Zero(n, n),
-                    .b = Eigen::VectorXd::Zero(n),
-                    .current_row = Eigen::RowVectorXd::Zero(n)};
-  const double Mc1 = actuator.case_mass_kg + (adapter ? adapter->motor_side_mass_kg : 0);
-  const double Ks = skin.stiffness_n_per_m, Bs = skin.damping_n_s_per_m;
-  FillMotor(actuator, Mc1, model.a);
-  model.a(3, 2) -= grip.stiffness_n_per_m / Mc1;
-  model.a(3, 3) -= grip.damping_n_s_per_m / Mc1;
-
-  if (!adapter) {
-    // the case itself on the skin
-    model.a(3, 2) -= Ks / Mc1;
-    model.a(3, 3) -= Bs / Mc1;
-  } else {
-    // the adapter between case and skin
-    const double Ma2 = adapter->skin_side_mass_kg;
-    const double Ka = adapter->stiffness_n_per_m, Ba = adapter->damping_n_s_per_m;
-    HAPTOMETER_CHECK(Ma2 > 0 && Mc1 > 0, "skin side {} kg, case side {} kg", Ma2, Mc1);
-    model.a(3, 2) -= Ka / Mc1;
-    model.a(3, 3) -= Ba / Mc1;
-    model.a(3, 4) = Ka / Mc1;
-    model.a(3, 5) = Ba / Mc1;
-    model.a(4, 5) = 1;
-    model.a.row(5).segment(2, 4) << Ka / Ma2, Ba / Ma2, -(Ka + Ks) / Ma2, -(Ba + Bs) / Ma2;
-  }
-  FillCoil(actuator, Mc1, model);
+  const Bodies bodies{.actuator = actuator, .adapter = adapter, .skin = skin, .grip = grip};
+  HAPTOMETER_CHECK(!adapter || (adapter->skin_side_mass_kg > 0 && CaseSide<double>(bodies) > 0),
+                   "skin side {} kg, case side {} kg", adapter->skin_side_mass_kg,
+                   CaseSide<double>(bodies));
+  auto rows = RowsOf<double>(bodies);
+  LinearModel model{
+      .a = std::move(rows.a), .b = std::move(rows.b), .current_row = std::move(rows.current)};
+  if (actuator.inductance_h == 0) model.current_per_volt = 1 / actuator.resistance_ohm;
+  if (AllButOneBody(bodies)) AddRest(bodies, model);
   return model;
 }
 

@@ -54,12 +54,12 @@ Eigen::MatrixXd MatrixExponential(const Eigen::MatrixXd& a) {
   return balanced.scale.asDiagonal() * exponential * balanced.scale.cwiseInverse().asDiagonal();
 }
 
-LongMatrix LongMatrixExponential(const Eigen::MatrixXd& a, long double t) {
+LongMatrix LongMatrixExponential(const LongMatrix& a, long double t) {
   HAPTOMETER_CHECK(a.rows() == a.cols() && a.allFinite(), "({}, {})", a.rows(), a.cols());
-  const BalancedMatrix balanced = Balance(a);
-  const LongMatrix scaled = t * balanced.matrix.cast<long double>();
+  const Eigen::Matrix<long double, Eigen::Dynamic, 1> scale =
+      Balance(a.cast<double>()).scale.cast<long double>();
+  const LongMatrix scaled = t * (scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal());
   const LongMatrix exponential = scaled.exp();
-  const auto scale = balanced.scale.cast<long double>();
   return scale.asDiagonal() * exponential * scale.cwiseInverse().asDiagonal();
 }
 

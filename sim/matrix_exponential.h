@@ -28,6 +28,6 @@ using LongMatrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// exp(A t) with the 64-bit mantissa of long double throughout, t included: the error eps |A| t of
 /// a step over 10^8 periods of the fastest state is 2000 times smaller. Cost: 0.1 ms for (9, 9).
-[[nodiscard]] LongMatrix LongMatrixExponential(const Eigen::MatrixXd& a, long double t);
+[[nodiscard]] LongMatrix LongMatrixExponential(const LongMatrix& a, long double t);
 
 }  // namespace haptometer::sim

@@ -24,6 +24,7 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
       rate_hz_(rate_hz),
       step_s_(1 / rate_hz),
       generator_(DrivenGenerator(mode.a, mode.Inputs(), shape)) {
+  if (mode.a_rest.size() > 0) long_generator_ = LongDrivenGenerator(mode, shape);
   if (mode.guards.empty()) return;
   const double longest_s = GuardBound::LongestHorizon(generator_);
   while (coarsest_level_ < kFinestLevel && std::ldexp(step_s_, -coarsest_level_) > longest_s) {
@@ -33,18 +34,26 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
 
 const Eigen::MatrixXd& ModeStepper::Step(int level) {
   Eigen::MatrixXd& step = steps_[PlaceOf(level)];
-  if (step.size() == 0)
-    step = DrivenStep(generator_, std::ldexp(step_s_, -level), shape_->generator.rows());
+  if (step.size() > 0) return step;
+  const double length_s = std::ldexp(step_s_, -level);
+  const Eigen::Index signals = shape_->generator.rows();
+  if (long_generator_.size() == 0) {
+    step = DrivenStep(generator_, length_s, signals);
+  } else {
+    const auto long_length_s = static_cast<long double>(length_s);
+    step = LongDrivenStep(long_generator_, long_length_s, signals).cast<double>();
+  }
   return step;
 }
 
 const LongMatrix& ModeStepper::LongStep(std::size_t power) {
   LongMatrix& step = long_steps_[power];
-  if (step.size() == 0) {
-    const long double outputs = std::ldexp(1.0L, static_cast<int>(power));
-    step = LongDrivenStep(generator_, outputs / static_cast<long double>(rate_hz_),
-                          shape_->generator.rows());
-  }
+  if (step.size() > 0) return step;
+  const long double outputs = std::ldexp(1.0L, static_cast<int>(power));
+  const LongMatrix generator =
+      long_generator_.size() > 0 ? long_generator_ : generator_.cast<long double>().eval();
+  step = LongDrivenStep(generator, outputs / static_cast<long double>(rate_hz_),
+                        shape_->generator.rows());
   return step;
 }
 

@@ -49,6 +49,7 @@ class ModeStepper {
   double rate_hz_;
   double step_s_;
   Eigen::MatrixXd generator_;
+  LongMatrix long_generator_;  // where the mode has a rest; else empty
   int coarsest_level_ = 0;
   std::vector<GuardBound> guards_;
   std::array<Eigen::MatrixXd, kLevels> steps_;

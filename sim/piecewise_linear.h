@@ -64,6 +64,8 @@ struct Mode {
   /// (n): the current in A is current_row x + current_per_volt v, and v times it the power in
   Eigen::RowVectorXd current_row;
   double current_per_volt = 0;
+  Eigen::MatrixXd a_rest{};  ///< as LinearModel's; empty: none
+  Eigen::VectorXd b_rest{};
   Eigen::MatrixXd finger{};  ///< (n, 2), or empty: the finger's motion reaches nothing
   /// (n + kInputs) of [x, u]: the force that the skin's foot feels, so that -vg times it is the
   /// power that the finger's motion puts in; empty: none.

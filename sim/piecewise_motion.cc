@@ -12,7 +12,6 @@ namespace haptometer::sim {
 
 namespace {
 
-constexpr std::uint64_t kOutputsBetweenAnchors = 1 << 14;
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
@@ -103,11 +102,13 @@ void PiecewiseMotion::SetSequences() {
   }
 }
 
+bool PiecewiseMotion::PlainSine() const {
+  return piece_.terms.size() == 1 && sequences_.size() == 1 &&
+         piece_.terms[0].kind == ExcitationTerm::Kind::kTone && piece_.terms[0].phase_rad == 0;
+}
+
 void PiecewiseMotion::SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w) {
-  const bool plain = piece_.terms.size() == 1 && sequences_.size() == 1 &&
-                     piece_.terms[0].kind == ExcitationTerm::Kind::kTone &&
-                     piece_.terms[0].phase_rad == 0;
-  if (plain) {
+  if (PlainSine()) {
     w = sequences_[0].At(output);
     return;
   }

@@ -85,6 +85,10 @@ class PiecewiseMotion {
   /// Goes on to the next output. Cost without events: 0.03 to 0.1 us; some 15 us for each
   /// event. Nothing happens after a stall.
   void Next();
+  /// Next() as often, and Positions() after each, one column each; fewer after a stall. The same
+  /// bits; where nothing can happen (no guards, no energies, one sine) at the cost of
+  /// UniformMotion.
+  [[nodiscard]] Eigen::MatrixXd Advance(std::size_t count);
 
   /// The number of the output that the motion stands at; 0: at its beginning.
   [[nodiscard]] std::uint64_t index() const { return index_; }
@@ -109,6 +113,7 @@ class PiecewiseMotion {
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_; }
 
  private:
+  static constexpr std::uint64_t kOutputsBetweenAnchors = 1 << 14;
   struct Point {
     Eigen::VectorXd x;
     Eigen::VectorXd drive;   // the signals w of the piece
@@ -139,6 +144,9 @@ class PiecewiseMotion {
   [[nodiscard]] std::size_t PlaceOfShape();
   [[nodiscard]] bool PieceEndsWithin() const { return piece_end_index_ == index_; }
   void SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w);
+  [[nodiscard]] bool PlainSine() const;
+  [[nodiscard]] Eigen::Index OutputsUnwatched();
+  void StepUnwatched(Eigen::Ref<Eigen::MatrixXd> samples);
   void Pass();
   [[nodiscard]] long double TimeAt(std::uint64_t tick) const;
   void Step(const Point& from, int level, Point& to);  // not in place

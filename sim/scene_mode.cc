@@ -110,7 +110,9 @@ Mode SceneMode(const Scene& scene) {
             .positions = {},
             .stored_j = {},
             .current_row = model.current_row,
-            .current_per_volt = model.current_per_volt};
+            .current_per_volt = model.current_per_volt,
+            .a_rest = model.a_rest,
+            .b_rest = model.b_rest};
   AddStored(scene, model, mode);
   AddDissipating(scene, model, mode);
   AddFinger(scene, model, mode);
@@ -124,6 +126,10 @@ Mode WithConstant(const Mode& mode) {
   Mode grown = mode;
   grown.a = without.transpose() * mode.a * without;
   grown.b = without.transpose() * mode.b;
+  if (mode.a_rest.size() > 0) {
+    grown.a_rest = without.transpose() * mode.a_rest * without;
+    grown.b_rest = without.transpose() * mode.b_rest;
+  }
   if (mode.finger.size() > 0) grown.finger = without.transpose() * mode.finger;
   grown.finger_force_row = RowIn(mode.finger_force_row, without);
   grown.stored_j = FormIn(mode.stored_j, without);

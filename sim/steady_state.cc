@@ -21,7 +21,37 @@ using Wide = std::complex<long double>;
 struct PhasorSystem {
   Eigen::MatrixXcd matrix;  // (n, n)
   Eigen::VectorXcd right;   // (n)
+  // what rounding left out of both (linear_model.h), or empty
+  Eigen::MatrixXd matrix_rest{};
+  Eigen::VectorXd right_rest{};
 };
+
+PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
+                      const SineDrive& drive) {
+  const Eigen::Index n = model.states();
+  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+  PhasorSystem system;
+  system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
+  system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
+  if (model.a_rest.size() == 0) return system;
+  system.matrix_rest =
+      -(balanced.scale.cwiseInverse().asDiagonal() * model.a_rest * balanced.scale.asDiagonal());
+  system.right_rest = drive.amplitude_v * model.b_rest.cwiseQuotient(balanced.scale);
+  // the product with the amplitude was rounded too
+  for (Eigen::Index k = 0; k < n; ++k) {
+    system.right_rest(k) +=
+        std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k).real());
+  }
+  return system;
+}
+
+Wide RestOfResidual(const PhasorSystem& system, Eigen::Index row, const Eigen::VectorXcd& x) {
+  Wide sum(static_cast<long double>(system.right_rest(row)));
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    sum -= static_cast<long double>(system.matrix_rest(row, k)) * Wide(x(k));
+  }
+  return sum;
+}
 
 // right - matrix * x, accumulated in 64 bits so that the refinement has something to refine
 Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
@@ -29,6 +59,7 @@ Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x)
   for (Eigen::Index row = 0; row < x.size(); ++row) {
     Wide sum(system.right(row));
     for (Eigen::Index k = 0; k < x.size(); ++k) sum -= Wide(system.matrix(row, k)) * Wide(x(k));
+    if (system.right_rest.size() > 0) sum += RestOfResidual(system, row, x);
     residual(row) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
   }
   return residual;
@@ -37,7 +68,10 @@ Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x)
 // |M^-1| (|residual| + eps (|M| |x| + |right|)): how far each entry may be off
 Eigen::VectorXd ForwardBound(const PhasorSystem& system, const Eigen::MatrixXcd& inverse,
                              const Eigen::VectorXcd& x) {
-  const double eps = std::numeric_limits<double>::epsilon();
+  // what the numbers themselves are worth
+  const double eps = system.right_rest.size() > 0
+                         ? static_cast<double>(std::numeric_limits<long double>::epsilon())
+                         : std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd rounding =
       eps * (system.matrix.cwiseAbs() * x.cwiseAbs() + system.right.cwiseAbs());
   return inverse.cwiseAbs() * (Residual(system, x).cwiseAbs() + rounding);
@@ -65,14 +99,9 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
 
 SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, const Skin& skin) {
   HAPTOMETER_CHECK(drive.frequency_hz > 0, "frequency_hz = {}", drive.frequency_hz);
-  const Eigen::Index n = model.states();
-  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
-
   // balanced units, so that pivots and norms compare like with like
   const BalancedMatrix balanced = Balance(model.a);
-  PhasorSystem system;
-  system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
-  system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
+  const PhasorSystem system = SystemOf(model, balanced, drive);
 
   // solve, then correct once by the residual
   const Eigen::PartialPivLU<Eigen::MatrixXcd> factors(system.matrix);

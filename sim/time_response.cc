@@ -53,7 +53,7 @@ TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
   // each exponential on its own: squaring the smallest would lose what distinguishes it from 1
   powers_.reserve(kPowers);
   for (int k = 0; k < kPowers; ++k) {
-    powers_.push_back(DrivenStep(generator_, std::ldexp(1.0, k + kSmallestExponent)));
+    powers_.push_back(DrivenStep(model_, drive_, std::ldexp(1.0, k + kSmallestExponent)));
   }
 }
 
@@ -78,6 +78,12 @@ Eigen::MatrixXd TimeResponse::Sample(double start_s, double rate_hz, std::size_t
   return UniformMotion(model_, drive_, StateAt(start_s), start_s, rate_hz, count);
 }
 
+Eigen::MatrixXd TimeResponse::Exponential(double h_s) const {
+  if (model_.a_rest.size() == 0) return MatrixExponential(h_s * generator_);
+  const auto length_s = static_cast<long double>(h_s);
+  return LongMatrixExponential(LongDrivenGenerator(model_, drive_), length_s).cast<double>();
+}
+
 double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
   HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
   const double length_s = end_s - begin_s;
@@ -93,7 +99,8 @@ double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s)
 
   // twice the interval: its first half, and its second half seen from the beginning
   for (int k = 0; k < doublings; ++k) {
-    const Eigen::MatrixXd e = MatrixExponential(std::ldexp(short_s, k) * balanced.matrix);
+    const Eigen::MatrixXd e = balanced.scale.cwiseInverse().asDiagonal() *
+                              Exponential(std::ldexp(short_s, k)) * balanced.scale.asDiagonal();
     gramian += (e.transpose() * gramian * e).eval();
   }
   Eigen::VectorXd z(states_ + 2);

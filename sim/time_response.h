@@ -17,8 +17,8 @@ namespace haptometer::sim {
 /// at each instant rather than stepped, so the drive's phase does not drift.
 class TimeResponse {
  public:
-  /// Cost: 84 exponentials of (9, 9), 0.3 ms. kSteady takes the phasor at t = 0 as the initial
-  /// state.
+  /// Cost: 84 exponentials of (9, 9), 0.3 ms (10 ms where the model has a rest). kSteady takes the
+  /// phasor at t = 0 as the initial state.
   TimeResponse(const LinearModel& model, const SineDrive& drive, Start start);
   /// From any state at t = 0: `initial` has model.states() entries.
   TimeResponse(const LinearModel& model, const SineDrive& drive, Eigen::VectorXd initial);
@@ -42,6 +42,8 @@ class TimeResponse {
   [[nodiscard]] double WindowRms(Eigen::Index state, double begin_s, double end_s) const;
 
  private:
+  [[nodiscard]] Eigen::MatrixXd Exponential(double h_s) const;  // of generator_
+
   Eigen::Index states_;
   LinearModel model_;
   SineDrive drive_;

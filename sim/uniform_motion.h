@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 
+#include "sim/driven_step.h"
 #include "sim/linear_model.h"
 #include "sim/scene.h"
 
@@ -20,5 +22,10 @@ namespace haptometer::sim {
 [[nodiscard]] Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
                                             const Eigen::VectorXd& initial, double start_s,
                                             double rate_hz, std::size_t count);
+
+/// The states that follow sample `first`, whose state is x, one column each: what UniformMotion
+/// steps with, for (n, n + 2) `step` of 4 <= n <= 7 states. samples: (n, any number).
+void StepUniformly(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t first,
+                   const Eigen::VectorXd& x, Eigen::Ref<Eigen::MatrixXd> samples);
 
 }  // namespace haptometer::sim

@@ -53,6 +53,20 @@ TEST(SteadyState, OfTheConeAndDirectScenesAgreesWithFiftyDigits) {
   EXPECT_REL(direct.skin_force_peak_n, tests::kDirectSkinForcePeakN, 2e-15, kFiftyDigits);
 }
 
+// mover and case all but one body: what the coil's pair of forces leaves over is 1e-9 of them
+TEST(SteadyState, OfAStiffMoverAgreesWithFiftyDigits) {
+  Scene scene = AdapterScene();
+  scene.actuator.stiffness_n_per_m = 1e11;
+  const SteadyState steady = SolveSteadyState(scene);
+  const char* balance = "eps of 64 bits times Kv/Ks";
+  EXPECT_REL(steady.skin_rms_m, tests::kStiffMoverSkinRmsM, 1e-11, balance);
+  EXPECT_REL(steady.case_rms_m, tests::kStiffMoverCaseRmsM, 1e-11, balance);
+  EXPECT_REL(steady.power_w, tests::kStiffMoverPowerW, 2e-15, kFiftyDigits);
+  EXPECT_LE(std::abs(steady.skin_rms_m / tests::kStiffMoverSkinRmsM - 1), steady.error_estimate);
+  EXPECT_LT(steady.error_estimate, 1e-8)
+      << "eps Kv/Ks: rounding of the phasors as if it did not cancel";
+}
+
 TEST(SteadyState, BoundsItsOwnError) {
   for (const double frequency_hz : {10.0, 47.6, 225.15, 613.7, 1e4, 1e6}) {
     Scene scene = AdapterScene();

@@ -32,6 +32,7 @@ SCENES = {
     "Adapter": dict(**ACTUATOR, **ADAPTER, Ks="600", Bs="0.75"),
     "Cone": dict(**ACTUATOR, Ks="600", Bs="0.75"),
     "Direct": dict(**ACTUATOR, Ks="1861.2", Bs="2.2185"),
+    "StiffMover": dict(**dict(ACTUATOR, Kv="1e11"), **ADAPTER, Ks="600", Bs="0.75"),
 }
 VOLT, HERTZ = mp.mpf(5), mp.mpf(225)
 # Every constant is rounded to the nearest double first: the references are those of the numbers that
@@ -226,6 +227,10 @@ HARD = {
     "skin's side 1e-6 of the mover": dict(Ma2="1.4e-9"),
     "skin's side 1e-6 of the mover, no inductance": dict(Ma2="1.4e-9", L="0"),
     "Kv = 1e11": dict(Kv="1e11"), "Ka = 1e11": dict(Ka="1e11"), "Ks = 1e11": dict(Ks="1e11"),
+    # just below and above where rounding of the coil's forces begins to count, and the worst of it
+    "Kv = 2e5": dict(Kv="2e5", L="0"), "Kv = 1e7": dict(Kv="1e7", L="0"),
+    "Kv = 1e11, no inductance": dict(Kv="1e11", L="0"),
+    "Kv = 1e11, Ks = 0": dict(Kv="1e11", Ks="0"),
 }
 CHANGED = dict(L="inductance_h", Kv="mover_stiffness_n_per_m", Bv="mover_damping_n_s_per_m",
                Ma2="skin_side_mass_kg", Ka="adapter_stiffness_n_per_m",
@@ -275,6 +280,9 @@ def header():
     assert abs(other / rms - 1) < 1e-8, (other, rms)
     out += ["// RMS of the skin over the last 10 periods of 0.1 s from rest, adapter scene",
             f"inline constexpr double kAdapterWindowRmsM = {number(rms)};", ""]
+    stiff = FromRest(dict(SCENES["Adapter"], Kv="1e11")).window_rms(4, begin, end)
+    out += ["// the same with a mover's spring of 1e11 N/m",
+            f"inline constexpr double kStiffMoverWindowRmsM = {number(stiff)};", ""]
 
     out.append("// states at 0.0123 s from rest, adapter scene; the same with L = 10 uH and 1 uH")
     for name, inductance in (("", "130e-6"), ("10uH", "10e-6"), ("1uH", "1e-6")):
