@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -154,6 +155,32 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
                fmt::format("did you mean {}{}?", number, customary));
 }
 
+// `value` times a factor whose inverse is a whole number where it is below 1
+double Times(double value, double factor) {
+  return factor < 1 ? value / std::round(1 / factor) : value * factor;
+}
+
+// The number at the front of `text` times a unit's factor. A power of ten moves the decimal point,
+// so that 0.4 mm is the double next to 0.0004, as if that had been written.
+double InSi(std::string_view text, const Number& number, double factor) {
+  const int shift = static_cast<int>(std::lround(std::log10(factor)));
+  const bool moves_the_point = std::abs(std::pow(10.0, shift) / factor - 1) < 1e-12;
+  if (shift == 0 || !moves_the_point) return Times(number.value, factor);
+  const std::size_t sign = text.starts_with('+') ? 1 : 0;
+  const std::string_view written = text.substr(sign, number.length - sign);
+  const std::size_t mark = std::min(written.find_first_of("eE"), written.size());
+  int exponent = 0;
+  if (mark < written.size()) {
+    const std::size_t first = mark + (written[mark + 1] == '+' ? 2 : 1);
+    std::from_chars(written.data() + first, written.data() + written.size(), exponent);
+  }
+  const std::string shifted = fmt::format("{}e{}", written.substr(0, mark), exponent + shift);
+  double value = 0;
+  const auto [end, failure] =
+      std::from_chars(shifted.data(), shifted.data() + shifted.size(), value);
+  return failure == std::errc{} ? value : Times(number.value, factor);
+}
+
 Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::string_view where) {
   return Usage(std::string(where), fmt::format("'{}' is not {}", raw, row.name),
                fmt::format("write it like {}", row.example));
@@ -197,17 +224,17 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     const auto factor = UnitFactor(row, right_symbol.empty() ? symbol : right_symbol,
                                    right.substr(0, deviation->length), where);
     if (!factor) return std::unexpected(factor.error());
-    uncertainty = deviation->value * *factor;
+    uncertainty = InSi(right, *deviation, *factor);
     if (uncertainty < 0) return NotANumber(raw, row, where);
     const auto left = UnitFactor(row, symbol, text.substr(0, number->length), where);
     if (!left) return std::unexpected(left.error());
-    return Quantity{number->value * *left, uncertainty};
+    return Quantity{InSi(text, *number, *left), uncertainty};
   }
   const auto factor =
       UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where);
   if (!factor) return std::unexpected(factor.error());
   if (uncertainty < 0) return NotANumber(raw, row, where);
-  return Quantity{number->value * *factor, uncertainty * *factor};
+  return Quantity{InSi(text, *number, *factor), Times(uncertainty, *factor)};
 }
 
 }  // namespace haptometer

@@ -5,8 +5,10 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "sim/excitation.h"
 #include "sim/scene_file.h"
 #include "sim/steady_state.h"
+#include "sim/steady_tones.h"
 #include "sim/time_response.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -17,6 +19,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto scene = sim::ReadSceneText(text, "scene.toml");
   if (!scene) {
     if (scene.error().Text().empty()) std::abort();
+    return 0;
+  }
+  if (scene->drive.kind != sim::DriveKind::kSine) {
+    const sim::Excitation excitation(scene->drive, scene->finger.tones);
+    if (excitation.size() == 0 || excitation.Piece(excitation.size() - 1).terms.empty()) {
+      std::abort();
+    }
+    if (scene->drive.kind == sim::DriveKind::kTones) {
+      static_cast<void>(sim::SolveSteadyTones(*scene));
+    }
     return 0;
   }
   const sim::SteadyState steady = sim::SolveSteadyState(*scene);

@@ -1,13 +1,76 @@
 #include "sim/drive.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
 #include "base/check.h"
 
 namespace haptometer::sim {
 
 Drive::operator SineDrive() const {
-  HAPTOMETER_CHECK(kind == DriveKind::kSine, "a drive of kind {} is no sine",
-                   static_cast<int>(kind));
+  HAPTOMETER_CHECK(kind == DriveKind::kSine, "a drive of kind {} is no sine", Name(kind));
   return {.amplitude_v = amplitude_v, .frequency_hz = frequency_hz};
+}
+
+std::string_view Name(DriveKind kind) {
+  constexpr std::array<std::string_view, 6> kNames{"sine",  "tones", "burst",
+                                                   "chirp", "pulse", "samples"};
+  return kNames[static_cast<std::size_t>(kind)];
+}
+
+double HighestFrequencyHz(const Drive& drive) {
+  double highest_hz = 0;
+  switch (drive.kind) {
+    case DriveKind::kSine:
+    case DriveKind::kBurst:
+      return drive.frequency_hz;
+    case DriveKind::kChirp:
+      return std::max(drive.frequency_hz, drive.end_frequency_hz);
+    case DriveKind::kTones:
+      for (const Tone& tone : drive.tones) highest_hz = std::max(highest_hz, tone.frequency_hz);
+      return highest_hz;
+    case DriveKind::kPulse:
+    case DriveKind::kSamples:
+      return 0;
+  }
+  return 0;
+}
+
+bool IsLasting(const Drive& drive) {
+  return drive.kind == DriveKind::kSine || drive.kind == DriveKind::kTones;
+}
+
+double EndOfDriveS(const Drive& drive) {
+  switch (drive.kind) {
+    case DriveKind::kSine:
+    case DriveKind::kTones:
+      return std::numeric_limits<double>::infinity();
+    case DriveKind::kBurst:
+      return drive.start_s + drive.rise_s + drive.hold_s + drive.fall_s;
+    case DriveKind::kChirp:
+      return drive.start_s + drive.duration_s;
+    case DriveKind::kPulse:
+      return drive.start_s + drive.hold_s;
+    case DriveKind::kSamples:
+      return static_cast<double>(drive.samples->voltages_v.size() - 1) / drive.samples->rate_hz;
+  }
+  return 0;
+}
+
+double LargestVoltageV(const Drive& drive) {
+  double largest_v = 0;
+  if (drive.kind == DriveKind::kTones) {
+    for (const Tone& tone : drive.tones) largest_v += std::abs(tone.amplitude);
+    return largest_v;
+  }
+  if (drive.kind != DriveKind::kSamples) return std::abs(drive.amplitude_v);
+  for (const double voltage_v : drive.samples->voltages_v) {
+    largest_v = std::max(largest_v, std::abs(voltage_v));
+  }
+  return largest_v;
 }
 
 }  // namespace haptometer::sim

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string_view>
 #include <vector>
 
 namespace haptometer::sim {
@@ -21,6 +22,9 @@ struct Tone {
 
 /// As [drive] kind calls them.
 enum class DriveKind : std::uint8_t { kSine, kTones, kBurst, kChirp, kPulse, kSamples };
+
+/// "sine", "tones", "burst", "chirp", "pulse", "samples".
+[[nodiscard]] std::string_view Name(DriveKind kind);
 
 /// Voltages at equal times, straight lines between them, 0 before and after.
 struct VoltageSamples {
@@ -51,12 +55,26 @@ struct Drive {
   double fall_s = 0;
   double end_frequency_hz = 0;
   double duration_s = 0;
-  double hold_tolerance = 1e-10;
+  double hold_tolerance = 1e-8;
   std::shared_ptr<const VoltageSamples> samples{};
 
   /// The drive as a sine, which it must be: most of what is said of a steady state asks for one.
   operator SineDrive() const;  // NOLINT(google-explicit-constructor): scenes mostly have one
 };
+
+/// The highest frequency that a sine, tones, a burst or a chirp play; 0 of a pulse and of samples,
+/// which have none of their own.
+[[nodiscard]] double HighestFrequencyHz(const Drive& drive);
+
+/// Whether the drive goes on forever as it is, so that motions may settle to a steady one: of a
+/// sine and of tones.
+[[nodiscard]] bool IsLasting(const Drive& drive);
+
+/// When the voltage is 0 for good; infinite where the drive lasts.
+[[nodiscard]] double EndOfDriveS(const Drive& drive);
+
+/// The largest voltage that the drive may come to: amplitude, sum of the tones', largest sample.
+[[nodiscard]] double LargestVoltageV(const Drive& drive);
 
 /// The finger's own motion under the skin: the sum of tones in m, towards the skin's far side
 /// positive as all positions are. Tremor, or whatever shakes the hand.

@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include <vector>
 
 #include "base/input_file.h"
+#include "sim/excitation.h"
 #include "sim/scene_values.h"
 
 namespace haptometer::sim {
@@ -23,15 +25,11 @@ namespace {
 
 constexpr std::string_view kColumn = "voltage_v";
 constexpr double kLargestVoltageV = 1e9;
+constexpr double kMostCubics = 1e7;  // of a chirp
+constexpr std::uint64_t kLargestFileBytes = 1ULL << 28;
 
-struct NamedKind {
-  std::string_view name;
-  DriveKind kind;
-};
-constexpr std::array kKinds{
-    NamedKind{"sine", DriveKind::kSine},   NamedKind{"tones", DriveKind::kTones},
-    NamedKind{"burst", DriveKind::kBurst}, NamedKind{"chirp", DriveKind::kChirp},
-    NamedKind{"pulse", DriveKind::kPulse}, NamedKind{"samples", DriveKind::kSamples}};
+constexpr std::array kKinds{DriveKind::kSine,  DriveKind::kTones, DriveKind::kBurst,
+                            DriveKind::kChirp, DriveKind::kPulse, DriveKind::kSamples};
 
 Tone ReadTone(TomlTable& table, std::string_view amplitude, Dimension dimension) {
   return {.amplitude = NotNegative(table, amplitude, dimension),
@@ -56,44 +54,80 @@ void ReadBurst(TomlTable& table, Drive& drive) {
   table.Refuse("hold_s", "leaves a burst of no length", "give rise_s, hold_s or fall_s");
 }
 
+// what is asked for must be playable; needs all of the chirp
+void RefuseEndlessChirp(TomlTable& table, const Drive& drive) {
+  if (!(drive.frequency_hz > 0 && drive.end_frequency_hz > 0 && drive.duration_s > 0)) return;
+  const double cubics = CubicsOf(drive);
+  if (cubics <= kMostCubics) return;
+  table.Refuse("duration_s", fmt::format("takes {:.2g} cubics at this hold_tolerance", cubics),
+               fmt::format("shorten it to {:.3g} s, or loosen hold_tolerance",
+                           drive.duration_s * kMostCubics / cubics));
+}
+
 void ReadChirp(TomlTable& table, Drive& drive) {
   drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
   drive.end_frequency_hz = Positive(table, "end_frequency_hz", Dimension::kFrequency);
   drive.duration_s = Positive(table, "duration_s", Dimension::kTime);
-  if (!table.Has("hold_tolerance")) return;
-  drive.hold_tolerance = table.Require("hold_tolerance", Dimension::kNone);
-  if (!(drive.hold_tolerance >= 1e-13 && drive.hold_tolerance <= 0.1)) {
+  const double tolerance =
+      table.Number("hold_tolerance", Dimension::kNone).value_or(drive.hold_tolerance);
+  if (tolerance >= 1e-13 && tolerance <= 0.1) {
+    drive.hold_tolerance = tolerance;
+  } else {
     table.Refuse("hold_tolerance", "is not 1e-13 to 0.1", "it is relative to amplitude_v");
   }
+  RefuseEndlessChirp(table, drive);
+}
+
+// a line without blanks at its ends, and without a sign that says nothing
+std::string_view Bare(std::string_view line) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t first = line.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  line = line.substr(first, line.find_last_not_of(kBlanks) - first + 1);
+  if (line.starts_with('+')) line.remove_prefix(1);
+  return line;
 }
 
 // a line's number; nothing where it is none
 std::optional<double> NumberIn(std::string_view line) {
-  while (!line.empty() && (line.back() == '\r' || line.back() == ' ')) line.remove_suffix(1);
   double value = 0;
   const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value);
   const bool whole = error == std::errc{} && end == line.data() + line.size();
   return whole && std::abs(value) <= kLargestVoltageV ? std::optional(value) : std::nullopt;
 }
 
+// the lines of a file, without its byte order mark and the empty lines at its end
+std::vector<std::string_view> LinesOf(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    lines.push_back(Bare(text.substr(0, end)));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  while (!lines.empty() && lines.back().empty()) lines.pop_back();
+  return lines;
+}
+
 // the file's voltages, or what is wrong with it
 Result<std::vector<double>> ReadVoltages(const std::string& path) {
-  const auto text = ReadInputFile(path);
+  const auto text = ReadInputFile(path, kLargestFileBytes);
   if (!text) return std::unexpected(text.error());
+  const std::vector<std::string_view> lines = LinesOf(*text);
+  if (lines.empty() || lines[0] != kColumn) {
+    return CannotAnswer(path + ":1", fmt::format("is not the column's name {}", kColumn),
+                        "begin the file with it");
+  }
   std::vector<double> voltages_v;
-  std::size_t number = 0;
-  for (std::size_t at = 0; at < text->size(); ++number) {
-    const std::size_t end = std::min(text->find('\n', at), text->size());
-    const std::string_view line = std::string_view(*text).substr(at, end - at);
-    at = end + 1;
-    const std::string where = fmt::format("{}:{}", path, number + 1);
-    if (number == 0) {
-      if (line.starts_with(kColumn) && line.size() <= kColumn.size() + 1) continue;
-      return CannotAnswer(where, fmt::format("is not the column's name {}", kColumn),
-                          "begin the file with it");
+  voltages_v.reserve(lines.size() - 1);
+  for (std::size_t k = 1; k < lines.size(); ++k) {
+    const std::optional<double> value = NumberIn(lines[k]);
+    if (!value) {
+      return CannotAnswer(fmt::format("{}:{}", path, k + 1),
+                          fmt::format("\"{}\" is no voltage", lines[k]),
+                          fmt::format("write a number of volts, up to {:g}", kLargestVoltageV));
     }
-    const std::optional<double> value = NumberIn(line);
-    if (!value) return CannotAnswer(where, fmt::format("\"{}\" is no voltage", line), "check it");
     voltages_v.push_back(*value);
   }
   if (voltages_v.size() >= 2) return voltages_v;
@@ -127,12 +161,12 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
       NotNegativeOr(table, "source_resistance_ohm", Dimension::kResistance, 0);
   std::vector<std::string> names;
   names.reserve(kKinds.size());
-  for (const NamedKind& known : kKinds) names.emplace_back(known.name);
+  for (const DriveKind known : kKinds) names.emplace_back(Name(known));
   if (!table.Has("kind")) table.Refuse("kind", "is missing", "write kind = \"sine\"");
   const auto kind = table.Choice("kind", names);
   if (table.Has("kind") && !kind) return drive;
-  for (const NamedKind& known : kKinds) {
-    if (known.name == kind) drive.kind = known.kind;
+  for (const DriveKind known : kKinds) {
+    if (Name(known) == kind) drive.kind = known;
   }
   if (drive.kind == DriveKind::kSamples) {
     ReadSamples(table, scene_path, drive);
@@ -145,6 +179,9 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   }
   if (drive.kind == DriveKind::kPulse) {
     drive.amplitude_v = table.Require("amplitude_v", Dimension::kVoltage);
+    if (drive.amplitude_v != 0) {
+      RefuseUnlessReal(table, "amplitude_v", std::abs(drive.amplitude_v));
+    }
     drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
     drive.hold_s = Positive(table, "hold_s", Dimension::kTime);
     return drive;

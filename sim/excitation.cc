@@ -64,7 +64,25 @@ Eigen::Vector2d TurnOf(const ExcitationTerm& term, long double t_s) {
 
 ExcitationTerm Silence() { return {.kind = Kind::kPolynomial}; }
 
+// a bound of |v''''| / A of a chirp: v'''' = A ((w^4 - 3 a^2) sin - 6 a w^2 cos)
+double FourthOfChirp(const Drive& drive) {
+  const double w0 = 2 * std::numbers::pi * drive.frequency_hz;
+  const double w1 = 2 * std::numbers::pi * drive.end_frequency_hz;
+  const double w = std::max(w0, w1), a = std::abs(w1 - w0) / drive.duration_s;
+  return w * w * w * w + 6 * a * w * w + 3 * a * a;
+}
+
 }  // namespace
+
+double CubicsOf(const Drive& chirp) {
+  const double step_s = std::pow(384 * chirp.hold_tolerance / FourthOfChirp(chirp), 0.25);
+  const double cubics = std::ceil(chirp.duration_s / step_s);
+  // whole milliseconds: as many in each, so that knots and outputs meet
+  const double milliseconds = std::round(1000 * chirp.duration_s);
+  const bool is_whole =
+      milliseconds >= 1 && std::abs(1000 * chirp.duration_s - milliseconds) <= 1e-12 * milliseconds;
+  return is_whole ? milliseconds * std::ceil(cubics / milliseconds) : cubics;
+}
 
 ExcitationShape ShapeOf(const ExcitationPiece& piece) {
   const Eigen::Index m = SizeOf(piece);
@@ -255,17 +273,14 @@ void Excitation::HoldChirp(const Drive& drive) {
   const double tau = 2 * std::numbers::pi;
   const double w0 = tau * drive.frequency_hz, w1 = tau * drive.end_frequency_hz;
   const double acceleration = (w1 - w0) / drive.duration_s;
-  // v'''' = A ((w^4 - 3 a^2) sin - 6 a w^2 cos)
-  const double w = std::max(w0, w1), a = std::abs(acceleration);
-  const double fourth = w * w * w * w + 6 * a * w * w + 3 * a * a;
-  const double step_s = std::pow(384 * drive.hold_tolerance / fourth, 0.25);
-  const double intervals = std::ceil(drive.duration_s / step_s);
+  const double intervals = CubicsOf(drive);
   HAPTOMETER_CHECK(intervals < 1e9, "{} cubics", intervals);
   knots_ = static_cast<std::size_t>(intervals) + 1;
   held_degree_ = 3;
   held_from_s_ = drive.start_s;
   held_rate_hz_ = intervals / drive.duration_s;
-  voltage_error_v_ = std::abs(drive.amplitude_v) * fourth * std::pow(held_rate_hz_, -4) / 384;
+  voltage_error_v_ =
+      std::abs(drive.amplitude_v) * FourthOfChirp(drive) * std::pow(held_rate_hz_, -4) / 384;
   knot_ = [drive, acceleration, w0, rate = held_rate_hz_](std::size_t k) {
     const long double s = static_cast<long double>(k) / static_cast<long double>(rate);
     const long double cycles =

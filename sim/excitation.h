@@ -77,6 +77,10 @@ class Excitation {
   double voltage_error_v_ = 0;
 };
 
+/// How many cubics hold a chirp within its tolerance, a whole number; the same in each millisecond
+/// where the chirp lasts whole ones.
+[[nodiscard]] double CubicsOf(const Drive& chirp);
+
 /// The equations that a piece's terms obey: w' = generator w, u = rows w.
 ///
 /// w: of a tone [sin, cos]; of a ramped one [sin, cos, tau sin, tau cos]; of a polynomial its value

@@ -171,6 +171,8 @@ void PiecewiseMotion::Play() {
       level = std::max(level - 1, Stepper().CoarsestLevel());
     }
   }
+  // a piece may end with the step
+  if (PieceEndsWithin() && now_.tick >= piece_end_tick_) BeginPiece(place_ + 1);
   const bool whole = begin.tick == 0 && place_ == place && !PieceEndsWithin();
   if (events_.size() == events_before) {
     // nothing happened: the same bits as if nobody had looked

@@ -11,6 +11,7 @@
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 #include "sim/steady_state.h"
+#include "sim/steady_tones.h"
 #include "sim/stop_modes.h"
 
 namespace haptometer::sim {
@@ -211,6 +212,7 @@ PiecewiseLinearSystem AssemblePiecewise(const Scene& scene, const PiecewiseEffec
 PiecewiseStart PiecewiseStartOf(const Scene& scene) {
   const LinearModel model = AssembleModel(scene);
   if (StartOf(scene) == Start::kRest) return {.x = Eigen::VectorXd::Zero(model.states())};
+  if (scene.drive.kind == DriveKind::kTones) return {.x = SolveSteadyTones(scene).start};
   return {.x = SolveSteadyState(model, scene.drive, Skin{}).phasors.imag()};
 }
 

@@ -8,10 +8,11 @@
 #include <mutex>
 #include <utility>
 
+#include "sim/excitation.h"
 #include "sim/hermite.h"
 #include "sim/linear_model.h"
+#include "sim/output_rate.h"
 #include "sim/piecewise_motion.h"
-#include "sim/scene_run.h"
 
 namespace haptometer::sim {
 
@@ -26,7 +27,7 @@ class Player {
       : scene_(std::move(scene)),
         start_(std::move(start)),
         position_(StateOf(AssembleModel(scene_.scene), target)),
-        rate_hz_(kOutputsPerPeriod * scene_.scene.drive.frequency_hz) {
+        rate_hz_(OutputRateHz(scene_.scene)) {
     Begin();
   }
 
@@ -44,8 +45,10 @@ class Player {
 
  private:
   void Begin() {
-    motion_ = std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene_.scene, scene_.piecewise),
-                                                scene_.scene.drive, start_, rate_hz_);
+    motion_ =
+        std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene_.scene, scene_.piecewise),
+                                          Excitation(scene_.scene.drive, scene_.scene.finger.tones),
+                                          start_, OutputGrid{.rate_hz = rate_hz_});
     jets_.clear();
     first_ = 0;
     Keep();

@@ -26,7 +26,8 @@ Sensor IdealSensor() {
 }
 
 Start StartOf(const Scene& scene) {
-  return scene.start.value_or(scene.duration_s ? Start::kRest : Start::kSteady);
+  const bool settles = IsLasting(scene.drive) && !scene.duration_s;
+  return scene.start.value_or(settles ? Start::kSteady : Start::kRest);
 }
 
 }  // namespace haptometer::sim

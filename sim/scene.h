@@ -83,7 +83,8 @@ struct Scene {
   AskedQuantity quantity = AskedQuantity::kSkinRms;
 };
 
-/// The stated start; where nothing is stated, rest for a scene with a duration, steady otherwise.
+/// The stated start; where nothing is stated, rest for a scene with a duration and for a drive that
+/// ends, steady otherwise.
 [[nodiscard]] Start StartOf(const Scene& scene);
 
 }  // namespace haptometer::sim

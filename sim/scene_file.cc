@@ -22,14 +22,7 @@ namespace haptometer::sim {
 
 namespace {
 
-constexpr std::string_view kThisVersion = "this version simulates a sine drive";
-
 constexpr long long kMostAverages = 65536;
-
-// what the format knows and this version cannot honour
-void RefuseUnsimulated(TomlTable& table, std::string_view key, std::string what) {
-  table.Refuse(key, std::move(what), std::string(kThisVersion));
-}
 
 // where a relative path in the scene leads: beside the scene
 std::string Beside(const std::string& scene_path, const std::string& path) {
@@ -108,15 +101,6 @@ Skin ReadSkin(TomlTable& table) {
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
 }
 
-// what is answered rests on a sine
-Drive ReadSineDrive(TomlTable& table, const std::string& scene_path) {
-  Drive drive = ReadDrive(table, scene_path);
-  if (drive.kind == DriveKind::kSine) return drive;
-  RefuseUnsimulated(table, "kind",
-                    fmt::format("\"{}\" is not simulated yet", table.Text("kind").value_or("")));
-  return {};
-}
-
 void ReadDemand(TomlTable& table, Scene& scene) {
   if (table.Has("tolerance")) {
     scene.tolerance = table.Require("tolerance", Dimension::kNone);
@@ -143,7 +127,13 @@ void ReadRun(TomlTable* table, Scene& scene) {
     }
   }
   const auto start = table->Choice("start", {"rest", "steady"});
-  if (start) scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
+  if (!start) return;
+  scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
+  if (*scene.start == Start::kRest || IsLasting(scene.drive)) return;
+  table->Refuse("start",
+                fmt::format("\"steady\" is of drives that last, and kind = \"{}\" ends",
+                            Name(scene.drive.kind)),
+                "write start = \"rest\"");
 }
 
 trial::SensorHead HeadOfKind(const std::string& kind) {
@@ -254,7 +244,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   scene.adapter = ReadAdapter(root->Table("adapter"));
   scene.effects = ReadEffects(*root, skin_table);
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
-  if (drive_table != nullptr) scene.drive = ReadSineDrive(*drive_table, where);
+  if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table, where);
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
   scene.grip = ReadMounting(root->Table("mounting"));

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "base/check.h"
+#include "sim/excitation.h"
 #include "sim/hermite.h"
 #include "sim/linear_model.h"
+#include "sim/output_rate.h"
 #include "sim/piecewise_motion.h"
 #include "sim/scene_mode.h"
 
@@ -23,9 +25,9 @@ struct RunGrid {
   std::size_t window_begin = 0;  // an output
 };
 
-RunGrid GridOf(double frequency_hz, double duration_s) {
+RunGrid GridOf(const Scene& scene, double duration_s) {
   RunGrid grid;
-  grid.outputs.rate_hz = kOutputsPerPeriod * frequency_hz;
+  grid.outputs.rate_hz = OutputRateHz(scene);
   const double steps = duration_s * grid.outputs.rate_hz;
   HAPTOMETER_CHECK(duration_s > 0 && steps <= kMostOutputs, "{} s at {} Hz", duration_s,
                    grid.outputs.rate_hz);
@@ -35,7 +37,10 @@ RunGrid GridOf(double frequency_hz, double duration_s) {
   const double count = whole ? nearest : std::ceil(steps);
   grid.count = static_cast<std::size_t>(count);
   if (!whole) grid.outputs.origin_s = std::min(0.0, duration_s - count / grid.outputs.rate_hz);
-  const auto window = static_cast<std::size_t>(kWindowPeriods * kOutputsPerPeriod);
+  // of another drive than a sine all is looked at
+  if (scene.drive.kind != DriveKind::kSine) return grid;
+  const auto window = static_cast<std::size_t>(
+      std::llround(kWindowPeriods * grid.outputs.rate_hz / scene.drive.frequency_hz));
   grid.window_begin = grid.count > window ? grid.count - window : 0;
   return grid;
 }
@@ -45,9 +50,10 @@ class Playing {
  public:
   Playing(const EffectiveScene& scene, double duration_s, PiecewiseStart start)
       : scene_(scene),
-        grid_(GridOf(scene.scene.drive.frequency_hz, duration_s)),
+        grid_(GridOf(scene.scene, duration_s)),
         model_(AssembleModel(scene.scene)),
-        motion_(SystemOf(scene, model_), scene.scene.drive, std::move(start), grid_.outputs, true) {
+        motion_(SystemOf(scene, model_), Excitation(scene.scene.drive, scene.scene.finger.tones),
+                std::move(start), grid_.outputs, true) {
     run_.outputs_rate_hz = grid_.outputs.rate_hz;
     run_.end_s = duration_s;
     run_.begin_s = grid_.window_begin == 0 ? 0 : TimeOf(grid_.window_begin);

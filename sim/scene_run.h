@@ -19,8 +19,8 @@ struct EventCount {
   double first_s = 0;
 };
 
-/// What the motion of a run comes to over its window: the last ten periods of the drive, or all of
-/// it where it is shorter.
+/// What the motion of a run comes to over its window: the last ten periods of a sine, or all of it
+/// where it is shorter or its drive is no sine.
 struct SceneRun {
   double begin_s = 0;  ///< of the window
   double end_s = 0;
@@ -44,10 +44,10 @@ inline constexpr double kMostOutputs = 1e8;
 
 /// Plays the scene from t = 0 to `duration_s` with its stops and contact (piecewise_motion.h).
 ///
-/// Exact but for the peaks: between outputs they follow the quintic through position, velocity and
-/// acceleration at both (6th order); where an event lies between, the outputs and a rigid stop's
-/// gap alone. duration_s > 0, at most kMostOutputs / (kOutputsPerPeriod f). Cost: PiecewiseMotion's
-/// with energies, 64 outputs a period.
+/// Outputs come as output_rate.h says. Exact but for the peaks: between outputs they follow the
+/// quintic through position, velocity and acceleration at both (6th order); where an event lies
+/// between, the outputs and a rigid stop's gap alone. duration_s > 0, StepsOfRun at most MostSteps.
+/// Cost: PiecewiseMotion's with energies, 64 outputs a period.
 [[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s);
 
 /// The same from any state at t = 0.

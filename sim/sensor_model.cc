@@ -14,9 +14,9 @@
 #include "sim/effective_scene.h"
 #include "sim/linear_model.h"
 #include "sim/played_motion.h"
-#include "sim/steady_run.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
+#include "sim/waveforms.h"
 
 namespace haptometer::sim {
 
@@ -26,13 +26,9 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
     on[k] = stated.effects.wishes[k] != Wish::kOff;
   }
   const EffectiveScene effective = WithEffects(stated, on);
-  if (effective.piecewise.stops || effective.piecewise.contact_loss) {
-    // a steady motion that stops limit is searched for; what settles to none begins at rest
-    const bool steady = StartOf(stated) == Start::kSteady;
-    SteadyRun settled = steady ? PlaySteady(effective) : SteadyRun{};
-    Scene resting = effective.scene;
-    resting.start = Start::kRest;
-    return PlayedMotion(effective, settled.run ? settled.start : PiecewiseStartOf(resting), target);
+  const bool is_sine = effective.scene.drive.kind == DriveKind::kSine;
+  if (!is_sine || effective.piecewise.stops || effective.piecewise.contact_loss) {
+    return PlayedMotion(effective, BeginningOf(effective), target);
   }
   const Scene& scene = effective.scene;
   const LinearModel model = AssembleModel(scene);
@@ -80,8 +76,10 @@ trial::Metadata Describe(const Scene& scene) {
   metadata.hold = "sample";
   metadata.nominal_rate_hz = sensor.rate_hz;
   metadata.laser_spot = Name(sensor.target);
-  metadata.drive_frequency_hz = scene.drive.frequency_hz;
-  metadata.drive_amplitude_v = scene.drive.amplitude_v;
+  if (scene.drive.kind == DriveKind::kSine || scene.drive.kind == DriveKind::kBurst) {
+    metadata.drive_frequency_hz = scene.drive.frequency_hz;
+  }
+  metadata.drive_amplitude_v = LargestVoltageV(scene.drive);
   return metadata;
 }
 

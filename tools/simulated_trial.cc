@@ -1,6 +1,7 @@
 #include "tools/simulated_trial.h"
 
 #include <utility>
+#include <vector>
 
 #include "base/clock.h"
 #include "tools/simulated_channel.h"
@@ -9,20 +10,30 @@
 namespace haptometer::tools {
 namespace {
 
+std::vector<trial::ChannelFormat> FormatsOf(const trial::Record& record) {
+  std::vector<trial::ChannelFormat> formats;
+  formats.reserve(record.channels.size());
+  for (const trial::Channel& channel : record.channels) formats.push_back(FormatOf(channel));
+  return formats;
+}
+
 trial::TrialHeader SimulatedHeaderOf(const trial::Record& record) {
   return {.timing = trial::Timing::kUniform,
           .rate_hz = record.stretches.front().rate_hz,
-          .channels = {FormatOf(record.channels.front())},
+          .channels = FormatsOf(record),
           .metadata = record.metadata};
 }
 
 Result<void> WriteRows(const trial::Record& record, Result<trial::TrialWriter> writer) {
   if (!writer) return std::unexpected(writer.error());
-  const trial::Channel& channel = record.channels.front();
-  const trial::ChannelFormat format = FormatOf(channel);
+  const std::vector<trial::ChannelFormat> formats = FormatsOf(record);
+  std::vector<trial::Sample> samples(formats.size());
   for (std::size_t row = 0; row < record.rows; ++row) {
-    const trial::Sample sample{RawOf(format, channel.values[row]), channel.statuses[row]};
-    const trial::Row next{.index = static_cast<std::int64_t>(row), .samples = {&sample, 1}};
+    for (std::size_t c = 0; c < formats.size(); ++c) {
+      const trial::Channel& channel = record.channels[c];
+      samples[c] = {RawOf(formats[c], channel.values[row]), channel.statuses[row]};
+    }
+    const trial::Row next{.index = static_cast<std::int64_t>(row), .samples = samples};
     if (auto appended = writer->Append(next); !appended) return appended;
   }
   auto totals = writer->Finish();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
 
 #include "tests/residual.h"
 
@@ -44,6 +45,27 @@ INSTANTIATE_TEST_SUITE_P(Forms, Quantities,
                                            Case{"+225Hz", Dimension::kFrequency, 225, 0},
                                            Case{"1e3", Dimension::kFrequency, 1000, 0},
                                            Case{"2min", Dimension::kTime, 120, 0}));
+
+// the same double as the SI number written out: what is printed from it is what was typed
+TEST(Quantity, UnitsMoveTheDecimalPoint) {
+  const auto expect = [](const std::string& text, Dimension dimension, double value) {
+    const auto quantity = ParseQuantity(text, dimension, "--x");
+    ASSERT_TRUE(quantity) << text;
+    EXPECT_EQ(quantity->value, value) << text;
+  };
+  expect("0.4mm", Dimension::kLength, 0.0004);
+  expect("4.35g", Dimension::kMass, 0.00435);
+  expect("-0.3 um", Dimension::kLength, -3e-7);
+  expect("+1.7e+1mm", Dimension::kLength, 0.017);
+  expect("2.3E-1kHz", Dimension::kFrequency, 230);
+  expect("0.1(2)mm", Dimension::kLength, 1e-4);
+  expect("0.7min", Dimension::kTime, 42);
+  for (int k = 1; k < 2000; ++k) {
+    const std::string digits = std::to_string(k);
+    expect(digits + "e-2mm", Dimension::kLength, std::stod(digits + "e-5"));
+    expect(digits + "um", Dimension::kLength, std::stod(digits + "e-6"));
+  }
+}
 
 TEST(Quantity, OpenCircuitIsInfinite) {
   for (const char* text : {"inf", "open"}) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "tools/cli/uncertain_number.h"
+#include "tools/latency_verdict.h"
 
 namespace haptometer::tools {
 namespace {
@@ -17,9 +18,6 @@ using Lines = std::vector<AnalysisLine>;
 
 constexpr double kUm = 1e-6;  // in metres
 constexpr double kMs = 1e-3;  // in seconds
-// where a latency begins to cost errors, and where it is perceived
-constexpr double kLatencyCostsS = 0.025;
-constexpr double kLatencyPerceivedS = 0.050;
 
 std::string Um(double metres) { return fmt::format("{:.5g} um", metres / kUm); }
 
@@ -94,12 +92,6 @@ std::string ToneText(const dsp::BandAnalysis& analysis) {
   const dsp::BandNumbers& numbers = *analysis.numbers;
   if (numbers.tone) return ToneText(*numbers.tone, numbers.is_lower_limit);
   return analysis.frequency_move ? "none: the frequency moves" : "none stands out of the noise";
-}
-
-std::string_view LatencyVerdict(double latency_s) {
-  if (latency_s < kLatencyCostsS) return "below 25 ms, where it begins to cost errors";
-  if (latency_s < kLatencyPerceivedS) return "above 25 ms, where it costs errors; below 50 ms";
-  return "above 50 ms, where it is perceived";
 }
 
 std::string RiseText(const dsp::Edge& edge) {

@@ -7,6 +7,7 @@
 #include "sim/effect_choice.h"
 #include "sim/scene.h"
 #include "sim/steady_state.h"
+#include "sim/steady_tones.h"
 
 namespace haptometer::tools {
 
@@ -23,25 +24,35 @@ struct SceneAnswer {
   /// The linear steady motion; absent where stops or lost contact limit it. Without a duration
   /// `effects` then has the motion that the scene settles to.
   std::optional<sim::SteadyState> steady;
+  std::optional<sim::SteadyTones> tones;  ///< the same under tones, of a scene without a duration
   double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
   std::optional<WindowAnswer> window;        ///< with a duration of at least ten periods
   /// What became of its effects, and the run that they were decided by; absent where the scene
   /// names none.
   std::optional<sim::EffectChoice> effects;
+  /// The run of a scene without effects whose drive is no sine.
+  std::optional<sim::SceneRun> plain_run;
 };
+
+/// The run that was played for the answer, with effects or without; null where none was needed.
+[[nodiscard]] const sim::SceneRun* RunOf(const SceneAnswer& answer);
 
 /// The motion that a limited scene without a duration settles to; null for others.
 [[nodiscard]] const sim::SceneRun* SettledRun(const SceneAnswer& answer);
 
 /// Decides the scene's effects; `where` names it in errors.
-/// Errors (Cause::kCannotAnswer): ChooseEffects's; a run too long to play.
+/// Errors (Cause::kCannotAnswer): ChooseEffects's; a run too long to play; a drive other than a
+/// sine without a duration or from a steady start.
 [[nodiscard]] Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene,
                                                       const std::string& where);
 
 /// Solves the scene; `where` names it in errors.
-/// Errors (Cause::kCannotAnswer): an undamped resonance, where there is no steady state; events
-/// without end; a run too long to play; a scene without a duration whose motion settles to nothing
-/// that was found.
+/// Under a sine: the steady state, with a duration the last ten periods. Under tones without a
+/// duration and without effects: their steady state. Under any other drive: the run, which needs a
+/// duration.
+/// Errors (Cause::kCannotAnswer): as DecideEffects; an undamped resonance, or a frequency at which
+/// the skin's motion is lost in rounding; a scene without a duration whose motion settles to
+/// nothing that was found.
 [[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
 
 }  // namespace haptometer::tools

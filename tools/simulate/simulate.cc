@@ -5,13 +5,20 @@
 #include <string>
 #include <utility>
 
+#include "sim/output_rate.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
+#include "sim/waveforms.h"
+#include "tools/cli/late_remark.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/plot/gnuplot.h"
 #include "tools/simulate/effect_lines.h"
+#include "tools/simulate/motion_numbers.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_output.h"
+#include "tools/simulate/waveform_file.h"
+#include "tools/simulate/waveform_panels.h"
 #include "tools/simulated_trial.h"
 #include "tools/verbs.h"
 
@@ -20,6 +27,7 @@ namespace {
 
 constexpr std::string_view kVerb = "simulate";
 constexpr double kDefaultTrialS = 1;
+constexpr double kLateRemarkS = 3;
 constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
 
 constexpr cli::VerbText kText{
@@ -37,6 +45,9 @@ struct SimulateOptions {
   std::optional<Quantity> tolerance;
   std::string quantity;
   bool explain = false;
+  std::string waveforms;
+  std::optional<Quantity> rate_hz;
+  std::string plot;
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
@@ -51,7 +62,20 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
                  "What the tolerance is about; beats [run] quantity");
   options.Text("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
+  options.Text("--waveforms", &wanted.waveforms, "FILE",
+               "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
+                 "Rows a second of --waveforms; 64 in the shortest period");
+  options.Text("--plot", &wanted.plot, "FILE", "Draw waveforms and spectrum, .svg, .png or .pdf");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
+}
+
+// How long files last; of a scene without a duration that is said.
+double LengthOfFiles(const sim::Scene& scene, std::string_view what) {
+  if (!scene.duration_s) {
+    cli::Remark(kVerb, fmt::format("no duration: {} {:g} s", what, kDefaultTrialS));
+  }
+  return scene.duration_s.value_or(kDefaultTrialS);
 }
 
 // Fills in what a trial needs and the scene does not say, and says so.
@@ -60,10 +84,7 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
     scene.sensor = sim::IdealSensor();
     cli::Remark(kVerb, "no [sensor]: an ideal one on the skin at 10 kHz is assumed");
   }
-  if (!scene.duration_s) {
-    cli::Remark(kVerb, fmt::format("no duration: the trial lasts {:g} s", kDefaultTrialS));
-  }
-  const double duration_s = scene.duration_s.value_or(kDefaultTrialS);
+  const double duration_s = LengthOfFiles(scene, "the trial lasts");
   const double rows = duration_s * scene.sensor->rate_hz;
   if (rows < 1 || rows > kMostRows) {
     return Usage(wanted.output,
@@ -74,6 +95,24 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
   trial::Record record = sim::SimulateRecord(scene, duration_s);
   record.metadata.fields["scene"] = wanted.scene_path;
   return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
+}
+
+// A drive that ends is played until its motion has rung down.
+Result<void> AddDuration(const std::string& where, sim::Scene& scene) {
+  if (scene.duration_s || sim::IsLasting(scene.drive)) return {};
+  const auto ring_down_s = sim::RingDownS(scene);
+  if (!ring_down_s) {
+    return CannotAnswer(where, "has no duration, and a motion that never dies away",
+                        "give duration_s in [run], or --duration");
+  }
+  const double end_s = sim::EndOfDriveS(scene.drive);
+  // whole milliseconds, where many drives' pieces and outputs meet
+  const double rung_down_s = std::ceil((end_s + *ring_down_s) * 1e3) / 1e3;
+  scene.duration_s = std::min(rung_down_s, sim::kLongestRunS);
+  cli::Remark(kVerb, fmt::format("no duration: {:g} s, the drive's {:.4g} s and {:.4g} s in which "
+                                 "the slowest motion falls to a thousandth",
+                                 *scene.duration_s, end_s, *ring_down_s));
+  return {};
 }
 
 // The scene with what the command line says over it.
@@ -127,23 +166,105 @@ void RemarkIdleConstants(const sim::Scene& scene) {
   }
 }
 
+// The motion as a file and a picture want it, where they do.
+Result<void> DrawAndWrite(const SimulateOptions& wanted, SimulateAnswer& answer) {
+  if (wanted.waveforms.empty() && wanted.plot.empty()) return {};
+  const sim::EffectiveScene effective = EffectiveOf(answer.solved);
+  const double own_hz = sim::OutputRateHz(effective.scene);
+  const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : own_hz;
+  const double duration_s = LengthOfFiles(answer.solved.scene, "waveforms last");
+  const double rows = duration_s * std::max(rate_hz, wanted.plot.empty() ? 0 : own_hz);
+  if (!(rows >= 1 && rows <= kMostWaveformRows)) {
+    return Usage(wanted.waveforms.empty() ? "--plot" : "--waveforms",
+                 fmt::format("{:g} s at {:g} Hz are {:.3g} rows", duration_s, rate_hz, rows),
+                 fmt::format("give a --duration or --rate for 1 to {:g}", kMostWaveformRows));
+  }
+  const sim::PiecewiseStart start = StartOf(answer.solved, effective);
+  const sim::Waveforms waves = sim::PlayWaveforms(effective, start, duration_s, rate_hz);
+  if (waves.stalled_at_s) {
+    cli::Remark(kVerb,
+                fmt::format("waveforms end at {:.9g} s: events without end", *waves.stalled_at_s));
+  }
+  if (!wanted.waveforms.empty()) {
+    const trial::Record record = RecordOf(waves, answer.solved.scene, wanted.scene_path);
+    if (auto done = WriteWaveforms(wanted.waveforms, record, wanted.overwrite); !done) return done;
+    answer.waveforms_path = wanted.waveforms;
+  }
+  if (wanted.plot.empty()) return {};
+  const bool is_own = rate_hz == own_hz;
+  const auto panels = WaveformPanels(
+      is_own ? waves : sim::PlayWaveforms(effective, start, duration_s, own_hz), effective.scene);
+  if (!panels) return std::unexpected(panels.error());
+  answer.plot_path = wanted.plot;
+  return plot::DrawPanels(wanted.plot, *panels);
+}
+
+// The motion over the scene's duration, or over some periods of what it settles to; nothing where
+// that is not asked about or too long.
+std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
+  constexpr double kPlayedPeriods = 8;  // as often as motions of period 1, 2 and 4 have in common
+  if (!solved.scene.duration_s && SettledRun(solved) == nullptr) return std::nullopt;
+  const sim::EffectiveScene effective = EffectiveOf(solved);
+  const double rate_hz = sim::OutputRateHz(effective.scene);
+  const double duration_s =
+      solved.scene.duration_s.value_or(kPlayedPeriods / effective.scene.drive.frequency_hz);
+  if (!(duration_s * rate_hz >= 1 && duration_s * rate_hz <= kMostWaveformRows)) {
+    return std::nullopt;
+  }
+  return sim::PlayWaveforms(effective, StartOf(solved, effective), duration_s, rate_hz);
+}
+
+// what is asked for must be possible before the work
+Result<void> CheckFiles(const SimulateOptions& wanted) {
+  if (!wanted.plot.empty()) {
+    if (auto check = plot::CheckPlotPath(wanted.plot); !check) return check;
+  }
+  if (wanted.waveforms.empty()) {
+    if (!wanted.rate_hz) return {};
+    return Usage("--rate", "is of --waveforms, which are not asked for", "add --waveforms FILE");
+  }
+  if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
+    return Usage("--rate", fmt::format("{:g} Hz is no rate", wanted.rate_hz->value),
+                 "give rows a second");
+  }
+  return CheckWaveformPath(wanted.waveforms);
+}
+
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
-  const auto scene = ReadScene(wanted);
+  if (auto check = CheckFiles(wanted); !check) return std::unexpected(check.error());
+  auto scene = ReadScene(wanted);
   if (!scene) return std::unexpected(scene.error());
   RemarkIdleConstants(*scene);
-  const auto solved = AnswerScene(*scene, wanted.scene_path);
+  if (auto added = AddDuration(wanted.scene_path, *scene); !added) {
+    return std::unexpected(added.error());
+  }
+  const auto solved = [&] {
+    const cli::LateRemark remark(
+        kVerb,
+        scene->duration_s ? "still playing the run; a shorter --duration takes less"
+                          : "still looking for the motion that the scene settles to; --duration "
+                            "0.1s plays a run instead",
+        kLateRemarkS);
+    return AnswerScene(*scene, wanted.scene_path);
+  }();
   if (!solved) return std::unexpected(solved.error());
-  if (scene->duration_s && !solved->window) {
+  const bool is_sine = scene->drive.kind == sim::DriveKind::kSine;
+  if (is_sine && scene->duration_s && !solved->window) {
     cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
                                    *scene->duration_s));
   }
-  SimulateAnswer answer{
-      .scene_path = wanted.scene_path, .solved = *solved, .trial_path = {}, .explanation = {}};
+  const auto played = Played(*solved);
+  SimulateAnswer answer{.scene_path = wanted.scene_path,
+                        .solved = *solved,
+                        .numbers = NumbersOf(*solved, played ? &*played : nullptr),
+                        .trial_path = {},
+                        .explanation = {}};
   if (wanted.explain) {
     auto explanation = Explanation(*solved, wanted.scene_path);
     if (!explanation) return std::unexpected(explanation.error());
     answer.explanation = std::move(*explanation);
   }
+  if (auto done = DrawAndWrite(wanted, answer); !done) return std::unexpected(done.error());
   if (wanted.output.empty()) return answer;
   if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
   answer.trial_path = wanted.output;

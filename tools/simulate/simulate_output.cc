@@ -8,6 +8,8 @@
 #include <numbers>
 
 #include "tools/cli/json.h"
+#include "tools/latency_verdict.h"
+#include "tools/simulate/drive_text.h"
 #include "tools/simulate/effect_lines.h"
 
 namespace haptometer::tools {
@@ -22,6 +24,8 @@ std::string StartName(const sim::Scene& scene) {
 std::string Method(const SceneAnswer& solved) {
   std::vector<std::string> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
+  if (solved.tones) methods.emplace_back("exact phasors of the linear model, superposed");
+  if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
   if (solved.window) methods.emplace_back("window by the balanced matrix exponential");
   if (solved.effects && solved.effects->periodic) methods.emplace_back("shooting");
   if (solved.effects && !solved.effects->run.events.empty()) {
@@ -32,6 +36,17 @@ std::string Method(const SceneAnswer& solved) {
 
 std::string Bodies(const sim::Scene& scene) {
   return scene.adapter ? "actuator, adapter, skin (7 states)" : "actuator on the skin (5 states)";
+}
+
+std::string SourceAssumption(const sim::Drive& drive) {
+  if (drive.source_resistance_ohm == 0) {
+    return "the source holds its voltage, and the coil keeps its resistance";
+  }
+  return fmt::format(
+      "the source holds its voltage ahead of its {:g} ohm: power and phase include that "
+      "resistance; "
+      "the coil keeps its own",
+      drive.source_resistance_ohm);
 }
 
 // what the effects leave to be assumed
@@ -57,9 +72,59 @@ std::string SteadyText(const SceneAnswer& solved) {
   return text;
 }
 
+std::string TonesText(const sim::SteadyTones& tones) {
+  std::string text = fmt::format("  skin displacement  {:12.5f} um RMS\n", tones.skin_rms_m * 1e6);
+  text += fmt::format("  mover travel    +- {:12.5f} um in its case\n", tones.mover_peak_m * 1e6);
+  text += fmt::format("  case displacement  {:12.5f} um RMS\n", tones.case_rms_m * 1e6);
+  text += fmt::format("  current            {:12.5f} mA RMS\n", tones.current_rms_a * 1e3);
+  text += fmt::format("  electrical power   {:12.5f} mW\n", tones.power_w * 1e3);
+  text += fmt::format("  skin force      +- {:12.5f} N\n", tones.skin_force_peak_n);
+  text += tones.period_s > 0
+              ? fmt::format("  repeats itself every {:.6g} s, over which travel and force peak\n",
+                            tones.period_s)
+              : std::string(
+                    "  travel and force: at most that, the sums of the tones' amplitudes, "
+                    "which have no short common period\n");
+  return text;
+}
+
+std::string RiseText(const MotionNumbers& numbers) {
+  if (!numbers.no_rise.empty()) return fmt::format("  rise: none told, {}\n", numbers.no_rise);
+  if (!numbers.rise) return {};
+  const SkinRise& rise = *numbers.rise;
+  std::string text = "  rise of the skin   ";
+  if (rise.rise_s) {
+    text += fmt::format("{:12.2f} ms from 10 % to 90 %", *rise.rise_s * 1e3);
+  } else if (rise.rise_at_most_s) {
+    text += fmt::format("at most {:.2f} ms from 10 % to 90 %", *rise.rise_at_most_s * 1e3);
+  } else {
+    text += "not determined";
+  }
+  text +=
+      fmt::format(", to {:.2g} ms\n  latency to 10 %    {:12.2f} ms: {}\n",
+                  rise.uncertainty_s * 1e3, rise.latency_s * 1e3, LatencyVerdict(rise.latency_s));
+  return text;
+}
+
+// what presses on the skin, where that is not said by a steady amplitude
+std::string NumbersText(const SimulateAnswer& answer) {
+  const MotionNumbers& numbers = answer.numbers;
+  std::string text;
+  if (numbers.contact_force_least_n) {
+    text += fmt::format("  least contact force{:12.5f} N, preload and weight included{}\n",
+                        *numbers.contact_force_least_n,
+                        *numbers.contact_force_least_n < 0 ? ": the skin would have to pull" : "");
+  }
+  if (numbers.efficiency) {
+    text += fmt::format("  into the skin      {:12.5f} % of the electrical power\n",
+                        *numbers.efficiency * 100);
+  }
+  return text + RiseText(numbers);
+}
+
 // how the motion repeats itself that a limited scene settles to
 std::string PeriodicText(const SceneAnswer& solved) {
-  if (!solved.effects->periodic) return {};
+  if (!solved.effects || !solved.effects->periodic) return {};
   const sim::PeriodicMotion& motion = *solved.effects->periodic;
   return fmt::format(
       "  settles to a motion that repeats itself every {} period{} of the drive; a small deviation "
@@ -67,16 +132,16 @@ std::string PeriodicText(const SceneAnswer& solved) {
       motion.drive_periods, motion.drive_periods == 1 ? "" : "s", std::abs(motion.multipliers(0)));
 }
 
-// the run that the effects were decided by
+// the run that was played
 std::string RunText(const SceneAnswer& solved) {
-  const sim::SceneRun& run = solved.effects->run;
+  const sim::SceneRun& run = *RunOf(solved);
   std::string text = PeriodicText(solved);
   text += fmt::format(
       "  in the run, {:.6g} to {:.6g} s: skin {:.5f} um RMS, case {:.5f} um RMS, mover +- {:.5f} "
-      "um "
-      "(whole run {:.5f}), {:.5f} mA RMS, {:.5f} mW\n",
+      "um{}, {:.5f} mA RMS, {:.5f} mW\n",
       run.begin_s, run.end_s, run.skin_rms_m * 1e6, run.case_rms_m * 1e6, run.mover_peak_m * 1e6,
-      run.mover_peak_of_run_m * 1e6, run.current_rms_a * 1e3, run.power_w * 1e3);
+      run.begin_s > 0 ? fmt::format(" (whole run {:.5f})", run.mover_peak_of_run_m * 1e6) : "",
+      run.current_rms_a * 1e3, run.power_w * 1e3);
   for (const sim::EventCount& event : run.events) {
     text += fmt::format("  event: {}, {} times, first at {:.9g} s\n", event.name, event.count,
                         event.first_s);
@@ -113,9 +178,19 @@ ordered_json PeriodicJson(const SceneAnswer& solved) {
           {"residual", motion.residual}};
 }
 
+ordered_json RiseJson(const MotionNumbers& numbers) {
+  if (!numbers.rise) return nullptr;
+  const SkinRise& rise = *numbers.rise;
+  return {{"rise_s", cli::NumberOrNull(rise.rise_s)},
+          {"rise_at_most_s", cli::NumberOrNull(rise.rise_at_most_s)},
+          {"latency_s", rise.latency_s},
+          {"standard_uncertainty_s", rise.uncertainty_s},
+          {"verdict", LatencyVerdict(rise.latency_s)}};
+}
+
 ordered_json RunJson(const SceneAnswer& solved) {
-  if (!solved.effects) return nullptr;
-  const sim::SceneRun& run = solved.effects->run;
+  if (RunOf(solved) == nullptr) return nullptr;
+  const sim::SceneRun& run = *RunOf(solved);
   ordered_json events = ordered_json::array();
   for (const sim::EventCount& event : run.events) {
     events.push_back({{"name", event.name}, {"count", event.count}, {"first_s", event.first_s}});
@@ -140,24 +215,26 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
           ? "springs and dampers are linear at any travel"
           : "springs and dampers are linear at any travel, and no travel limit is given: this may "
             "be impossible; check the mover's travel against its stops"};
-  if (!Limited(solved, sim::Effect::kContactLoss) && solved.steady) {
-    assumptions.push_back(
-        fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
-                    "presses actuator and skin together",
-                    solved.steady->skin_force_peak_n));
+  if (!Limited(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
+    assumptions.push_back(fmt::format(
+        "contact is kept whatever the force: it is lost where less than {:.3g} N presses actuator "
+        "and skin together",
+        solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n));
   }
-  assumptions.emplace_back("the source holds its voltage, and the coil keeps its resistance");
+  assumptions.emplace_back(SourceAssumption(solved.scene.drive));
   return assumptions;
 }
 
 std::string SimulateText(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text =
-      fmt::format("{}: {}, {:g} V at {:g} Hz\n", answer.scene_path, Bodies(solved.scene),
-                  solved.scene.drive.amplitude_v, solved.scene.drive.frequency_hz);
+  std::string text = fmt::format("{}: {}, {}\n", answer.scene_path, Bodies(solved.scene),
+                                 DriveText(solved.scene.drive));
+  const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (solved.steady) {
     text += SteadyText(solved);
-  } else if (solved.scene.duration_s) {
+  } else if (solved.tones) {
+    text += TonesText(*solved.tones);
+  } else if (is_sine && solved.scene.duration_s) {
     text += "  steady state: limited by stops or lost contact; searched for without a duration\n";
   }
   if (solved.window) {
@@ -165,8 +242,10 @@ std::string SimulateText(const SimulateAnswer& answer) {
                         StartName(solved.scene), solved.window->begin_s, solved.window->end_s,
                         solved.window->skin_rms_m * 1e6);
   }
-  if (solved.effects) {
-    text += RunText(solved);
+  if (RunOf(solved) != nullptr) text += RunText(solved);
+  text += NumbersText(answer);
+  // the explanation has them too
+  if (solved.effects && answer.explanation.empty()) {
     for (const std::string& line : EffectLines(solved.scene, *solved.effects)) {
       text += fmt::format("  effect: {}\n", line);
     }
@@ -174,49 +253,66 @@ std::string SimulateText(const SimulateAnswer& answer) {
   text += fmt::format("  method: {}", Method(solved));
   if (solved.steady) {
     text += fmt::format("; relative error of the skin below {:.1e}", solved.steady->error_estimate);
+  } else if (solved.tones) {
+    text += fmt::format("; relative error of the skin below {:.1e}", solved.tones->error_estimate);
   }
   text += "\n" + answer.explanation;
   for (const std::string& assumption : SimulateAssumptions(answer)) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
-  if (!answer.trial_path.empty()) text += fmt::format("  written: {}\n", answer.trial_path);
+  for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
+    if (!path.empty()) text += fmt::format("  written: {}\n", path);
+  }
   return text;
 }
 
 std::string SimulateJson(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
   const std::optional<sim::SteadyState>& steady = solved.steady;
-  const auto number = [&](double sim::SteadyState::* field) -> ordered_json {
+  const std::optional<sim::SteadyTones>& tones = solved.tones;
+  const auto number = [&](double sim::SteadyState::* field,
+                          double sim::SteadyTones::* of_tones) -> ordered_json {
+    if (tones) return cli::NumberOrNull((*tones).*of_tones);
     return steady ? cli::NumberOrNull((*steady).*field) : ordered_json(nullptr);
   };
   // what a limited scene settles to has these numbers too
-  const auto settled = [&](double sim::SteadyState::* linear,
+  const auto settled = [&](double sim::SteadyState::* linear, double sim::SteadyTones::* of_tones,
                            double sim::SceneRun::* limited) -> ordered_json {
     const sim::SceneRun* run = SettledRun(solved);
-    return run != nullptr ? cli::NumberOrNull(run->*limited) : number(linear);
+    return run != nullptr ? cli::NumberOrNull(run->*limited) : number(linear, of_tones);
   };
+  using State = sim::SteadyState;
+  using Tones = sim::SteadyTones;
+  using Run = sim::SceneRun;
   const double relative = solved.skin_rms_relative_uncertainty;
   ordered_json document{
       {"scene", answer.scene_path},
-      {"skin_rms_m", settled(&sim::SteadyState::skin_rms_m, &sim::SceneRun::skin_rms_m)},
+      {"skin_rms_m", settled(&State::skin_rms_m, &Tones::skin_rms_m, &Run::skin_rms_m)},
       {"skin_rms_standard_uncertainty_m", relative > 0 && steady
                                               ? cli::NumberOrNull(relative * steady->skin_rms_m)
                                               : ordered_json(nullptr)},
-      {"mover_peak_m", settled(&sim::SteadyState::mover_peak_m, &sim::SceneRun::mover_peak_m)},
-      {"case_rms_m", settled(&sim::SteadyState::case_rms_m, &sim::SceneRun::case_rms_m)},
-      {"current_rms_a", settled(&sim::SteadyState::current_rms_a, &sim::SceneRun::current_rms_a)},
-      {"power_w", settled(&sim::SteadyState::power_w, &sim::SceneRun::power_w)},
-      {"phase_rad", number(&sim::SteadyState::phase_rad)},
-      {"skin_force_peak_n", number(&sim::SteadyState::skin_force_peak_n)},
+      {"mover_peak_m", settled(&State::mover_peak_m, &Tones::mover_peak_m, &Run::mover_peak_m)},
+      {"case_rms_m", settled(&State::case_rms_m, &Tones::case_rms_m, &Run::case_rms_m)},
+      {"current_rms_a", settled(&State::current_rms_a, &Tones::current_rms_a, &Run::current_rms_a)},
+      {"power_w", settled(&State::power_w, &Tones::power_w, &Run::power_w)},
+      {"phase_rad", steady ? cli::NumberOrNull(steady->phase_rad) : ordered_json(nullptr)},
+      {"skin_force_peak_n", number(&State::skin_force_peak_n, &Tones::skin_force_peak_n)},
+      {"contact_force_least_n", cli::NumberOrNull(answer.numbers.contact_force_least_n)},
+      {"efficiency", cli::NumberOrNull(answer.numbers.efficiency)},
+      {"rise", RiseJson(answer.numbers)},
+      {"period_s",
+       tones && tones->period_s > 0 ? cli::NumberOrNull(tones->period_s) : ordered_json(nullptr)},
       {"method", Method(solved)},
-      {"error_estimate", number(&sim::SteadyState::error_estimate)},
+      {"error_estimate", number(&State::error_estimate, &Tones::error_estimate)},
       {"window_rms_m", nullptr},
       {"window_s", nullptr},
       {"effects", EffectsJson(solved)},
       {"run", RunJson(solved)},
       {"periodic", PeriodicJson(solved)},
       {"assumptions", SimulateAssumptions(answer)},
-      {"trial", cli::TextOrNull(answer.trial_path)}};
+      {"trial", cli::TextOrNull(answer.trial_path)},
+      {"waveforms", cli::TextOrNull(answer.waveforms_path)},
+      {"plot", cli::TextOrNull(answer.plot_path)}};
   if (solved.window) {
     document["window_rms_m"] = solved.window->skin_rms_m;
     document["window_s"] = {solved.window->begin_s, solved.window->end_s};

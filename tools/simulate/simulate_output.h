@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/simulate/motion_numbers.h"
 #include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
@@ -11,8 +12,11 @@ namespace haptometer::tools {
 struct SimulateAnswer {
   std::string scene_path;
   SceneAnswer solved;
-  std::string trial_path;   ///< empty: none written
-  std::string explanation;  ///< the table of --explain; empty: not asked for
+  MotionNumbers numbers;
+  std::string trial_path;        ///< empty: none written
+  std::string explanation;       ///< the table of --explain; empty: not asked for
+  std::string waveforms_path{};  ///< empty: none written
+  std::string plot_path{};       ///< empty: none drawn
 };
 
 /// What the numbers rest on, one sentence each.

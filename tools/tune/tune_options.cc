@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "sim/scene_file.h"
+#include "tools/simulate/drive_text.h"
 
 namespace haptometer::tools {
 namespace {
@@ -99,6 +100,12 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0) {
     return CannotAnswer(words.scenes.front(), "holds the case by a grip, which tune does not know",
                         "set [mounting] kind = \"free\"");
+  }
+  if (scene->drive.kind != sim::DriveKind::kSine) {
+    return CannotAnswer(
+        words.scenes.front(),
+        fmt::format("drives with {}, and tune knows a sine alone", KindText(scene->drive.kind)),
+        "set [drive] kind = \"sine\"");
   }
   question.problem.actuator = scene->actuator;
   question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;

@@ -1,0 +1,123 @@
+#include "sim/waveforms.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "base/check.h"
+#include "sim/excitation.h"
+#include "sim/linear_model.h"
+#include "sim/piecewise_scene.h"
+#include "sim/scene_run.h"
+#include "sim/steady_run.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+// Plays a motion and takes down what it shows.
+class Recording {
+ public:
+  Recording(const EffectiveScene& scene, PiecewiseStart start, double duration_s, double rate_hz)
+      : scene_(scene),
+        model_(AssembleModel(scene.scene)),
+        resting_n_(RestingForceN(scene)),
+        rows_(static_cast<Eigen::Index>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1),
+        motion_(AssemblePiecewise(scene.scene, scene.piecewise),
+                Excitation(scene.scene.drive, scene.scene.finger.tones), std::move(start),
+                OutputGrid{.rate_hz = rate_hz}) {
+    waves_.rate_hz = rate_hz;
+    Resize(rows_);
+  }
+
+  Waveforms Play() {
+    Eigen::Index row = 0;
+    Take(row);
+    for (row = 1; row < rows_; ++row) {
+      motion_.Next();
+      if (motion_.stalled_at_s()) break;
+      Take(row);
+    }
+    waves_.stalled_at_s = motion_.stalled_at_s();
+    if (row < rows_) Resize(row);
+    return std::move(waves_);
+  }
+
+ private:
+  bool FingerMoves() const { return !scene_.scene.finger.tones.empty(); }
+
+  // half of the modes are in contact, the other half in flight (piecewise_scene.h)
+  bool InFlight() const {
+    return scene_.piecewise.contact_loss && 2 * motion_.mode() >= motion_.system().modes.size();
+  }
+
+  void Resize(Eigen::Index rows) {
+    for (Eigen::VectorXd* wave :
+         {&waves_.voltage_v, &waves_.current_a, &waves_.mover_m, &waves_.mover_m_per_s,
+          &waves_.case_m, &waves_.case_m_per_s, &waves_.skin_m, &waves_.skin_m_per_s,
+          &waves_.force_n, &waves_.events}) {
+      wave->conservativeResize(rows);
+    }
+    if (FingerMoves()) waves_.finger_m.conservativeResize(rows);
+  }
+
+  void Take(Eigen::Index row) {
+    const Eigen::VectorXd x = motion_.Positions();
+    const Eigen::VectorXd inputs = motion_.Inputs();
+    waves_.voltage_v(row) = inputs(kVoltage);
+    waves_.current_a(row) = motion_.CurrentA();
+    waves_.mover_m(row) = x(LinearModel::kMover);
+    waves_.mover_m_per_s(row) = x(LinearModel::kMoverVelocity);
+    waves_.case_m(row) = x(LinearModel::kCase);
+    waves_.case_m_per_s(row) = x(LinearModel::kCaseVelocity);
+    waves_.skin_m(row) = x(model_.skin());
+    waves_.skin_m_per_s(row) = x(model_.skin_velocity());
+    if (FingerMoves()) waves_.finger_m(row) = inputs(kFinger);
+    const Skin& skin = scene_.scene.skin;
+    const double pressed_n =
+        skin.stiffness_n_per_m * (x(model_.skin()) - inputs(kFinger)) +
+        skin.damping_n_s_per_m * (x(model_.skin_velocity()) - inputs(kFingerRate));
+    waves_.force_n(row) = InFlight() ? 0 : resting_n_ + pressed_n;
+    waves_.events(row) = static_cast<double>(motion_.events().size() - events_seen_);
+    events_seen_ = motion_.events().size();
+  }
+
+  const EffectiveScene& scene_;
+  LinearModel model_;
+  double resting_n_;
+  Eigen::Index rows_;
+  PiecewiseMotion motion_;
+  Waveforms waves_;
+  std::size_t events_seen_ = 0;
+};
+
+}  // namespace
+
+double RestingForceN(const EffectiveScene& scene) {
+  if (scene.piecewise.contact_loss) return scene.piecewise.contact_loss->preload_n;
+  const Effects& effects = scene.scene.effects;
+  const double weight_n = effects[Effect::kGravity] == Wish::kOff ? 0 : Weight(scene.scene);
+  return weight_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
+}
+
+PiecewiseStart BeginningOf(const EffectiveScene& scene) {
+  const auto& [stops, loss] = scene.piecewise;
+  if (!stops && !loss) return PiecewiseStartOf(scene.scene);
+  const Scene& body = scene.scene;
+  if (StartOf(body) == Start::kSteady && body.drive.kind == DriveKind::kSine) {
+    SteadyRun settled = PlaySteady(scene);
+    if (settled.run) return std::move(settled.start);
+  }
+  Scene resting = body;
+  resting.start = Start::kRest;
+  return PiecewiseStartOf(resting);
+}
+
+Waveforms PlayWaveforms(const EffectiveScene& scene, PiecewiseStart start, double duration_s,
+                        double rate_hz) {
+  HAPTOMETER_CHECK(duration_s > 0 && rate_hz > 0 && duration_s * rate_hz <= kMostOutputs,
+                   "{} s at {} Hz", duration_s, rate_hz);
+  return Recording(scene, std::move(start), duration_s, rate_hz).Play();
+}
+
+}  // namespace haptometer::sim

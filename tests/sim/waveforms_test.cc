@@ -1,0 +1,108 @@
+#include "sim/waveforms.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "sim/linear_model.h"
+#include "sim/scene_run.h"
+#include "sim/steady_state.h"
+#include "tests/residual.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+TEST(Waveforms, OfASteadySineAreItsPhasors) {
+  Scene scene = tests::AdapterScene();
+  scene.start = Start::kSteady;
+  const LinearModel model = AssembleModel(scene);
+  const SteadyState steady = SolveSteadyState(scene);
+  const EffectiveScene effective{.scene = scene, .piecewise = {}};
+  const Waveforms waves = PlayWaveforms(effective, BeginningOf(effective), 0.05, 7919);
+  ASSERT_EQ(waves.rows(), 396) << "0.05 s hold 395.95 steps";
+  EXPECT_EQ(waves.finger_m.size(), 0);
+  const double w = 2 * std::numbers::pi * 225;
+  for (Eigen::Index row = 0; row < waves.rows(); row += 5) {
+    const std::complex<double> turn = std::polar(1.0, w * static_cast<double>(row) / 7919);
+    const auto at = [&](std::complex<double> phasor) { return (phasor * turn).imag(); };
+    const auto expect = [&](double value, std::complex<double> phasor) {
+      EXPECT_ABS(value, at(phasor), 1e-11 * std::abs(phasor), "rounding of 400 steps");
+    };
+    const Eigen::VectorXcd& x = steady.phasors;
+    expect(waves.voltage_v(row), 5);
+    expect(waves.current_a(row), steady.current_a);
+    expect(waves.mover_m(row), x(LinearModel::kMover));
+    expect(waves.mover_m_per_s(row), x(LinearModel::kMoverVelocity));
+    expect(waves.case_m(row), x(LinearModel::kCase));
+    expect(waves.case_m_per_s(row), x(LinearModel::kCaseVelocity));
+    expect(waves.skin_m(row), x(model.skin()));
+    expect(waves.skin_m_per_s(row), x(model.skin_velocity()));
+    expect(waves.force_n(row), std::complex<double>(600, w * 0.75) * x(model.skin()));
+  }
+  EXPECT_EQ(waves.events.cwiseAbs().maxCoeff(), 0);
+}
+
+// under contact that breaks: no force in flight, none below zero, every event in some row
+TEST(Waveforms, OfAContactThatBreaks) {
+  Scene scene = tests::DirectScene();
+  scene.start = Start::kRest;
+  const EffectiveScene effective{.scene = scene, .piecewise = {.contact_loss = ContactLoss{0.07}}};
+  EXPECT_EQ(RestingForceN(effective), 0.07);
+  const SceneRun run = RunScene(effective, 0.1);
+  const Waveforms waves = PlayWaveforms(effective, BeginningOf(effective), 0.1, 48000);
+  double events = 0;
+  for (const EventCount& event : run.events) events += static_cast<double>(event.count);
+  EXPECT_GT(events, 20);
+  EXPECT_EQ(waves.events.sum(), events);
+  EXPECT_GE(waves.force_n.minCoeff(), -1e-12) << "rounding of a force of 0.3 N";
+  EXPECT_GT((waves.force_n.array() == 0).count(), 100) << "in flight";
+  // a flight ends with a row that has the landing in it, and the force goes on from there
+  for (Eigen::Index row = 1; row < waves.rows(); ++row) {
+    const bool left = waves.force_n(row) == 0 && waves.force_n(row - 1) > 0;
+    const bool landed = waves.force_n(row) > 0 && waves.force_n(row - 1) == 0;
+    if (left || landed) {
+      EXPECT_GE(waves.events(row), 1);
+    }
+  }
+}
+
+TEST(Waveforms, DoNotDependOnTheirRate) {
+  Scene scene = tests::AdapterScene();
+  scene.drive = {.amplitude_v = 4, .kind = DriveKind::kPulse, .start_s = 1e-3, .hold_s = 7e-3};
+  scene.finger.tones = {{.amplitude = 20e-6, .frequency_hz = 9}};
+  const EffectiveScene effective{
+      .scene = scene,
+      .piecewise = {.stops =
+                        TravelStops{.gap_up_m = 5e-5, .gap_down_m = 5e-5, .restitution = 0.5}}};
+  const Waveforms fine = PlayWaveforms(effective, BeginningOf(effective), 0.05, 32000);
+  const Waveforms coarse = PlayWaveforms(effective, BeginningOf(effective), 0.05, 2000);
+  ASSERT_EQ(coarse.rows(), 101);
+  EXPECT_GT(coarse.events.sum(), 2);
+  EXPECT_EQ(coarse.events.sum(), fine.events.sum());
+  for (Eigen::Index row = 0; row < coarse.rows(); ++row) {
+    EXPECT_ABS(coarse.skin_m(row), fine.skin_m(16 * row), 1e-11 * fine.skin_m.cwiseAbs().maxCoeff(),
+               "events to 1e-13 s, impacts at 1 m/s");
+    EXPECT_ABS(coarse.finger_m(row), fine.finger_m(16 * row), 1e-18, "the same sine");
+  }
+  EXPECT_EQ(fine.voltage_v(16), 0);
+  EXPECT_EQ(coarse.voltage_v(10), 4);
+}
+
+// what presses at rest: preload, and weight where there is gravity
+TEST(Waveforms, KnowWhatPressesAtRest) {
+  Scene scene = tests::AdapterScene();
+  EXPECT_EQ(RestingForceN({.scene = scene, .piecewise = {}}), 0);
+  scene.effects.contact_loss = ContactLoss{0.2};
+  EXPECT_EQ(RestingForceN({.scene = scene, .piecewise = {}}), 0.2) << "stated, contact kept";
+  scene.effects[Effect::kGravity] = Wish::kOn;
+  // Mv + Mc + Ma1 + Ma2 = 6.6 g
+  EXPECT_REL(RestingForceN({.scene = scene, .piecewise = {}}), 0.2 + 6.6e-3 * 9.80665, 1e-12,
+             "rounding");
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/waveforms.h"
+#include "tools/simulate/scene_answer.h"
+
+namespace haptometer::tools {
+
+/// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/onset.h).
+struct SkinRise {
+  std::optional<double> rise_s;          ///< 10 % to 90 % of the steady amplitude
+  std::optional<double> rise_at_most_s;  ///< in its place where the rise is too sudden to be told
+  double latency_s = 0;                  ///< from the drive's begin to 10 %
+  double uncertainty_s = 0;              ///< standard, of both: what the envelope's window may hide
+};
+
+/// What an answer tells of its motion beyond RMS and peaks.
+struct MotionNumbers {
+  /// Least force between contactor and skin, a stated preload and weight in it; without either,
+  /// what preload keeps contact, with a minus.
+  std::optional<double> contact_force_least_n;
+  std::optional<double> efficiency;  ///< power into the skin's damper over electrical power in
+  std::optional<SkinRise> rise;
+  std::string no_rise;  ///< why not; empty where nothing was asked
+};
+
+/// The answer's scene as it was solved: under the effects that were kept.
+[[nodiscard]] sim::EffectiveScene EffectiveOf(const SceneAnswer& answer);
+
+/// Where the answer's motion begins.
+[[nodiscard]] sim::PiecewiseStart StartOf(const SceneAnswer& answer,
+                                          const sim::EffectiveScene& effective);
+
+/// The numbers; `played`: the motion from its beginning over the scene's duration, or over some
+/// periods of what it settles to; null where it was too long to play. The least force is that of
+/// its rows and of its events.
+[[nodiscard]] MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "base/result.h"
+#include "sim/scene.h"
+#include "sim/waveforms.h"
+#include "trial/record.h"
+
+namespace haptometer::tools {
+
+/// The most rows that are kept in memory: some half a gigabyte.
+inline constexpr double kMostWaveformRows = 2e6;
+
+/// Waveforms as a record: `displacement` of the scene's [sensor] target (the skin without one),
+/// exact and as no sensor sees it, then `voltage`, `current`, and as channels of no role
+/// mover_m, mover_m_per_s, case_m, case_m_per_s, skin_m, skin_m_per_s, finger_m (where it moves),
+/// force_n, events.
+[[nodiscard]] trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
+                                     const std::string& scene_path);
+
+/// Whether `path` ends in a kind that is written: .csv, .h5, .bin. Error: Cause::kUsage.
+[[nodiscard]] Result<void> CheckWaveformPath(const std::string& path);
+
+/// Writes such a record: as CSV with a column for each channel under its name, as HDF5 (a group
+/// `waveforms`) or as a trial.bin; `analyze` reads the displacement out of each.
+/// Errors: as CheckWaveformPath; Cause::kUsage where the file exists and `overwrite` is false;
+/// Cause::kFailed where it cannot be written.
+[[nodiscard]] Result<void> WriteWaveforms(const std::string& path, const trial::Record& record,
+                                          bool overwrite);
+
+}  // namespace haptometer::tools
