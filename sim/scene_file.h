@@ -11,10 +11,9 @@ namespace haptometer::sim {
 /// Reads a scene.toml (docs/notation.md lists the keys).
 ///
 /// Strict: an unknown key is an error that names the nearest known one, and what the format knows
-/// but this version does not simulate (effects other than the coil's inductance, other drives,
-/// unilateral contact, mountings) is refused by name. A relative [actuator] file is looked for
-/// beside the scene.
-/// Errors: the file's (base/input_file.h), Cause::kUsage for keys and values.
+/// but this version does not simulate (other drives) is refused by name. A relative [actuator] file
+/// is looked for beside the scene. Errors: the file's (base/input_file.h), Cause::kUsage for keys
+/// and values.
 [[nodiscard]] Result<Scene> ReadSceneFile(const std::string& path);
 
 /// The same from text; `where` stands for the file's path in errors and for relative files.

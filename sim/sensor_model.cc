@@ -26,13 +26,15 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
     on[k] = stated.effects.wishes[k] != Wish::kOff;
   }
   const EffectiveScene effective = WithEffects(stated, on);
-  if (effective.piecewise.stops || effective.piecewise.contact_loss) {
-    // a steady motion that stops limit is searched for; what settles to none begins at rest
+  const bool limited = effective.piecewise.stops || effective.piecewise.contact_loss;
+  if (limited || !effective.IsLinear() || !effective.scene.finger.tones.empty()) {
+    // a steady motion that effects change is searched for; what settles to none begins at rest
     const bool steady = StartOf(stated) == Start::kSteady;
     SteadyRun settled = steady ? PlaySteady(effective) : SteadyRun{};
     Scene resting = effective.scene;
     resting.start = Start::kRest;
-    return PlayedMotion(effective, settled.run ? settled.start : PiecewiseStartOf(resting), target);
+    return PlayedMotion(effective, settled.run ? settled.start : PiecewiseStartOf(resting), target,
+                        settled.temperature_rise_k);
   }
   const Scene& scene = effective.scene;
   const LinearModel model = AssembleModel(scene);
@@ -70,8 +72,12 @@ namespace {
 trial::Metadata Describe(const Scene& scene) {
   const Sensor& sensor = *scene.sensor;
   trial::Metadata metadata;
-  metadata.source = fmt::format("simulated: {}, exact solution, start from {}",
-                                scene.effects.Asked() ? "scene with effects" : "linear scene",
+  const Effects& effects = scene.effects;
+  const bool smooth =
+      effects[Effect::kStiffening] != Wish::kOff || effects[Effect::kCoilHeating] != Wish::kOff;
+  metadata.source = fmt::format("simulated: {}, {}, start from {}",
+                                effects.Asked() ? "scene with effects" : "linear scene",
+                                smooth ? "SUNDIALS CVODES" : "exact solution",
                                 StartOf(scene) == Start::kRest ? "rest" : "steady state");
   metadata.sensor = "sensor model";
   metadata.head = sensor.head.name;

@@ -39,7 +39,7 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
 }  // namespace
 
 const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
-  const bool settled = !answer.scene.duration_s && answer.effects && answer.effects->periodic;
+  const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
   return settled ? &answer.effects->run : nullptr;
 }
 

@@ -20,7 +20,8 @@ struct WindowAnswer {
 /// What a scene comes to.
 struct SceneAnswer {
   sim::Scene scene;
-  /// The linear steady motion; absent where stops or lost contact limit it. Without a duration
+  /// The linear steady motion; absent where stops or lost contact limit it, smooth effects bend it
+  /// or tremor adds to it. Without a duration
   /// `effects` then has the motion that the scene settles to.
   std::optional<sim::SteadyState> steady;
   double skin_rms_relative_uncertainty = 0;  ///< from the actuator's; 0: stated as exact
@@ -30,7 +31,7 @@ struct SceneAnswer {
   std::optional<sim::EffectChoice> effects;
 };
 
-/// The motion that a limited scene without a duration settles to; null for others.
+/// The motion that a scene without a duration settles to where it is not `steady`; null for others.
 [[nodiscard]] const sim::SceneRun* SettledRun(const SceneAnswer& answer);
 
 /// Decides the scene's effects; `where` names it in errors.

@@ -27,6 +27,11 @@ std::string Method(const SceneAnswer& solved) {
   if (solved.effects && !solved.effects->run.events.empty()) {
     methods.emplace_back("events located to rounding");
   }
+  if (solved.effects && solved.effects->run.solver) {
+    methods.emplace_back(*solved.effects->run.solver == sim::OdeMethod::kBdf
+                             ? "SUNDIALS CVODES, BDF"
+                             : "SUNDIALS CVODES, Adams");
+  }
   return fmt::format("{}", fmt::join(methods, "; "));
 }
 
@@ -81,6 +86,14 @@ std::string RunText(const SceneAnswer& solved) {
     text += fmt::format("  event: {}, {} times, first at {:.9g} s\n", event.name, event.count,
                         event.first_s);
   }
+  if (solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]) {
+    text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
+                        run.temperature_rise_k, run.temperature_peak_k);
+  }
+  if (run.solver) {
+    text += fmt::format("  solver: {} steps, relative error of the run below {:.1e}\n",
+                        run.work.steps, run.error_estimate);
+  }
   text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
   return text;
 }
@@ -127,6 +140,10 @@ ordered_json RunJson(const SceneAnswer& solved) {
           {"power_w", run.power_w},
           {"mover_peak_m", run.mover_peak_m},
           {"mover_peak_of_run_m", run.mover_peak_of_run_m},
+          {"temperature_rise_k", run.temperature_rise_k},
+          {"temperature_peak_k", run.temperature_peak_k},
+          {"error_estimate", run.error_estimate},
+          {"solver_steps", run.work.steps},
           {"events", events},
           {"energy_imbalance", run.ledger.Imbalance()}};
 }
@@ -135,18 +152,24 @@ ordered_json RunJson(const SceneAnswer& solved) {
 
 std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
+  const std::string springs = Limited(solved, sim::Effect::kStiffening)
+                                  ? "dampers and the other springs are linear at any travel"
+                                  : "springs and dampers are linear at any travel";
   std::vector<std::string> assumptions{
       Limited(solved, sim::Effect::kTravelStops)
-          ? "springs and dampers are linear at any travel"
-          : "springs and dampers are linear at any travel, and no travel limit is given: this may "
-            "be impossible; check the mover's travel against its stops"};
+          ? springs
+          : springs +
+                ", and no travel limit is given: this may be impossible; check the mover's "
+                "travel against its stops"};
   if (!Limited(solved, sim::Effect::kContactLoss) && solved.steady) {
     assumptions.push_back(
         fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
                     "presses actuator and skin together",
                     solved.steady->skin_force_peak_n));
   }
-  assumptions.emplace_back("the source holds its voltage, and the coil keeps its resistance");
+  assumptions.emplace_back(Limited(solved, sim::Effect::kCoilHeating)
+                               ? "the source holds its voltage, and only the coil warms"
+                               : "the source holds its voltage, and the coil keeps its resistance");
   return assumptions;
 }
 
@@ -158,7 +181,7 @@ std::string SimulateText(const SimulateAnswer& answer) {
   if (solved.steady) {
     text += SteadyText(solved);
   } else if (solved.scene.duration_s) {
-    text += "  steady state: limited by stops or lost contact; searched for without a duration\n";
+    text += "  steady state: not the linear one; searched for without a duration\n";
   }
   if (solved.window) {
     text += fmt::format("  from {}, {:.6g} to {:.6g} s (10 periods): skin {:.5f} um RMS\n",
