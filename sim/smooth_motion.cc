@@ -333,6 +333,8 @@ std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
 void SmoothMotion::Stall(std::string_view reason) {
   stalled_at_s_ = static_cast<double>(origin_s_ + static_cast<long double>(Run().solver.end_s()));
   stall_reason_ = reason;
+  // in the coordinates of the mode that it ended in
+  TakeOutput(Run().solver.end_s());
 }
 
 void SmoothMotion::Compare() {

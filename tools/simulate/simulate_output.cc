@@ -22,12 +22,13 @@ std::string StartName(const sim::Scene& scene) {
 std::string Method(const SceneAnswer& solved) {
   std::vector<std::string> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
-  if (solved.window) methods.emplace_back("window by the balanced matrix exponential");
+  const bool smooth = solved.effects && solved.effects->run.solver;
+  if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
   if (solved.effects && solved.effects->periodic) methods.emplace_back("shooting");
   if (solved.effects && !solved.effects->run.events.empty()) {
     methods.emplace_back("events located to rounding");
   }
-  if (solved.effects && solved.effects->run.solver) {
+  if (smooth) {
     methods.emplace_back(*solved.effects->run.solver == sim::OdeMethod::kBdf
                              ? "SUNDIALS CVODES, BDF"
                              : "SUNDIALS CVODES, Adams");
