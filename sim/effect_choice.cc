@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
@@ -16,11 +17,6 @@ namespace haptometer::sim {
 
 namespace {
 
-double Relative(double value, double reference) {
-  if (value == reference) return 0;
-  return std::abs(value - reference) / std::abs(reference);
-}
-
 // stops and contact are told apart by the names of their events
 bool Happened(const SceneRun& run, std::initializer_list<std::string_view> names) {
   return std::ranges::any_of(run.events, [&](const EventCount& event) {
@@ -31,6 +27,11 @@ bool Happened(const SceneRun& run, std::initializer_list<std::string_view> names
 bool Reached(Effect effect, const SceneRun& run) {
   if (effect == Effect::kContactLoss) return Happened(run, {"take-off"});
   return Happened(run, {"impact up", "impact down", "stop up", "stop down"});
+}
+
+std::string ProblemOf(const SceneRun& run) {
+  if (!run.stalled_at_s) return "its numbers are beyond what a double holds";
+  return fmt::format("{} at {:.9g} s", run.stall_reason, *run.stalled_at_s);
 }
 
 // Decides for one scene.
@@ -49,6 +50,9 @@ class Decision {
     if (!everything.answered) {
       return CannotAnswer(where, everything.problem,
                           "give a duration, or leave out effects that are on");
+    }
+    if (!(everything.run.error_estimate <= scene_.tolerance)) {
+      return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));
     }
     everything_ = everything.run;
     Take(std::move(everything));
@@ -78,10 +82,17 @@ class Decision {
     VerdictOf(effect).ground = ground;
   }
 
+  // Under smooth effects there may be more than one motion to settle to, and what the transient
+  // reached chose among them.
+  bool MaySettleElsewhere() const {
+    const bool settles = !scene_.duration_s || StartOf(scene_) == Start::kSteady;
+    return settles && (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]);
+  }
+
   void LeaveOutWhatIsNeverReached() {
     for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss}) {
       if (!Asked(effect)) continue;
-      if (Reached(effect, everything_)) {
+      if (MaySettleElsewhere() || Reached(effect, everything_)) {
         VerdictOf(effect).ground = Ground::kCompared;
       } else {
         LeaveOut(effect, Ground::kNeverReached);
@@ -89,16 +100,33 @@ class Decision {
     }
   }
 
-  // without gravity a stop that stays in the scene might be reached
+  std::string TooCoarse(const SceneRun& run) const {
+    return std::isinf(run.error_estimate)
+               ? "the smooth effects' motion is not known: its error grows beyond all bounds"
+               : fmt::format(
+                     "with smooth effects the answer is known to {:.1e}, not to the {:g} "
+                     "asked for",
+                     run.error_estimate, scene_.tolerance);
+  }
+  static std::string RemedyOf(const SceneRun& run) {
+    return std::isinf(run.error_estimate)
+               ? "shorten duration_s, or leave out effects that are on"
+               : fmt::format("give tolerance = {:.0e} or more", 2 * run.error_estimate);
+  }
+
+  // without gravity a stop that stays in the scene might be reached, and a spring is softer
   void LeaveOutGravity() {
     if (!Asked(Effect::kGravity)) return;
-    const bool limited =
-        choice_.on[PlaceOf(Effect::kTravelStops)] || choice_.on[PlaceOf(Effect::kContactLoss)];
-    if (!limited) LeaveOut(Effect::kGravity, Ground::kSuperposed);
+    bool felt = false;
+    for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss, Effect::kStiffening}) {
+      felt = felt || choice_.on[PlaceOf(effect)];
+    }
+    if (!felt) LeaveOut(Effect::kGravity, Ground::kSuperposed);
   }
 
   void LeaveOutByComparison() {
     std::vector<Effect> open;
+    std::array<double, kEffectNames.size()> at_most{};
     for (std::size_t k = 0; k < kEffectNames.size(); ++k) {
       const auto effect = static_cast<Effect>(k);
       if (Asked(effect) && choice_.on[k]) open.push_back(effect);
@@ -107,17 +135,20 @@ class Decision {
       EffectVerdict& verdict = VerdictOf(effect);
       verdict.ground = Ground::kCompared;
       EffectSet without = choice_.on;
-      verdict.change = DeviationOf(Play(without.reset(PlaceOf(effect))));
+      const PlayedScene played = Play(without.reset(PlaceOf(effect)));
+      verdict.change = DeviationOf(played);
+      at_most[PlaceOf(effect)] = DeviationAtMost(played);
     }
-    std::ranges::sort(open, {}, [&](Effect effect) { return VerdictOf(effect).change; });
-    for (const Effect effect : open) TryWithout(effect);
+    std::ranges::sort(open, {}, [&](Effect effect) { return at_most[PlaceOf(effect)]; });
+    for (const Effect effect : open) {
+      if (at_most[PlaceOf(effect)] <= scene_.tolerance) TryWithout(effect);
+    }
   }
 
   void TryWithout(Effect effect) {
-    if (!(VerdictOf(effect).change <= scene_.tolerance)) return;
     EffectSet without = choice_.on;
     PlayedScene played = Play(without.reset(PlaceOf(effect)));
-    if (!(DeviationOf(played) <= scene_.tolerance)) return;
+    if (!(DeviationAtMost(played) <= scene_.tolerance)) return;
     LeaveOut(effect, Ground::kCompared);
     Take(std::move(played));
   }
@@ -125,6 +156,10 @@ class Decision {
   // what is not known deviates from everything
   double DeviationOf(const PlayedScene& played) const {
     return played.answered ? Deviation(scene_.quantity, played.run, everything_) : HUGE_VAL;
+  }
+  // with what both runs may be wrong by
+  double DeviationAtMost(const PlayedScene& played) const {
+    return DeviationOf(played) + played.run.error_estimate + everything_.error_estimate;
   }
 
   const Scene& scene_;
@@ -136,43 +171,32 @@ class Decision {
 
 }  // namespace
 
-double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& reference) {
-  switch (quantity) {
-    case AskedQuantity::kSkinRms:
-      return Relative(run.skin_rms_m, reference.skin_rms_m);
-    case AskedQuantity::kMoverPeak:
-      return Relative(run.mover_peak_m, reference.mover_peak_m);
-    case AskedQuantity::kCurrentRms:
-      return Relative(run.current_rms_a, reference.current_rms_a);
-    case AskedQuantity::kSkinWaveform:
-      break;
-  }
-  const double peak_m = reference.skin_m.cwiseAbs().maxCoeff();
-  const double apart_m = (run.skin_m - reference.skin_m).cwiseAbs().maxCoeff();
-  return apart_m == 0 ? 0 : apart_m / peak_m;
-}
-
 PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);
   PlayedScene played;
-  PiecewiseStart start = {};
+  if (!CanRest(effective)) {
+    played.problem = "nothing holds the bodies where the motion begins";
+    return played;
+  }
+  SteadyRun steady;
   if (!scene.duration_s || StartOf(scene) == Start::kSteady) {
-    SteadyRun steady = PlaySteady(effective);
+    steady = PlaySteady(effective);
     played.problem = std::move(steady.tried);
-    played.answered = steady.run.has_value();
-    if (steady.run) played.run = std::move(*steady.run);
-    played.periodic = std::move(steady.periodic);
-    if (!scene.duration_s || !played.answered) return played;
-    played.periodic.reset();
-    start = std::move(steady.start);
+    if (!steady.run) return played;
   } else {
-    start = PiecewiseStartOf(effective.scene);
+    steady.start = PiecewiseStartOf(effective.scene);
   }
-  played.run = RunScene(effective, *scene.duration_s, std::move(start));
-  played.answered = !played.run.stalled_at_s;
-  if (!played.answered) {
-    played.problem = fmt::format("events without end at {:.9g} s", *played.run.stalled_at_s);
+  if (scene.duration_s) {
+    const double start_error = steady.run ? steady.run->error_estimate : 0;
+    played.run =
+        RunScene(effective, *scene.duration_s, std::move(steady.start), steady.temperature_rise_k);
+    played.run.error_estimate += start_error;
+  } else {
+    played.run = std::move(*steady.run);
+    played.periodic = std::move(steady.periodic);
   }
+  played.answered = !played.run.stalled_at_s && played.run.IsFinite();
+  if (!played.answered) played.problem = ProblemOf(played.run);
   return played;
 }
 

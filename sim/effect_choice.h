@@ -19,7 +19,7 @@ enum class Ground : std::uint8_t {
   kNotNamed,      ///< off: the scene does not call for it
   kNamed,         ///< on: the scene calls for it
   kNeverReached,  ///< off: no guard fell, proved between samples too: the same motion, bit for bit
-  kSuperposed,    ///< off: gravity in a motion that no stop or lost contact limits
+  kSuperposed,    ///< off: gravity in a motion that nothing limits and no spring bends
   kCompared,      ///< on or off: the runs with and without it were compared
 };
 
@@ -45,7 +45,7 @@ struct EffectChoice {
 
 /// A scene played with a set of effects.
 struct PlayedScene {
-  bool answered = false;  ///< false: no steady motion was found, or events without end
+  bool answered = false;  ///< false: no steady motion was found, a stall, no number
   SceneRun run;
   std::optional<PeriodicMotion> periodic;
   std::string problem;  ///< why there is no answer
@@ -54,21 +54,21 @@ struct PlayedScene {
 /// The scene's run, or without a duration the motion that it settles to (steady_run.h).
 [[nodiscard]] PlayedScene PlayWith(const Scene& scene, EffectSet on);
 
-/// The relative deviation of the scene's asked quantity between two runs of the same length.
-[[nodiscard]] double Deviation(AskedQuantity quantity, const SceneRun& run,
-                               const SceneRun& reference);
-
 /// Plays the scene with the effects that it calls for, and decides those that are "auto": over its
 /// run, or over the motion that it settles to where it has no duration.
 ///
 /// Everything asked about is first played together. Stops and contact whose guards never fell are
-/// left out: the motion is the same. Gravity is left out where then nothing limits the motion. The
-/// others are left out one by one, least change first, as long as the run without them all stays
-/// within scene.tolerance of the run with everything: what is answered never deviates by more.
+/// left out: the motion is the same. Gravity is left out where then nothing limits the motion and
+/// no stiffening spring feels where it rests. The others are left out one by one, least change
+/// first, as long as the run without them all stays within scene.tolerance of the run with
+/// everything, what both may be wrong by included: what is answered never deviates by more. In a
+/// motion that stays linear the run without tremor costs microseconds, and without a duration its
+/// share is superposed phasors (steady_run.h).
 ///
 /// Cost: one run where nothing is "auto" or all is proved; else up to two more for each effect.
-/// Error (Cause::kCannotAnswer, `where` names the scene): events without end, or no steady motion
-/// found, with every effect on.
+/// Error (Cause::kCannotAnswer, `where` names the scene), with every effect on: a run that stalls,
+/// no steady motion found, smooth effects that cannot be played as exactly as scene.tolerance asks
+/// (the remedy says what can be had).
 [[nodiscard]] Result<EffectChoice> ChooseEffects(const Scene& scene, const std::string& where);
 
 }  // namespace haptometer::sim

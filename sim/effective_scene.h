@@ -3,18 +3,26 @@
 #include "sim/effects.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene.h"
+#include "sim/smooth_scene.h"
 #include "sim/steady_state.h"
+#include "sim/superposition.h"
 
 namespace haptometer::sim {
 
 /// A scene with a choice of effects folded into its numbers: what is solved.
 struct EffectiveScene {
-  Scene scene;                 ///< inductance 0 where the choice leaves it out
+  /// Inductance 0 where the choice leaves it out, a finger that rests without tremor.
+  Scene scene;
   PiecewiseEffects piecewise;  ///< gaps and preload as they are where gravity has moved the bodies
+  SmoothEffects smooth{};      ///< the spring stretched by its sag
+
+  /// Superposition holds as long as nothing in `piecewise` is reached.
+  [[nodiscard]] bool IsLinear() const { return !smooth.Any(); }
 };
 
-/// How far gravity moves the mover in its case: s = Mv g / Kv, towards the skin positive.
-[[nodiscard]] double MoverSag(const Scene& scene);
+/// How far gravity moves the mover in its case, towards the skin positive: s = Mv g / Kv, or of the
+/// stiffening spring Kv s + K3 s^3 = Mv g.
+[[nodiscard]] double MoverSag(const Scene& scene, bool stiffening = false);
 
 /// The weight of all bodies, which adds to the preload: g (Mv + Mc + Ma1 + Ma2).
 [[nodiscard]] double Weight(const Scene& scene);
@@ -28,8 +36,10 @@ struct EffectiveScene {
 /// skin that carries it.
 [[nodiscard]] bool CanRest(const EffectiveScene& scene);
 
-/// Whether the linear steady motion stays clear of stops and keeps contact: then it is a motion of
-/// the scene with them, too. By the amplitudes of travel and skin force, exact under a sine.
+/// Whether the steady motion of the linear scene under drive and tremor is one of the scene:
+/// nothing smooth bends it, it stays clear of stops and keeps contact. By the amplitudes of travel
+/// and skin force: exact under one tone, on the safe side under several.
 [[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady);
+[[nodiscard]] bool SteadyMotionIsFree(const EffectiveScene& scene, const Superposition& steady);
 
 }  // namespace haptometer::sim

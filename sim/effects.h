@@ -7,7 +7,9 @@
 #include <optional>
 #include <string_view>
 
+#include "sim/coil_heating.h"
 #include "sim/contact_loss.h"
+#include "sim/stiffening_spring.h"
 #include "sim/travel_stops.h"
 
 namespace haptometer::sim {
@@ -51,6 +53,8 @@ struct Effects {
   std::optional<TravelStops> travel_stops{};
   /// The preload without the bodies' weight, which gravity adds.
   std::optional<ContactLoss> contact_loss{};
+  std::optional<StiffeningSpring> stiffening{};  ///< without sag, which gravity adds
+  std::optional<CoilHeating> coil_heating{};
 
   [[nodiscard]] Wish& operator[](Effect effect) { return wishes[PlaceOf(effect)]; }
   [[nodiscard]] Wish operator[](Effect effect) const { return wishes[PlaceOf(effect)]; }

@@ -3,8 +3,8 @@
 #include <fmt/core.h>
 
 #include <array>
+#include <limits>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "sim/scene_values.h"
@@ -13,7 +13,8 @@ namespace haptometer::sim {
 
 namespace {
 
-constexpr std::string_view kNotYet = "leave it out";
+constexpr double kLeastCubic = 1;
+constexpr double kMostCubic = 1e15;
 
 void ReadGravity(TomlTable* table, Effects& effects) {
   if (table == nullptr) return;
@@ -64,6 +65,35 @@ std::optional<TravelStops> ReadTravelStops(TomlTable* table) {
     table->Refuse("restitution", "is not 0 to 1", "speed after over speed before the impact");
   }
   return stops;
+}
+
+// softer a cube is no spring, harder a stop
+std::optional<StiffeningSpring> ReadStiffening(TomlTable* table) {
+  if (table == nullptr) return std::nullopt;
+  const double cubic = table->Require("cubic_n_per_m3", Dimension::kNone);
+  if (!(cubic >= kLeastCubic && cubic <= kMostCubic)) {
+    table->Refuse("cubic_n_per_m3", "is not 1 to 1e15 N/m^3",
+                  "the spring pulls stiffness_n_per_m d + cubic_n_per_m3 d^3");
+  }
+  return StiffeningSpring{.cubic_n_per_m3 = cubic};
+}
+
+// without thermal_resistance_k_per_w no heat leaves
+std::optional<CoilHeating> ReadCoilHeating(TomlTable* table) {
+  if (table == nullptr) return std::nullopt;
+  CoilHeating heating;
+  heating.heat_capacity_j_per_k = Positive(*table, "heat_capacity_j_per_k", Dimension::kNone);
+  heating.thermal_resistance_k_per_w = std::numeric_limits<double>::infinity();
+  if (table->Has("thermal_resistance_k_per_w")) {
+    heating.thermal_resistance_k_per_w =
+        Positive(*table, "thermal_resistance_k_per_w", Dimension::kNone);
+  }
+  heating.resistance_per_k =
+      NotNegativeOr(*table, "resistance_per_k", Dimension::kNone, CoilHeating::kCopperPerK);
+  if (heating.resistance_per_k > 1) {
+    table->Refuse("resistance_per_k", "is more than 1 per K", "copper has 3.93e-3");
+  }
+  return heating;
 }
 
 Wish WishOf(TomlTable& table, std::string_view key) {
@@ -122,10 +152,14 @@ struct Constants {
 // an effect without constants cannot be asked for; `effects = "auto"` passes it over
 void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) {
   const bool all = root.KindOf("effects") == TomlKind::kText;
-  const std::array<Constants, 3> needs{
+  const std::array<Constants, 6> needs{
       {{Effect::kGravity, !all || root.Has("gravity"), "[gravity]"},
        {Effect::kTravelStops, effects.travel_stops.has_value(), "[travel_stops] with gap_m"},
-       {Effect::kContactLoss, effects.contact_loss.has_value(), "preload_n in [skin]"}}};
+       {Effect::kStiffening, effects.stiffening.has_value(), "[stiffening] with cubic_n_per_m3"},
+       {Effect::kContactLoss, effects.contact_loss.has_value(), "preload_n in [skin]"},
+       {Effect::kTremor, root.Has("tremor"), "[tremor] with amplitude_m and frequency_hz"},
+       {Effect::kCoilHeating, effects.coil_heating.has_value(),
+        "[coil_heating] with heat_capacity_j_per_k"}}};
   for (const Constants& need : needs) {
     Wish& wish = effects[need.effect];
     if (need.stated || wish == Wish::kOff) continue;
@@ -142,26 +176,16 @@ void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) 
   }
 }
 
-// what the format knows and this version cannot honour
-void RefuseUnsimulated(TomlTable& root, Effects& effects) {
-  TomlTable* table = root.KindOf("effects") == TomlKind::kTable ? root.Table("effects") : nullptr;
-  for (const Effect effect : {Effect::kStiffening, Effect::kTremor, Effect::kCoilHeating}) {
-    if (table != nullptr && effects[effect] != Wish::kOff) {
-      table->Refuse(kEffectNames[PlaceOf(effect)], "is not simulated yet", std::string(kNotYet));
-    }
-    effects[effect] = Wish::kOff;
-  }
-}
-
 }  // namespace
 
 Effects ReadEffects(TomlTable& root, TomlTable* skin) {
   Effects effects;
   ReadGravity(root.Table("gravity"), effects);
   effects.travel_stops = ReadTravelStops(root.Table("travel_stops"));
+  effects.stiffening = ReadStiffening(root.Table("stiffening"));
+  effects.coil_heating = ReadCoilHeating(root.Table("coil_heating"));
   ReadWishes(root, skin, effects);
   RefuseMissingConstants(root, skin, effects);
-  RefuseUnsimulated(root, effects);
   return effects;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "sim/excitation.h"
 #include "sim/linear_model.h"
 #include "sim/smooth_mode.h"
 
@@ -74,7 +75,7 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
     y.conservativeResize(n + 1);
     y(n) = point.x(point.x.size() - 1);
   }
-  const SmoothMode mode(system_, point.mode, drive_, false);
+  const SmoothMode mode(system_, point.mode, Excitation(drive_).Piece(0), false);
   Eigen::VectorXd scale = mode.ScaleFrom(y).cwiseMax(y.cwiseAbs());
   // what the coil comes to in the end, not within a period
   if (system_.heating) scale(n) = std::max(scale(n), mode.LastRise(scale));

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -13,6 +15,9 @@
 #include "sim/linear_model.h"
 #include "sim/output_rate.h"
 #include "sim/piecewise_motion.h"
+#include "sim/smooth_motion.h"
+#include "sim/smooth_scene.h"
+#include "sim/solver_ladder.h"
 
 namespace haptometer::sim {
 
@@ -21,13 +26,15 @@ namespace {
 constexpr std::size_t kKeptOutputs = 4096;
 
 // plays as far as it is asked to and remembers the last outputs
+template <typename Motion>
 class Player {
  public:
-  Player(EffectiveScene scene, PiecewiseStart start, SensorTarget target)
-      : scene_(std::move(scene)),
-        start_(std::move(start)),
-        position_(StateOf(AssembleModel(scene_.scene), target)),
-        rate_hz_(OutputRateHz(scene_.scene)) {
+  using Beginning = std::function<std::unique_ptr<Motion>(double rate_hz)>;
+
+  Player(const Scene& scene, SensorTarget target, Beginning beginning)
+      : beginning_(std::move(beginning)),
+        position_(StateOf(AssembleModel(scene), target)),
+        rate_hz_(OutputRateHz(scene)) {
     Begin();
   }
 
@@ -45,10 +52,7 @@ class Player {
 
  private:
   void Begin() {
-    motion_ =
-        std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene_.scene, scene_.piecewise),
-                                          Excitation(scene_.scene.drive, scene_.scene.finger.tones),
-                                          start_, OutputGrid{.rate_hz = rate_hz_});
+    motion_ = beginning_(rate_hz_);
     jets_.clear();
     first_ = 0;
     Keep();
@@ -70,24 +74,46 @@ class Player {
         {.x = x(position_), .v = x(position_ + 1), .a = motion_->Rates()(position_ + 1)});
   }
 
-  EffectiveScene scene_;
-  PiecewiseStart start_;
+  Beginning beginning_;
   Eigen::Index position_;
   double rate_hz_;
   std::mutex mutex_;
-  std::unique_ptr<PiecewiseMotion> motion_;
+  std::unique_ptr<Motion> motion_;
   std::deque<MotionJet> jets_;  // of outputs first_, first_ + 1, ...
   std::size_t first_ = 0;
 };
 
+// shared, because a std::function is copied freely
+template <typename Motion>
+trial::Displacement Played(const Scene& scene, SensorTarget target,
+                           typename Player<Motion>::Beginning beginning) {
+  auto player = std::make_shared<Player<Motion>>(scene, target, std::move(beginning));
+  return [player = std::move(player)](double t_s) { return player->At(t_s); };
+}
+
+Excitation ExcitationOf(const Scene& scene) { return {scene.drive, scene.finger.tones}; }
+
 }  // namespace
 
 trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart start,
-                                 SensorTarget target) {
-  // shared, because a std::function is copied freely
-  return [player = std::make_shared<Player>(scene, std::move(start), target)](double t_s) {
-    return player->At(t_s);
-  };
+                                 SensorTarget target, double temperature_rise_k) {
+  const Scene& bodies = scene.scene;
+  if (scene.IsLinear()) {
+    return Played<PiecewiseMotion>(
+        bodies, target, [scene, start = std::move(start)](double rate_hz) {
+          return std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene.scene, scene.piecewise),
+                                                   ExcitationOf(scene.scene), start,
+                                                   OutputGrid{.rate_hz = rate_hz});
+        });
+  }
+  return Played<SmoothMotion>(
+      bodies, target, [scene, start = std::move(start), temperature_rise_k](double rate_hz) {
+        const SmoothSettings settings{.tolerance = SolverLadder(scene.scene.tolerance).tolerance(),
+                                      .most_steps = std::numeric_limits<std::int64_t>::max()};
+        return std::make_unique<SmoothMotion>(
+            AssembleSmooth(scene.scene, scene.piecewise, scene.smooth), ExcitationOf(scene.scene),
+            start, OutputGrid{.rate_hz = rate_hz}, settings, temperature_rise_k);
+      });
 }
 
 }  // namespace haptometer::sim

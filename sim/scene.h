@@ -78,7 +78,7 @@ struct Scene {
   std::optional<Sensor> sensor;
   Effects effects{};
   Grip grip{};               ///< of the case to ground; 0: free
-  FingerMotion finger{};     ///< no tones: it rests
+  FingerMotion finger{};     ///< where tremor is on; no tones: it rests
   double tolerance = 1e-10;  ///< of the quantity: what effects = "auto" may neglect
   AskedQuantity quantity = AskedQuantity::kSkinRms;
 };

@@ -209,7 +209,7 @@ void RefuseImpossibleRest(TomlTable& root, TomlTable& skin, const Scene& scene) 
     skin.Refuse("preload_n", "stands with gravity and a grip, which carries part of the weight",
                 "leave gravity out and give the whole preload");
   }
-  const double sag_m = MoverSag(scene);
+  const double sag_m = MoverSag(scene, scene.effects[Effect::kStiffening] != Wish::kOff);
   if (scene.effects[Effect::kTravelStops] != Wish::kOff) {
     const TravelStops& stops = *scene.effects.travel_stops;
     TomlTable& table = *root.Table("travel_stops");
@@ -248,6 +248,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
   scene.grip = ReadMounting(root->Table("mounting"));
+  if (TomlTable* tremor = root->Table("tremor")) scene.finger = ReadFingerMotion(*tremor);
 
   // a misspelt key explains a missing table, so missing ones are told last
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());

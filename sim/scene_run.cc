@@ -2,21 +2,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <utility>
 
 #include "base/check.h"
 #include "sim/excitation.h"
+#include "sim/guard_bound.h"
 #include "sim/hermite.h"
 #include "sim/linear_model.h"
 #include "sim/output_rate.h"
 #include "sim/piecewise_motion.h"
 #include "sim/scene_mode.h"
+#include "sim/smooth_motion.h"
+#include "sim/smooth_scene.h"
+#include "sim/solver_ladder.h"
 
 namespace haptometer::sim {
 
 namespace {
 
 constexpr double kWindowPeriods = 10;
+
+// what a hundred times less tolerance leaves of the error is less than one over this (measured:
+// 1/14 to 1/180)
+constexpr double kLeastGain = 10;
+// an error that less tolerance does not make smaller than this part of itself stays
+constexpr double kWorthIt = 0.5;
+// of the exact motion, each judged in a microsecond or so
+constexpr double kMostIntervals = 2e6;
+constexpr double kMostIntervalsPerOutput = 1e4;
+constexpr std::int64_t kMostSteps = 100'000;
+constexpr std::int64_t kMostStepsPerOutput = 300;
 
 // The outputs of a run: so many steps from before t = 0 to its very end.
 struct RunGrid {
@@ -45,15 +62,41 @@ RunGrid GridOf(const Scene& scene, double duration_s) {
   return grid;
 }
 
+// the squares of skin and case beside the energies
+void AskForSquares(const LinearModel& model, PiecewiseLinearSystem& system) {
+  const Eigen::Index n = model.states();
+  system.squared_rows = {Eigen::RowVectorXd::Unit(n, model.skin()),
+                         Eigen::RowVectorXd::Unit(n, LinearModel::kCase)};
+}
+
+double CoilOf(const EnergyLedger& ledger) {
+  return ledger.dissipated_j[static_cast<std::size_t>(SceneElement::kCoil)];
+}
+
+// the integral of i^2, where the resistance holds out of what the coil dissipates
+double CurrentSquares(const PiecewiseMotion& motion, double resistance_ohm) {
+  return CoilOf(motion.Ledger()) / resistance_ohm;
+}
+double CurrentSquares(const SmoothMotion& motion, double /*resistance_ohm*/) {
+  return motion.CurrentSquareIntegral();
+}
+
+std::string_view StallOf(const PiecewiseMotion& /*motion*/) { return "events without end"; }
+std::string_view StallOf(const SmoothMotion& motion) { return motion.stall_reason(); }
+
+double RiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
+double RiseOf(const SmoothMotion& motion) { return motion.temperature_rise_k(); }
+
 // Plays a motion and gathers what its window shows.
+template <typename Motion>
 class Playing {
  public:
-  Playing(const EffectiveScene& scene, double duration_s, PiecewiseStart start)
+  Playing(const EffectiveScene& scene, double duration_s, std::unique_ptr<Motion> motion)
       : scene_(scene),
         grid_(GridOf(scene.scene, duration_s)),
         model_(AssembleModel(scene.scene)),
-        motion_(SystemOf(scene, model_), Excitation(scene.scene.drive, scene.scene.finger.tones),
-                std::move(start), grid_.outputs, true) {
+        motion_owner_(std::move(motion)),
+        motion_(*motion_owner_) {
     run_.outputs_rate_hz = grid_.outputs.rate_hz;
     run_.end_s = duration_s;
     run_.begin_s = grid_.window_begin == 0 ? 0 : TimeOf(grid_.window_begin);
@@ -63,8 +106,10 @@ class Playing {
   SceneRun Play() {
     MoverJet(before_);
     if (grid_.window_begin == 0) BeginWindow();
+    const std::size_t most_events = kMostEvents + kMostEventsPerOutput * grid_.count;
     while (motion_.index() < grid_.count && !motion_.stalled_at_s()) {
       motion_.Next();
+      if (motion_.events().size() > most_events) return GiveUp();
       TakePeaks();
       if (motion_.index() == grid_.window_begin) BeginWindow();
       TakeSkin();
@@ -74,14 +119,6 @@ class Playing {
   }
 
  private:
-  static PiecewiseLinearSystem SystemOf(const EffectiveScene& scene, const LinearModel& model) {
-    PiecewiseLinearSystem system = AssemblePiecewise(scene.scene, scene.piecewise);
-    const Eigen::Index n = model.states();
-    system.squared_rows = {Eigen::RowVectorXd::Unit(n, model.skin()),
-                           Eigen::RowVectorXd::Unit(n, LinearModel::kCase)};
-    return system;
-  }
-
   double TimeOf(std::size_t output) const {
     return grid_.outputs.origin_s + static_cast<double>(output) / grid_.outputs.rate_hz;
   }
@@ -105,6 +142,7 @@ class Playing {
       peak_m = std::max(peak_m, GapReached(motion_.events()[events_seen_]));
     }
     before_ = now;
+    run_.temperature_peak_k = std::max(run_.temperature_peak_k, RiseOf(motion_));
     run_.mover_peak_of_run_m = std::max(run_.mover_peak_of_run_m, peak_m);
     if (motion_.index() > grid_.window_begin) {
       run_.mover_peak_m = std::max(run_.mover_peak_m, peak_m);
@@ -124,9 +162,8 @@ class Playing {
     const std::vector<double> squares = motion_.SquareIntegrals();
     skin_before_ = squares[0];
     case_before_ = squares[1];
-    const EnergyLedger ledger = motion_.Ledger();
-    coil_before_j_ = CoilOf(ledger);
-    input_before_j_ = ledger.input_j;
+    current_before_ = CurrentSquares(motion_, scene_.scene.actuator.resistance_ohm);
+    input_before_j_ = motion_.Ledger().input_j;
     if (grid_.window_begin == 0) TakeSkin();
   }
 
@@ -136,12 +173,17 @@ class Playing {
         motion_.Positions()(model_.skin());
   }
 
-  static double CoilOf(const EnergyLedger& ledger) {
-    return ledger.dissipated_j[static_cast<std::size_t>(SceneElement::kCoil)];
+  SceneRun GiveUp() {
+    run_.stalled_at_s = motion_.events().back().time_s;
+    run_.stall_reason = "too many events";
+    CountEvents();
+    return std::move(run_);
   }
 
   void Finish() {
     run_.stalled_at_s = motion_.stalled_at_s();
+    if (run_.stalled_at_s) run_.stall_reason = StallOf(motion_);
+    run_.temperature_rise_k = RiseOf(motion_);
     run_.ledger = motion_.Ledger();
     const double length_s = run_.end_s - run_.begin_s;
     const std::vector<double> squares = motion_.SquareIntegrals();
@@ -149,7 +191,7 @@ class Playing {
     run_.skin_rms_m = rms(squares[0] - skin_before_);
     run_.case_rms_m = rms(squares[1] - case_before_);
     run_.current_rms_a =
-        rms((CoilOf(run_.ledger) - coil_before_j_) / scene_.scene.actuator.resistance_ohm);
+        rms(CurrentSquares(motion_, scene_.scene.actuator.resistance_ohm) - current_before_);
     run_.power_w = (run_.ledger.input_j - input_before_j_) / length_s;
     CountEvents();
   }
@@ -169,21 +211,137 @@ class Playing {
   const EffectiveScene& scene_;
   RunGrid grid_;
   LinearModel model_;
-  PiecewiseMotion motion_;
+  std::unique_ptr<Motion> motion_owner_;
+  Motion& motion_;
   SceneRun run_;
   MotionJet before_;
   std::size_t events_seen_ = 0;
-  double skin_before_ = 0, case_before_ = 0, coil_before_j_ = 0, input_before_j_ = 0;
+  double skin_before_ = 0, case_before_ = 0, current_before_ = 0, input_before_j_ = 0;
 };
 
+// Whether events can be looked for in reasonable time: an interval that is judged is no longer than
+// GuardBound::LongestHorizon, and motions that decay or swing far faster than the drive need many.
+bool CanLookForEvents(const PiecewiseLinearSystem& system, const RunGrid& grid) {
+  if (system.transitions.empty()) return true;
+  const double step_s = 1 / grid.outputs.rate_hz;
+  double most = 0, first = 0;
+  for (const Mode& mode : system.modes) {
+    const double intervals = step_s / GuardBound::LongestHorizon(mode.a);
+    most = std::max(most, intervals);
+    if (&mode == &system.modes.front()) first = intervals;
+  }
+  return most <= kMostIntervalsPerOutput &&
+         first * static_cast<double>(grid.count) <= kMostIntervals;
+}
+
+SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseStart start) {
+  const Scene& bodies = scene.scene;
+  PiecewiseLinearSystem system = AssemblePiecewise(bodies, scene.piecewise);
+  AskForSquares(AssembleModel(bodies), system);
+  const RunGrid grid = GridOf(bodies, duration_s);
+  if (!CanLookForEvents(system, grid)) {
+    SceneRun run;
+    run.stalled_at_s = 0;
+    run.stall_reason = "bodies too fast against the drive to look for events";
+    return run;
+  }
+  auto motion = std::make_unique<PiecewiseMotion>(std::move(system),
+                                                  Excitation(bodies.drive, bodies.finger.tones),
+                                                  std::move(start), grid.outputs, true);
+  return Playing(scene, duration_s, std::move(motion)).Play();
+}
+
+SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const PiecewiseStart& start,
+                    double temperature_rise_k) {
+  const auto play = [&](double tolerance) {
+    return RunSmoothly(scene, duration_s, start, temperature_rise_k, tolerance);
+  };
+  SolverLadder ladder(scene.scene.tolerance);
+  SceneRun coarse = play(ladder.before());
+  OdeWork work = coarse.work;
+  for (;; ladder.Refine()) {
+    SceneRun run = play(ladder.tolerance());
+    work += run.work;
+    run.work = work;
+    run.error_estimate = ErrorOf(run, coarse, ladder.finer());
+    if (run.stalled_at_s || ladder.EndsWith(run.error_estimate)) return run;
+    // of a chaotic motion no tolerance makes more
+    if (run.error_estimate > kWorthIt * coarse.error_estimate) return run;
+    coarse = std::move(run);
+  }
+}
+
+double Relative(double value, double reference) {
+  if (value == reference) return 0;
+  return std::abs(value - reference) / std::abs(reference);
+}
+
 }  // namespace
+
+bool SceneRun::IsFinite() const {
+  return std::isfinite(skin_rms_m) && std::isfinite(case_rms_m) && std::isfinite(current_rms_a) &&
+         std::isfinite(power_w) && std::isfinite(mover_peak_of_run_m) && skin_m.allFinite() &&
+         std::isfinite(temperature_rise_k);
+}
+
+double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& reference) {
+  switch (quantity) {
+    case AskedQuantity::kSkinRms:
+      return Relative(run.skin_rms_m, reference.skin_rms_m);
+    case AskedQuantity::kMoverPeak:
+      return Relative(run.mover_peak_m, reference.mover_peak_m);
+    case AskedQuantity::kCurrentRms:
+      return Relative(run.current_rms_a, reference.current_rms_a);
+    case AskedQuantity::kSkinWaveform:
+      break;
+  }
+  const double peak_m = reference.skin_m.cwiseAbs().maxCoeff();
+  const double apart_m = (run.skin_m - reference.skin_m).cwiseAbs().maxCoeff();
+  return apart_m == 0 ? 0 : apart_m / peak_m;
+}
+
+double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
+  if (run.stalled_at_s || coarse.stalled_at_s || !run.IsFinite() || !coarse.IsFinite()) {
+    return std::numeric_limits<double>::infinity();
+  }
+  double largest = 0;
+  for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
+    largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
+  }
+  return largest * kLeastGain / finer;
+}
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {
   return RunScene(scene, duration_s, PiecewiseStartOf(scene.scene));
 }
 
-SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart start) {
-  return Playing(scene, duration_s, std::move(start)).Play();
+SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart start,
+                  double temperature_rise_k) {
+  if (scene.IsLinear()) return RunExactly(scene, duration_s, std::move(start));
+  return RunAsAsked(scene, duration_s, start, temperature_rise_k);
+}
+
+SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseStart start,
+                     double temperature_rise_k, double tolerance) {
+  const Scene& bodies = scene.scene;
+  SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
+  AskForSquares(AssembleModel(bodies), system.linear);
+  const RunGrid grid = GridOf(bodies, duration_s);
+  const auto outputs = static_cast<std::int64_t>(grid.count);
+  auto motion = std::make_unique<SmoothMotion>(
+      std::move(system), Excitation(bodies.drive, bodies.finger.tones), std::move(start),
+      grid.outputs,
+      SmoothSettings{.tolerance = tolerance,
+                     .with_energy = true,
+                     .most_steps = kMostSteps + kMostStepsPerOutput * outputs},
+      temperature_rise_k);
+  const SmoothMotion& played = *motion;
+  Playing playing(scene, duration_s, std::move(motion));
+  SceneRun run = playing.Play();
+  run.solver = played.method();
+  run.work = played.work();
+  run.error_estimate = std::numeric_limits<double>::infinity();
+  return run;
 }
 
 }  // namespace haptometer::sim

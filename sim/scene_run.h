@@ -8,6 +8,7 @@
 
 #include "sim/effective_scene.h"
 #include "sim/energy_ledger.h"
+#include "sim/ode_solver.h"
 #include "sim/piecewise_motion.h"
 
 namespace haptometer::sim {
@@ -27,14 +28,25 @@ struct SceneRun {
   double skin_rms_m = 0;     ///< sqrt(1/(end - begin) integral xs^2 dt), an integral, not sampled
   double case_rms_m = 0;     ///< the same of xa
   double current_rms_a = 0;  ///< the same of i
-  double power_w = 0;        ///< mean of v i
+  double power_w = 0;        ///< mean of v i, and of what a moving finger puts in
   double mover_peak_m = 0;   ///< largest abs(xv - xa) in the window
   double mover_peak_of_run_m = 0;  ///< in the whole run, transients included
   double outputs_rate_hz = 0;
   Eigen::VectorXd skin_m;            ///< xs at the window's outputs, begin_s + i / outputs_rate_hz
   EnergyLedger ledger;               ///< of the whole run
   std::vector<EventCount> events{};  ///< of the whole run, in the order in which they first came
-  std::optional<double> stalled_at_s{};  ///< events without end: nothing behind it is known
+  std::optional<double> stalled_at_s{};  ///< nothing behind it is known
+  std::string_view stall_reason{};       ///< "events without end", "the solver cannot go on"
+  double temperature_rise_k = 0;         ///< of the coil that heats, at the end of the run
+  double temperature_peak_k = 0;         ///< the largest at the run's outputs
+  std::optional<OdeMethod> solver{};     ///< of smooth effects; absent: exact
+  OdeWork work{};                        ///< of the solver, over all runs that led to this one
+  /// Relative, of any asked quantity, what the solver is wrong by; 0 of an exact run. Infinite
+  /// where it is not known.
+  double error_estimate = 0;
+
+  /// Whether all that can be asked for is a number.
+  [[nodiscard]] bool IsFinite() const;
 };
 
 /// Outputs within a period of the drive: a peak between two of them is interpolated to 1e-10.
@@ -42,16 +54,44 @@ inline constexpr int kOutputsPerPeriod = 64;
 /// The longest run in outputs: a minute of work or so.
 inline constexpr double kMostOutputs = 1e8;
 
-/// Plays the scene from t = 0 to `duration_s` with its stops and contact (piecewise_motion.h).
+/// More events than so many and so many an output end a run: bodies that rattle far faster than
+/// the drive. A second of work or so.
+inline constexpr std::size_t kMostEvents = 20'000;
+inline constexpr std::size_t kMostEventsPerOutput = 50;
+
+/// The relative deviation of an asked quantity between two runs of the same length.
+[[nodiscard]] double Deviation(AskedQuantity quantity, const SceneRun& run,
+                               const SceneRun& reference);
+
+/// What a run is wrong by that was played with `finer` times less tolerance than another: the
+/// largest deviation of the four quantities between them, over finer/10. In every scene of the
+/// tests (smooth_motion.h) a hundred times less tolerance leaves less than a tenth of the error.
+[[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
+
+/// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
 ///
-/// Outputs come as output_rate.h says. Exact but for the peaks: between outputs they follow the
-/// quintic through position, velocity and acceleration at both (6th order); where an event lies
-/// between, the outputs and a rigid stop's gap alone. duration_s > 0, StepsOfRun at most MostSteps.
-/// Cost: PiecewiseMotion's with energies, 64 outputs a period.
+/// Outputs come as output_rate.h says.
+///
+/// **Without smooth effects** by PiecewiseMotion, exact but for the peaks: between outputs they
+/// follow the quintic through position, velocity and acceleration at both (6th order); where an
+/// event lies between, the outputs and a rigid stop's gap alone.
+///
+/// **With them** by SmoothMotion, with one tolerance of solver_ladder.h after the other until
+/// ErrorOf the last two runs is a quarter of scene.tolerance, or no longer falls (a chaotic
+/// motion); what is left is told in error_estimate, and it is the caller who compares that with
+/// scene.tolerance.
+///
+/// duration_s > 0, StepsOfRun at most MostSteps. Cost: PiecewiseMotion's with energies, 64 outputs
+/// a period; SmoothMotion's, some 0.3 ms a period and 0.1 ms an event, both runs together.
 [[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s);
 
 /// The same from any state at t = 0.
 [[nodiscard]] SceneRun RunScene(const EffectiveScene& scene, double duration_s,
-                                PiecewiseStart start);
+                                PiecewiseStart start, double temperature_rise_k = 0);
+
+/// By SmoothMotion alone, one run at one tolerance, whose error_estimate is infinite.
+[[nodiscard]] SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s,
+                                   PiecewiseStart start, double temperature_rise_k,
+                                   double tolerance);
 
 }  // namespace haptometer::sim

@@ -27,8 +27,11 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
   }
   const EffectiveScene effective = WithEffects(stated, on);
   const bool is_sine = effective.scene.drive.kind == DriveKind::kSine;
-  if (!is_sine || effective.piecewise.stops || effective.piecewise.contact_loss) {
-    return PlayedMotion(effective, BeginningOf(effective), target);
+  const bool limited = effective.piecewise.stops || effective.piecewise.contact_loss;
+  if (!is_sine || limited || !effective.IsLinear() || !effective.scene.finger.tones.empty()) {
+    Beginning beginning = BeginningOf(effective);
+    return PlayedMotion(effective, std::move(beginning.start), target,
+                        beginning.temperature_rise_k);
   }
   const Scene& scene = effective.scene;
   const LinearModel model = AssembleModel(scene);
@@ -66,8 +69,12 @@ namespace {
 trial::Metadata Describe(const Scene& scene) {
   const Sensor& sensor = *scene.sensor;
   trial::Metadata metadata;
-  metadata.source = fmt::format("simulated: {}, exact solution, start from {}",
-                                scene.effects.Asked() ? "scene with effects" : "linear scene",
+  const Effects& effects = scene.effects;
+  const bool smooth =
+      effects[Effect::kStiffening] != Wish::kOff || effects[Effect::kCoilHeating] != Wish::kOff;
+  metadata.source = fmt::format("simulated: {}, {}, start from {}",
+                                effects.Asked() ? "scene with effects" : "linear scene",
+                                smooth ? "SUNDIALS CVODES" : "exact solution",
                                 StartOf(scene) == Start::kRest ? "rest" : "steady state");
   metadata.sensor = "sensor model";
   metadata.head = sensor.head.name;

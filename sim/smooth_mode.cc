@@ -1,11 +1,10 @@
 #include "sim/smooth_mode.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
-
-#include "sim/driven_step.h"
 
 namespace haptometer::sim {
 
@@ -16,37 +15,80 @@ constexpr double kGrowth = 0.1;
 
 double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
 
-// [x, u] with the voltage; the finger rests
-Eigen::VectorXd WithVoltage(const Eigen::Ref<const Eigen::VectorXd>& x, double volt) {
-  Eigen::VectorXd z = Eigen::VectorXd::Zero(x.size() + kInputs);
-  z.head(x.size()) = x;
-  z(x.size() + kVoltage) = volt;
+Eigen::VectorXd WithInputs(const Eigen::Ref<const Eigen::VectorXd>& x, const Eigen::Vector3d& u) {
+  Eigen::VectorXd z(x.size() + kInputs);
+  z << x, u;
   return z;
 }
 
 }  // namespace
 
-SmoothMode::SmoothMode(const SmoothSystem& system, std::size_t mode, const SineDrive& drive,
+double HighestFrequencyHz(const ExcitationPiece& piece) {
+  double highest_hz = 0;
+  for (const ExcitationTerm& term : piece.terms) {
+    highest_hz = std::max(highest_hz, term.frequency_hz);
+  }
+  return highest_hz;
+}
+
+SmoothMode::SmoothMode(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
                        bool with_energy)
-    : system_(&system), mode_(mode), drive_(drive), with_energy_(with_energy) {}
+    : system_(&system),
+      mode_(mode),
+      with_energy_(with_energy),
+      inputs_(system.linear.modes[mode].Inputs()) {
+  Begin(piece, piece.begin_s);
+}
+
+void SmoothMode::Begin(const ExcitationPiece& piece, long double origin_s) {
+  piece_ = piece;
+  origin_s_ = origin_s;
+  const ExcitationShape shape = ShapeOf(piece);
+  rows_[0] = shape.rows;
+  rows_[1] = rows_[0] * shape.generator;
+  rows_[2] = rows_[1] * shape.generator;
+}
 
 Eigen::Index SmoothMode::states() const { return n() + (system_->heating ? 1 : 0); }
 
 Eigen::Index SmoothMode::integrals() const {
   if (!with_energy_) return 0;
   const PiecewiseLinearSystem& linear = system_->linear;
-  return static_cast<Eigen::Index>(1 + linear.dissipating_elements.size() +
+  return static_cast<Eigen::Index>(2 + linear.dissipating_elements.size() +
                                    linear.squared_rows.size());
 }
 
-// sin and cos of the drive's phase
-Eigen::Vector2d SmoothMode::DriveThen(double t_s) const {
-  return DriveAt(drive_.frequency_hz, origin_s_ + static_cast<long double>(t_s));
+Eigen::Vector3d SmoothMode::InputsThen(double t_s, std::size_t derivative) const {
+  FillSignals(piece_, origin_s_ + static_cast<long double>(t_s), signals_);
+  return rows_[derivative] * signals_;
 }
 
 // rad/s
 double SmoothMode::Pace() const {
-  return 2 * std::numbers::pi * (drive_.frequency_hz > 0 ? drive_.frequency_hz : 1);
+  const double highest_hz = HighestFrequencyHz(piece_);
+  return 2 * std::numbers::pi * (highest_hz > 0 ? highest_hz : 1);
+}
+
+double SmoothMode::PaceOf(const ExcitationTerm& term) const {
+  return term.frequency_hz > 0 ? 2 * std::numbers::pi * term.frequency_hz : Pace();
+}
+
+Eigen::Vector3d SmoothMode::SourceOf(const ExcitationTerm& term) const {
+  const Eigen::VectorXd largest = LargestSignals({piece_.begin_s, piece_.end_s, {term}});
+  double amplitude = largest[0];
+  if (term.kind != ExcitationTerm::Kind::kPolynomial) {
+    amplitude = std::abs(term.amplitude) * largest[0];
+    if (largest.size() > 2) amplitude += std::abs(term.amplitude_per_s) * largest[2];
+  }
+  Eigen::Vector3d source = amplitude * Eigen::Vector3d::Unit(term.input);
+  if (term.input == kFinger) source[kFingerRate] = amplitude * PaceOf(term);
+  return source;
+}
+
+Eigen::Vector3d SmoothMode::LargestInputs() const {
+  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
+  for (const ExcitationTerm& term : piece_.terms) largest += SourceOf(term);
+  return largest;
 }
 
 double SmoothMode::RisePerKelvin() const {
@@ -63,23 +105,23 @@ SmoothMode::Coil SmoothMode::CoilAt(double volt, const Eigen::Ref<const Eigen::V
 }
 
 double SmoothMode::Current(double t_s, const Eigen::VectorXd& y) const {
-  return CoilAt(drive_.amplitude_v * DriveThen(t_s)[0], y).current_a;
+  return CoilAt(InputsThen(t_s)[kVoltage], y).current_a;
 }
 
 void SmoothMode::Rate(double t_s, const ConstVector& y, Vector rate) const {
   const Mode& m = mode();
   const auto x = y.head(n());
-  double volt = drive_.amplitude_v * DriveThen(t_s)[0];
+  Eigen::Vector3d u = InputsThen(t_s);
   if (system_->heating) {
     const CoilHeating& heating = *system_->heating;
-    const Coil coil = CoilAt(volt, y);
+    const Coil coil = CoilAt(u[kVoltage], y);
     rate[n()] = ((system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a -
                  y[n()] / heating.thermal_resistance_k_per_w) /
                 heating.heat_capacity_j_per_k;
-    volt -= coil.rise_ohm * coil.current_a;
+    u[kVoltage] -= coil.rise_ohm * coil.current_a;
   }
   rate.head(n()).noalias() = m.a * x;
-  rate.head(n()) += volt * m.b;
+  rate.head(n()).noalias() += inputs_ * u;
   if (!system_->spring) return;
   const SpringTerms& terms = system_->spring_terms[mode_];
   rate.head(n()) -= system_->spring->Force(terms.deflection.dot(x)) * terms.push;
@@ -92,7 +134,7 @@ void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) con
   jacobian.topLeftCorner(size, size) = m.a;
   if (system_->heating) {
     const CoilHeating& heating = *system_->heating;
-    const Coil coil = CoilAt(drive_.amplitude_v * DriveThen(t_s)[0], y);
+    const Coil coil = CoilAt(InputsThen(t_s)[kVoltage], y);
     const double per_k = RisePerKelvin(), current = coil.current_a;
     const double resistance = system_->resistance_ohm + coil.rise_ohm;
     // di/dx, di/dtheta
@@ -114,11 +156,12 @@ void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) con
 
 void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) const {
   const Mode& m = mode();
-  const double volt = drive_.amplitude_v * DriveThen(t_s)[0];
-  const Coil coil = CoilAt(volt, y);
-  const Eigen::VectorXd z = WithVoltage(y.head(n()), volt);
+  const Eigen::Vector3d u = InputsThen(t_s);
+  const Coil coil = CoilAt(u[kVoltage], y);
+  const Eigen::VectorXd z = WithInputs(y.head(n()), u);
   rate.setZero();  // a mode may know of no dissipation at all
-  rate[0] = volt * coil.current_a;
+  rate[0] = u[kVoltage] * coil.current_a;
+  if (m.finger_force_row.size() > 0) rate[0] -= u[kFingerRate] * m.finger_force_row.dot(z);
   for (std::size_t k = 0; k < m.dissipating.size(); ++k) {
     const Eigen::MatrixXd& form = m.dissipating[k];
     if (form.size() == 0) continue;
@@ -127,12 +170,15 @@ void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) con
   if (system_->heating) {
     rate[static_cast<Eigen::Index>(system_->coil_element) + 1] =
         (system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a;
+    // forms know of the cold coil's current
+    rate[static_cast<Eigen::Index>(system_->source_element) + 1] *= coil.held_back * coil.held_back;
   }
   auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());
   for (const Eigen::RowVectorXd& row : system_->linear.squared_rows) {
     const double value = RowOfPositions(row).dot(y.head(n()));
     rate[place++] = value * value;
   }
+  rate[place] = coil.current_a * coil.current_a;
 }
 
 // a row over the positions as one over the mode's coordinates
@@ -146,9 +192,10 @@ double SmoothMode::Value(std::size_t guard, double t_s, const Eigen::VectorXd& y
   double value = that.row.dot(x) + that.offset;
   if (that.feed.size() > 0) {
     // the coil's current feels the voltage at once, less what the rise takes
-    const double volt = drive_.amplitude_v * DriveThen(t_s)[0];
-    const Coil coil = CoilAt(volt, y);
-    value += that.feed(kVoltage) * (volt - coil.rise_ohm * coil.current_a);
+    Eigen::Vector3d u = InputsThen(t_s);
+    const Coil coil = CoilAt(u[kVoltage], y);
+    u[kVoltage] -= coil.rise_ohm * coil.current_a;
+    value += that.feed.dot(u);
   }
   if (system_->spring) {
     const SpringTerms& terms = system_->spring_terms[mode_];
@@ -161,21 +208,20 @@ double SmoothMode::Value(std::size_t guard, double t_s, const Eigen::VectorXd& y
 GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const {
   const Mode& m = mode();
   const Eigen::Index size = n();
-  const double omega = 2 * std::numbers::pi * drive_.frequency_hz;
-  const Eigen::Vector2d turn = drive_.amplitude_v * DriveThen(t_s);
-  const Coil coil = CoilAt(turn[0], y);
+  const Coil coil = CoilAt(InputsThen(t_s)[kVoltage], y);
   Eigen::VectorXd rate(states());
   Rate(t_s, ConstVector(y.data(), y.size()), Vector(rate.data(), rate.size()));
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(states(), states());
   Jacobian(t_s, ConstVector(y.data(), y.size()),
            Matrix(jacobian.data(), jacobian.rows(), jacobian.cols()));
-  // the voltage's derivatives as the coil feels them
-  const double volt_rate = omega * turn[1] * coil.held_back;
-  const double volt_second = -omega * omega * turn[0] * coil.held_back;
+  // the inputs' derivatives, the voltage's as the coil feels them
+  Eigen::Vector3d input_rate = InputsThen(t_s, 1), input_second = InputsThen(t_s, 2);
+  input_rate[kVoltage] *= coil.held_back;
+  input_second[kVoltage] *= coil.held_back;
   Eigen::VectorXd second = jacobian * rate;
-  second.head(size) += volt_rate * m.b;
+  second.head(size) += inputs_ * input_rate;
   Eigen::VectorXd third = jacobian * second;
-  third.head(size) += volt_second * m.b;
+  third.head(size) += inputs_ * input_second;
   // what the Jacobian's own change adds: twice each product of first derivatives, f'' d'^2
   if (system_->heating) {
     const double current_rate = m.current_row.dot(rate.head(size));
@@ -188,60 +234,79 @@ GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y
                         speed * terms.push;
   }
   const Guard& that = m.guards[guard];
-  const double feed = that.feed.size() > 0 ? that.feed(kVoltage) : 0;
-  return {Value(guard, t_s, y), that.row.dot(rate.head(size)) + feed * volt_rate,
-          that.row.dot(second.head(size)) + feed * volt_second, that.row.dot(third.head(size))};
+  Eigen::RowVectorXd feed = Eigen::RowVectorXd::Zero(kInputs);
+  if (that.feed.size() > 0) feed = that.feed;
+  return {Value(guard, t_s, y), that.row.dot(rate.head(size)) + feed.dot(input_rate),
+          that.row.dot(second.head(size)) + feed.dot(input_second), that.row.dot(third.head(size))};
 }
 
-double SmoothMode::StoredEnergy(const Eigen::VectorXd& y) const {
-  const Eigen::VectorXd x = y.head(n());
-  const double linear_j = Quadratic(mode().stored_j, x);
+double SmoothMode::StoredEnergy(double t_s, const Eigen::VectorXd& y) const {
+  const Eigen::MatrixXd& form = mode().stored_j;
+  const auto x = y.head(n());
+  const double linear_j =
+      form.rows() == n() ? Quadratic(form, x) : Quadratic(form, WithInputs(x, InputsThen(t_s)));
   if (!system_->spring) return linear_j;
   return linear_j + system_->spring->Energy(system_->spring_terms[mode_].deflection.dot(x));
 }
 
 Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
   const Mode& m = mode();
-  const double omega = Pace();
-  Eigen::MatrixXcd matrix = -m.a.cast<std::complex<double>>();
-  matrix.diagonal().array() += std::complex<double>(kGrowth * omega, omega);
-  const Eigen::VectorXd source = drive_.amplitude_v * m.b + omega * y.head(n());
+  const auto magnitudes = [&](double omega, const Eigen::VectorXd& source) -> Eigen::VectorXd {
+    Eigen::MatrixXcd matrix = -m.a.cast<std::complex<double>>();
+    matrix.diagonal().array() += std::complex<double>(kGrowth * omega, omega);
+    return matrix.partialPivLu().solve(source.cast<std::complex<double>>()).cwiseAbs();
+  };
   Eigen::VectorXd scale(states());
-  scale.head(n()) = matrix.partialPivLu().solve(source.cast<std::complex<double>>()).cwiseAbs();
+  scale.head(n()) = magnitudes(Pace(), Pace() * y.head(n()));
+  for (const ExcitationTerm& term : piece_.terms) {
+    scale.head(n()) += magnitudes(PaceOf(term), inputs_ * SourceOf(term));
+  }
   if (system_->heating) {
-    const double current =
-        m.current_row.cwiseAbs().dot(scale.head(n())) + m.current_per_volt * drive_.amplitude_v;
-    scale[n()] = y[n()] + system_->resistance_ohm * current * current / omega /
+    const double current = LargestCurrent(scale);
+    scale[n()] = y[n()] + system_->resistance_ohm * current * current / Pace() /
                               system_->heating->heat_capacity_j_per_k;
   }
   return scale;
 }
 
+double SmoothMode::LargestCurrent(const Eigen::VectorXd& scale) const {
+  return mode().current_row.cwiseAbs().dot(scale.head(n())) +
+         mode().current_per_volt * LargestInputs()[kVoltage];
+}
+
 double SmoothMode::LastRise(const Eigen::VectorXd& scale) const {
   const double through_k_per_w = system_->heating->thermal_resistance_k_per_w;
   if (std::isinf(through_k_per_w)) return 0;
-  const double current = mode().current_row.cwiseAbs().dot(scale.head(n())) +
-                         mode().current_per_volt * drive_.amplitude_v;
+  const double current = LargestCurrent(scale);
   return system_->resistance_ohm * current * current * through_k_per_w;
 }
 
 Eigen::VectorXd SmoothMode::IntegralScale(const Eigen::VectorXd& scale) const {
   if (!with_energy_) return {};
   const Mode& m = mode();
-  const Eigen::VectorXd z = WithVoltage(scale.head(n()), drive_.amplitude_v);
-  const double current =
-      m.current_row.cwiseAbs().dot(scale.head(n())) + m.current_per_volt * drive_.amplitude_v;
-  double power_w = drive_.amplitude_v * current;
+  const Eigen::Vector3d largest = LargestInputs();
+  const Eigen::VectorXd z = WithInputs(scale.head(n()), largest);
+  const double current = LargestCurrent(scale);
+  double power_w = largest[kVoltage] * current;
+  if (m.finger_force_row.size() > 0) {
+    power_w += largest[kFingerRate] * m.finger_force_row.cwiseAbs().dot(z);
+  }
   for (const Eigen::MatrixXd& form : m.dissipating) {
     if (form.size() > 0) power_w += Quadratic(form.cwiseAbs(), z.head(form.rows()));
   }
+  double stored_j = Quadratic(m.stored_j.cwiseAbs(), z.head(m.stored_j.rows()));
+  if (system_->spring) {
+    const Eigen::RowVectorXd& deflection = system_->spring_terms[mode_].deflection;
+    stored_j += system_->spring->Energy(deflection.cwiseAbs().dot(scale.head(n())));
+  }
   Eigen::VectorXd integral_scale =
-      Eigen::VectorXd::Constant(integrals(), power_w / Pace() + std::abs(StoredEnergy(scale)));
+      Eigen::VectorXd::Constant(integrals(), power_w / Pace() + stored_j);
   auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());
   for (const Eigen::RowVectorXd& row : system_->linear.squared_rows) {
     const double value = RowOfPositions(row).cwiseAbs().dot(scale.head(n()));
     integral_scale[place++] = value * value / Pace();
   }
+  integral_scale[place] = current * current / Pace();
   return integral_scale;
 }
 

@@ -30,11 +30,12 @@ constexpr double kNoiseParts = 10;
 constexpr double kLongestStepPeriods = 0.125;
 constexpr int kMostCrowdedEvents = 100;
 constexpr double kCrowdedPart = 0x1p-40;  // of an output step
-constexpr std::int64_t kMostSteps = 10'000'000;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
 // rates above so many times the drive's are stiff
 constexpr double kStiffRatio = 30;
+// and above so many BDF wins at any tolerance: Adams's steps are no longer than a few of theirs
+constexpr double kVeryStiffRatio = 1000;
 // below this the higher orders of Adams's formulas win even where they must keep steps short
 constexpr double kAdamsTolerance = 1e-7;
 
@@ -54,10 +55,18 @@ std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noi
 
 }  // namespace
 
-OdeMethod MethodFor(const Mode& mode, const SineDrive& drive, double tolerance) {
-  const double fastest_per_s = mode.a.eigenvalues().cwiseAbs().maxCoeff();
-  const bool stiff = fastest_per_s > kStiffRatio * 2 * std::numbers::pi * drive.frequency_hz;
-  return stiff && tolerance > kAdamsTolerance ? OdeMethod::kBdf : OdeMethod::kAdams;
+OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
+                    double tolerance) {
+  double fastest_per_s = system.linear.modes[mode].a.eigenvalues().cwiseAbs().maxCoeff();
+  if (system.heating) {
+    const double time_s =
+        system.heating->heat_capacity_j_per_k * system.heating->thermal_resistance_k_per_w;
+    fastest_per_s = std::max(fastest_per_s, 1 / time_s);
+  }
+  const double ratio = fastest_per_s / (2 * std::numbers::pi * frequency_hz);
+  const bool stiff =
+      ratio > kVeryStiffRatio || (ratio > kStiffRatio && tolerance > kAdamsTolerance);
+  return stiff ? OdeMethod::kBdf : OdeMethod::kAdams;
 }
 
 // the run with the larger tolerance and what it differs by
@@ -67,15 +76,16 @@ struct SmoothMotion::Companion {
   Eigen::VectorXd difference;
 };
 
-SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode, const SineDrive& drive,
-                               bool with_energy, OdeMethod method, double relative)
-    : problem(system, mode, drive, with_energy), solver(problem, method, relative) {}
+SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode,
+                               const ExcitationPiece& piece, bool with_energy, OdeMethod method,
+                               double relative)
+    : problem(system, mode, piece, with_energy), solver(problem, method, relative) {}
 
-SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
+SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, PiecewiseStart start,
                            const OutputGrid& grid, const SmoothSettings& settings,
                            double temperature_rise_k)
     : system_(std::move(system)),
-      drive_(drive),
+      excitation_(std::move(excitation)),
       rate_hz_(grid.rate_hz),
       grid_origin_s_(static_cast<long double>(grid.origin_s)),
       settings_(settings),
@@ -87,8 +97,9 @@ SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, Piecewis
   HAPTOMETER_CHECK(grid.origin_s <= 0 && -grid.origin_s * rate_hz_ < 1, "origin {} s at {} Hz",
                    grid.origin_s, rate_hz_);
   HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
-  method_ =
-      settings_.method.value_or(MethodFor(system_.linear.modes[mode_], drive, settings_.tolerance));
+  TakePiece(0);
+  const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
+  method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
   relative_ = LocalTolerance(settings_.tolerance, method_);
   if (settings_.with_error) {
     SmoothSettings coarse = settings_;
@@ -96,14 +107,14 @@ SmoothMotion::SmoothMotion(SmoothSystem system, const SineDrive& drive, Piecewis
     coarse.with_error = coarse.with_energy = false;
     coarse.method = method_;
     companion_.reset(new Companion{
-        .motion{system_, drive, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
+        .motion{system_, excitation_, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
         .largest = Positions().cwiseAbs(),
         .difference = Eigen::VectorXd::Zero(Positions().size())});
   }
   Enter(Whole());
   if (!settings_.with_energy) return;
   flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
-  initial_j_ = Run().problem.StoredEnergy(x_);
+  initial_j_ = Run().problem.StoredEnergy(0, x_);
 }
 
 SmoothMotion::~SmoothMotion() = default;
@@ -112,34 +123,68 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
   std::unique_ptr<ModeRun>& run = runs_[mode_];
   const bool known = run != nullptr;
   if (!known) {
-    run = std::make_unique<ModeRun>(system_, mode_, drive_, settings_.with_energy, method_,
+    run = std::make_unique<ModeRun>(system_, mode_, piece_, settings_.with_energy, method_,
                                     relative_);
   }
-  run->problem.SetOrigin(origin_s_);
+  run->problem.Begin(piece_, origin_s_);
   Eigen::VectorXd scale = run->problem.ScaleFrom(y);
   if (known) scale = scale.cwiseMax(run->solver.scale());
   run->solver.Begin({.y = std::move(y),
                      .scale = scale,
                      .integral_scale = run->problem.IntegralScale(scale),
-                     .longest_step_s = kLongestStepPeriods /
-                                       (drive_.frequency_hz > 0 ? drive_.frequency_hz : rate_hz_)});
+                     .longest_step_s = LongestStepS()});
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
   Arm();
 }
 
+void SmoothMotion::TakePiece(std::size_t place) {
+  place_ = place;
+  piece_ = excitation_.Piece(place);
+}
+
+double SmoothMotion::LongestStepS() const {
+  const double highest_hz = HighestFrequencyHz(piece_);
+  return highest_hz > 0 ? kLongestStepPeriods / highest_hz : 1 / rate_hz_;
+}
+
+double SmoothMotion::TauOfPieceEnd() const {
+  if (place_ + 1 == excitation_.size()) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(piece_.end_s - origin_s_);
+}
+
+void SmoothMotion::NextPiece() {
+  const double tau_s = std::min(TauOfPieceEnd(), Run().solver.end_s());
+  Eigen::VectorXd y = Run().solver.At(tau_s);
+  Pass(tau_s);
+  origin_s_ = piece_.end_s;
+  TakePiece(place_ + 1);
+  Enter(std::move(y));
+}
+
+// what the mode's integrals came to
+void SmoothMotion::Pass(double tau_s) {
+  if (!settings_.with_energy) return;
+  const Eigen::VectorXd integrals = Run().solver.IntegralsAt(tau_s);
+  for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
+    flow_.integrals[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
+  }
+}
+
 void SmoothMotion::Next() {
   if (stalled_at_s_) return;
   const long double target_s = TimeOf(index_ + 1);
-  std::int64_t steps = 0;
   for (;;) {
     const auto tau_s = static_cast<double>(target_s - origin_s_);
-    if (fall_ && fall_->tau_s <= tau_s) {
+    const double piece_end_s = TauOfPieceEnd(), known_s = Run().solver.end_s();
+    if (fall_ && fall_->tau_s <= std::min(tau_s, piece_end_s)) {
       Fire(*fall_);
-    } else if (Run().solver.end_s() >= tau_s) {
+    } else if (piece_end_s < tau_s && known_s >= piece_end_s) {
+      NextPiece();
+    } else if (known_s >= tau_s) {
       TakeOutput(tau_s);
       break;
-    } else if (++steps > kMostSteps) {
+    } else if (++steps_ > settings_.most_steps) {
       Stall("the solver needs too many steps");
     } else {
       Advance();
@@ -234,12 +279,7 @@ void SmoothMotion::Fire(const Fall& fall) {
   const Eigen::VectorXd y = run.solver.At(fall.tau_s);
   const double rate = run.problem.Jet(fall.guard, fall.tau_s, y)[1];
   const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;
-  if (settings_.with_energy) {
-    const Eigen::VectorXd integrals = run.solver.IntegralsAt(fall.tau_s);
-    for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
-      flow_.integrals[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
-    }
-  }
+  Pass(fall.tau_s);
   origin_s_ += static_cast<long double>(fall.tau_s);
   crowded_events_ = fall.tau_s * rate_hz_ < kCrowdedPart ? crowded_events_ + 1 : 0;
   const auto time_s = static_cast<double>(origin_s_);
@@ -260,7 +300,9 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
   after.head(m) = way.map * y.head(n) + way.shift;
   after.tail(y.size() - n) = y.tail(y.size() - n);
   const auto stored_j = [&](std::size_t mode, const Eigen::VectorXd& state) {
-    return SmoothMode(system_, mode, drive_, true).StoredEnergy(state);
+    SmoothMode problem(system_, mode, piece_, true);
+    problem.Begin(piece_, origin_s_);
+    return problem.StoredEnergy(0, state);
   };
   if (settings_.with_energy) {
     flow_.impact_j += static_cast<long double>(stored_j(mode_, y) - stored_j(way.mode, after));
@@ -274,8 +316,8 @@ Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::Vector
 std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
                                                const Eigen::VectorXd& y) {
   if (!transition.bounce || !transition.departure || transition.bounce->restitution >= 1) return {};
-  SmoothMode problem(system_, mode_, drive_, false);
-  problem.SetOrigin(origin_s_);
+  SmoothMode problem(system_, mode_, piece_, false);
+  problem.Begin(piece_, origin_s_);
   const std::size_t guard = transition.departure->guard;
   const GuardJet jet = problem.Jet(guard, 0, y);
   const double speed = std::max(jet[1], 0.0);
@@ -291,6 +333,8 @@ std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
 void SmoothMotion::Stall(std::string_view reason) {
   stalled_at_s_ = static_cast<double>(origin_s_ + static_cast<long double>(Run().solver.end_s()));
   stall_reason_ = reason;
+  // in the coordinates of the mode that it ended in
+  TakeOutput(Run().solver.end_s());
 }
 
 void SmoothMotion::Compare() {
@@ -309,12 +353,6 @@ double SmoothMotion::error_estimate() const {
   return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
 }
 
-Eigen::VectorXd SmoothMotion::Positions() const {
-  const Mode& mode = system_.linear.modes[mode_];
-  if (mode.positions.size() == 0) return x_;
-  return mode.positions * x_;
-}
-
 OdeWork SmoothMotion::work() const {
   OdeWork work;
   for (const std::unique_ptr<ModeRun>& run : runs_) {
@@ -322,59 +360,6 @@ OdeWork SmoothMotion::work() const {
   }
   if (companion_) work += companion_->motion.work();
   return work;
-}
-
-// the integrals up to the output
-std::vector<double> SmoothMotion::IntegralsHere() const {
-  HAPTOMETER_CHECK(settings_.with_energy, "no energies were kept");
-  const Eigen::VectorXd since = runs_[mode_]->solver.IntegralsAt(TauOfOutput());
-  std::vector<double> integrals;
-  integrals.reserve(flow_.integrals.size());
-  for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
-    integrals.push_back(static_cast<double>(flow_.integrals[k]) +
-                        since[static_cast<Eigen::Index>(k)]);
-  }
-  return integrals;
-}
-
-EnergyLedger SmoothMotion::Ledger() const {
-  const std::vector<double> integrals = IntegralsHere();
-  const auto squares =
-      integrals.end() - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size());
-  return {.initial_j = initial_j_,
-          .stored_j = runs_[mode_]->problem.StoredEnergy(x_),
-          .input_j = integrals.front(),
-          .impact_j = static_cast<double>(flow_.impact_j),
-          .dissipated_j{integrals.begin() + 1, squares}};
-}
-
-std::vector<double> SmoothMotion::SquareIntegrals() const {
-  const std::vector<double> integrals = IntegralsHere();
-  return {integrals.end() - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size()),
-          integrals.end()};
-}
-
-// the state with the coil's rise
-Eigen::VectorXd SmoothMotion::Whole() const {
-  Eigen::VectorXd y = x_;
-  if (!system_.heating) return y;
-  y.conservativeResize(y.size() + 1);
-  y(y.size() - 1) = temperature_rise_k_;
-  return y;
-}
-
-Eigen::VectorXd SmoothMotion::Rates() const {
-  const Eigen::VectorXd y = Whole();
-  Eigen::VectorXd rate(y.size());
-  runs_[mode_]->problem.Rate(TauOfOutput(), OdeProblem::ConstVector(y.data(), y.size()),
-                             OdeProblem::Vector(rate.data(), rate.size()));
-  const Mode& mode = system_.linear.modes[mode_];
-  if (mode.positions.size() == 0) return rate.head(x_.size());
-  return mode.positions * rate.head(x_.size());
-}
-
-double SmoothMotion::CurrentA() const {
-  return runs_[mode_]->problem.Current(TauOfOutput(), Whole());
 }
 
 long double SmoothMotion::TimeOf(std::uint64_t output) const {

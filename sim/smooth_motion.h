@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sim/energy_ledger.h"
+#include "sim/excitation.h"
 #include "sim/ode_solver.h"
 #include "sim/piecewise_motion.h"
 #include "sim/scene.h"
@@ -24,11 +25,14 @@ struct SmoothSettings {
   std::optional<OdeMethod> method{};  ///< absent: the cheaper one, MethodFor()
   bool with_energy = false;           ///< keep the ledger
   bool with_error = false;  ///< a second run with a tolerance 100 times as large beside it
+  std::int64_t most_steps = 10'000'000;  ///< of the solver, in all: half a minute
 };
 
-/// The method that costs less at equal error, as measured by bench/smooth_bench.cc: BDF where the
-/// mode is stiff (the coil's R/L) and the tolerance above 1e-7, else Adams.
-[[nodiscard]] OdeMethod MethodFor(const Mode& mode, const SineDrive& drive, double tolerance);
+/// The method that costs less at equal error, as measured by bench/smooth_bench.cc: BDF where a
+/// mode is stiff against `frequency_hz` (the coil's R/L or its heat, 30 times) and the tolerance
+/// above 1e-7, or very stiff (1000 times), else Adams.
+[[nodiscard]] OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
+                                  double tolerance);
 
 /// The motion of a scene with smooth nonlinear effects, with the face of PiecewiseMotion: outputs
 /// on the same grid, events located, energies counted.
@@ -36,7 +40,11 @@ struct SmoothSettings {
 /// **Between events** SUNDIALS CVODES integrates; each step leaves a polynomial behind. A guard,
 /// being affine in the states, is a polynomial too over that step, and the first place where it
 /// falls below zero is found for certain (guard_polynomial.h): what is missed is at most what the
-/// solution's own error hides. No step is longer than an eighth of the drive's period.
+/// solution's own error hides. No step is longer than an eighth of the fastest tone's period, or
+/// without tones than an output step.
+///
+/// **The excitation's pieces** begin at known times, each with a new beginning of the solver. What
+/// is shown for the very moment is the state before the new piece.
 ///
 /// **At an event** the motion goes on from the map of its transition, with a new beginning of the
 /// solver. A guard that begins within its own error of zero (the one just left) is no event until
@@ -49,7 +57,7 @@ struct SmoothSettings {
 /// that. Beyond 1e-12 rounding wins; a chaotic motion has no error that stays small.
 ///
 /// **A stall** is said: a hundred events within 2^-40 of an output step, a solver that cannot go on
-/// or needs 10 million steps for one output.
+/// or needs more steps than it may take.
 class SmoothMotion {
  public:
   SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start, double rate_hz,
@@ -57,6 +65,11 @@ class SmoothMotion {
       : SmoothMotion(std::move(system), drive, std::move(start), OutputGrid{.rate_hz = rate_hz},
                      settings, temperature_rise_k) {}
   SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
+               const OutputGrid& grid, const SmoothSettings& settings,
+               double temperature_rise_k = 0)
+      : SmoothMotion(std::move(system), Excitation(drive), std::move(start), grid, settings,
+                     temperature_rise_k) {}
+  SmoothMotion(SmoothSystem system, Excitation excitation, PiecewiseStart start,
                const OutputGrid& grid, const SmoothSettings& settings,
                double temperature_rise_k = 0);
   // problems refer to the system within
@@ -77,6 +90,8 @@ class SmoothMotion {
   [[nodiscard]] Eigen::VectorXd Positions() const;
   /// Their rates by time.
   [[nodiscard]] Eigen::VectorXd Rates() const;
+  /// (kInputs): what acts from outside there.
+  [[nodiscard]] Eigen::VectorXd Inputs() const;
   /// The coil's current there, also where it is no state.
   [[nodiscard]] double CurrentA() const;
   /// The coil's rise there; 0 without heating.
@@ -86,6 +101,8 @@ class SmoothMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
+  /// Integral since t = 0 of the current's square in A^2 s; needs `with_energy`.
+  [[nodiscard]] double CurrentSquareIntegral() const { return IntegralsHere().back(); }
   /// When the motion stalled, if it did, and why.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
   [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
@@ -100,8 +117,8 @@ class SmoothMotion {
 
  private:
   struct ModeRun {
-    ModeRun(const SmoothSystem& system, std::size_t mode, const SineDrive& drive, bool with_energy,
-            OdeMethod method, double relative);
+    ModeRun(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
+            bool with_energy, OdeMethod method, double relative);
     SmoothMode problem;
     OdeSolver solver;
     std::vector<bool> armed{};  // of each guard: it has risen
@@ -118,6 +135,11 @@ class SmoothMotion {
 
   [[nodiscard]] ModeRun& Run() { return *runs_[mode_]; }
   void Enter(Eigen::VectorXd y);
+  void TakePiece(std::size_t place);
+  void NextPiece();
+  void Pass(double tau_s);
+  [[nodiscard]] double TauOfPieceEnd() const;
+  [[nodiscard]] double LongestStepS() const;
   void Advance();
   void LookForFall();
   [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard, const Eigen::MatrixXd& terms);
@@ -137,7 +159,9 @@ class SmoothMotion {
   [[nodiscard]] double TauOfOutput() const;
 
   SmoothSystem system_;
-  SineDrive drive_;
+  Excitation excitation_;
+  std::size_t place_ = 0;  // of the piece
+  ExcitationPiece piece_;
   double rate_hz_;
   long double grid_origin_s_;
   SmoothSettings settings_;
@@ -152,6 +176,7 @@ class SmoothMotion {
   std::optional<Fall> fall_;  // in the step that was taken last
   std::vector<Event> events_;
   int crowded_events_ = 0;
+  std::int64_t steps_ = 0;
   std::optional<double> stalled_at_s_;
   std::string_view stall_reason_;
   double initial_j_ = 0;

@@ -38,12 +38,12 @@ SpringTerms TermsOf(const Mode& before, const Mode& after) {
 
 SmoothSystem AssembleSmooth(const Scene& scene, const PiecewiseEffects& piecewise,
                             const SmoothEffects& smooth) {
-  HAPTOMETER_CHECK(scene.finger.tones.empty(), "a finger that moves under smooth effects");
   SmoothSystem system{.linear = AssemblePiecewise(scene, piecewise),
                       .spring = smooth.spring,
                       .heating = smooth.heating,
                       .resistance_ohm = scene.actuator.resistance_ohm,
-                      .coil_element = static_cast<std::size_t>(SceneElement::kCoil)};
+                      .coil_element = static_cast<std::size_t>(SceneElement::kCoil),
+                      .source_element = static_cast<std::size_t>(SceneElement::kSource)};
   if (!smooth.spring) return system;
   Scene stiffer = scene;
   stiffer.actuator.stiffness_n_per_m += kProbe;

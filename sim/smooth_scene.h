@@ -14,6 +14,8 @@ namespace haptometer::sim {
 struct SmoothEffects {
   std::optional<StiffeningSpring> spring{};
   std::optional<CoilHeating> heating{};
+
+  [[nodiscard]] bool Any() const { return spring.has_value() || heating.has_value(); }
 };
 
 /// The scene with all its effects, for SmoothMotion; modes and transitions are those of

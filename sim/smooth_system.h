@@ -20,18 +20,19 @@ struct SpringTerms {
 
 /// A piecewise-linear system with smooth nonlinear terms:
 ///
-///   x' = A x + b (v - R0 alpha theta i) - push f(d)
+///   x' = A x + b (v - R0 alpha theta i) + finger [xg, vg] - push f(d)
 ///   theta' = (R(theta) i^2 - theta / Rth) / C
 ///
 /// with the coil's current i = current_row x, or without inductance what R(theta) makes of it,
-/// i = (current_row x + v / R0) / (1 + alpha theta).
+/// i = (current_row x + k v) / (1 + k R0 alpha theta), k = 1 / (R0 + source's).
 struct SmoothSystem {
   PiecewiseLinearSystem linear;
   std::optional<StiffeningSpring> spring{};
   std::vector<SpringTerms> spring_terms{};  ///< one for each mode; empty without a spring
   std::optional<CoilHeating> heating{};
-  double resistance_ohm = 0;     ///< R0
-  std::size_t coil_element = 0;  ///< the dissipating element whose form is R0 i^2
+  double resistance_ohm = 0;       ///< R0
+  std::size_t coil_element = 0;    ///< the dissipating element whose form is R0 i^2
+  std::size_t source_element = 0;  ///< the one in series with it
 };
 
 }  // namespace haptometer::sim

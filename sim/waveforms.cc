@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -9,6 +11,9 @@
 #include "sim/linear_model.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene_run.h"
+#include "sim/smooth_motion.h"
+#include "sim/smooth_scene.h"
+#include "sim/solver_ladder.h"
 #include "sim/steady_run.h"
 
 namespace haptometer::sim {
@@ -16,16 +21,15 @@ namespace haptometer::sim {
 namespace {
 
 // Plays a motion and takes down what it shows.
+template <typename Motion>
 class Recording {
  public:
-  Recording(const EffectiveScene& scene, PiecewiseStart start, double duration_s, double rate_hz)
+  Recording(const EffectiveScene& scene, double duration_s, double rate_hz, Motion& motion)
       : scene_(scene),
         model_(AssembleModel(scene.scene)),
         resting_n_(RestingForceN(scene)),
         rows_(static_cast<Eigen::Index>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1),
-        motion_(AssemblePiecewise(scene.scene, scene.piecewise),
-                Excitation(scene.scene.drive, scene.scene.finger.tones), std::move(start),
-                OutputGrid{.rate_hz = rate_hz}) {
+        motion_(motion) {
     waves_.rate_hz = rate_hz;
     Resize(rows_);
   }
@@ -86,7 +90,7 @@ class Recording {
   LinearModel model_;
   double resting_n_;
   Eigen::Index rows_;
-  PiecewiseMotion motion_;
+  Motion& motion_;
   Waveforms waves_;
   std::size_t events_seen_ = 0;
 };
@@ -100,24 +104,39 @@ double RestingForceN(const EffectiveScene& scene) {
   return weight_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
 }
 
-PiecewiseStart BeginningOf(const EffectiveScene& scene) {
-  const auto& [stops, loss] = scene.piecewise;
-  if (!stops && !loss) return PiecewiseStartOf(scene.scene);
+Beginning BeginningOf(const EffectiveScene& scene) {
   const Scene& body = scene.scene;
+  const auto& [stops, loss] = scene.piecewise;
+  const bool is_plain = !stops && !loss && scene.IsLinear() && body.finger.tones.empty();
+  if (is_plain) return {.start = PiecewiseStartOf(body)};
   if (StartOf(body) == Start::kSteady && body.drive.kind == DriveKind::kSine) {
     SteadyRun settled = PlaySteady(scene);
-    if (settled.run) return std::move(settled.start);
+    if (settled.run) {
+      return {.start = std::move(settled.start), .temperature_rise_k = settled.temperature_rise_k};
+    }
   }
   Scene resting = body;
   resting.start = Start::kRest;
-  return PiecewiseStartOf(resting);
+  return {.start = PiecewiseStartOf(resting)};
 }
 
-Waveforms PlayWaveforms(const EffectiveScene& scene, PiecewiseStart start, double duration_s,
+Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning, double duration_s,
                         double rate_hz) {
   HAPTOMETER_CHECK(duration_s > 0 && rate_hz > 0 && duration_s * rate_hz <= kMostOutputs,
                    "{} s at {} Hz", duration_s, rate_hz);
-  return Recording(scene, std::move(start), duration_s, rate_hz).Play();
+  const Scene& bodies = scene.scene;
+  Excitation excitation(bodies.drive, bodies.finger.tones);
+  const OutputGrid grid{.rate_hz = rate_hz};
+  if (scene.IsLinear()) {
+    PiecewiseMotion motion(AssemblePiecewise(bodies, scene.piecewise), std::move(excitation),
+                           std::move(beginning.start), grid);
+    return Recording(scene, duration_s, rate_hz, motion).Play();
+  }
+  const SmoothSettings settings{.tolerance = SolverLadder(bodies.tolerance).tolerance(),
+                                .most_steps = std::numeric_limits<std::int64_t>::max()};
+  SmoothMotion motion(AssembleSmooth(bodies, scene.piecewise, scene.smooth), std::move(excitation),
+                      std::move(beginning.start), grid, settings, beginning.temperature_rise_k);
+  return Recording(scene, duration_s, rate_hz, motion).Play();
 }
 
 }  // namespace haptometer::sim

@@ -34,16 +34,22 @@ struct Waveforms {
 /// where the scene calls for gravity; 0 where neither is there.
 [[nodiscard]] double RestingForceN(const EffectiveScene& scene);
 
-/// Where the scene's motion begins: at rest, or in its steady motion. That of a sine which stops or
-/// lost contact limit is searched for (steady_run.h); where none is found, and of tones under such
-/// limits, at rest.
-[[nodiscard]] PiecewiseStart BeginningOf(const EffectiveScene& scene);
+/// Where a motion begins.
+struct Beginning {
+  PiecewiseStart start;
+  double temperature_rise_k = 0;  ///< of a coil that warms
+};
 
-/// Plays the scene from `start` for `duration_s`, rows 0 to floor(duration_s rate_hz).
+/// Where the scene's motion begins: at rest, or in its steady motion. That of a sine which effects
+/// change is searched for (steady_run.h); where none is found, and of tones under effects, at rest.
+[[nodiscard]] Beginning BeginningOf(const EffectiveScene& scene);
+
+/// Plays the scene from its beginning for `duration_s`, rows 0 to floor(duration_s rate_hz).
 ///
-/// Exact at any rate; an event shows in `events` of the row behind it. duration_s rate_hz at most
-/// 1e8. Cost: PiecewiseMotion's without energies; memory: eleven numbers a row.
-[[nodiscard]] Waveforms PlayWaveforms(const EffectiveScene& scene, PiecewiseStart start,
+/// Exact at any rate, under smooth effects to the scene's tolerance as solver_ladder.h begins with
+/// it; an event shows in `events` of the row behind it. duration_s rate_hz at most 1e8. Cost:
+/// PiecewiseMotion's without energies, or SmoothMotion's; memory: eleven numbers a row.
+[[nodiscard]] Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning,
                                       double duration_s, double rate_hz);
 
 }  // namespace haptometer::sim

@@ -136,6 +136,34 @@ TEST(SceneFile, ReadsEffectsAndTheirConstants) {
   EXPECT_EQ(scene.quantity, AskedQuantity::kMoverPeak);
 }
 
+TEST(SceneFile, ReadsSmoothEffectsAndTremor) {
+  const Scene scene =
+      Read("effects = 'auto'\n" + kCone +
+           "[stiffening]\ncubic_n_per_m3 = 3e9\n[coil_heating]\nheat_capacity_j_per_k = 0.5\n"
+           "thermal_resistance_k_per_w = 40\n[[tremor.tone]]\namplitude_m = '50um'\n"
+           "frequency_hz = 9\n[[tremor.tone]]\namplitude_m = '10um'\nfrequency_hz = 18\n"
+           "phase_rad = 1\n");
+  for (const Effect effect : {Effect::kStiffening, Effect::kTremor, Effect::kCoilHeating}) {
+    EXPECT_EQ(scene.effects[effect], Wish::kAuto);
+  }
+  EXPECT_EQ(scene.effects.stiffening->cubic_n_per_m3, 3e9);
+  EXPECT_EQ(scene.effects.coil_heating->heat_capacity_j_per_k, 0.5);
+  EXPECT_EQ(scene.effects.coil_heating->thermal_resistance_k_per_w, 40);
+  EXPECT_EQ(scene.effects.coil_heating->resistance_per_k, CoilHeating::kCopperPerK);
+  ASSERT_EQ(scene.finger.tones.size(), 2U);
+  EXPECT_EQ(scene.finger.tones[1].phase_rad, 1);
+  // without a way out for the heat; one tone by itself; off though stated
+  const Scene other = Read(kCone +
+                           "[coil_heating]\nheat_capacity_j_per_k = 2\n"
+                           "resistance_per_k = 0\n[tremor]\namplitude_m = '1mm'\n"
+                           "frequency_hz = 4\n");
+  EXPECT_EQ(other.effects.coil_heating->thermal_resistance_k_per_w,
+            std::numeric_limits<double>::infinity());
+  EXPECT_EQ(other.effects.coil_heating->resistance_per_k, 0);
+  ASSERT_EQ(other.finger.tones.size(), 1U);
+  EXPECT_EQ(other.effects[Effect::kTremor], Wish::kOff);
+}
+
 TEST(SceneFile, TakesACoilWithoutInductance) {
   const auto with = [](const std::string& inductance) {
     return "[actuator]\nmoving_mass_kg = '1.4g'\ncase_mass_kg = '0.6g'\nstiffness_n_per_m = 2800\n"
@@ -192,7 +220,27 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
       {"[run]\nquantity = 'skin'\n",
        "[run]: quantity: \"skin\" is not known; use one of skin_rms_m, skin_waveform_m, "
        "mover_peak_m, current_rms_a"},
-      {"[effects]\ntremor = true\n", "[effects]: tremor: is not simulated yet; leave it out"},
+      {"[effects]\ntremor = true\n",
+       "[effects]: tremor: needs [tremor] with amplitude_m and frequency_hz; docs/notation.md "
+       "lists "
+       "the constants"},
+      {"[effects]\nstiffening = 'auto'\n",
+       "[effects]: stiffening: needs [stiffening] with cubic_n_per_m3; docs/notation.md lists the "
+       "constants"},
+      {"[effects]\ncoil_heating = true\n",
+       "[effects]: coil_heating: needs [coil_heating] with heat_capacity_j_per_k; "
+       "docs/notation.md lists the constants"},
+      {"[stiffening]\ncubic_n_per_m3 = 0\n",
+       "[stiffening]: cubic_n_per_m3: is not 1 to 1e15 N/m^3; the spring pulls stiffness_n_per_m d "
+       "+ cubic_n_per_m3 d^3"},
+      {"[stiffening]\ncubic = 1e9\n",
+       "[stiffening]: key cubic is not known; did you mean cubic_n_per_m3?"},
+      {"[coil_heating]\nheat_capacity_j_per_k = 0\n",
+       "[coil_heating]: heat_capacity_j_per_k: must be greater than 0; check its sign"},
+      {"[coil_heating]\nheat_capacity_j_per_k = 1\nresistance_per_k = 2\n",
+       "[coil_heating]: resistance_per_k: is more than 1 per K; copper has 3.93e-3"},
+      {"[tremor]\namplitude_m = '50um'\n",
+       "[tremor]: frequency_hz: is missing; add it, in Hz or with a unit"},
       {"[effects]\ngravity = true\ntravel_stops = true\n[travel_stops]\ngap_m = '4um'\n"
        "restitution = 0\n",
        "[travel_stops]: gap_m: is no more than the 4.9 um that gravity moves the mover; the motion "

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "sim/effect_choice.h"
 #include "sim/linear_model.h"
@@ -87,6 +91,125 @@ TEST(SceneRun, GravityMovesWhatLimitsTheMotion) {
   // alone it changes nothing
   EXPECT_EQ(RunScene(WithEffects(scene, Only({Effect::kGravity})), 0.05).skin_m,
             RunScene(WithEffects(scene, Only({})), 0.05).skin_m);
+}
+
+// ---------------------------------------------------------------- smooth effects and the finger
+
+Scene Heated(double resistance_per_k) {
+  Scene scene = WithStops(0.3e-3);
+  scene.effects.coil_heating =
+      CoilHeating{.heat_capacity_j_per_k = 1e-3,
+                  .thermal_resistance_k_per_w = std::numeric_limits<double>::infinity(),
+                  .resistance_per_k = resistance_per_k};
+  return scene;
+}
+
+// what only warms changes nothing: the solver against the exact motion, free and between stops
+TEST(SceneRun, HeatThatChangesNothingLeavesTheExactRun) {
+  Scene scene = Heated(0);
+  for (const double tolerance : {1e-4, 1e-8, 1e-10}) {
+    scene.tolerance = tolerance;
+    for (const Effect limit : {Effect::kGravity, Effect::kTravelStops}) {
+      const SceneRun exact = RunScene(WithEffects(scene, Only({limit})), 0.05);
+      const SceneRun run = RunScene(WithEffects(scene, Only({limit, Effect::kCoilHeating})), 0.05);
+      for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
+        const double apart = Deviation(static_cast<AskedQuantity>(k), run, exact);
+        EXPECT_LE(apart, tolerance) << kAskedQuantityNames[k];
+        EXPECT_LE(apart, run.error_estimate + 1e-12) << kAskedQuantityNames[k];
+      }
+      EXPECT_LE(run.error_estimate, tolerance / 4);
+      EXPECT_EQ(exact.error_estimate, 0);
+      EXPECT_FALSE(exact.solver);
+      EXPECT_TRUE(run.solver);
+      EXPECT_REL(run.power_w, exact.power_w, 10 * tolerance, "an integral like the others");
+      // no heat leaves
+      EXPECT_REL(1e-3 * run.temperature_rise_k, run.ledger.dissipated_j[0], 10 * tolerance,
+                 "the tolerance");
+      EXPECT_EQ(run.temperature_peak_k, run.temperature_rise_k);
+      EXPECT_GT(run.work.steps, 0);
+    }
+  }
+}
+
+// a spring that is weak bends the motion in proportion: Richardson's limit is the linear one
+TEST(SceneRun, AWeakSpringBendsInProportion) {
+  Scene scene = WithStops(1);
+  scene.tolerance = 1e-9;
+  const auto rms_m = [&](double cubic) {
+    scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = cubic};
+    return RunScene(WithEffects(scene, Only({Effect::kStiffening})), 0.05).skin_rms_m;
+  };
+  const double linear_m = RunScene(WithEffects(scene, Only({})), 0.05).skin_rms_m;
+  const double one = rms_m(1e5) - linear_m, two = rms_m(2e5) - linear_m;
+  EXPECT_GT(std::abs(one), 1e-6 * linear_m);
+  EXPECT_REL(two, 2 * one, 1e-3, "the second order is 1.3e-4 of the first");
+}
+
+TEST(SceneRun, GravityStretchesTheStiffeningSpring) {
+  Scene scene = WithStops(0.3e-3);
+  scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 1e15};
+  const EffectiveScene with =
+      WithEffects(scene, Only({Effect::kGravity, Effect::kStiffening, Effect::kTravelStops}));
+  const double sag_m = with.smooth.spring->sag_m, weight_n = 1.4e-3 * 9.80665;
+  EXPECT_REL(2800 * sag_m + 1e15 * std::pow(sag_m, 3), weight_n, 1e-14, "Kv s + K3 s^3 = Mv g");
+  EXPECT_EQ(with.piecewise.stops->gap_up_m, 0.3e-3 - sag_m);
+  EXPECT_EQ(WithEffects(scene, Only({Effect::kStiffening})).smooth.spring->sag_m, 0);
+}
+
+Scene Trembling(std::vector<Tone> tones) {
+  Scene scene = WithStops(1);
+  scene.finger.tones = std::move(tones);
+  scene.duration_s.reset();
+  scene.start.reset();
+  return scene;
+}
+
+// ten periods of the drive are one of the tremor: what is superposed is what a run integrates
+TEST(SteadyRun, SuperposesTremor) {
+  const std::vector<std::vector<Tone>> cases{
+      {{.amplitude = 50e-6, .frequency_hz = 22.5, .phase_rad = 1}},
+      {{.amplitude = 50e-6, .frequency_hz = 225, .phase_rad = 2}},  // in step with the drive
+      {{.amplitude = 20e-6, .frequency_hz = 45}, {.amplitude = 9e-6, .frequency_hz = 67.5}}};
+  for (const std::vector<Tone>& tones : cases) {
+    const EffectiveScene scene = WithEffects(Trembling(tones), Only({Effect::kTremor}));
+    const SteadyRun steady = PlaySteady(scene);
+    ASSERT_TRUE(steady.run) << steady.tried;
+    const SceneRun run = RunScene(scene, 10 / 225.0, steady.start);
+    EXPECT_REL(run.skin_rms_m, steady.run->skin_rms_m, 1e-11, "a whole period");
+    EXPECT_REL(run.case_rms_m, steady.run->case_rms_m, 1e-11, "a whole period");
+    EXPECT_REL(run.current_rms_a, steady.run->current_rms_a, 1e-11, "a whole period");
+    EXPECT_REL(run.power_w, steady.run->power_w, 1e-10, "a whole period");
+    EXPECT_LE(run.mover_peak_m, steady.run->mover_peak_m * (1 + 1e-9));
+  }
+}
+
+TEST(SteadyRun, RefusesWhatTremorNeverLetsRepeat) {
+  Scene scene = Trembling({{.amplitude = 50e-6, .frequency_hz = 9}});
+  scene.effects.travel_stops->gap_up_m = 0.3e-3;
+  const SteadyRun limited =
+      PlaySteady(WithEffects(scene, Only({Effect::kTremor, Effect::kTravelStops})));
+  EXPECT_FALSE(limited.run);
+  EXPECT_NE(limited.tried.find("no common period"), std::string::npos);
+  scene.effects.stiffening = StiffeningSpring{.cubic_n_per_m3 = 1e9};
+  EXPECT_FALSE(PlaySteady(WithEffects(scene, Only({Effect::kTremor, Effect::kStiffening}))).run);
+  EXPECT_FALSE(PlaySteady(WithEffects(Heated(0.01), Only({Effect::kCoilHeating}))).run)
+      << "no heat leaves";
+}
+
+// alpha = 0: the mean of R i^2 over the resistance of the way out, a ripple apart
+TEST(SteadyRun, SettlesAtTheTemperatureThatItsPowerHolds) {
+  Scene scene = Heated(0);
+  scene.tolerance = 1e-7;
+  scene.effects.coil_heating->thermal_resistance_k_per_w = 100;
+  scene.effects.coil_heating->heat_capacity_j_per_k = 10;  // a quarter of an hour
+  const SteadyRun steady = PlaySteady(WithEffects(scene, Only({Effect::kCoilHeating})));
+  ASSERT_TRUE(steady.run) << steady.tried;
+  const SteadyState linear = SolveSteadyState(scene);
+  EXPECT_REL(steady.run->skin_rms_m, linear.skin_rms_m, 1e-7, "the tolerance");
+  EXPECT_REL(steady.run->current_rms_a, linear.current_rms_a, 1e-7, "the tolerance");
+  EXPECT_LE(steady.run->error_estimate, scene.tolerance);
+  const double rise_k = 100 * scene.actuator.resistance_ohm * std::pow(linear.current_rms_a, 2);
+  EXPECT_REL(steady.run->temperature_rise_k, rise_k, 1e-3, "a period's error times 2e5");
 }
 
 // "as if the drive had been on forever" never lies beyond a stop

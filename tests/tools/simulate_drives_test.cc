@@ -211,7 +211,7 @@ TEST_F(SimulateDrives, SaysThatPowerIncludesTheSource) {
   const Outcome outcome = Simulate({Scene(kSine + "source_resistance_ohm = 10\n")});
   EXPECT_THAT(outcome.out, HasSubstr("5 V at 225 Hz through 10 ohm"));
   EXPECT_THAT(outcome.out,
-              HasSubstr("ahead of its 10 ohm: power and phase include that resistance"));
+              HasSubstr("ahead of its 10 ohm, which power and phase include"));
 }
 
 TEST_F(SimulateDrives, WritesWaveformsOfEveryKind) {

@@ -164,7 +164,7 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
   expect(Simulate({"/no/such.toml"}), 3, "haptometer simulate: /no/such.toml: no such file");
   expect(Simulate({cone, "--duration", "-1s"}), 2, "--duration: -1 s is not between 0 and 1e6 s");
   expect(Simulate({cone, "--duraton", "1s"}), 2, "did you mean --duration?");
-  expect(Simulate({Scene("[effects]\ntremor = true\n")}), 2, "tremor: is not simulated yet");
+  expect(Simulate({Scene("[effects]\ntremor = true\n")}), 2, "tremor: needs [tremor]");
   expect(
       Simulate({Scene("[sensor]\nkind = 'ideal'\n"), "--duration", "100000s", "-o", Path("t.bin")}),
       2, "100000 s at 10000 Hz are 1e+09 readings");

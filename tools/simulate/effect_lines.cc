@@ -29,9 +29,14 @@ bool HasConstants(const sim::Scene& scene, sim::Effect effect) {
       return scene.effects.travel_stops.has_value();
     case sim::Effect::kContactLoss:
       return scene.effects.contact_loss.has_value();
-    default:
-      return false;
+    case sim::Effect::kStiffening:
+      return scene.effects.stiffening.has_value();
+    case sim::Effect::kTremor:
+      return !scene.finger.tones.empty();
+    case sim::Effect::kCoilHeating:
+      return scene.effects.coil_heating.has_value();
   }
+  return false;
 }
 
 struct TimedRun {
@@ -88,7 +93,7 @@ std::string VerdictText(const sim::EffectVerdict& verdict) {
     case sim::Ground::kNeverReached:
       return "off: never reached, proved between samples too; the same motion without it";
     case sim::Ground::kSuperposed:
-      return "off: nothing limits the motion, so weight moves its centre alone";
+      return "off: nothing limits or bends the motion, so weight moves its centre alone";
     case sim::Ground::kCompared:
       if (verdict.change == 0) return "off: without it the answer is the same";
       return fmt::format("{}: without it the answer changes by {}", verdict.on ? "on" : "off",

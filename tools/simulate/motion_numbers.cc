@@ -111,12 +111,12 @@ sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
   return {.scene = answer.scene, .piecewise = {}};
 }
 
-sim::PiecewiseStart StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
-  const bool settled = SettledRun(answer) != nullptr;
-  if (!settled) return sim::BeginningOf(effective);
+sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
+  const bool settled = SettledRun(answer) != nullptr && answer.effects->periodic;
+  if (!settled || !effective.IsLinear()) return sim::BeginningOf(effective);
   const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
                            effective.scene.drive);
-  return map.StartOf(answer.effects->periodic->point);
+  return {.start = map.StartOf(answer.effects->periodic->point)};
 }
 
 MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played) {

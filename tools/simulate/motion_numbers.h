@@ -30,8 +30,8 @@ struct MotionNumbers {
 [[nodiscard]] sim::EffectiveScene EffectiveOf(const SceneAnswer& answer);
 
 /// Where the answer's motion begins.
-[[nodiscard]] sim::PiecewiseStart StartOf(const SceneAnswer& answer,
-                                          const sim::EffectiveScene& effective);
+[[nodiscard]] sim::Beginning StartOf(const SceneAnswer& answer,
+                                     const sim::EffectiveScene& effective);
 
 /// The numbers; `played`: the motion from its beginning over the scene's duration, or over some
 /// periods of what it settles to; null where it was too long to play. The least force is that of

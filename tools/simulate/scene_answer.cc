@@ -121,7 +121,7 @@ const sim::SceneRun* RunOf(const SceneAnswer& answer) {
 }
 
 const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
-  const bool settled = !answer.scene.duration_s && answer.effects && answer.effects->periodic;
+  const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
   return settled ? &answer.effects->run : nullptr;
 }
 

@@ -21,7 +21,8 @@ struct WindowAnswer {
 /// What a scene comes to.
 struct SceneAnswer {
   sim::Scene scene;
-  /// The linear steady motion; absent where stops or lost contact limit it. Without a duration
+  /// The linear steady motion; absent where stops or lost contact limit it, smooth effects bend it
+  /// or tremor adds to it. Without a duration
   /// `effects` then has the motion that the scene settles to.
   std::optional<sim::SteadyState> steady;
   std::optional<sim::SteadyTones> tones;  ///< the same under tones, of a scene without a duration
@@ -37,7 +38,7 @@ struct SceneAnswer {
 /// The run that was played for the answer, with effects or without; null where none was needed.
 [[nodiscard]] const sim::SceneRun* RunOf(const SceneAnswer& answer);
 
-/// The motion that a limited scene without a duration settles to; null for others.
+/// The motion that a scene without a duration settles to where it is not `steady`; null for others.
 [[nodiscard]] const sim::SceneRun* SettledRun(const SceneAnswer& answer);
 
 /// Decides the scene's effects; `where` names it in errors.

@@ -179,7 +179,7 @@ Result<void> DrawAndWrite(const SimulateOptions& wanted, SimulateAnswer& answer)
                  fmt::format("{:g} s at {:g} Hz are {:.3g} rows", duration_s, rate_hz, rows),
                  fmt::format("give a --duration or --rate for 1 to {:g}", kMostWaveformRows));
   }
-  const sim::PiecewiseStart start = StartOf(answer.solved, effective);
+  const sim::Beginning start = StartOf(answer.solved, effective);
   const sim::Waveforms waves = sim::PlayWaveforms(effective, start, duration_s, rate_hz);
   if (waves.stalled_at_s) {
     cli::Remark(kVerb,

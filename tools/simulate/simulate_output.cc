@@ -26,10 +26,16 @@ std::string Method(const SceneAnswer& solved) {
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
   if (solved.tones) methods.emplace_back("exact phasors of the linear model, superposed");
   if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
-  if (solved.window) methods.emplace_back("window by the balanced matrix exponential");
+  const bool smooth = solved.effects && solved.effects->run.solver;
+  if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
   if (solved.effects && solved.effects->periodic) methods.emplace_back("shooting");
   if (solved.effects && !solved.effects->run.events.empty()) {
     methods.emplace_back("events located to rounding");
+  }
+  if (smooth) {
+    methods.emplace_back(*solved.effects->run.solver == sim::OdeMethod::kBdf
+                             ? "SUNDIALS CVODES, BDF"
+                             : "SUNDIALS CVODES, Adams");
   }
   return fmt::format("{}", fmt::join(methods, "; "));
 }
@@ -38,15 +44,13 @@ std::string Bodies(const sim::Scene& scene) {
   return scene.adapter ? "actuator, adapter, skin (7 states)" : "actuator on the skin (5 states)";
 }
 
-std::string SourceAssumption(const sim::Drive& drive) {
-  if (drive.source_resistance_ohm == 0) {
-    return "the source holds its voltage, and the coil keeps its resistance";
-  }
+std::string SourceAssumption(const sim::Drive& drive, bool warms) {
+  const std::string_view coil =
+      warms ? ", and only the coil warms" : ", and the coil keeps its resistance";
+  if (drive.source_resistance_ohm == 0) return fmt::format("the source holds its voltage{}", coil);
   return fmt::format(
-      "the source holds its voltage ahead of its {:g} ohm: power and phase include that "
-      "resistance; "
-      "the coil keeps its own",
-      drive.source_resistance_ohm);
+      "the source holds its voltage ahead of its {:g} ohm, which power and phase include{}",
+      drive.source_resistance_ohm, coil);
 }
 
 // what the effects leave to be assumed
@@ -146,6 +150,14 @@ std::string RunText(const SceneAnswer& solved) {
     text += fmt::format("  event: {}, {} times, first at {:.9g} s\n", event.name, event.count,
                         event.first_s);
   }
+  if (solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]) {
+    text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
+                        run.temperature_rise_k, run.temperature_peak_k);
+  }
+  if (run.solver) {
+    text += fmt::format("  solver: {} steps, relative error of the run below {:.1e}\n",
+                        run.work.steps, run.error_estimate);
+  }
   text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
   return text;
 }
@@ -202,6 +214,10 @@ ordered_json RunJson(const SceneAnswer& solved) {
           {"power_w", run.power_w},
           {"mover_peak_m", run.mover_peak_m},
           {"mover_peak_of_run_m", run.mover_peak_of_run_m},
+          {"temperature_rise_k", run.temperature_rise_k},
+          {"temperature_peak_k", run.temperature_peak_k},
+          {"error_estimate", run.error_estimate},
+          {"solver_steps", run.work.steps},
           {"events", events},
           {"energy_imbalance", run.ledger.Imbalance()}};
 }
@@ -210,18 +226,23 @@ ordered_json RunJson(const SceneAnswer& solved) {
 
 std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
+  const std::string springs = Limited(solved, sim::Effect::kStiffening)
+                                  ? "dampers and the other springs are linear at any travel"
+                                  : "springs and dampers are linear at any travel";
   std::vector<std::string> assumptions{
       Limited(solved, sim::Effect::kTravelStops)
-          ? "springs and dampers are linear at any travel"
-          : "springs and dampers are linear at any travel, and no travel limit is given: this may "
-            "be impossible; check the mover's travel against its stops"};
+          ? springs
+          : springs +
+                ", and no travel limit is given: this may be impossible; check the mover's "
+                "travel against its stops"};
   if (!Limited(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
     assumptions.push_back(fmt::format(
         "contact is kept whatever the force: it is lost where less than {:.3g} N presses actuator "
         "and skin together",
         solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n));
   }
-  assumptions.emplace_back(SourceAssumption(solved.scene.drive));
+  assumptions.push_back(
+      SourceAssumption(solved.scene.drive, Limited(solved, sim::Effect::kCoilHeating)));
   return assumptions;
 }
 
@@ -235,7 +256,7 @@ std::string SimulateText(const SimulateAnswer& answer) {
   } else if (solved.tones) {
     text += TonesText(*solved.tones);
   } else if (is_sine && solved.scene.duration_s) {
-    text += "  steady state: limited by stops or lost contact; searched for without a duration\n";
+    text += "  steady state: not the linear one; searched for without a duration\n";
   }
   if (solved.window) {
     text += fmt::format("  from {}, {:.6g} to {:.6g} s (10 periods): skin {:.5f} um RMS\n",
