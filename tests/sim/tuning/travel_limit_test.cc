@@ -97,24 +97,18 @@ TEST(TravelLimit, OptimumIsThatOfThirtyDigits) {
 
 TEST(TravelLimit, OptimumIsExceededByNoPointThatKeepsToIt) {
   std::mt19937 random(6);
-  for (const double limit_m : {0.1e-3, 0.6e-3}) {
-    const TuningProblem problem = Limited(limit_m);
-    const MotorSource source = SourceOf(problem.actuator, problem.drive);
-    for (const Objective objective : {Objective::kSkinRms}) {
-      const AdapterOptimum optimum = FindAdapterOptimum(objective, problem, {}, 1e-3);
-      const double bound = LimitedTravelBound(objective, problem, source, {});
-      EXPECT_LE(optimum.value, bound);
-      EXPECT_LE(TravelOf(problem, optimum.point), limit_m * (1 + 1e-9));
-      for (int trial = 0; trial < 4000; ++trial) {
-        const AdapterPoint point = Anywhere(problem.bounds, random);
-        const AdapterMotion motion =
-            MotionOf(source, point.adapter, SkinOf(problem, point.contact_area_m2));
-        if (MoverTravel(source, motion.case_m) > limit_m) continue;
-        ASSERT_LE(ValueOf(objective, problem, source, {}, point), optimum.value * (1 + 1e-9))
-            << limit_m << ' ' << Name(objective);
-      }
-    }
+  const TuningProblem problem = Limited(0.4e-3);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  int kept = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const AdapterPoint point = Anywhere(problem.bounds, random);
+    const AdapterMotion motion =
+        MotionOf(source, point.adapter, SkinOf(problem, point.contact_area_m2));
+    if (MoverTravel(source, motion.case_m) > problem.mover_limit_m) continue;
+    ++kept;
+    ASSERT_LE(ValueOf(Objective::kSkinRms, problem, source, {}, point), tests::kLimitedBest);
   }
+  EXPECT_GT(kept, 1000);
 }
 
 TEST(TravelLimit, ThatIsNotReachedChangesNothing) {
