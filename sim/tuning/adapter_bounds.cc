@@ -52,6 +52,7 @@ std::optional<const char*> Fault(const TuningProblem& problem) {
   if (!(problem.skin_variation >= 0 && problem.skin_variation < 1)) {
     return "the skin's variation must be from 0 to below 1";
   }
+  if (!(problem.mover_limit_m > 0)) return "the mover's travel must be above 0";
   if (problem.fixed_skin) {
     return problem.fixed_skin->damping_n_s_per_m > 0 ? std::nullopt
                                                      : std::optional("the skin has no damping");

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "sim/scene.h"
@@ -41,6 +42,8 @@ struct TuningProblem {
   /// Skins differ: Ks and Bs may each be this part of themselves larger or smaller, from 0 up to
   /// less than 1. What is asked of an RMS then is asked of the least over all those skins.
   double skin_variation = 0;
+  /// The mover's travel in its case may not exceed this, peak (sim/tuning/travel_limit.h).
+  double mover_limit_m = std::numeric_limits<double>::infinity();
 };
 
 /// The thesis's search: its actuator, 5 V at 225 Hz, its bounds and its skin law.

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <optional>
 #include <queue>
 
 #include "base/check.h"
 #include "sim/tuning/adapter_box.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/compass_search.h"
+#include "sim/tuning/travel_limit.h"
 
 namespace haptometer::sim {
 
@@ -57,9 +60,9 @@ std::vector<Piece> PiecesOf(Objective objective, const TuningProblem& problem,
   return pieces;
 }
 
-// Ma2 where it serves |Xs| best: the nearest to (Ks + Re Z) / w^2
-double BestSkinSideMass(const TuningProblem& problem, const MotorSource& source,
-                        const AdapterPoint& point) {
+// Ma2 where it serves |Xs| best: the nearest to (Ks + Re Z) / w^2 that may be
+std::optional<double> BestSkinSideMass(const TuningProblem& problem, const MotorSource& source,
+                                       const AdapterPoint& point) {
   const double w = source.omega_rad_per_s;
   const double Mc1 = source.case_mass_kg + point.adapter.motor_side_mass_kg;
   const std::complex<double> D1 = source.stiffness_n_per_m - Mc1 * w * w;
@@ -68,20 +71,25 @@ double BestSkinSideMass(const TuningProblem& problem, const MotorSource& source,
   const std::complex<double> Z = D1 * ka / (D1 + ka);
   const double Ks = SkinOf(problem, point.contact_area_m2).stiffness_n_per_m;
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
-  return std::clamp((Ks + Z.real()) / (w * w), mass_kg.lower, mass_kg.upper);
+  const double wanted_kg = (Ks + Z.real()) / (w * w);
+  if (std::isinf(problem.mover_limit_m)) return std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper);
+  return NearestWithinTravel(problem, source, point, wanted_kg);
 }
 
-// the point at a place of the unit cube: Ma1, Ka, Ba, area and, where it is not eliminated, Ma2
-AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
-                     const std::vector<double>& place) {
+// the point at a place of the unit cube: Ma1, Ka, Ba, area and, where it is not eliminated, Ma2;
+// nothing where no Ma2 keeps the mover within its limit
+std::optional<AdapterPoint> PointAt(const TuningProblem& problem, const MotorSource& source,
+                                    const std::vector<double>& place) {
   const AdapterBounds& bounds = problem.bounds;
   AdapterPoint point{.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
                                  .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
                                  .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
                      .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
-  point.adapter.skin_side_mass_kg = place.size() > kBoxAxes
-                                        ? bounds.skin_side_mass_kg.At(place[kBoxAxes])
-                                        : BestSkinSideMass(problem, source, point);
+  const std::optional<double> mass_kg = place.size() > kBoxAxes
+                                            ? bounds.skin_side_mass_kg.At(place[kBoxAxes])
+                                            : BestSkinSideMass(problem, source, point);
+  if (!mass_kg) return std::nullopt;
+  point.adapter.skin_side_mass_kg = *mass_kg;
   return point;
 }
 
@@ -91,8 +99,8 @@ RidgePoint BestOfPiece(const Piece& piece, const ReceptorField& receptors) {
   constexpr int kLattice = 9;
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
   const auto value = [&](const std::vector<double>& place) {
-    return ValueOf(piece.objective, piece.problem, source, receptors,
-                   PointAt(piece.problem, source, place));
+    const auto point = PointAt(piece.problem, source, place);
+    return point ? ValueOf(piece.objective, piece.problem, source, receptors, *point) : 0;
   };
   const AdapterBounds& bounds = piece.problem.bounds;
   std::vector<bool> fixed{IsPoint(bounds.motor_side_mass_kg), IsPoint(bounds.stiffness_n_per_m),
@@ -101,7 +109,9 @@ RidgePoint BestOfPiece(const Piece& piece, const ReceptorField& receptors) {
   // the electrical power wants another Ma2 than the skin's motion
   if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(IsPoint(bounds.skin_side_mass_kg));
   const CubePoint best = SearchCube(value, fixed, kLattice);
-  return {.point = PointAt(piece.problem, source, best.place), .value = piece.weight * best.value};
+  const auto point = PointAt(piece.problem, source, best.place);
+  if (!point) return {};
+  return {.point = *point, .value = piece.weight * best.value};
 }
 
 RidgePoint Best(Objective objective, const TuningProblem& problem, const ReceptorField& receptors) {
@@ -168,9 +178,40 @@ AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
   return Best(objective, problem, receptors).point;
 }
 
+namespace {
+
+AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
+                            const ReceptorField& receptors, const AdapterOptimum& unlimited) {
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const Skin skin = SkinOf(problem, unlimited.point.contact_area_m2);
+  const AdapterMotion motion = MotionOf(source, unlimited.point.adapter, skin);
+  if (MoverTravel(source, motion.case_m) <= problem.mover_limit_m) return unlimited;
+  const RidgePoint best = Best(objective, problem, receptors);
+  AdapterOptimum optimum = unlimited;
+  optimum.point = best.point;
+  optimum.value = best.value;
+  const double bound = LimitedTravelBound(objective, problem, source, receptors);
+  if (bound < unlimited.upper_bound) {
+    optimum.upper_bound = bound;
+    optimum.proof = Proof::kLimitedTravel;
+  }
+  return optimum;
+}
+
+}  // namespace
+
 AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                   const ReceptorField& receptors, double relative_gap,
                                   std::size_t most_boxes) {
+  if (std::isfinite(problem.mover_limit_m)) {
+    HAPTOMETER_CHECK(objective != Objective::kRmsPerWatt && problem.skin_variation == 0,
+                     "{} of skins that vary by {} with limited travel", Name(objective),
+                     problem.skin_variation);
+    TuningProblem free = problem;
+    free.mover_limit_m = std::numeric_limits<double>::infinity();
+    return WithinTravel(objective, problem, receptors,
+                        FindAdapterOptimum(objective, free, receptors, relative_gap, most_boxes));
+  }
   HAPTOMETER_CHECK(!Fault(problem) && relative_gap > 0, "gap {}", relative_gap);
   HAPTOMETER_CHECK(problem.skin_variation == 0 || objective == Objective::kSkinRms ||
                        objective == Objective::kStimulus,
@@ -208,7 +249,8 @@ std::vector<RidgePoint> RidgeOf(Objective objective, const TuningProblem& proble
   for (const double mass_kg : EqualSteps(problem.bounds.motor_side_mass_kg, values)) {
     TuningProblem fixed = problem;
     fixed.bounds.motor_side_mass_kg = {mass_kg, mass_kg};
-    ridge.push_back(Best(objective, fixed, receptors));
+    const RidgePoint best = Best(objective, fixed, receptors);
+    if (best.value > 0) ridge.push_back(best);
   }
   return ridge;
 }

@@ -12,6 +12,7 @@ namespace haptometer::sim {
 enum class Proof : std::uint8_t {
   kBranchAndBound,  ///< boxes that cover the bounds, by interval arithmetic
   kMatchedLoad,     ///< MatchedLoadBound(): true of any adapter, looser
+  kLimitedTravel,   ///< LimitedTravelBound(): true of any adapter, looser
 };
 
 /// The best adapter within the bounds.
@@ -49,6 +50,11 @@ struct AdapterOptimum {
 /// |Ks + Re Z - Ma2 w^2| + v Ks and b is that of the largest Bs: the least RMS over those skins is
 /// made as large as it can be, and the nearest Ma2 is still the best.
 ///
+/// With a mover_limit_m (not for kRmsPerWatt, nor with a skin_variation) the best point is sought
+/// among those that keep to it, Ma2 the nearest of them; where the unlimited optimum does, it is
+/// the answer, with its proof, else the bound is LimitedTravelBound() or the unlimited optimum's.
+/// value 0: none found. ValueOf() itself knows no limit.
+///
 /// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance
 /// (2.5e-11 for the thesis's actuator) is added for that.
 ///
@@ -65,15 +71,17 @@ struct RidgePoint {
   double value = 0;
 };
 
-/// The best point at each of `values` >= 2 masses on the motor's side, evenly over its bounds.
+/// The best point at each of `values` >= 2 masses on the motor's side, evenly over its bounds; none
+/// for a mass with which no mover keeps to its limit.
 [[nodiscard]] std::vector<RidgePoint> RidgeOf(Objective objective, const TuningProblem& problem,
                                               const ReceptorField& receptors, std::size_t values);
 
 /// What a spring costs that is not the one that was asked for.
 struct SpringCost {
-  double factor = 1;      ///< stiffness over the wanted one
-  double as_built = 0;    ///< the objective with nothing else changed
-  double rebalanced = 0;  ///< with the skin side's mass chosen anew within its bounds
+  double factor = 1;    ///< stiffness over the wanted one
+  double as_built = 0;  ///< the objective with nothing else changed, whatever the mover's travel
+  /// with the skin side's mass chosen anew within its bounds and the mover's limit; 0: none found
+  double rebalanced = 0;
 };
 
 [[nodiscard]] SpringCost CostOfSpring(Objective objective, const TuningProblem& problem,

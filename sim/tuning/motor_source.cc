@@ -31,7 +31,11 @@ MotorSource SourceOf(const Actuator& actuator, const SineDrive& drive) {
   MotorSource source{.omega_rad_per_s = s.imag(),
                      .force_n = F * through,
                      .stiffness_n_per_m = k1 * through,
-                     .case_mass_kg = actuator.case_mass_kg};
+                     .case_mass_kg = actuator.case_mass_kg,
+                     .coil_force_n = F,
+                     .coupling_damping_n_per_m = k1.imag(),
+                     .free_travel_m = F / d1,
+                     .travel_per_case = through};
   // i = (v - Km (va - vv)) / coil with Xa - Xv = Xa (1 - k1 / d1) + F / d1
   source.blocked_power_w = V / 2 * ((V - Km * s * F / d1) / coil).real();
   source.power_slope_w_per_m = -V / 2 * Km * s * through / coil;
@@ -50,6 +54,10 @@ AdapterMotion MotionOf(const MotorSource& source, const Adapter& adapter, const 
   const Complex stretch = D2 / Complex(adapter.stiffness_n_per_m, adapter.damping_n_s_per_m * w);
   const Complex skin_m = source.force_n / (D1 * stretch + D1 + D2);
   return {.case_m = skin_m * (1.0 + stretch), .skin_m = skin_m};
+}
+
+double MoverTravel(const MotorSource& source, std::complex<double> case_m) {
+  return std::abs(source.travel_per_case * case_m + source.free_travel_m);
 }
 
 double ElectricalPower(const MotorSource& source, std::complex<double> case_m) {

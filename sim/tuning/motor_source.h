@@ -22,6 +22,10 @@ struct MotorSource {
   std::complex<double> force_n;                ///< Fc, the blocked force, peak
   std::complex<double> stiffness_n_per_m;      ///< kc; Mc and Ma1 are not in it
   double case_mass_kg = 0;                     ///< Mc
+  std::complex<double> coil_force_n;           ///< F
+  double coupling_damping_n_per_m = 0;         ///< Im k1: what the mover's travel dissipates by
+  std::complex<double> free_travel_m;          ///< F / d1: the mover's in a case that cannot move
+  std::complex<double> travel_per_case;        ///< 1 - k1 / d1
   double blocked_power_w = 0;                  ///< P0
   std::complex<double> power_slope_w_per_m{};  ///< beta
   /// How far the rounding of kc and Fc may move an RMS, relative: 64 eps (1 + |k1/d1|)^2
@@ -46,6 +50,10 @@ struct AdapterMotion {
 /// The same numbers as SolveSteadyState() to a few roundings, in 20 ns instead of 3 us.
 [[nodiscard]] AdapterMotion MotionOf(const MotorSource& source, const Adapter& adapter,
                                      const Skin& skin);
+
+/// The mover's travel in its case, |Xv - Xa| = |(1 - k1/d1) Xa + F/d1|, peak, of a case that moves
+/// by the peak phasor `case_m`.
+[[nodiscard]] double MoverTravel(const MotorSource& source, std::complex<double> case_m);
 
 /// Mean electrical power of a case that moves by the peak phasor `case_m`, in W.
 [[nodiscard]] double ElectricalPower(const MotorSource& source, std::complex<double> case_m);

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -95,6 +98,43 @@ TEST(TuneVerb, ServesTheWorstOfSkinsThatVary) {
   EXPECT_THAT(Tune({"--skin-varies", "0.2"}).out, HasSubstr("that moves least"));
 }
 
+TEST(TuneVerb, KeepsTheMoverWithinItsTravel) {
+  const json answer = Json({"--mover-travel", "0.4mm"});
+  EXPECT_REL(answer.at("skin_rms_m").get<double>(), tests::kLimitedBest, 1e-9, "mpmath");
+  EXPECT_REL(answer.at("mover_peak_m").get<double>(), 0.4e-3, 1e-9, "the limit holds");
+  EXPECT_EQ(answer.at("objective").at("proof"), "limited travel");
+  EXPECT_TRUE(answer.at("grid").is_null());
+  EXPECT_TRUE(Json({}).at("mover_limit_m").is_null());
+  const Outcome none = Tune({"--mover-travel", "1um"});
+  EXPECT_EQ(none.status, 3);
+  EXPECT_THAT(none.err, HasSubstr("no adapter found"));
+}
+
+TEST(TuneVerb, SaysWhichEffectsOfTheSceneItLeavesOut) {
+  const std::string scene = kFixtures + "/lra_stops.toml";
+  const Outcome outcome = Tune({scene});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("gravity, travel_stops"));
+  EXPECT_THAT(outcome.out, HasSubstr("of the scene left out"));
+  EXPECT_THAT(outcome.out, HasSubstr("keep off the stops by --mover-travel"));
+  const std::string limited = Tune({scene, "--mover-travel", "0.4mm"}).out;
+  EXPECT_THAT(limited, HasSubstr("of the scene left out"));
+  EXPECT_THAT(limited, ::testing::Not(HasSubstr("keep off the stops")));
+  EXPECT_THAT(Tune({kFixtures + "/lra_adapter.toml"}).out, ::testing::Not(HasSubstr("left out")));
+}
+
+TEST(TuneVerb, DrawsTheOptimumAndTheRidge) {
+  const std::string path = ::testing::TempDir() + "tune.svg";
+  std::remove(path.c_str());
+  EXPECT_EQ(Tune({"--plot", path}).status, 0);
+  std::ifstream file(path);
+  const std::string svg{std::istreambuf_iterator<char>(file), {}};
+  for (const char* said : {"skin side", "the ridge", "mover travel / um", "chosen anew"}) {
+    EXPECT_THAT(svg, HasSubstr(said));
+  }
+  EXPECT_EQ(Tune({"--plot", "tune.txt"}).status, 2);
+}
+
 TEST(TuneVerb, AnswersTheOtherObjectives) {
   const json stimulus = Json({"--objective", "stimulus"});
   EXPECT_REL(stimulus.at("stimulus_m").get<double>(), 45 * tests::kStimulusBest, 1e-12, "mpmath");
@@ -131,6 +171,9 @@ TEST(TuneVerb, RefusesWhatItCannotMean) {
       {{"--voltage", "0"}, "drive nothing"},
       {{"--skin-varies", "1"}, "variation"},
       {{"--skin-varies", "0.1", "--objective", "skin-power"}, "skin-rms and stimulus only"},
+      {{"--mover-travel", "0"}, "--mover-travel"},
+      {{"--mover-travel", "1mm", "--objective", "rms-per-watt"}, "not answered for rms-per-watt"},
+      {{"--mover-travel", "1mm", "--skin-varies", "0.1"}, "skins that vary"},
       {{"--receptor-density", "1e9"}, "10 000 receptors"},
       {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--objective", "stimulus"}, "area"},
       {{kFixtures + "/lra_cone.toml", kFixtures + "/lra_cone.toml"}, "second scene"}};

@@ -6,8 +6,10 @@
 
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
+#include "tools/plot/gnuplot.h"
 #include "tools/tune/tune_options.h"
 #include "tools/tune/tune_output.h"
+#include "tools/tune/tune_picture.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -65,7 +67,9 @@ sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
 void AddGridAndRidge(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   if (!question.springs_n_per_m.empty()) return;
-  if (question.objective != sim::Objective::kRmsPerWatt) {
+  // the grid knows neither power nor travel
+  if (question.objective != sim::Objective::kRmsPerWatt &&
+      std::isinf(question.problem.mover_limit_m)) {
     answer.grid = sim::BestOnGrid(question.problem, question.grid_values, GridWeights(question));
   }
   const sim::Range& mass_kg = question.problem.bounds.motor_side_mass_kg;
@@ -83,7 +87,7 @@ void AddWrongSprings(TuneAnswer& answer) {
   }
 }
 
-TuneAnswer Answer(const TuneQuestion& question) {
+Result<TuneAnswer> Answer(const TuneQuestion& question) {
   const sim::TuningProblem& problem = question.problem;
   TuneAnswer answer;
   answer.question = question;
@@ -93,6 +97,14 @@ TuneAnswer Answer(const TuneQuestion& question) {
   answer.matched_load_bound =
       sim::MatchedLoadBound(question.objective, problem,
                             sim::SourceOf(problem.actuator, problem.drive), question.receptors);
+
+  if (!(answer.optimum.value > 0)) {
+    return CannotAnswer(
+        question.name,
+        fmt::format("no adapter found within the bounds keeps the mover within {:g} mm",
+                    problem.mover_limit_m * 1e3),
+        "allow more --mover-travel, wider bounds, or less --voltage");
+  }
 
   // the numbers that simulate gives, by its seven states
   const sim::AdapterPoint& best = answer.optimum.point;
@@ -120,8 +132,17 @@ int RunTune(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto question = ReadQuestion(words);
   if (!question) return cli::ReportError(kVerb, question.error());
-  const TuneAnswer answer = Answer(*question);
-  fmt::print("{}", options.json() ? TuneJson(answer) : TuneText(answer));
+  if (!words.plot.empty()) {
+    if (auto fit = plot::CheckPlotPath(words.plot); !fit)
+      return cli::ReportError(kVerb, fit.error());
+  }
+  const auto answer = Answer(*question);
+  if (!answer) return cli::ReportError(kVerb, answer.error());
+  fmt::print("{}", options.json() ? TuneJson(*answer) : TuneText(*answer));
+  if (words.plot.empty()) return 0;
+  if (auto drawn = DrawTune(words.plot, *answer); !drawn) {
+    return cli::ReportError(kVerb, drawn.error());
+  }
   return 0;
 }
 

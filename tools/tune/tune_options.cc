@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "sim/scene_file.h"
@@ -85,6 +86,19 @@ Result<void> ReadBounds(const TuneWords& words, sim::AdapterBounds& bounds) {
   return ReadAreas(words.contact_area, bounds.contact_area_m2);
 }
 
+// what the scene names beyond the linear motion under its drive
+void NoteEffects(const sim::Effects& effects, TuneQuestion& question) {
+  if (effects[sim::Effect::kInductance] == sim::Wish::kOff) {
+    question.problem.actuator.inductance_h = 0;
+  }
+  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
+    if (k == sim::PlaceOf(sim::Effect::kInductance)) continue;
+    if (effects.wishes[k] == sim::Wish::kOff) continue;
+    question.left_out.emplace_back(sim::kEffectNames[k]);
+  }
+  question.has_stops = effects[sim::Effect::kTravelStops] != sim::Wish::kOff;
+}
+
 // actuator, drive and, where it is asked for, the skin of the scene
 Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   if (words.scenes.size() > 1) {
@@ -110,6 +124,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   question.problem.actuator = scene->actuator;
   question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;
   question.problem.drive = scene->drive;
+  NoteEffects(scene->effects, question);
   if (words.skin == "scene") question.problem.fixed_skin = scene->skin;
   return {};
 }
@@ -128,6 +143,31 @@ Result<void> ReadReceptors(const TuneWords& words, sim::ReceptorField& field) {
   if (field.density_per_m2 * field.pad_side_m * field.pad_side_m > kMostReceptors) {
     return Usage("--receptor-density", "makes more than 10 000 receptors on the pad",
                  "it is a number per mm2");
+  }
+  return {};
+}
+
+// what is answered for some objectives only
+Result<void> CheckObjective(const TuneQuestion& question) {
+  using enum sim::Objective;
+  const sim::TuningProblem& problem = question.problem;
+  const bool of_motion = question.objective == kSkinRms || question.objective == kStimulus;
+  if (problem.skin_variation > 0 && !of_motion) {
+    return Usage("--skin-varies", "is answered for skin-rms and stimulus only",
+                 "leave it out for the other objectives");
+  }
+  if (question.objective == kStimulus && problem.fixed_skin) {
+    return Usage("--skin scene", "does not know what the contact's area does to the skin",
+                 "leave it out for the objective stimulus");
+  }
+  if (std::isinf(problem.mover_limit_m)) return {};
+  if (question.objective == kRmsPerWatt) {
+    return Usage("--mover-travel", "is not answered for rms-per-watt",
+                 "leave it out, or ask for skin-rms, stimulus or skin-power");
+  }
+  if (problem.skin_variation > 0) {
+    return Usage("--mover-travel", "is not answered for skins that vary",
+                 "leave out one of --mover-travel and --skin-varies");
   }
   return {};
 }
@@ -152,6 +192,10 @@ void Declare(cli::Options& options, TuneWords& words) {
                  "Best for the worst of skins, Ks and Bs each by this part: 0.2 is 20 %");
   options.Number("--voltage", &words.voltage, Dimension::kVoltage, "Beats the scene's amplitude");
   options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
+  options.Number("--mover-travel", &words.mover_travel, Dimension::kLength,
+                 "Only adapters with which the mover travels no further, to either side");
+  options.Text("--plot", &words.plot, "FILE",
+               "Draw the objective around the optimum, and the ridge");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
   options.Choice("--receptor-grid", &words.receptor_grid, {"cell", "edge"},
                  "Receptors in the middle of their cells, or from edge to edge", Shown::kHelpAll);
@@ -170,6 +214,7 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   if (auto read = ReadScene(words, question); !read) return std::unexpected(read.error());
   sim::TuningProblem& problem = question.problem;
   if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
+  if (words.mover_travel) problem.mover_limit_m = words.mover_travel->value;
   if (words.skin_varies) problem.skin_variation = words.skin_varies->value;
   if (words.voltage) problem.drive.amplitude_v = words.voltage->value;
   if (words.frequency) problem.drive.frequency_hz = words.frequency->value;
@@ -190,16 +235,7 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
     return Usage(question.name, *fault, "give bounds as LOW:HIGH, such as --stiffness 2000:12000");
   }
   question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
-  const bool of_motion = question.objective == sim::Objective::kSkinRms ||
-                         question.objective == sim::Objective::kStimulus;
-  if (problem.skin_variation > 0 && !of_motion) {
-    return Usage("--skin-varies", "is answered for skin-rms and stimulus only",
-                 "leave it out for the other objectives");
-  }
-  if (question.objective == sim::Objective::kStimulus && problem.fixed_skin) {
-    return Usage("--skin scene", "does not know what the contact's area does to the skin",
-                 "leave it out for the objective stimulus");
-  }
+  if (auto fit = CheckObjective(question); !fit) return std::unexpected(fit.error());
   if (words.grid) question.grid_values = static_cast<std::size_t>(*words.grid);
   return question;
 }

@@ -17,8 +17,10 @@ struct TuneWords {
   std::string skin = "text";
   std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area, springs;
   std::string receptor_grid = "cell";
-  std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies;
+  std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies,
+      mover_travel;
   std::optional<std::int64_t> grid;
+  std::string plot;
 };
 
 /// What tune is asked.
@@ -29,12 +31,15 @@ struct TuneQuestion {
   sim::ReceptorField receptors;
   std::size_t grid_values = 20;
   std::vector<double> springs_n_per_m;  ///< to choose from; empty: any within the bounds
+  std::vector<std::string> left_out;    ///< effects that the scene names and tune does not know
+  bool has_stops = false;               ///< among them
 };
 
 void Declare(cli::Options& options, TuneWords& words);
 
 /// Reads the scene, if there is one, and the bounds. Errors (Cause::kUsage): more than one scene, a
-/// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0.
+/// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0,
+/// an objective that is not answered for what else is asked.
 [[nodiscard]] Result<TuneQuestion> ReadQuestion(const TuneWords& words);
 
 }  // namespace haptometer::tools

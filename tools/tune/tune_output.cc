@@ -1,6 +1,7 @@
 #include "tools/tune/tune_output.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -12,27 +13,8 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// the objective in the unit that people say
-struct Spoken {
-  double factor;
-  const char* unit;
-};
-Spoken SpokenUnit(sim::Objective objective) {
-  switch (objective) {
-    case sim::Objective::kSkinRms:
-      return {1e6, "um"};
-    case sim::Objective::kStimulus:
-      return {1e3, "mm x receptors"};
-    case sim::Objective::kSkinPower:
-      return {1e3, "mW"};
-    case sim::Objective::kRmsPerWatt:
-      return {1e6, "um/W"};
-  }
-  return {1e6, "um"};
-}
-
 std::string Said(sim::Objective objective, double value) {
-  const Spoken spoken = SpokenUnit(objective);
+  const SpokenUnit spoken = SpokenUnitOf(objective);
   return fmt::format("{:.5f} {}", value * spoken.factor, spoken.unit);
 }
 
@@ -57,10 +39,16 @@ std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& pr
 }
 
 std::string ProofText(const TuneAnswer& answer) {
-  return answer.optimum.proof == sim::Proof::kBranchAndBound
-             ? fmt::format("no adapter within the bounds gives more ({} boxes)",
-                           answer.optimum.boxes)
-             : "no adapter at all gives more (matched load)";
+  switch (answer.optimum.proof) {
+    case sim::Proof::kBranchAndBound:
+      return fmt::format("no adapter within the bounds gives more ({} boxes)",
+                         answer.optimum.boxes);
+    case sim::Proof::kLimitedTravel:
+      return "no adapter at all gives more (the coil's work over that travel)";
+    case sim::Proof::kMatchedLoad:
+      break;
+  }
+  return "no adapter at all gives more (matched load)";
 }
 
 std::string PointsText(const TuneAnswer& answer, std::string_view title,
@@ -68,8 +56,10 @@ std::string PointsText(const TuneAnswer& answer, std::string_view title,
   if (points.empty()) return {};
   std::string text = fmt::format("  {}\n", title);
   for (const sim::RidgePoint& point : points) {
-    text += fmt::format("    {}: {}\n", Adapter(point.point, answer.question.problem),
-                        Said(answer.question.objective, point.value));
+    text += point.value > 0
+                ? fmt::format("    {}: {}\n", Adapter(point.point, answer.question.problem),
+                              Said(answer.question.objective, point.value))
+                : "    none found that keeps the mover within its travel\n";
   }
   return text;
 }
@@ -78,12 +68,17 @@ std::string SpringsText(const TuneAnswer& answer) {
   std::string text;
   const double best = answer.optimum.value;
   for (const sim::SpringCost& spring : answer.springs) {
+    const std::string rebalanced =
+        spring.rebalanced > 0
+            ? fmt::format("{:s} ({:+.3f} %)", Said(answer.question.objective, spring.rebalanced),
+                          (spring.rebalanced / best - 1) * 100)
+            : "none found that keeps the mover within its travel";
     text += fmt::format(
-        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %), with the skin side's mass chosen anew {:s} "
-        "({:+.3f} %)\n",
+        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %), with the skin side's mass chosen anew "
+        "{:s}\n",
         std::abs(spring.factor - 1) * 100, spring.factor < 1 ? "soft" : "stiff",
         Said(answer.question.objective, spring.as_built), (spring.as_built / best - 1) * 100,
-        Said(answer.question.objective, spring.rebalanced), (spring.rebalanced / best - 1) * 100);
+        rebalanced);
   }
   return text;
 }
@@ -108,8 +103,9 @@ ordered_json GridJson(const TuneAnswer& answer) {
 ordered_json PointsJson(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points) {
   ordered_json list = ordered_json::array();
   for (const sim::RidgePoint& point : points) {
-    list.push_back({{"best", PointJson(point.point, answer.question.problem)},
-                    {"value", cli::NumberOrNull(point.value)}});
+    const bool found = point.value > 0;
+    list.push_back({{"best", found ? PointJson(point.point, answer.question.problem) : nullptr},
+                    {"value", found ? cli::NumberOrNull(point.value) : nullptr}});
   }
   return list;
 }
@@ -119,7 +115,8 @@ ordered_json SpringsJson(const TuneAnswer& answer) {
   for (const sim::SpringCost& spring : answer.springs) {
     springs.push_back({{"factor", spring.factor},
                        {"value", cli::NumberOrNull(spring.as_built)},
-                       {"value_with_new_skin_side_mass", cli::NumberOrNull(spring.rebalanced)}});
+                       {"value_with_new_skin_side_mass",
+                        spring.rebalanced > 0 ? cli::NumberOrNull(spring.rebalanced) : nullptr}});
   }
   return springs;
 }
@@ -137,16 +134,53 @@ std::string AskedText(const TuneQuestion& question) {
                      sim::Name(question.objective), question.problem.skin_variation * 100);
 }
 
+std::string_view ProofName(sim::Proof proof) {
+  switch (proof) {
+    case sim::Proof::kBranchAndBound:
+      return "branch and bound";
+    case sim::Proof::kLimitedTravel:
+      return "limited travel";
+    case sim::Proof::kMatchedLoad:
+      break;
+  }
+  return "matched load";
+}
+
+// what of the scene is not in the numbers
+std::string LeftOutText(const TuneQuestion& question) {
+  const bool hint = question.has_stops && std::isinf(question.problem.mover_limit_m);
+  return fmt::format("{} of the scene left out: check the adapter by simulate{}",
+                     fmt::join(question.left_out, ", "),
+                     hint ? ", or keep off the stops by --mover-travel" : "");
+}
+
 }  // namespace
 
+SpokenUnit SpokenUnitOf(sim::Objective objective) {
+  switch (objective) {
+    case sim::Objective::kSkinRms:
+      return {1e6, "um"};
+    case sim::Objective::kStimulus:
+      return {1e3, "mm x receptors"};
+    case sim::Objective::kSkinPower:
+      return {1e3, "mW"};
+    case sim::Objective::kRmsPerWatt:
+      return {1e6, "um/W"};
+  }
+  return {1e6, "um"};
+}
+
 std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
-  return {"springs and dampers are linear at any travel: check the mover's against its stops",
-          fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
-                      "presses actuator and skin together",
-                      answer.steady.skin_force_peak_n),
-          answer.question.problem.fixed_skin
-              ? "the skin is the scene's whatever the contact's area"
-              : "the skin follows the thesis's cube root of the contact's area"};
+  std::vector<std::string> assumptions{
+      "springs and dampers are linear at any travel: check the mover's against its stops",
+      fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
+                  "presses actuator and skin together",
+                  answer.steady.skin_force_peak_n),
+      answer.question.problem.fixed_skin
+          ? "the skin is the scene's whatever the contact's area"
+          : "the skin follows the thesis's cube root of the contact's area"};
+  if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
+  return assumptions;
 }
 
 std::string TuneText(const TuneAnswer& answer) {
@@ -163,8 +197,11 @@ std::string TuneText(const TuneAnswer& answer) {
   text += fmt::format("  any adapter        {:s}: matched load with the lowest dampings\n",
                       Said(objective, answer.matched_load_bound));
   text += fmt::format("  skin displacement  {:.5f} um RMS\n", answer.steady.skin_rms_m * 1e6);
-  text +=
-      fmt::format("  mover travel    +- {:.5f} um in its case\n", answer.steady.mover_peak_m * 1e6);
+  text += fmt::format(
+      "  mover travel    +- {:.5f} um in its case{}\n", answer.steady.mover_peak_m * 1e6,
+      std::isinf(question.problem.mover_limit_m)
+          ? ""
+          : fmt::format(", of {:g} um allowed", question.problem.mover_limit_m * 1e6));
   text += fmt::format("  electrical power   {:.5f} mW, of which into the skin {:.5f} mW\n",
                       answer.steady.power_w * 1e3, answer.skin_power_w * 1e3);
   if (answer.stimulus_m) {
@@ -187,7 +224,6 @@ std::string TuneText(const TuneAnswer& answer) {
 std::string TuneJson(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   const sim::AdapterOptimum& optimum = answer.optimum;
-  const bool boxes = optimum.proof == sim::Proof::kBranchAndBound;
   const ordered_json document{
       {"scene", question.name},
       {"best", PointJson(optimum.point, question.problem)},
@@ -201,9 +237,10 @@ std::string TuneJson(const TuneAnswer& answer) {
         {"value", cli::NumberOrNull(optimum.value)},
         {"upper_bound", cli::NumberOrNull(optimum.upper_bound)},
         {"matched_load_bound", cli::NumberOrNull(answer.matched_load_bound)},
-        {"proof", boxes ? "branch and bound" : "matched load"},
+        {"proof", ProofName(optimum.proof)},
         {"boxes", optimum.boxes}}},
       {"mover_peak_m", cli::NumberOrNull(answer.steady.mover_peak_m)},
+      {"mover_limit_m", cli::NumberOrNull(question.problem.mover_limit_m)},
       {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
       {"power_w", cli::NumberOrNull(answer.steady.power_w)},
       {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},

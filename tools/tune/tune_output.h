@@ -26,6 +26,13 @@ struct TuneAnswer {
   std::vector<sim::SpringCost> springs;  ///< 5 % too soft and 5 % too stiff
 };
 
+/// The unit in which people say an objective, and how many of it one SI unit is.
+struct SpokenUnit {
+  double factor;
+  const char* unit;
+};
+[[nodiscard]] SpokenUnit SpokenUnitOf(sim::Objective objective);
+
 /// What the numbers rest on, one sentence each.
 [[nodiscard]] std::vector<std::string> TuneAssumptions(const TuneAnswer& answer);
 

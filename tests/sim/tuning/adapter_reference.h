@@ -36,4 +36,9 @@ inline constexpr double kPerWattBestBa = 0.010000000000000000208;
 inline constexpr double kPerWattBestA = 9.9999999999999995475e-7;
 inline constexpr double kPerWattBest = 0.00063457332392908417669;
 
+// the largest RMS with a mover's travel of 0.4 mm; Ma1, Ba and A at their lower bounds
+inline constexpr double kLimitedBestMa2 = 0.0026963446432770465672;
+inline constexpr double kLimitedBestKa = 4798.936448881664303;
+inline constexpr double kLimitedBest = 0.00016482179305968387359;
+
 }  // namespace haptometer::tests

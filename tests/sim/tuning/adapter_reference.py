@@ -123,6 +123,40 @@ def optimum(which, free, held):
     return found
 
 
+def travel(x):
+    """|xv - xa| of a dictionary of mpf."""
+    Ks, Bs = skin(x["A"], mp.cbrt)
+    point = {name: x[name] for name in ("Ma1", "Ma2", "Ka", "Ba")}
+    _, xv, xa, _ = mp.lu_solve(mp.matrix(phasors(mp.mpc(0, 2 * mp.pi * HERTZ), Ks=Ks, Bs=Bs, **point)),
+                               mp.matrix([VOLT, 0, 0, 0]))
+    return abs(xv - xa)
+
+
+def limited_optimum(limit, free, held):
+    """The largest RMS where the mover travels by `limit`: stationary along that curve of (Ma2, Ka)."""
+    def at(v):
+        x = {name: mp.mpf(value) for name, value in held.items()}
+        x.update((name, mp.mpf(value) * factor) for (name, value), factor in zip(free.items(), v))
+        return x
+
+    def equations(*v):
+        def slope(function, k):
+            return mp.diff(lambda t: function(at(v[:k] + (t,) + v[k + 1:])), v[k])
+        def rms(x):
+            return mp.log(objectives(x)[0])
+        across = slope(rms, 0) * slope(travel, 1) - slope(rms, 1) * slope(travel, 0)
+        return [across, travel(at(v)) / mp.mpf(limit) - 1]
+
+    found = at(tuple(mp.findroot(equations, (mp.mpf(1), mp.mpf(1)), tol=1e-25)))
+    # the held numbers: moved off their bounds, with Ka following to keep the travel, it gets worse
+    for name in held:
+        moved = dict(found)
+        moved[name] = found[name] * mp.mpf("1.0001")
+        moved["Ka"] = mp.findroot(lambda k: travel(dict(moved, Ka=k)) - mp.mpf(limit), found["Ka"])
+        assert objectives(moved)[0] < objectives(found)[0], name
+    return found
+
+
 def check_bounds(which, found, held):
     """A held number lies at the bound beyond which the objective would grow."""
     for name, value in held.items():
@@ -158,6 +192,12 @@ def header():
         for symbol in ORDER:
             lines.append(f"inline constexpr double k{name}Best{symbol} = {mp.nstr(found[symbol], 20)};")
         lines.append(f"inline constexpr double k{name}Best = {mp.nstr(objectives(found)[which], 20)};")
+    lines += ["", "// the largest RMS with a mover's travel of 0.4 mm; Ma1, Ba and A at their lower bounds"]
+    held = {"Ma1": 0.25e-3, "Ba": 0.01, "A": 1e-6}
+    found = limited_optimum(0.4e-3, {"Ma2": 2.6963e-3, "Ka": 4798.9}, held)
+    for symbol in ("Ma2", "Ka"):
+        lines.append(f"inline constexpr double kLimitedBest{symbol} = {mp.nstr(found[symbol], 20)};")
+    lines.append(f"inline constexpr double kLimitedBest = {mp.nstr(objectives(found)[0], 20)};")
     return "\n".join([*lines, "", "}  // namespace haptometer::tests", ""])
 
 
