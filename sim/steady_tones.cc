@@ -79,9 +79,9 @@ double CommonPeriod(const std::map<double, Complex>& voltages) {
 }
 
 // Adds up the tones.
-class Superposition {
+class SumOfTones {
  public:
-  Superposition(const Scene& scene, double period_s)
+  SumOfTones(const Scene& scene, double period_s)
       : scene_(scene), model_(AssembleModel(scene)), period_s_(period_s) {
     steady_.start = Eigen::VectorXd::Zero(model_.states());
     steady_.period_s = period_s;
@@ -137,7 +137,7 @@ SteadyTones SolveSteadyTones(const Scene& scene) {
   for (const Tone& tone : scene.drive.tones) {
     voltages[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
   }
-  Superposition sum(scene, CommonPeriod(voltages));
+  SumOfTones sum(scene, CommonPeriod(voltages));
   for (const auto& [frequency_hz, voltage_v] : voltages) {
     if (voltage_v != 0.0) sum.Add(frequency_hz, voltage_v);
   }

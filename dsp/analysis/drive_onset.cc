@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/measured.h"
 #include "dsp/spectrum/envelope.h"
 

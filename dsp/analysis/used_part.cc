@@ -3,64 +3,22 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "dsp/analysis/band_filtering.h"
+#include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/frequency_move.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 16U;
 constexpr double kRingingLeft = 1e-3;  // of an amplitude, where it counts as over
 constexpr double kLeastBulge = 2;      // of a transient
 constexpr std::string_view kMovesWhy = "the frequency moves: where it stands out is no drive";
-
-// visits values of rows [first, first + size)
-template <typename Visit>
-Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, std::size_t first,
-                          std::size_t size, const Visit& visit) {
-  std::vector<double> values(std::min(size, kBlock));
-  std::vector<trial::SampleStatus> statuses(values.size());
-  for (std::size_t done = 0; done < size; done += values.size()) {
-    const std::size_t count = std::min(values.size(), size - done);
-    const auto read = source.Read(channel, first + done, std::span(values).first(count),
-                                  std::span(statuses).first(count));
-    if (!read) return read;
-    for (std::size_t k = 0; k < count; ++k) visit(done + k, values[k]);
-  }
-  return {};
-}
-
-// mean squares of the drive in the cells [begin, end) of `signal`; a trigger counts from its least
-Result<std::vector<double>> DriveCells(const trial::RowSource& source, std::size_t channel,
-                                       const BandSignal& signal, std::size_t begin,
-                                       std::size_t end) {
-  const std::size_t cell = signal.cell_samples();
-  const std::size_t first = signal.first_row() + begin * cell;
-  const std::size_t size = std::min(end * cell, signal.size()) - begin * cell;
-  double least = 0;
-  if (source.head().channels[channel].role == trial::ChannelRole::kTrigger) {
-    least = std::numeric_limits<double>::infinity();
-    const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t, double value) {
-      if (std::isfinite(value)) least = std::min(least, value);
-    });
-    if (!seen) return std::unexpected(seen.error());
-  }
-  std::vector<double> cells(end - begin, 0.0);
-  const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t k, double value) {
-    const double x = std::isfinite(value) ? value - least : 0;
-    cells[k / cell] += x * x / static_cast<double>(cell);
-  });
-  if (!seen) return std::unexpected(seen.error());
-  return cells;
-}
 
 // whole cells of what has settled of one signal, as a course of power
 struct SettledCells {
@@ -289,6 +247,37 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
   return best ? *std::move(best) : std::move(undriven);
 }
 
+// what a channel says that the drive did over all of a signal, where it was on for a part of it
+Result<std::optional<TimeWindow>> OnByChannel(const trial::RowSource& source,
+                                              const BandSignal& signal, const BandPass& band) {
+  const auto channel = DriveChannel(source.head());
+  if (!channel) return std::nullopt;
+  const std::size_t cells = signal.size() / signal.cell_samples();
+  const auto drive = DriveCells(source, *channel, signal, 0, cells);
+  if (!drive) return std::unexpected(drive.error());
+  const double cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz();
+  const PowerCourse course{*drive, signal.start_s(), cell_s};
+  const DriveParts parts =
+      FindDriveParts(course, course, {band.lower_hz, band.upper_hz - band.lower_hz});
+  if (parts.course != DriveCourse::kGated) return std::nullopt;
+  return parts.Longest()->whole;
+}
+
+// Whether a drive that was on for a part of the record is what has not settled of it: what is left
+// would be taken for its vibration.
+Result<bool> IsDriveUnsettled(const trial::RowSource& source, const ChosenPart& chosen,
+                              const BandPass& band, BandAnalysis* analysis) {
+  const auto on = OnByChannel(source, *chosen.signal, band);
+  if (!on) return std::unexpected(on.error());
+  if (!*on || analysis->frequency_move) return false;
+  const auto [begin, end] = SettledWithin(*chosen.signal, **on);
+  analysis->reasons.push_back(fmt::format(
+      "the drive is on from {:.3f} s to {:.3f} s, of which {:.3f} s have settled: drive longer, or "
+      "record longer before and after it",
+      (*on)->begin_s, (*on)->end_s, static_cast<double>(end - begin) / chosen.signal->rate_hz()));
+  return true;
+}
+
 void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
   const OnPart& on = *drive.Longest();
   if (on.is_steady) return;
@@ -297,16 +286,6 @@ void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
 }
 
 }  // namespace
-
-std::optional<std::size_t> DriveChannel(const trial::Record& head) {
-  for (const trial::ChannelRole role :
-       {trial::ChannelRole::kVoltage, trial::ChannelRole::kCurrent, trial::ChannelRole::kTrigger}) {
-    if (const trial::Channel* channel = head.Find(role)) {
-      return static_cast<std::size_t>(channel - head.channels.data());
-    }
-  }
-  return std::nullopt;
-}
 
 double TimeOfSample(const BandSignal& signal, std::size_t sample) {
   return signal.start_s() + static_cast<double>(sample) / signal.rate_hz();
@@ -359,7 +338,13 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
     chosen->part.drive.why = kMovesWhy;
     chosen->part.why = "where a vibration whose frequency moves stands out";
   }
-  if (chosen->part.from_drive) RemarkUnsteady(chosen->part.drive, analysis);
+  if (chosen->part.from_drive) {
+    RemarkUnsteady(chosen->part.drive, analysis);
+  } else if (question.choice == WindowChoice::kAuto) {
+    const auto unsettled = IsDriveUnsettled(source, *chosen, question.band, analysis);
+    if (!unsettled) return std::unexpected(unsettled.error());
+    if (*unsettled) return std::nullopt;
+  }
   return chosen;
 }
 

@@ -31,9 +31,6 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
   return size <= kMostFitted ? size : kFittedOfLonger;
 }
 
-/// The channel that says when the drive is on: a voltage, else a current, else a trigger.
-[[nodiscard]] std::optional<std::size_t> DriveChannel(const trial::Record& head);
-
 /// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
 /// nothing, and a reason, where a given window has not settled. `all` is not empty.
 /// Errors: as RowSource::Read.

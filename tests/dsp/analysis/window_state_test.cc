@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -38,6 +39,21 @@ trial::Record Driven() {
   AddChannel(record, trial::ChannelRole::kCurrent, "A",
              Samples(kRateHz, kRows, 0, {{0.5, 200, 0.4}}));
   return record;
+}
+
+// on for 0.3 s from the first row on: hardly any of it settles, and what is left is its pause
+TEST(WindowState, ADriveThatDidNotSettleHasNoNumbers) {
+  std::vector<double> displacement = Samples(kRateHz, 10'000, 0.03, {{1e-5, 200}});
+  std::vector<double> voltage = Samples(kRateHz, 10'000, 0, {{2, 200, 1}});
+  std::fill(displacement.begin() + 3000, displacement.end(), 0.03);
+  std::fill(voltage.begin() + 3000, voltage.end(), 0.0);
+  trial::Record record = RecordOf(std::move(displacement), kRateHz);
+  AddChannel(record, trial::ChannelRole::kVoltage, "V", std::move(voltage));
+  const auto analysis = AnalyzeBand(record, {});
+  ASSERT_TRUE(analysis);
+  EXPECT_FALSE(analysis->answered);
+  EXPECT_THAT(analysis->reasons,
+              testing::ElementsAre(testing::HasSubstr("the drive is on from 0.000 s to 0.300 s")));
 }
 
 TEST(WindowState, ATonesVelocityAndAcceleration) {
