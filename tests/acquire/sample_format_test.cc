@@ -108,7 +108,8 @@ TEST(SampleFormat, AWrongLineIsABadRowAndTheNextIsRead) {
 }
 
 TEST(SampleFormat, ALineWithoutEndIsOneBadRow) {
-  const Parsed parsed = Parse(SampleFormat::kText, 1, std::string(5000, '1') + "\n2\n");
+  std::string line(5000, '1');
+  const Parsed parsed = Parse(SampleFormat::kText, 1, line.append("\n2\n"));
   EXPECT_EQ(parsed.statuses, (Statuses{SampleStatus::kBadFrame, SampleStatus::kOk}));
   EXPECT_EQ(parsed.discarded, 5001U);
 }

@@ -157,7 +157,8 @@ TEST_F(StreamSensorTest, ACounterTellsHowManyLinesWereLost) {
 
 TEST_F(StreamSensorTest, EndlessGarbageIsOneBadFrame) {
   Start();
-  wire_->Send(std::string(3000, 'x') + "\r+00.0005\r", kMs);
+  std::string garbage(3000, 'x');
+  wire_->Send(garbage.append("\r+00.0005\r"), kMs);
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kBadFrame);
   EXPECT_EQ(Counts(NextRow()), 5);
 }
