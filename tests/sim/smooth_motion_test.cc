@@ -14,60 +14,25 @@
 #include "sim/smooth_scene.h"
 #include "tests/residual.h"
 #include "tests/sim/reference/smooth_reference.h"
+#include "tests/sim/smooth_scenes.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {
 namespace {
 
-constexpr Eigen::Index kMover = LinearModel::kMover;
-constexpr Eigen::Index kCase = LinearModel::kCase;
-
-Scene FromRest(Scene scene) {
-  scene.start = Start::kRest;
-  return scene;
-}
-
-TravelStops Rigid(double gap_m, double restitution) {
-  return {.gap_up_m = gap_m, .gap_down_m = gap_m, .restitution = restitution};
-}
+using tests::Alone;
+using tests::DrawnApart;
+using tests::FromRest;
+using tests::ReducedMass;
+using tests::Rigid;
+using tests::RunTo;
+using tests::Travel;
 
 SmoothMotion MotionOf(const Scene& scene, const PiecewiseEffects& piecewise,
                       const SmoothEffects& smooth, const SmoothSettings& settings,
                       double rate_hz = 1e4) {
   return {AssembleSmooth(scene, piecewise, smooth), scene.drive, PiecewiseStartOf(scene), rate_hz,
           settings};
-}
-
-void RunTo(SmoothMotion& motion, std::uint64_t index) {
-  while (motion.index() < index && !motion.stalled_at_s()) motion.Next();
-}
-
-// mover and case alone in space, without the coil's pull or damping: d = xv - xa swings by itself
-Scene Alone() {
-  Scene scene = tests::ConeScene();
-  scene.actuator.damping_n_s_per_m = 0;
-  scene.actuator.force_constant_n_per_a = 0;
-  scene.skin = {};
-  scene.drive.amplitude_v = 0;
-  return scene;
-}
-
-double ReducedMass(const Scene& scene) {
-  return 1 / (1 / scene.actuator.moving_mass_kg + 1 / scene.actuator.case_mass_kg);
-}
-
-// drawn apart by d, the centre of mass at rest
-PiecewiseStart DrawnApart(const Scene& scene, double d_m) {
-  const double Mv = scene.actuator.moving_mass_kg, Mc = scene.actuator.case_mass_kg;
-  PiecewiseStart start{.x = Eigen::VectorXd::Zero(5)};
-  start.x(kMover) = d_m * Mc / (Mv + Mc);
-  start.x(kCase) = -d_m * Mv / (Mv + Mc);
-  return start;
-}
-
-double Travel(const SmoothMotion& motion) {
-  const Eigen::VectorXd x = motion.Positions();
-  return x(kMover) - x(kCase);
 }
 
 // ------------------------------------------------------------------------------- no smooth effect
@@ -362,122 +327,6 @@ TEST(SmoothMotion, StopsAgreeWithSciPy) {
 TEST(SmoothMotion, BreakingContactAgreesWithSciPy) {
   ExpectReference({.contact_loss = ContactLoss{0.07}}, tests::kSmoothContactState,
                   tests::kSmoothContactEventsS);
-}
-
-// ------------------------------------------------------------------------------------ hard events
-
-// d = A cos w t over a gap, both ways
-SmoothMotion Reaching(double gap_m, double tolerance) {
-  Scene scene = Alone();
-  const TravelStops stops{.gap_down_m = gap_m, .stiffness_n_per_m = 1e-3};
-  return {AssembleSmooth(scene, {.stops = stops}, {}),
-          scene.drive,
-          DrawnApart(scene, 0.5e-3),
-          200,
-          {.tolerance = tolerance}};
-}
-
-TEST(SmoothMotion, AGrazeIsDecidedAndTwoCrossingsWithinAStepAreSeen) {
-  const double w = std::sqrt(2800 / ReducedMass(Alone()));
-  for (const double part : {1e-3, 1e-5, 1e-7, 1e-8}) {
-    // far within half a period of 1.2 ms: 0.04 of w t at 1e-3, 1.4e-4 at 1e-8
-    SmoothMotion reached = Reaching(0.5e-3 * (1 - part), 1e-10);
-    RunTo(reached, 1);  // 5 ms are two periods
-    EXPECT_EQ(reached.events().size(), 4U) << part;
-    const double first_s = (std::numbers::pi - std::acos(1 - part)) / w;
-    if (!reached.events().empty()) {
-      EXPECT_ABS(reached.events()[0].time_s, first_s, 1e-13 / std::sqrt(part),
-                 "1e-10 of A over the speed, which is sqrt(2 part) w A");
-    }
-    SmoothMotion missed = Reaching(0.5e-3 * (1 + part), 1e-10);
-    RunTo(missed, 1);
-    EXPECT_TRUE(missed.events().empty()) << part;
-  }
-}
-
-// a mass of 1 kg at height h over the floor, x = [h, v, 1]; at rest only the constant is left
-SmoothSystem Ball(double restitution) {
-  constexpr double kGravity = 9.81;
-  Mode flight{.name = "flight",
-              .a = Eigen::MatrixXd::Zero(3, 3),
-              .b = Eigen::VectorXd::Zero(3),
-              .positions = {},
-              .stored_j = Eigen::MatrixXd::Zero(3, 3),
-              .current_row = Eigen::RowVectorXd::Zero(3)};
-  flight.a(0, 1) = 1;
-  flight.a(1, 2) = -kGravity;
-  flight.guards = {{.row = Eigen::RowVectorXd::Unit(3, 0), .offset = 0, .transition = 0}};
-  Mode rest{.name = "rest",
-            .a = Eigen::MatrixXd::Zero(1, 1),
-            .b = Eigen::VectorXd::Zero(1),
-            .positions = Eigen::Vector3d::Unit(2),
-            .stored_j = Eigen::MatrixXd::Zero(1, 1),
-            .current_row = Eigen::RowVectorXd::Zero(1)};
-  Transition impact{.name = "impact",
-                    .mode = 0,
-                    .map = Eigen::Vector3d(1, -restitution, 1).asDiagonal(),
-                    .shift = Eigen::VectorXd::Zero(3)};
-  impact.departure = Departure{.guard = 0, .order = restitution > 0 ? std::size_t{1} : 2};
-  impact.bounce = Bounce{.restitution = restitution, .rest_height = 1e-14, .rest_via = 1};
-  Transition stay{.name = "rest",
-                  .mode = 1,
-                  .map = Eigen::RowVector3d::Unit(2),
-                  .shift = Eigen::VectorXd::Zero(1)};
-  return {.linear = {
-              .modes = {flight, rest}, .transitions = {impact, stay}, .dissipating_elements = {}}};
-}
-
-TEST(SmoothMotion, ABouncingBallComesToRest) {
-  const double first_s = std::sqrt(2 / 9.81);
-  for (const double e : {0.0, 0.7, 0.98}) {
-    for (const double tolerance : {1e-4, 1e-9}) {
-      SmoothMotion ball(Ball(e), {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100,
-                        {.tolerance = tolerance});
-      RunTo(ball, 100 * static_cast<std::uint64_t>(2 + first_s * (1 + e) / (1 - e)));
-      EXPECT_EQ(ball.stall_reason(), "") << e;
-      EXPECT_EQ(ball.mode(), 1U) << e;
-      EXPECT_EQ(ball.Positions()(0), 0);
-      // a height that is wrong by the tolerance is a flight wrong by sqrt(2 h/g), and all after it
-      EXPECT_ABS(ball.events().back().time_s, first_s * (1 + e) / (1 - e),
-                 tolerance + std::sqrt(2 * tolerance / 9.81) * e / (1 - e),
-                 "Zeno's time, t1 (1 + e)/(1 - e)");
-      EXPECT_LT(ball.events().size(), 1000U);
-    }
-  }
-}
-
-TEST(SmoothMotion, AnEndlessToAndFroIsSaidToStall) {
-  // two modes that each hand over to the other at once
-  SmoothSystem system = Ball(0);
-  Mode& flight = system.linear.modes[0];
-  flight.guards[0].offset = -0.5;
-  system.linear.modes[1] = flight;
-  system.linear.modes[1].guards[0].transition = 1;
-  system.linear.modes[1].guards[0].offset = -0.6;
-  system.linear.transitions[0] = {.name = "to",
-                                  .mode = 1,
-                                  .map = Eigen::Matrix3d::Identity(),
-                                  .shift = Eigen::Vector3d::Zero()};
-  system.linear.transitions[1] = system.linear.transitions[0];
-  system.linear.transitions[1].mode = 0;
-  SmoothMotion motion(system, {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100, {.tolerance = 1e-9});
-  RunTo(motion, 100);
-  ASSERT_TRUE(motion.stalled_at_s().has_value());
-  EXPECT_EQ(motion.stall_reason(), "events without end");
-  EXPECT_REL(*motion.stalled_at_s(), std::sqrt(1 / 9.81), 1e-8, "where the first event was");
-}
-
-TEST(SmoothMotion, WhatIsNotANumberStalls) {
-  SmoothSystem system = Ball(0.5);
-  SmoothMotion broken(system, {}, {.x = Eigen::Vector3d(std::nan(""), 0, 1)}, 100, {});
-  RunTo(broken, 10);
-  EXPECT_EQ(broken.stall_reason(), "the solver cannot go on");
-  // a guard that is not one never fires
-  system.linear.modes[0].guards[0].offset = std::nan("");
-  SmoothMotion falling(system, {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100, {});
-  RunTo(falling, 100);
-  EXPECT_EQ(falling.events().size(), 0U);
-  EXPECT_REL(falling.x()(0), 1 - 9.81 / 2, 1e-8, "free fall");
 }
 
 TEST(SmoothMotion, WorkIsCounted) {

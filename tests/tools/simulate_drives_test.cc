@@ -210,8 +210,7 @@ TEST_F(SimulateDrives, TellsTheLeastContactForceAndTheEfficiency) {
 TEST_F(SimulateDrives, SaysThatPowerIncludesTheSource) {
   const Outcome outcome = Simulate({Scene(kSine + "source_resistance_ohm = 10\n")});
   EXPECT_THAT(outcome.out, HasSubstr("5 V at 225 Hz through 10 ohm"));
-  EXPECT_THAT(outcome.out,
-              HasSubstr("ahead of its 10 ohm, which power and phase include"));
+  EXPECT_THAT(outcome.out, HasSubstr("ahead of its 10 ohm, which power and phase include"));
 }
 
 TEST_F(SimulateDrives, WritesWaveformsOfEveryKind) {
