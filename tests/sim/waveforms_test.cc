@@ -46,6 +46,30 @@ TEST(Waveforms, OfASteadySineAreItsPhasors) {
   EXPECT_EQ(waves.events.cwiseAbs().maxCoeff(), 0);
 }
 
+// a spring that hardens by nothing to speak of: the solver's waveforms are the exact ones
+TEST(Waveforms, OfSmoothEffectsAreTheSolvers) {
+  Scene scene = tests::AdapterScene();
+  scene.start = Start::kRest;
+  scene.tolerance = 1e-7;
+  scene.finger.tones = {{.amplitude = 1e-4, .frequency_hz = 8.3}};
+  const EffectiveScene exact{.scene = scene, .piecewise = {}};
+  EffectiveScene solved = exact;
+  solved.smooth.spring = StiffeningSpring{.cubic_n_per_m3 = 1e-3};
+  const Waveforms expected = PlayWaveforms(exact, BeginningOf(exact), 0.02, 5000);
+  const Waveforms waves = PlayWaveforms(solved, BeginningOf(solved), 0.02, 5000);
+  ASSERT_EQ(waves.rows(), expected.rows());
+  const auto expect = [](const Eigen::VectorXd& wave, const Eigen::VectorXd& truth) {
+    EXPECT_ABS((wave - truth).cwiseAbs().maxCoeff(), 0, 1e-6 * truth.cwiseAbs().maxCoeff(),
+               "ten times the tolerance");
+  };
+  expect(waves.voltage_v, expected.voltage_v);
+  expect(waves.current_a, expected.current_a);
+  expect(waves.mover_m, expected.mover_m);
+  expect(waves.skin_m_per_s, expected.skin_m_per_s);
+  expect(waves.finger_m, expected.finger_m);
+  expect(waves.force_n, expected.force_n);
+}
+
 // under contact that breaks: no force in flight, none below zero, every event in some row
 TEST(Waveforms, OfAContactThatBreaks) {
   Scene scene = tests::DirectScene();

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -20,6 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 const std::string kFixtures = HAPTOMETER_FIXTURES;
@@ -151,6 +153,27 @@ TEST_F(SimulateVerb, GivesTheSameBytesTwice) {
     return std::string(std::istreambuf_iterator<char>(file), {});
   };
   EXPECT_EQ(content("a.bin"), content("b.bin"));
+}
+
+// frequencies of their own: over a long time their powers add
+TEST_F(SimulateVerb, TremorAddsToASteadyMotion) {
+  const std::string tremor =
+      "[tremor]\namplitude_m = 1e-4\nfrequency_hz = 8.3\n[effects]\ntremor = true\n";
+  const auto rms_m = [&](const std::string& scene) {
+    return json::parse(Simulate({scene, "--json"}).out).at("skin_rms_m").get<double>();
+  };
+  const double both_m = rms_m(Scene(tremor));
+  EXPECT_THAT(Simulate({Scene(tremor)}).out,
+              AllOf(HasSubstr("over a long time: skin"), HasSubstr("linear model, superposed")));
+  const double drive_m = rms_m(Scene(""));
+  std::ifstream written(Scene(tremor));
+  std::string text(std::istreambuf_iterator<char>(written), {});
+  const std::size_t at = text.find("amplitude_v");
+  text.replace(at, text.find('\n', at) - at, "amplitude_v = 1e-9");
+  std::ofstream(Path("still.toml")) << text;
+  const double tremor_m = rms_m(Path("still.toml"));
+  EXPECT_GT(tremor_m, 5e-5);
+  EXPECT_REL(both_m, std::hypot(drive_m, tremor_m), 1e-12, "superposition");
 }
 
 TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {

@@ -21,10 +21,17 @@ std::string StartName(const sim::Scene& scene) {
   return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "steady state";
 }
 
+// a steady motion to which the finger's is added
+bool IsSuperposed(const SceneAnswer& solved) {
+  return !solved.steady && SettledRun(solved) != nullptr && !solved.effects->periodic;
+}
+
 std::string Method(const SceneAnswer& solved) {
   std::vector<std::string> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
-  if (solved.tones) methods.emplace_back("exact phasors of the linear model, superposed");
+  if (solved.tones || IsSuperposed(solved)) {
+    methods.emplace_back("exact phasors of the linear model, superposed");
+  }
   if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
   const bool smooth = solved.effects && solved.effects->run.solver;
   if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
@@ -140,17 +147,20 @@ std::string PeriodicText(const SceneAnswer& solved) {
 std::string RunText(const SceneAnswer& solved) {
   const sim::SceneRun& run = *RunOf(solved);
   std::string text = PeriodicText(solved);
+  const std::string when =
+      IsSuperposed(solved) ? "over a long time"
+                           : fmt::format("in the run, {:.6g} to {:.6g} s", run.begin_s, run.end_s);
   text += fmt::format(
-      "  in the run, {:.6g} to {:.6g} s: skin {:.5f} um RMS, case {:.5f} um RMS, mover +- {:.5f} "
-      "um{}, {:.5f} mA RMS, {:.5f} mW\n",
-      run.begin_s, run.end_s, run.skin_rms_m * 1e6, run.case_rms_m * 1e6, run.mover_peak_m * 1e6,
+      "  {}: skin {:.5f} um RMS, case {:.5f} um RMS, mover +- {:.5f} um{}, {:.5f} mA RMS, {:.5f} "
+      "mW\n",
+      when, run.skin_rms_m * 1e6, run.case_rms_m * 1e6, run.mover_peak_m * 1e6,
       run.begin_s > 0 ? fmt::format(" (whole run {:.5f})", run.mover_peak_of_run_m * 1e6) : "",
       run.current_rms_a * 1e3, run.power_w * 1e3);
   for (const sim::EventCount& event : run.events) {
     text += fmt::format("  event: {}, {} times, first at {:.9g} s\n", event.name, event.count,
                         event.first_s);
   }
-  if (solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]) {
+  if (solved.effects && solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]) {
     text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
                         run.temperature_rise_k, run.temperature_peak_k);
   }
