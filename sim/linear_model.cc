@@ -40,19 +40,24 @@ struct Bodies {
   }
 };
 
+template <typename Scalar>
+Scalar As(double value) {
+  return static_cast<Scalar>(value);
+}
+
 // Mc1
 template <typename Scalar>
 Scalar CaseSide(const Bodies& bodies) {
-  return Scalar{bodies.actuator.case_mass_kg} +
-         Scalar{bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0};
+  return As<Scalar>(bodies.actuator.case_mass_kg) +
+         As<Scalar>(bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0);
 }
 
 // the moving mass and its spring, which all scenes share, and what they do to the case of mass Mc1
 // (rows 2, 3 and 5 of matrix 2.5, without the coil's and the adapter's part)
 template <typename Scalar>
 void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
-  const Scalar Mv = actuator.moving_mass_kg, Kv = actuator.stiffness_n_per_m;
-  const Scalar Bv = actuator.damping_n_s_per_m;
+  const auto Mv = As<Scalar>(actuator.moving_mass_kg), Kv = As<Scalar>(actuator.stiffness_n_per_m);
+  const auto Bv = As<Scalar>(actuator.damping_n_s_per_m);
   rows.a(0, 1) = 1;
   rows.a.row(1).head(4) << -Kv / Mv, -Bv / Mv, Kv / Mv, Bv / Mv;
   rows.a(2, 3) = 1;
@@ -62,16 +67,18 @@ void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
 // what holds the case: the grip, and the skin itself or the adapter between
 template <typename Scalar>
 void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
-  const Scalar Ks = bodies.skin.stiffness_n_per_m, Bs = bodies.skin.damping_n_s_per_m;
-  rows.a(3, 2) -= Scalar{bodies.grip.stiffness_n_per_m} / Mc1;
-  rows.a(3, 3) -= Scalar{bodies.grip.damping_n_s_per_m} / Mc1;
+  const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
+             Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
+  rows.a(3, 2) -= As<Scalar>(bodies.grip.stiffness_n_per_m) / Mc1;
+  rows.a(3, 3) -= As<Scalar>(bodies.grip.damping_n_s_per_m) / Mc1;
   if (!bodies.adapter) {
     rows.a(3, 2) -= Ks / Mc1;
     rows.a(3, 3) -= Bs / Mc1;
     return;
   }
-  const Scalar Ma2 = bodies.adapter->skin_side_mass_kg;
-  const Scalar Ka = bodies.adapter->stiffness_n_per_m, Ba = bodies.adapter->damping_n_s_per_m;
+  const auto Ma2 = As<Scalar>(bodies.adapter->skin_side_mass_kg);
+  const auto Ka = As<Scalar>(bodies.adapter->stiffness_n_per_m),
+             Ba = As<Scalar>(bodies.adapter->damping_n_s_per_m);
   rows.a(3, 2) -= Ka / Mc1;
   rows.a(3, 3) -= Ba / Mc1;
   rows.a(3, 4) = Ka / Mc1;
@@ -83,8 +90,9 @@ void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
 // the coil (row 1 of matrix 2.5) and its forces
 template <typename Scalar>
 void FillCoil(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
-  const Scalar Mv = actuator.moving_mass_kg, Km = actuator.force_constant_n_per_a;
-  const Scalar R = actuator.resistance_ohm, L = actuator.inductance_h;
+  const auto Mv = As<Scalar>(actuator.moving_mass_kg),
+             Km = As<Scalar>(actuator.force_constant_n_per_a);
+  const auto R = As<Scalar>(actuator.resistance_ohm), L = As<Scalar>(actuator.inductance_h);
   const Eigen::Index n = rows.a.rows();
   typename Rows<Scalar>::Vector force_per_ampere = Rows<Scalar>::Vector::Zero(n);
   force_per_ampere(LinearModel::kMoverVelocity) = -Km / Mv;
