@@ -21,7 +21,7 @@ double Weight(const Scene& scene) {
 }
 
 EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
-  EffectiveScene effective{.scene = scene, .piecewise = {}};
+  EffectiveScene effective{.scene = scene, .piecewise = {}, .outputs_rate_hz = OutputRateHz(scene)};
   const Effects& effects = scene.effects;
   if (!on[PlaceOf(Effect::kInductance)]) effective.scene.actuator.inductance_h = 0;
   if (!on[PlaceOf(Effect::kTremor)]) effective.scene.finger.tones.clear();

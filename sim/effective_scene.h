@@ -1,6 +1,7 @@
 #pragma once
 
 #include "sim/effects.h"
+#include "sim/output_rate.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene.h"
 #include "sim/smooth_scene.h"
@@ -15,6 +16,13 @@ struct EffectiveScene {
   Scene scene;
   PiecewiseEffects piecewise;  ///< gaps and preload as they are where gravity has moved the bodies
   SmoothEffects smooth{};      ///< the spring stretched by its sag
+  /// How often its motion is looked at: as the stated scene's, so that the runs of all choices have
+  /// the same outputs; 0: OutputRateHz(scene).
+  double outputs_rate_hz = 0;
+
+  [[nodiscard]] double RateHz() const {
+    return outputs_rate_hz > 0 ? outputs_rate_hz : OutputRateHz(scene);
+  }
 
   /// Superposition holds as long as nothing in `piecewise` is reached.
   [[nodiscard]] bool IsLinear() const { return !smooth.Any(); }

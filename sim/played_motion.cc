@@ -31,10 +31,10 @@ class Player {
  public:
   using Beginning = std::function<std::unique_ptr<Motion>(double rate_hz)>;
 
-  Player(const Scene& scene, SensorTarget target, Beginning beginning)
+  Player(const EffectiveScene& scene, SensorTarget target, Beginning beginning)
       : beginning_(std::move(beginning)),
-        position_(StateOf(AssembleModel(scene), target)),
-        rate_hz_(OutputRateHz(scene)) {
+        position_(StateOf(AssembleModel(scene.scene), target)),
+        rate_hz_(scene.RateHz()) {
     Begin();
   }
 
@@ -85,7 +85,7 @@ class Player {
 
 // shared, because a std::function is copied freely
 template <typename Motion>
-trial::Displacement Played(const Scene& scene, SensorTarget target,
+trial::Displacement Played(const EffectiveScene& scene, SensorTarget target,
                            typename Player<Motion>::Beginning beginning) {
   auto player = std::make_shared<Player<Motion>>(scene, target, std::move(beginning));
   return [player = std::move(player)](double t_s) { return player->At(t_s); };
@@ -97,17 +97,16 @@ Excitation ExcitationOf(const Scene& scene) { return {scene.drive, scene.finger.
 
 trial::Displacement PlayedMotion(const EffectiveScene& scene, PiecewiseStart start,
                                  SensorTarget target, double temperature_rise_k) {
-  const Scene& bodies = scene.scene;
   if (scene.IsLinear()) {
     return Played<PiecewiseMotion>(
-        bodies, target, [scene, start = std::move(start)](double rate_hz) {
+        scene, target, [scene, start = std::move(start)](double rate_hz) {
           return std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene.scene, scene.piecewise),
                                                    ExcitationOf(scene.scene), start,
                                                    OutputGrid{.rate_hz = rate_hz});
         });
   }
   return Played<SmoothMotion>(
-      bodies, target, [scene, start = std::move(start), temperature_rise_k](double rate_hz) {
+      scene, target, [scene, start = std::move(start), temperature_rise_k](double rate_hz) {
         const SmoothSettings settings{.tolerance = SolverLadder(scene.scene.tolerance).tolerance(),
                                       .most_steps = std::numeric_limits<std::int64_t>::max()};
         return std::make_unique<SmoothMotion>(

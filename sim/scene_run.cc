@@ -42,9 +42,10 @@ struct RunGrid {
   std::size_t window_begin = 0;  // an output
 };
 
-RunGrid GridOf(const Scene& scene, double duration_s) {
+RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
+  const Scene& scene = effective.scene;
   RunGrid grid;
-  grid.outputs.rate_hz = OutputRateHz(scene);
+  grid.outputs.rate_hz = effective.RateHz();
   const double steps = duration_s * grid.outputs.rate_hz;
   HAPTOMETER_CHECK(duration_s > 0 && steps <= kMostOutputs, "{} s at {} Hz", duration_s,
                    grid.outputs.rate_hz);
@@ -93,7 +94,7 @@ class Playing {
  public:
   Playing(const EffectiveScene& scene, double duration_s, std::unique_ptr<Motion> motion)
       : scene_(scene),
-        grid_(GridOf(scene.scene, duration_s)),
+        grid_(GridOf(scene, duration_s)),
         model_(AssembleModel(scene.scene)),
         motion_owner_(std::move(motion)),
         motion_(*motion_owner_) {
@@ -238,7 +239,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   const Scene& bodies = scene.scene;
   PiecewiseLinearSystem system = AssemblePiecewise(bodies, scene.piecewise);
   AskForSquares(AssembleModel(bodies), system);
-  const RunGrid grid = GridOf(bodies, duration_s);
+  const RunGrid grid = GridOf(scene, duration_s);
   if (!CanLookForEvents(system, grid)) {
     SceneRun run;
     run.stalled_at_s = 0;
@@ -326,7 +327,7 @@ SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseSt
   const Scene& bodies = scene.scene;
   SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
   AskForSquares(AssembleModel(bodies), system.linear);
-  const RunGrid grid = GridOf(bodies, duration_s);
+  const RunGrid grid = GridOf(scene, duration_s);
   const auto outputs = static_cast<std::int64_t>(grid.count);
   auto motion = std::make_unique<SmoothMotion>(
       std::move(system), Excitation(bodies.drive, bodies.finger.tones), std::move(start),

@@ -39,7 +39,8 @@ std::string NoneFound(const PeriodicSearch& search) {
 
 SteadyRun PlayLinear(const EffectiveScene& scene) {
   SteadyRun steady;
-  EffectiveScene linear{.scene = scene.scene, .piecewise = {}};
+  EffectiveScene linear = scene;
+  linear.piecewise = {};
   linear.scene.start = Start::kSteady;
   steady.start = PiecewiseStartOf(linear.scene);
   steady.run = RunScene(linear, PlayedS(scene), steady.start);
@@ -58,7 +59,8 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
         "tremor and drive have no common period in which a limited motion repeats itself";
     return steady;
   }
-  const EffectiveScene linear{.scene = scene.scene, .piecewise = {}};
+  EffectiveScene linear = scene;
+  linear.piecewise = {};
   steady.start.x = motion.state;
   SceneRun run = RunScene(linear, PlayedS(scene), steady.start);
   run.skin_rms_m = motion.skin_rms_m;

@@ -48,6 +48,18 @@ TEST(EffectChoice, LeavesOutWhatIsNeverReachedInOneRun) {
   EXPECT_EQ(choice.run.skin_m, RunScene(WithEffects(scene, EffectSet(1)), kDurationS).skin_m);
 }
 
+// runs are compared output by output, so all choices of a scene are looked at equally often
+TEST(EffectChoice, AllChoicesHaveTheSameOutputs) {
+  Scene scene = Asking(5e-3, 10);
+  scene.drive.frequency_hz = 20;
+  scene.finger.tones = {{.amplitude = 1e-6, .frequency_hz = 2000}};
+  const EffectiveScene with = WithEffects(scene, EffectSet{}.set(PlaceOf(Effect::kTremor)));
+  const EffectiveScene without = WithEffects(scene, {});
+  EXPECT_NE(OutputRateHz(with.scene), OutputRateHz(without.scene));
+  EXPECT_EQ(with.RateHz(), without.RateHz());
+  EXPECT_EQ(RunScene(with, 0.05).skin_m.size(), RunScene(without, 0.05).skin_m.size());
+}
+
 TEST(EffectChoice, KeepsWhatChangesTheAnswer) {
   const EffectChoice choice = Chosen(Asking(0.3e-3, 0.01));
   EXPECT_TRUE(VerdictOf(choice, Effect::kTravelStops).on);

@@ -329,7 +329,9 @@ TEST(Excitation, EffectsThatAreNeverReachedLeaveNoTrace) {
   const PiecewiseEffects never{
       .stops = TravelStops{.gap_up_m = 1, .gap_down_m = 1, .restitution = 0.5},
       .contact_loss = ContactLoss{100}};
+  std::size_t place = 0;
   for (const Scene& scene : SomeScenes()) {
+    if (tests::kIsSanitized && place++ % 8 != 0) continue;
     for (const double rate_hz : {1e4, 317.0}) {
       EXPECT_EQ(Samples(scene, never, rate_hz, 60), Samples(scene, {}, rate_hz, 60));
     }

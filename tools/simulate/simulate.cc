@@ -170,7 +170,7 @@ void RemarkIdleConstants(const sim::Scene& scene) {
 Result<void> DrawAndWrite(const SimulateOptions& wanted, SimulateAnswer& answer) {
   if (wanted.waveforms.empty() && wanted.plot.empty()) return {};
   const sim::EffectiveScene effective = EffectiveOf(answer.solved);
-  const double own_hz = sim::OutputRateHz(effective.scene);
+  const double own_hz = effective.RateHz();
   const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : own_hz;
   const double duration_s = LengthOfFiles(answer.solved.scene, "waveforms last");
   const double rows = duration_s * std::max(rate_hz, wanted.plot.empty() ? 0 : own_hz);
@@ -205,7 +205,7 @@ std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
   constexpr double kPlayedPeriods = 8;  // as often as motions of period 1, 2 and 4 have in common
   if (!solved.scene.duration_s && SettledRun(solved) == nullptr) return std::nullopt;
   const sim::EffectiveScene effective = EffectiveOf(solved);
-  const double rate_hz = sim::OutputRateHz(effective.scene);
+  const double rate_hz = effective.RateHz();
   const double duration_s =
       solved.scene.duration_s.value_or(kPlayedPeriods / effective.scene.drive.frequency_hz);
   if (!(duration_s * rate_hz >= 1 && duration_s * rate_hz <= kMostWaveformRows)) {
