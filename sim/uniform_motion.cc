@@ -8,7 +8,7 @@ namespace {
 // Rows are filled up to a multiple of four with zeros, which keeps every product in whole vectors.
 template <int kStates>
 void Step(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t first,
-          const Eigen::VectorXd& begin, Eigen::Ref<Eigen::MatrixXd> samples) {
+          const Eigen::VectorXd& begin, Eigen::Ref<Eigen::MatrixXd>& samples) {
   constexpr int kRows = (kStates + 3) / 4 * 4;
   Eigen::Matrix<double, kRows, kStates + 2> padded =
       Eigen::Matrix<double, kRows, kStates + 2>::Zero();
