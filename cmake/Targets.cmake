@@ -47,6 +47,26 @@ function(haptometer_room name)
           FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/haptometer)
 endfunction()
 
+# haptometer_rooms_first(TARGET PART...)
+# Has the linker see the rooms among the parts, and those that they show, ahead of the program's own
+# objects. What both compile of a header (most of Eigen) is linked as it was seen first: a program whose
+# own code is not optimised keeps fast rooms, five times as fast under the sanitizers.
+function(haptometer_rooms_first target)
+  set(rooms ${ARGN})
+  foreach(part IN LISTS ARGN)
+    if(part MATCHES "^haptometer::")
+      get_target_property(shown ${part} INTERFACE_LINK_LIBRARIES)
+      list(APPEND rooms ${shown})
+    endif()
+  endforeach()
+  list(FILTER rooms INCLUDE REGEX "^haptometer::")
+  list(REMOVE_ITEM rooms haptometer::tools)
+  list(REMOVE_DUPLICATES rooms)
+  list(TRANSFORM rooms REPLACE "(.+)" "$<TARGET_FILE:\\1>")
+  list(JOIN rooms "," archives)
+  target_link_options(${target} PRIVATE "LINKER:--whole-archive,${archives},--no-whole-archive")
+endfunction()
+
 # haptometer_test(NAME SOURCES ... DEPENDS ...)
 # The program NAME_test with one ctest entry per GoogleTest case. Fixtures and programs are found
 # through compile definitions, so a test runs from any directory. HAPTOMETER_TEST_FLAGS and
@@ -61,7 +81,10 @@ function(haptometer_test name)
     HAPTOMETER_FIXTURES="${PROJECT_SOURCE_DIR}/fixtures"
     HAPTOMETER_PROGRAMS="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
   target_link_libraries(${target} PRIVATE ${test_DEPENDS} GTest::gtest_main GTest::gmock)
-  target_compile_options(${target} PRIVATE ${HAPTOMETER_TEST_FLAGS})
+  if(HAPTOMETER_TEST_FLAGS)
+    target_compile_options(${target} PRIVATE ${HAPTOMETER_TEST_FLAGS})
+    haptometer_rooms_first(${target} ${test_DEPENDS})
+  endif()
   haptometer_join(${target})
   if(HAPTOMETER_PRECOMPILE_TESTS)
     target_precompile_headers(${target} PRIVATE <gmock/gmock.h> <gtest/gtest.h>)

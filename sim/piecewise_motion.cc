@@ -17,16 +17,6 @@ constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
 
-// x' form x, without a vector between: the allocator's lock would cost threads a tenth of their
-// time
-double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
-  double sum = 0;
-  for (Eigen::Index column = 0; column < x.size(); ++column) {
-    sum += x[column] * form.col(column).dot(x);
-  }
-  return sum;
-}
-
 }  // namespace
 
 PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excitation,
@@ -105,6 +95,19 @@ void PiecewiseMotion::SetSequences() {
 bool PiecewiseMotion::PlainSine() const {
   return piece_.terms.size() == 1 && sequences_.size() == 1 &&
          piece_.terms[0].kind == ExcitationTerm::Kind::kTone && piece_.terms[0].phase_rad == 0;
+}
+
+// How many outputs come in which nothing can happen; the one at the next anchor is left to Next().
+Eigen::Index PiecewiseMotion::OutputsUnwatched() {
+  const Mode& mode = Stepper().mode();
+  const Eigen::Index n = now_.x.size();
+  const bool watched =
+      !mode.guards.empty() || with_energy_ || departure_ || now_.tick > 0 || PieceEndsWithin();
+  if (watched || mode.positions.size() > 0 || n < 4 || n > LinearModel::kMostStates) return 0;
+  if (!PlainSine() || piece_.terms[0].input != kVoltage) return 0;
+  const std::uint64_t since = (index_ - anchor_index_) % kOutputsBetweenAnchors;
+  return static_cast<Eigen::Index>(
+      std::min(kOutputsBetweenAnchors - 1 - since, piece_end_index_ - index_));
 }
 
 void PiecewiseMotion::SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w) {
@@ -233,20 +236,6 @@ PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t tick
     std::swap(from, next_);
   }
   return from;
-}
-
-void PiecewiseMotion::CountEnergy(const Point& from, int level) {
-  const StepEnergy& energy = Stepper().Energy(level);
-  Eigen::VectorXd z(from.x.size() + from.drive.size());
-  z << from.x, from.drive;
-  flow_.input_j += static_cast<long double>(Quadratic(energy.input_j, z));
-  for (std::size_t k = 0; k < energy.dissipated_j.size(); ++k) {
-    if (energy.dissipated_j[k].size() == 0) continue;
-    flow_.dissipated_j[k] += static_cast<long double>(Quadratic(energy.dissipated_j[k], z));
-  }
-  for (std::size_t k = 0; k < energy.squares.size(); ++k) {
-    flow_.squares[k] += static_cast<long double>(Quadratic(energy.squares[k], z));
-  }
 }
 
 GuardJet PiecewiseMotion::JetHere(std::size_t guard) {
@@ -404,29 +393,6 @@ Eigen::VectorXd PiecewiseMotion::Rates() const {
 double PiecewiseMotion::CurrentA() const {
   const Mode& mode = system_.modes[mode_];
   return mode.current_row.dot(now_.x) + mode.current_per_volt * Inputs()(kVoltage);
-}
-
-double PiecewiseMotion::StoredNow() const {
-  const Eigen::MatrixXd& form = system_.modes[mode_].stored_j;
-  if (form.rows() == now_.x.size()) return Quadratic(form, now_.x);
-  Eigen::VectorXd with_inputs(form.rows());
-  with_inputs << now_.x, Inputs();
-  return Quadratic(form, with_inputs);
-}
-
-EnergyLedger PiecewiseMotion::Ledger() const {
-  HAPTOMETER_CHECK(with_energy_, "no energies were kept");
-  EnergyLedger ledger{.initial_j = initial_j_,
-                      .stored_j = StoredNow(),
-                      .input_j = static_cast<double>(flow_.input_j),
-                      .impact_j = static_cast<double>(flow_.impact_j)};
-  ledger.dissipated_j.assign(flow_.dissipated_j.begin(), flow_.dissipated_j.end());
-  return ledger;
-}
-
-std::vector<double> PiecewiseMotion::SquareIntegrals() const {
-  HAPTOMETER_CHECK(with_energy_, "no energies were kept");
-  return {flow_.squares.begin(), flow_.squares.end()};
 }
 
 }  // namespace haptometer::sim

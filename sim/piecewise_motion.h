@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -14,6 +15,7 @@
 #include "sim/mode_stepper.h"
 #include "sim/piecewise_linear.h"
 #include "sim/scene.h"
+#include "sim/uniform_motion.h"
 
 namespace haptometer::sim {
 
@@ -85,10 +87,23 @@ class PiecewiseMotion {
   /// Goes on to the next output. Cost without events: 0.03 to 0.1 us; some 15 us for each
   /// event. Nothing happens after a stall.
   void Next();
-  /// Next() as often, and Positions() after each, one column each; fewer after a stall. The same
-  /// bits; where nothing can happen (no guards, no energies, one sine) at the cost of
-  /// UniformMotion.
-  [[nodiscard]] Eigen::MatrixXd Advance(std::size_t count);
+  /// Goes on by as many outputs as nothing can happen in (no guards, no energies, one sine of the
+  /// drive, no new state from where the mode began), `most` at most, and calls take(i, x,
+  /// voltage_v) for i = 0, 1, ...; how many, 0: Next() is called for. The same bits at
+  /// UniformMotion's cost.
+  template <typename Take>
+  Eigen::Index NextUnwatched(Eigen::Index most, const Take& take) {
+    const Eigen::Index count = std::min(OutputsUnwatched(), most);
+    if (count == 0) return 0;
+    const double amplitude_v = shape().rows(kVoltage, 0);
+    StepUniformly(Stepper().Step(0), sequences_[0], index_, count, now_.x,
+                  [&](Eigen::Index i, const auto& x, const Eigen::Vector2d& drive) {
+                    take(i, x, amplitude_v * drive[0]);
+                  });
+    index_ += static_cast<std::uint64_t>(count);
+    SignalsAtOutput(index_, now_.drive);
+    return count;
+  }
 
   /// The number of the output that the motion stands at; 0: at its beginning.
   [[nodiscard]] std::uint64_t index() const { return index_; }
@@ -146,7 +161,6 @@ class PiecewiseMotion {
   void SignalsAtOutput(std::uint64_t output, Eigen::VectorXd& w);
   [[nodiscard]] bool PlainSine() const;
   [[nodiscard]] Eigen::Index OutputsUnwatched();
-  void StepUnwatched(Eigen::Ref<Eigen::MatrixXd> samples);
   void Pass();
   [[nodiscard]] long double TimeAt(std::uint64_t tick) const;
   void Step(const Point& from, int level, Point& to);  // not in place

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/check.h"
 #include "sim/driven_step.h"
 #include "sim/linear_model.h"
 #include "sim/scene.h"
@@ -23,9 +24,46 @@ namespace haptometer::sim {
                                             const Eigen::VectorXd& initial, double start_s,
                                             double rate_hz, std::size_t count);
 
-/// The states that follow sample `first`, whose state is x, one column each: what UniformMotion
-/// steps with, for (n, n + 2) `step` of 4 <= n <= 7 states. samples: (n, any number).
+/// StepUniformly of so many states. Rows are filled up to a multiple of four with zeros, which
+/// keeps every product in whole vectors.
+template <int kStates, typename Take>
+void StepStates(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t first,
+                Eigen::Index count, Eigen::VectorXd& state, const Take& take) {
+  constexpr int kRows = (kStates + 3) / 4 * 4;
+  Eigen::Matrix<double, kRows, kStates + 2> padded =
+      Eigen::Matrix<double, kRows, kStates + 2>::Zero();
+  padded.template topRows<kStates>() = step;
+  Eigen::Matrix<double, kRows, 1> x = Eigen::Matrix<double, kRows, 1>::Zero();
+  x.template head<kStates>() = state;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector2d now = drive.At(first + 1 + static_cast<std::uint64_t>(i));
+    Eigen::Matrix<double, kRows, 1> next =
+        padded.col(kStates) * now[0] + padded.col(kStates + 1) * now[1];
+    for (int k = 0; k < kStates; ++k) next += padded.col(k) * x[k];
+    x = next;
+    take(i, x.template head<kStates>(), now);
+  }
+  state = x.template head<kStates>();
+}
+
+/// What UniformMotion steps with: goes on from `x`, the state at sample `first`, by `count` samples
+/// and calls take(i, state, [sin w t, cos w t]) for i = 0 .. count - 1, the samples behind `first`.
+/// (n, n + 2) `step` of 4 <= n <= 7 states.
+template <typename Take>
 void StepUniformly(const Eigen::MatrixXd& step, DriveSequence& drive, std::uint64_t first,
-                   const Eigen::VectorXd& x, Eigen::Ref<Eigen::MatrixXd> samples);
+                   Eigen::Index count, Eigen::VectorXd& x, const Take& take) {
+  switch (x.size()) {
+    case 4:
+      return StepStates<4>(step, drive, first, count, x, take);
+    case 5:
+      return StepStates<5>(step, drive, first, count, x, take);
+    case 6:
+      return StepStates<6>(step, drive, first, count, x, take);
+    case 7:
+      return StepStates<7>(step, drive, first, count, x, take);
+    default:
+      HAPTOMETER_CHECK(false, "{} states", x.size());
+  }
+}
 
 }  // namespace haptometer::sim

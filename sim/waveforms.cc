@@ -1,9 +1,11 @@
 #include "sim/waveforms.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "base/check.h"
@@ -26,7 +28,9 @@ class Recording {
  public:
   Recording(const EffectiveScene& scene, double duration_s, double rate_hz, Motion& motion)
       : scene_(scene),
-        model_(AssembleModel(scene.scene)),
+        skin_(scene.scene.skin),
+        skin_place_(AssembleModel(scene.scene).skin()),
+        finger_moves_(!scene.scene.finger.tones.empty()),
         resting_n_(RestingForceN(scene)),
         rows_(static_cast<Eigen::Index>(std::floor(duration_s * rate_hz * (1 + 1e-12))) + 1),
         motion_(motion) {
@@ -35,12 +39,16 @@ class Recording {
   }
 
   Waveforms Play() {
-    Eigen::Index row = 0;
-    Take(row);
-    for (row = 1; row < rows_; ++row) {
+    Take(0);
+    Eigen::Index row = 1;
+    while (row < rows_) {
+      if (const Eigen::Index taken = TakeUnwatched(row); taken > 0) {
+        row += taken;
+        continue;
+      }
       motion_.Next();
       if (motion_.stalled_at_s()) break;
-      Take(row);
+      Take(row++);
     }
     waves_.stalled_at_s = motion_.stalled_at_s();
     if (row < rows_) Resize(row);
@@ -48,8 +56,6 @@ class Recording {
   }
 
  private:
-  bool FingerMoves() const { return !scene_.scene.finger.tones.empty(); }
-
   // half of the modes are in contact, the other half in flight (piecewise_scene.h)
   bool InFlight() const {
     return scene_.piecewise.contact_loss && 2 * motion_.mode() >= motion_.system().modes.size();
@@ -62,32 +68,54 @@ class Recording {
           &waves_.force_n, &waves_.events}) {
       wave->conservativeResize(rows);
     }
-    if (FingerMoves()) waves_.finger_m.conservativeResize(rows);
+    if (finger_moves_) waves_.finger_m.conservativeResize(rows);
   }
 
   void Take(Eigen::Index row) {
-    const Eigen::VectorXd x = motion_.Positions();
-    const Eigen::VectorXd inputs = motion_.Inputs();
-    waves_.voltage_v(row) = inputs(kVoltage);
-    waves_.current_a(row) = motion_.CurrentA();
-    waves_.mover_m(row) = x(LinearModel::kMover);
-    waves_.mover_m_per_s(row) = x(LinearModel::kMoverVelocity);
-    waves_.case_m(row) = x(LinearModel::kCase);
-    waves_.case_m_per_s(row) = x(LinearModel::kCaseVelocity);
-    waves_.skin_m(row) = x(model_.skin());
-    waves_.skin_m_per_s(row) = x(model_.skin_velocity());
-    if (FingerMoves()) waves_.finger_m(row) = inputs(kFinger);
-    const Skin& skin = scene_.scene.skin;
-    const double pressed_n =
-        skin.stiffness_n_per_m * (x(model_.skin()) - inputs(kFinger)) +
-        skin.damping_n_s_per_m * (x(model_.skin_velocity()) - inputs(kFingerRate));
-    waves_.force_n(row) = InFlight() ? 0 : resting_n_ + pressed_n;
+    Put(row, motion_.Positions(), motion_.Inputs(), motion_.CurrentA());
+    if (InFlight()) waves_.force_n(row) = 0;
     waves_.events(row) = static_cast<double>(motion_.events().size() - events_seen_);
     events_seen_ = motion_.events().size();
   }
 
+  // as many rows as a motion without events has at once; how many
+  Eigen::Index TakeUnwatched(Eigen::Index row) {
+    if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
+      const Mode& mode = motion_.system().modes[motion_.mode()];
+      const bool current_is_state = mode.current_per_volt == 0;  // the last
+      const Eigen::Index count =
+          motion_.NextUnwatched(rows_ - row, [&](Eigen::Index i, const auto& x, double voltage_v) {
+            const double current_a =
+                current_is_state ? x[x.size() - 1]
+                                 : mode.current_row.dot(x) + mode.current_per_volt * voltage_v;
+            Put(row + i, x, Eigen::Vector3d(voltage_v, 0, 0), current_a);
+          });
+      waves_.events.segment(row, count).setZero();
+      return count;
+    }
+    return 0;
+  }
+
+  template <typename Positions, typename Inputs>
+  void Put(Eigen::Index row, const Positions& x, const Inputs& inputs, double current_a) {
+    waves_.voltage_v(row) = inputs[kVoltage];
+    waves_.current_a(row) = current_a;
+    waves_.mover_m(row) = x[LinearModel::kMover];
+    waves_.mover_m_per_s(row) = x[LinearModel::kMoverVelocity];
+    waves_.case_m(row) = x[LinearModel::kCase];
+    waves_.case_m_per_s(row) = x[LinearModel::kCaseVelocity];
+    waves_.skin_m(row) = x[skin_place_];
+    waves_.skin_m_per_s(row) = x[skin_place_ + 1];
+    if (finger_moves_) waves_.finger_m(row) = inputs[kFinger];
+    waves_.force_n(row) = resting_n_ +
+                          skin_.stiffness_n_per_m * (x[skin_place_] - inputs[kFinger]) +
+                          skin_.damping_n_s_per_m * (x[skin_place_ + 1] - inputs[kFingerRate]);
+  }
+
   const EffectiveScene& scene_;
-  LinearModel model_;
+  Skin skin_;
+  Eigen::Index skin_place_;  // its velocity behind it
+  bool finger_moves_;
   double resting_n_;
   Eigen::Index rows_;
   Motion& motion_;

@@ -11,7 +11,7 @@ import os
 import re
 import sys
 
-LARGEST_GROUP = 16
+LARGEST_GROUP = 16  # of what is compiled: two are in memory at once
 # A name that nothing qualifies, so that another file's name of that kind would be found instead.
 BARE_NAME = re.compile(r"(?<![\w:.>])[A-Za-z_]\w*")
 # What a file keeps to itself: its unnamed namespaces (whose lines are not indented), its macros, its
@@ -50,14 +50,21 @@ def declared(path):
     return frozenset(KEPT.findall(text) + KEPT_TYPE.findall(text))
 
 
+@functools.cache
+def words(path):
+    return frozenset(BARE_NAME.findall(read(path)))
+
+
 class Source:
-    def __init__(self, path):
+    def __init__(self, path, can_rename=False):
         text = read(path)
         self.path = path
         self.headers = headers(path)
         self.kept = {name for part in UNNAMED.findall(text)
                      for name in KEPT.findall(part) + KEPT_TYPE.findall(part)}
         self.kept |= {name for names in KEPT_ELSEWHERE.findall(text) for name in names if name}
+        self.renamed = self.renamable(text) if can_rename else frozenset()
+        self.kept -= self.renamed
         self.kept |= {f"{suite}_{case}" for suite, case in TEST_CASE.findall(text)}
         self.own = {name: path for name in self.kept}
         self.own |= {name: of for of, name in USING.findall(text)}
@@ -67,23 +74,35 @@ class Source:
                 self.own |= {name: header for name in declared(header)}
         self.names = set(BARE_NAME.findall(text)) | set(self.own)
 
+    def renamable(self, text):
+        """What the file keeps and never qualifies, and no header of it says, too."""
+        said = frozenset().union(*map(words, self.headers))
+        return frozenset(name for name in self.kept - said
+                         if not re.search(rf"(?:\.|->|::){name}\b", text))
+
+    def text(self, number):
+        """The file's, what is renamable numbered."""
+        return BARE_NAME.sub(lambda found: f"{found[0]}_{number}" if found[0] in self.renamed
+                             else found[0], read(self.path))
+
     def hides_from(self, other):
         return (any(name in other.names and other.own.get(name) != meaning
                     for name, meaning in self.own.items())
-                or any(not self.kept.isdisjoint(declared(header))
+                or any(not declared(header).isdisjoint(self.own)
                        for header in other.headers - self.headers))
 
     def agrees_with(self, other):
         return not self.hides_from(other) and not other.hides_from(self)
 
 
-def grouped(files):
-    """Groups of sources out of pairs of a path and its kind; each group is of one kind."""
+def grouped(files, largest=LARGEST_GROUP, can_rename=False):
+    """Groups of sources out of pairs of a path and its kind; each group is of one kind. A caller that can
+    rename what a file keeps to itself takes a member's text(number) for the file's."""
     groups = []
     for path, kind in files:
-        source = Source(path)
+        source = Source(path, can_rename)
         for group_kind, members in groups:
-            if (group_kind == kind and len(members) < LARGEST_GROUP
+            if (group_kind == kind and len(members) < largest
                     and all(source.agrees_with(member) for member in members)):
                 members.append(source)
                 break

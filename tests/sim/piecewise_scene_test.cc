@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -74,31 +73,6 @@ TEST(PiecewiseScene, WithAStiffMoverTakesTheSameSteps) {
       const Eigen::VectorXd rest = Eigen::VectorXd::Zero(model.states());
       EXPECT_EQ(SamplesOf(stiff, {}, 100), UniformMotion(model, stiff.drive, rest, 0, 1e4, 100));
     }
-  }
-}
-
-// many outputs at once are those asked for one by one: across a renewal of the state, after a start
-// between two outputs, and where there are guards and events
-TEST(PiecewiseScene, ManyOutputsAtOnceAreThoseOfOneByOne) {
-  const Scene scene = FromRest(AdapterScene());
-  const PiecewiseEffects stops{.stops = Rigid(0.5e-3, 0.5)};
-  for (const PiecewiseEffects& effects : {PiecewiseEffects{}, stops}) {
-    const OutputGrid grid{.rate_hz = 1e4, .origin_s = -0.3e-4};
-    const auto motion = [&] {
-      return std::make_unique<PiecewiseMotion>(AssemblePiecewise(scene, effects), scene.drive,
-                                               PiecewiseStartOf(scene), grid);
-    };
-    const Eigen::Index count = effects.stops ? 300 : 20000;
-    const auto single = motion();
-    single->Next();
-    const Eigen::MatrixXd expected = Samples(*single, count);
-    const auto many = motion();
-    const Eigen::MatrixXd first = many->Advance(7);
-    const Eigen::MatrixXd rest = many->Advance(static_cast<std::size_t>(count - 7));
-    EXPECT_EQ(many->index(), static_cast<std::uint64_t>(count));
-    EXPECT_EQ(first, expected.leftCols(7));
-    EXPECT_EQ(rest, expected.rightCols(count - 7));
-    EXPECT_EQ(many->events().empty(), !effects.stops);
   }
 }
 

@@ -46,6 +46,28 @@ TEST(Waveforms, OfASteadySineAreItsPhasors) {
   EXPECT_EQ(waves.events.cwiseAbs().maxCoeff(), 0);
 }
 
+// stops that are never reached leave no bit: rows that come one by one and many at once are the
+// same
+TEST(Waveforms, OfEffectsThatAreOutOfReachAreThoseWithout) {
+  for (const double inductance_h : {130e-6, 0.0}) {
+    Scene scene = tests::AdapterScene();
+    scene.actuator.inductance_h = inductance_h;
+    const EffectiveScene plain{.scene = scene, .piecewise = {}};
+    const EffectiveScene watched{
+        .scene = scene, .piecewise = {.stops = TravelStops{.gap_up_m = 1, .gap_down_m = 1}}};
+    const Waveforms expected = PlayWaveforms(plain, {.start = PiecewiseStartOf(scene)}, 0.3, 1e4);
+    const Waveforms waves = PlayWaveforms(watched, {.start = PiecewiseStartOf(scene)}, 0.3, 1e4);
+    EXPECT_EQ(waves.voltage_v, expected.voltage_v);
+    EXPECT_EQ(waves.current_a, expected.current_a);
+    EXPECT_EQ(waves.mover_m, expected.mover_m);
+    EXPECT_EQ(waves.case_m_per_s, expected.case_m_per_s);
+    EXPECT_EQ(waves.skin_m, expected.skin_m);
+    EXPECT_EQ(waves.force_n, expected.force_n);
+    EXPECT_EQ(waves.events, expected.events);
+    EXPECT_GT(expected.current_a.cwiseAbs().minCoeff(), 0) << "a current in every row";
+  }
+}
+
 // a spring that hardens by nothing to speak of: the solver's waveforms are the exact ones
 TEST(Waveforms, OfSmoothEffectsAreTheSolvers) {
   Scene scene = tests::AdapterScene();

@@ -278,7 +278,7 @@ TEST_F(BeforeRecording, WithoutReconnectALostDeviceEndsItAndTheMessageNamesTheOp
   Process acquire(Acquire({"-o", trial_}));
   ASSERT_TRUE(WaitForRows(acquire, 0));
   emulator_.reset();
-  const Outcome acquired = acquire.Wait(20);
+  const Outcome acquired = acquire.Wait(60);
   EXPECT_EQ(acquired.status, 1);
   EXPECT_THAT(acquired.err, HasSubstr("--reconnect"));
   EXPECT_EQ(TrialInfo(trial_)["closed"], true);
@@ -292,7 +292,7 @@ TEST_F(BeforeRecording, WithReconnectItGoesOnInTheSameTrial) {
   const auto is_back = [&] { return TrialInfo(trial_)["events"].dump().contains("\"reconnect\""); };
   ASSERT_TRUE(acquire.WaitUntil(is_back, 60));
   acquire.Signal(SIGINT);
-  const Outcome acquired = acquire.Wait(20);
+  const Outcome acquired = acquire.Wait(60);
   EXPECT_EQ(acquired.status, 130);
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["reconnects"], 1);
@@ -305,7 +305,7 @@ TEST_F(BeforeRecording, ADeviceThatStaysAwayIsGivenUp) {
   Process acquire(Acquire({"-o", trial_, "--reconnect", "1s", "--json"}));
   ASSERT_TRUE(WaitForRows(acquire, 0));
   emulator_.reset();
-  EXPECT_EQ(acquire.Wait(20).status, 1);
+  EXPECT_EQ(acquire.Wait(60).status, 1);
 }
 
 // --- refusals ----------------------------------------------------------------------------------

@@ -13,6 +13,9 @@ namespace {
 
 using nlohmann::json;
 
+// closing a file waits for the disk, which may have a build to write first
+constexpr double kEndS = 60;
+
 class MainJob : public EmulatedDeviceTest {
  protected:
   void SetUp() override {
@@ -50,7 +53,7 @@ TEST_F(MainJob, CtrlCFinishesTheFile) {
   Process acquire(Acquire({}));
   ASSERT_TRUE(WaitForRows(acquire, 10'000));
   acquire.Signal(SIGINT);
-  EXPECT_EQ(acquire.Wait(10).status, 130);
+  EXPECT_EQ(acquire.Wait(kEndS).status, 130);
   const json info = TrialInfo(trial_);
   EXPECT_EQ(info["closed"], true);
   EXPECT_GT(info["rows"].get<int>(), 10'000);
@@ -60,7 +63,7 @@ TEST_F(MainJob, SigtermFinishesTheFile) {
   Process acquire(Acquire({}));
   ASSERT_TRUE(WaitForRows(acquire, 0));
   acquire.Signal(SIGTERM);
-  EXPECT_EQ(acquire.Wait(10).status, 143);
+  EXPECT_EQ(acquire.Wait(kEndS).status, 143);
   const json info = TrialInfo(trial_);
   EXPECT_EQ(info["closed"], true);
 }
@@ -69,7 +72,7 @@ TEST_F(MainJob, KillMinusNineKeepsEverythingUpToTheLastFlush) {
   Process acquire(Acquire({}));
   ASSERT_TRUE(WaitForRows(acquire, 20'000));
   acquire.Signal(SIGKILL);
-  EXPECT_EQ(acquire.Wait(10).status, 128 + SIGKILL);
+  EXPECT_EQ(acquire.Wait(kEndS).status, 128 + SIGKILL);
   const json info = TrialInfo(trial_);
   EXPECT_EQ(info["closed"], false);
   // what could be read before is still there
