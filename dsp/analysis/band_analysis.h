@@ -33,7 +33,8 @@
 ///                               too slow for the band
 ///   5. the filter               band_filtering.h gives a band_signal.h for each piece, with
 ///                               below_band_model.h where too little settles without
-///   6. which part counts        used_part.h, by drive_part.h and frequency_move.h
+///   6. which part counts        used_part.h, by drive_part.h and frequency_move.h; missed_drive.h
+///                               and brief_tone.h guard against numbers of a pause
 ///   7. numbers of that window   window_numbers.h, by tone_power.h, thinned_samples.h,
 ///                               band_noise.h, sensor_gain.h and window_faults.h, put together in
 ///                               rms_estimate.h
@@ -194,8 +195,10 @@ struct BandAnalysis {
 /// The window is the longest steady part of the drive, by a voltage, current or trigger channel
 /// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
 /// whose tone is there in the quiet parts too (30 % of its amplitude) is no drive. Without one it
-/// is all that has settled. It is shortened to whole periods of the strongest tone in it; of more
-/// than 2^21 samples the tone is sought in the middle 2^19.
+/// is all that has settled, unless a drive is found that lies in what has not, or is short: then it
+/// is what has settled of that (dsp/analysis/missed_drive.h), or nothing is answered. It is
+/// shortened to whole periods of the strongest tone in it; of more than 2^21 samples the tone is
+/// sought in the middle 2^19.
 ///
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:

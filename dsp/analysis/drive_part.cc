@@ -24,6 +24,8 @@ constexpr std::size_t kLeastTopBlocks = 4;
 constexpr double kQuietSlack = 1.25;
 // a tone below this part of its top amplitude pauses
 constexpr double kPause = 0.3;
+// squared amplitude of a level over the variance of its noise; e^-15 of noise alone is above
+constexpr double kLeastTonePower = 15;
 constexpr double kQuietGuardBlocks = 2.5;
 constexpr double kDeviations = 4;
 constexpr double kPowerSlack = 0.01;
@@ -66,6 +68,7 @@ struct Level {
   std::size_t begin = 0;
   std::size_t end = 0;
   double mean_square = 0;
+  bool is_noise = false;  // a tone's that noise alone may give
 
   [[nodiscard]] std::size_t size() const { return end - begin; }
 };
@@ -144,7 +147,9 @@ std::vector<Level> LevelsOf(std::span<const std::complex<double>> tone) {
   levels.reserve(pieces.size());
   for (const auto& [begin, end] : pieces) {
     const std::complex<double> mean = (sums[end] - sums[begin]) / static_cast<double>(end - begin);
-    levels.push_back({begin, end, 0.5 * std::norm(mean)});
+    const bool is_noise =
+        0.5 * std::norm(mean) * static_cast<double>(end - begin) < kLeastTonePower * variance;
+    levels.push_back({begin, end, 0.5 * std::norm(mean), is_noise});
   }
   return levels;
 }
@@ -161,7 +166,7 @@ std::optional<double> QuietLevel(const std::vector<Level>& levels) {
 double TopLevel(const std::vector<Level>& levels) {
   double top = 0;
   for (const Level& level : levels) {
-    if (level.size() >= kLeastTopBlocks) top = std::max(top, level.mean_square);
+    if (level.size() >= kLeastTopBlocks && !level.is_noise) top = std::max(top, level.mean_square);
   }
   return top;
 }

@@ -82,7 +82,7 @@ struct DriveParts {
 ///
 /// Amplitudes have Gaussian noise of one variance v (by the median change of neighbours); the sum
 /// of |c - mean|^2 / (2 v) and the same penalty is least. Below 0.3 of the top amplitude the tone
-/// pauses, above half of it the drive is on.
+/// pauses, above half of it the drive is on. The top is a level that noise alone gives with e^-15.
 [[nodiscard]] DriveParts FindDriveParts(std::span<const std::complex<double>> tone,
                                         const PowerCourse& response, const DriveSearch& search);
 

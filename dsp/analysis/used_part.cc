@@ -11,6 +11,7 @@
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/drive_channel.h"
 #include "dsp/analysis/frequency_move.h"
+#include "dsp/analysis/missed_drive.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
@@ -247,35 +248,18 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
   return best ? *std::move(best) : std::move(undriven);
 }
 
-// what a channel says that the drive did over all of a signal, where it was on for a part of it
-Result<std::optional<TimeWindow>> OnByChannel(const trial::RowSource& source,
-                                              const BandSignal& signal, const BandPass& band) {
-  const auto channel = DriveChannel(source.head());
-  if (!channel) return std::nullopt;
-  const std::size_t cells = signal.size() / signal.cell_samples();
-  const auto drive = DriveCells(source, *channel, signal, 0, cells);
-  if (!drive) return std::unexpected(drive.error());
-  const double cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz();
-  const PowerCourse course{*drive, signal.start_s(), cell_s};
-  const DriveParts parts =
-      FindDriveParts(course, course, {band.lower_hz, band.upper_hz - band.lower_hz});
-  if (parts.course != DriveCourse::kGated) return std::nullopt;
-  return parts.Longest()->whole;
-}
-
-// Whether a drive that was on for a part of the record is what has not settled of it: what is left
-// would be taken for its vibration.
-Result<bool> IsDriveUnsettled(const trial::RowSource& source, const ChosenPart& chosen,
-                              const BandPass& band, BandAnalysis* analysis) {
-  const auto on = OnByChannel(source, *chosen.signal, band);
-  if (!on) return std::unexpected(on.error());
-  if (!*on || analysis->frequency_move) return false;
-  const auto [begin, end] = SettledWithin(*chosen.signal, **on);
-  analysis->reasons.push_back(fmt::format(
-      "the drive is on from {:.3f} s to {:.3f} s, of which {:.3f} s have settled: drive longer, or "
-      "record longer before and after it",
-      (*on)->begin_s, (*on)->end_s, static_cast<double>(end - begin) / chosen.signal->rate_hz()));
-  return true;
+// What was chosen where no drive was found in it, if there is none elsewhere: else what has settled
+// of that drive, or a reason and nothing.
+Result<std::optional<ChosenPart>> WithoutMissed(const trial::RowSource& source,
+                                                const std::vector<BandSignal>& all,
+                                                ChosenPart chosen, const BandPass& band,
+                                                BandAnalysis* analysis) {
+  const auto missed = FindMissedDrive(source, all, *chosen.signal, band);
+  if (!missed) return std::unexpected(missed.error());
+  if (!*missed) return chosen;
+  auto part = SettledPartOf(**missed, band);
+  if (!part) analysis->reasons.push_back(WhyMissed(**missed, band));
+  return part;
 }
 
 void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
@@ -340,10 +324,8 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
   }
   if (chosen->part.from_drive) {
     RemarkUnsteady(chosen->part.drive, analysis);
-  } else if (question.choice == WindowChoice::kAuto) {
-    const auto unsettled = IsDriveUnsettled(source, *chosen, question.band, analysis);
-    if (!unsettled) return std::unexpected(unsettled.error());
-    if (*unsettled) return std::nullopt;
+  } else if (question.choice == WindowChoice::kAuto && !analysis->frequency_move) {
+    return WithoutMissed(source, all, *std::move(chosen), question.band, analysis);
   }
   return chosen;
 }

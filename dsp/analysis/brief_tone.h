@@ -1,0 +1,44 @@
+#pragma once
+
+#include <optional>
+
+#include "base/result.h"
+#include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/time_window.h"
+#include "dsp/filter/butterworth.h"
+
+/// A tone that is on for a part of a signal only, be it where its filter has not settled.
+namespace haptometer::dsp {
+
+/// Where a tone is on, and what it is there.
+struct BriefTone {
+  TimeWindow window;  ///< to about two of its periods, in the record's time
+  double frequency_hz = 0;
+  double rms_m = 0;
+};
+
+/// The tone that stands out of some stretch of `signal` and is not in what has settled.
+///
+/// It is sought in the samples before the filter, so that no filter's edge can be taken for it: in
+/// tiles of 12 periods of the lower corner that overlap by half, rid of what is below the band
+/// (dsp/analysis/raw_tile.h), and of up to four steps that explain more than any tone. Windows of a
+/// tile, of its half, and so on to a 32nd (19 ms in the default band), overlapping by half, are
+/// asked for a tone of three periods or more (dsp/spectrum/tone.h; with a false alarm of 1e-4 for
+/// the whole signal). Of several the one with most energy is told that
+/// - goes on for 3.5 periods or more, does not swell in its middle and has 0.42 or more of the
+/// power
+///   that its tile has beside noise: else it is a bump, or rings about one;
+/// - has 80 times the power that noise near its frequency has in the quietest eighth of up to 31
+///   short windows of what has settled;
+/// - is there less than 0.3 of its amplitude (and less by four deviations of the noise) within 5 %
+///   of its frequency: one that goes on, or wanders, is no brief one.
+///
+/// So a drive of fewer than four periods, below 31 Hz in the default band, or in a tile with a
+/// bump of more energy, is not seen.
+///
+/// Of more than 64 tiles those at the ends are searched, and the eight with the highest power over
+/// 8 ms. Errors: as RowSource::Read. Cost: about 5 ms a tile.
+[[nodiscard]] Result<std::optional<BriefTone>> FindBriefTone(const BandSignal& signal,
+                                                             const BandPass& band);
+
+}  // namespace haptometer::dsp
