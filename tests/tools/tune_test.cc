@@ -102,7 +102,7 @@ TEST(TuneVerb, KeepsTheMoverWithinItsTravel) {
   const json answer = Json({"--mover-travel", "0.4mm"});
   EXPECT_REL(answer.at("skin_rms_m").get<double>(), tests::kLimitedBest, 1e-9, "mpmath");
   EXPECT_REL(answer.at("mover_peak_m").get<double>(), 0.4e-3, 1e-9, "the limit holds");
-  EXPECT_EQ(answer.at("objective").at("proof"), "limited travel");
+  EXPECT_EQ(answer.at("objective").at("proof"), "branch and bound");
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(Json({}).at("mover_limit_m").is_null());
   const Outcome none = Tune({"--mover-travel", "1um"});
