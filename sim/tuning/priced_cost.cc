@@ -10,10 +10,10 @@ namespace {
 
 using Number = Slope<Interval, kBoxAxes>;
 
-struct Phasor {
+struct BoxPhasor {
   Number re, im;
 };
-Number Norm(const Phasor& z) { return Square(z.re) + Square(z.im); }
+Number Norm(const BoxPhasor& z) { return Square(z.re) + Square(z.im); }
 
 Number operator-(const Number& a, const Number& b) { return a + b * Interval::Of(-1); }
 Interval Negative(Interval x) { return {-x.upper, -x.lower}; }
@@ -58,21 +58,21 @@ PricedCost::Number PricedCost::At(const AdapterBox& box, double price) const {
       Between(ranges_.first.damping_n_s_per_m, ranges_.last.damping_n_s_per_m, box, 3) * w;
 
   const Number k2 = Square(Ka) + Square(e);  // |ka|^2
-  const Phasor sum{Ka + p, e + q};           // D1 + ka
+  const BoxPhasor sum{Ka + p, e + q};        // D1 + ka
   const Number u2 = Norm(sum);               // |U|^2 |ka|^2
   const Number d2 = Square(p) + Square(q);   // |D1|^2
-  const Phasor B{sum.re * f_r - sum.im * f_i + G_r, sum.im * f_r + sum.re * f_i + G_i};  // Q ka
+  const BoxPhasor B{sum.re * f_r - sum.im * f_i + G_r, sum.im * f_r + sum.re * f_i + G_i};  // Q ka
   const Number B2 = Norm(B);
   const Number E2 = Square(p * f_r + (G_r - f_i * q)) + Square(p * f_i + (G_i + f_r * q));
 
   // h1 and h2 times |ka|^2
   const Number h1 = k2 * q + e * d2 + b * u2;
   const Number h2 = b * B2 + k2 * (f2 * q + Gf_i) + e * E2;
-  const Number s = u2 * a + B2 * c;                                // times |ka|^2
-  const Phasor turned{(e + b) * p + b * Ka, (e + b) * q + b * e};  // e D1 + b (ka + D1)
-  const Phasor V{turned.re * G_r + turned.im * G_i + h1 * f_r,
-                 turned.im * G_r - turned.re * G_i - h1 * f_i};
-  const Phasor X{k2 * Negative(G_r) - V.im * two, k2 * G_i + V.re * two};  // -G* + 2 j V
+  const Number s = u2 * a + B2 * c;                                   // times |ka|^2
+  const BoxPhasor turned{(e + b) * p + b * Ka, (e + b) * q + b * e};  // e D1 + b (ka + D1)
+  const BoxPhasor V{turned.re * G_r + turned.im * G_i + h1 * f_r,
+                    turned.im * G_r - turned.re * G_i - h1 * f_i};
+  const BoxPhasor X{k2 * Negative(G_r) - V.im * two, k2 * G_i + V.re * two};  // -G* + 2 j V
   const Number mixed = (k2 * G2 + Norm(X) / k2) * Interval::Of(0.5);
   const Number squares = (Square(h1) * Square(a) + Square(h2) * Square(c)) / k2 + mixed * (a * c);
   const Number best = (k2 * p + Ka * d2) * a + (k2 * Gf_r + Ka * E2 + k2 * p * f2) * c;
