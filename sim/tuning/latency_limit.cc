@@ -68,6 +68,7 @@ class LatencySearch {
 
  private:
   [[nodiscard]] std::vector<CubePlace> Lattice() const;
+  [[nodiscard]] CubePlace ScaleAt(const CubePlace& place) const;
   [[nodiscard]] CubePlace SlopesAt(const Tried& here, double width);
   [[nodiscard]] CubePlace Step(const Tried& here, const CubePlace& slopes, double offset_s,
                                double radius) const;
@@ -128,12 +129,27 @@ std::vector<Tried> LatencySearch::Starts() {
   return starts;
 }
 
+// How far the latency's straight line may hold along each axis, as a part of its range: small
+// numbers matter by their own size, 0.1 g to a mass of 0.5 g.
+CubePlace LatencySearch::ScaleAt(const CubePlace& place) const {
+  const AdapterBounds& bounds = problem_.bounds;
+  const Adapter adapter = PointOf(bounds, place).adapter;
+  const auto scale = [](double value, const Range& range) {
+    return range.lower < range.upper ? std::min(1.0, 4 * value / (range.upper - range.lower)) : 1;
+  };
+  return {scale(adapter.motor_side_mass_kg, bounds.motor_side_mass_kg),
+          scale(adapter.stiffness_n_per_m, bounds.stiffness_n_per_m),
+          scale(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), 1,
+          scale(adapter.skin_side_mass_kg, bounds.skin_side_mass_kg)};
+}
+
 // the latency's differences over a width of each range, into the cube
 CubePlace LatencySearch::SlopesAt(const Tried& here, double width) {
+  const CubePlace widths = width * ScaleAt(here.place).cwiseMax(1e-3);
   CubePlace slopes = CubePlace::Zero();
   for (int axis = 0; axis < kCubeAxes; ++axis) {
     if (upper_[axis] == 0) continue;
-    const double step = here.place[axis] + width <= 1 ? width : -width;
+    const double step = here.place[axis] + widths[axis] <= 1 ? widths[axis] : -widths[axis];
     const Tried beside = Run(here.place + step * CubePlace::Unit(axis));
     if (beside.latency_s < kNever) slopes[axis] = (beside.latency_s - here.latency_s) / step;
   }
@@ -150,7 +166,7 @@ CubePlace LatencySearch::Step(const Tried& here, const CubePlace& slopes, double
     at.excess_slopes = slopes / limit_s_;
     return at;
   };
-  const CubePlace reach = CubePlace::Constant(radius);
+  const CubePlace reach = radius * ScaleAt(here.place).cwiseMax(1e-3);
   return ClimbWithinBounds(view, (here.place - reach).cwiseMax(0.0),
                            (here.place + reach).cwiseMin(upper_), here.place)
       .place;
@@ -236,14 +252,16 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
     return {.point = unlimited, .value = value(unlimited), .rise = *rise, .runs = 1};
   }
   LatencySearch search(problem, source, limit_s);
-  std::vector<Tried> starts = search.Starts();
-  starts.push_back(search.Run(PlaceOf(problem.bounds, unlimited)));
   Tried best;
-  for (const Tried& start : starts) {
-    if (start.latency_s == kNever) continue;
-    const Tried found = search.ClimbFrom(start, 0.01);
+  const auto climb = [&](const Tried& start, double step) {
+    if (start.latency_s == kNever) return;
+    const Tried found = search.ClimbFrom(start, step);
     if (search.Prompt(found) && found.cost < best.cost) best = found;
-  }
+  };
+  for (const Tried& start : search.Starts()) climb(start, 0.01);
+  // in long steps and in short ones, which do not leave its hill
+  const Tried from = search.Run(PlaceOf(problem.bounds, unlimited));
+  for (const double step : {0.01, 1e-3}) climb(from, step);
   for (const double step : {2e-3, 4e-4}) {
     if (best.cost < kNever) best = search.ClimbFrom(best, step);
   }

@@ -33,15 +33,15 @@ struct PromptBest {
 /// proved: runs over an even lattice of Ma1, Ka and the ends of Ba and the area, with Ma2 where it
 /// serves the RMS best and to either side, the largest RMS first, give prompt adapters to start
 /// from. From each, and from `unlimited`, the latency is taken as its straight line (differences
-/// over a hundredth of the ranges, in the end over 1/2500) within a trust region, where
-/// ClimbWithinBounds() finds the largest RMS exactly; what the line missed is taken off, and a step
-/// counts only if its own run keeps to the limit and the RMS grows. That the adapter keeps to the
-/// limit is certain; that no other does and moves the skin more is not: an upper bound is that
-/// without the limit. The same numbers each time.
+/// over a hundredth of the ranges, of small numbers a part of themselves, in the end over 1/2500)
+/// within a trust region, where ClimbWithinBounds() finds the largest RMS exactly; what the line
+/// missed is taken off, and a step counts only if its own run keeps to the limit and the RMS grows.
+/// That the adapter keeps to the limit is certain; that no other does and moves the skin more is
+/// not: an upper bound is that without the limit. The same numbers each time.
 ///
 /// Against differential evolution with 4000 runs of its own (tests/sim/tuning/
-/// latency_reference.py) it found 2e-5 to 3e-4 more at three limits. Worked: the thesis's problem
-/// within 2 ms gives 187.45 um, Ka 6470 N/m, Ma2 3.42 g, where 2.935 ms give 201.89 um.
+/// latency_reference.py) it found 2e-5 to 3e-4 more at four limits. Worked: the thesis's problem
+/// within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89 um.
 ///
 /// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 500 runs.
 [[nodiscard]] PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,

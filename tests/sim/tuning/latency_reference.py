@@ -23,7 +23,7 @@ except ImportError as missing:
 MV, MC, KV, BV, KM, R, L, VOLT = 1.4e-3, 0.6e-3, 2800, 0.0322, 1, 27, 130e-6, 5
 LOW = np.array([0.25e-3, 0.25e-3, 2000, 0.01, 0.0])  # Ma1, Ma2, Ka, Ba, place of the area
 HIGH = np.array([10e-3, 10e-3, 12000, 0.1, 1.0])
-CASES = [(225, 2.6e-3), (225, 1.5e-3), (150, 2e-3), (320, 2e-3)]  # Hz, limit in s
+CASES = [(225, 2.6e-3), (225, 1.5e-3), (150, 2e-3), (400, 1e-3)]  # Hz, limit in s
 SPOTS = 6  # further adapters, of any latency
 
 
