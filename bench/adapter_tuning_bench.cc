@@ -1,9 +1,11 @@
 // What the search for an adapter costs: the thesis's grid of 20^5 points, one motion in closed
-// form, and the optimum with its proof. Counter: boxes of the proof.
+// form, and the optimum with its proof, also within a travel and a latency. Counters: boxes of the
+// proof, what it leaves open, runs of the search.
 #include <benchmark/benchmark.h>
 
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
+#include "sim/tuning/latency_limit.h"
 #include "sim/tuning/motor_source.h"
 
 namespace haptometer::sim {
@@ -48,6 +50,26 @@ BENCHMARK(BestPointWithProof)
                     static_cast<int>(Objective::kSkinPower)},
                    {5, 6, 9}})
     ->Unit(benchmark::kMillisecond);
+
+// the mover's limit in um
+void BestPointWithinTravel(benchmark::State& state) {
+  TuningProblem problem = ThesisProblem();
+  problem.mover_limit_m = 1e-6 * static_cast<double>(state.range(0));
+  AdapterOptimum optimum;
+  for (auto _ : state) optimum = FindAdapterOptimum(Objective::kSkinRms, problem, {});
+  state.counters["boxes"] = static_cast<double>(optimum.boxes);
+  state.counters["gap"] = optimum.upper_bound / optimum.value - 1;
+}
+BENCHMARK(BestPointWithinTravel)->Arg(50)->Arg(200)->Arg(600)->Unit(benchmark::kMillisecond);
+
+void BestPointWithinLatency(benchmark::State& state) {
+  const TuningProblem problem = ThesisProblem();
+  const AdapterPoint unlimited = BestAdapter(Objective::kSkinRms, problem, {});
+  PromptBest best;
+  for (auto _ : state) best = BestWithinLatency(problem, 2e-3, unlimited);
+  state.counters["runs"] = static_cast<double>(best.runs);
+}
+BENCHMARK(BestPointWithinLatency)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace haptometer::sim

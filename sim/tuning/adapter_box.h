@@ -19,7 +19,32 @@ using AdapterBox = std::array<Interval, kBoxAxes>;
 struct BoxCost {
   double lower = 0;                       ///< no adapter of the box costs less
   std::array<double, kBoxAxes> spread{};  ///< by which each axis widens the bound, to choose a cut
+  /// Of an axis along which the cost rises all over the box +1, where it falls -1, else 0.
+  std::array<int, kBoxAxes> trend{};
 };
+
+/// The adapters of a problem's bounds for interval arithmetic.
+struct AdapterRanges {
+  explicit AdapterRanges(const TuningProblem& problem, const MotorSource& source);
+
+  Interval omega;  ///< w
+  Range motor_side_mass_kg, stiffness_n_per_m, damping_n_s_per_m;
+  Interval least_inertia, most_inertia;  ///< of Ma2 w^2
+  Skin first, last;                      ///< at the ends of the area
+};
+
+/// lower + (upper - lower) x the box's axis, with nothing of the range lost to rounding.
+[[nodiscard]] Slope<Interval, kBoxAxes> Between(double lower, double upper, const AdapterBox& box,
+                                                std::size_t axis);
+
+/// The box's middle as a box.
+[[nodiscard]] AdapterBox MiddleOf(const AdapterBox& box);
+
+/// The mean value form f(middle) + sum of f'(box) (box - middle), or f(box) where that is higher;
+/// `natural` is f with its slopes over the box, `middle` f at its middle.
+[[nodiscard]] BoxCost MeanValueBound(const AdapterBox& box,
+                                     const Slope<Interval, kBoxAxes>& natural,
+                                     const Interval& middle);
 
 /// The cost of an adapter with the best Ma2: |Fc / Xs|^2, in (N/m)^2; the less, the more the skin
 /// moves. Of the skin that moves least, where skins vary. Divided by w Bs where `per_resistance`,
@@ -35,11 +60,9 @@ class AdapterCost {
   using Number = Slope<Interval, kBoxAxes>;
   [[nodiscard]] Number At(const AdapterBox& box) const;
 
-  Interval omega_, case_stiffness_, passive_;  // w; Re kc - Mc w^2 and Im kc
-  Range motor_side_mass_kg_, stiffness_n_per_m_, damping_n_s_per_m_;
-  Interval least_inertia_, most_inertia_;  // of Ma2 w^2
-  Skin first_, last_;                      // at the ends of the area
-  Interval variation_;                     // of the skin
+  AdapterRanges ranges_;
+  Interval case_stiffness_, passive_;  // Re kc - Mc w^2 and Im kc
+  Interval variation_;                 // of the skin
   bool per_resistance_;
 };
 

@@ -24,7 +24,8 @@ struct AdapterOptimum {
   std::size_t boxes = 0;  ///< that the proof took
 };
 
-/// The best point alone: a compass search from the best of an even lattice, without proof.
+/// The best point alone, without proof: Newton's steps from the best of an even lattice
+/// (sim/tuning/limited_optimum.h); of kRmsPerWatt and of skins that vary a compass search.
 [[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
                                        const ReceptorField& receptors);
 
@@ -51,9 +52,10 @@ struct AdapterOptimum {
 /// made as large as it can be, and the nearest Ma2 is still the best.
 ///
 /// With a mover_limit_m (not for kRmsPerWatt, nor with a skin_variation) the best point is sought
-/// among those that keep to it, Ma2 the nearest of them; where the unlimited optimum does, it is
-/// the answer, with its proof, else the bound is LimitedTravelBound() or the unlimited optimum's.
-/// value 0: none found. ValueOf() itself knows no limit.
+/// among those that keep to it; where the unlimited optimum does, it is the answer, with its proof.
+/// Else the bound is the lowest of BoundWithinTravel() with at most 60 000 boxes, that of boxes
+/// again, of LimitedTravelBound(), and of the unlimited optimum's. value 0: none found. ValueOf()
+/// itself knows no limit.
 ///
 /// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance
 /// (2.5e-11 for the thesis's actuator) is added for that.

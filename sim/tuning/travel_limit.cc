@@ -52,12 +52,24 @@ std::vector<double> RootsOf(const Excess& excess) {
 
 }  // namespace
 
+double WantedSkinSideMass(const TuningProblem& problem, const MotorSource& source,
+                          const AdapterPoint& point) {
+  const double w = source.omega_rad_per_s;
+  const double Mc1 = source.case_mass_kg + point.adapter.motor_side_mass_kg;
+  const std::complex<double> D1 = source.stiffness_n_per_m - Mc1 * w * w;
+  const std::complex<double> ka(point.adapter.stiffness_n_per_m,
+                                point.adapter.damping_n_s_per_m * w);
+  const double Ks = SkinOf(problem, point.contact_area_m2).stiffness_n_per_m;
+  return (Ks + (D1 * ka / (D1 + ka)).real()) / (w * w);
+}
+
 std::optional<double> NearestWithinTravel(const TuningProblem& problem, const MotorSource& source,
                                           const AdapterPoint& point, double wanted_kg) {
   const double w = source.omega_rad_per_s;
-  const Excess excess = ExcessOf(problem, source, point);
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   const double within_kg = std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper);
+  if (std::isinf(problem.mover_limit_m)) return within_kg;
+  const Excess excess = ExcessOf(problem, source, point);
   if (excess.At(within_kg * w * w) <= 0) return within_kg;
   std::optional<double> nearest;
   const auto offer = [&](double kg) {

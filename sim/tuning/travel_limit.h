@@ -9,6 +9,11 @@
 
 namespace haptometer::sim {
 
+/// The mass on the skin's side that would serve |Xs| best, whatever its bounds and the limit:
+/// (Ks + Re Z) / w^2, Z = D1 ka / (D1 + ka) (sim/tuning/adapter_grid.h).
+[[nodiscard]] double WantedSkinSideMass(const TuningProblem& problem, const MotorSource& source,
+                                        const AdapterPoint& point);
+
 /// The mass on the skin's side nearest to `wanted_kg`, within its bounds, with which the mover
 /// keeps to the problem's mover_limit_m; nothing where none does. `point` gives all but that mass.
 ///

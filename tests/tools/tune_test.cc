@@ -102,12 +102,57 @@ TEST(TuneVerb, KeepsTheMoverWithinItsTravel) {
   const json answer = Json({"--mover-travel", "0.4mm"});
   EXPECT_REL(answer.at("skin_rms_m").get<double>(), tests::kLimitedBest, 1e-9, "mpmath");
   EXPECT_REL(answer.at("mover_peak_m").get<double>(), 0.4e-3, 1e-9, "the limit holds");
-  EXPECT_EQ(answer.at("objective").at("proof"), "limited travel");
+  EXPECT_EQ(answer.at("objective").at("proof"), "branch and bound");
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(Json({}).at("mover_limit_m").is_null());
   const Outcome none = Tune({"--mover-travel", "1um"});
   EXPECT_EQ(none.status, 3);
   EXPECT_THAT(none.err, HasSubstr("no adapter found"));
+}
+
+// simulate of the adapter that was found tells the same latency and the same verdict
+TEST(TuneVerb, KeepsToALatencyThatSimulateConfirms) {
+  const json answer = Json({"--latency", "2ms", "--contact-area", "1mm2", "--damping", "0.01"});
+  const json& best = answer.at("best");
+  const json& rise = answer.at("rise");
+  EXPECT_LE(rise.at("latency_s").get<double>(), 2e-3);
+  EXPECT_LT(answer.at("skin_rms_m").get<double>(), tests::kRmsBest);
+  EXPECT_GT(answer.at("upper_bound_m").get<double>(), tests::kRmsBest);
+  EXPECT_EQ(answer.at("latency_limit_s").get<double>(), 2e-3);
+  EXPECT_TRUE(answer.at("grid").is_null());
+  EXPECT_TRUE(answer.at("ridge").empty());
+
+  const std::string path = ::testing::TempDir() + "prompt.toml";
+  std::ofstream(path) << "[actuator]\nmodel = \"thesis-c10-100\"\n[skin]\nstiffness_n_per_m = 600\n"
+                      << "damping_n_s_per_m = 0.75\n[drive]\nkind = \"sine\"\namplitude_v = 5\n"
+                      << "frequency_hz = 225\n[adapter]\n"
+                      << "motor_side_mass_kg = " << best.at("motor_side_mass_kg")
+                      << "\nskin_side_mass_kg = " << best.at("skin_side_mass_kg")
+                      << "\nstiffness_n_per_m = " << best.at("stiffness_n_per_m")
+                      << "\ndamping_n_s_per_m = " << best.at("damping_n_s_per_m") << '\n';
+  const Outcome simulated =
+      Captured(RunSimulate, "simulate", {path, "--duration", "0.5s", "--json"});
+  ASSERT_EQ(simulated.status, 0) << simulated.err;
+  const json told = json::parse(simulated.out).at("rise");
+  EXPECT_EQ(rise.at("run_s").get<double>(), 0.5);
+  EXPECT_EQ(told.at("latency_s"), rise.at("latency_s"));
+  EXPECT_EQ(told.at("verdict"), rise.at("verdict"));
+}
+
+TEST(TuneVerb, IsNotChangedByALatencyThatIsKept) {
+  const json plain = Json({});
+  const json kept = Json({"--latency", "25ms"});
+  EXPECT_EQ(kept.at("best"), plain.at("best"));
+  EXPECT_EQ(kept.at("skin_rms_m"), plain.at("skin_rms_m"));
+  EXPECT_EQ(kept.at("upper_bound_m"), plain.at("upper_bound_m"));
+  EXPECT_EQ(kept.at("rise"), plain.at("rise"));
+  const Outcome told = Tune({"--latency", "25ms"});
+  EXPECT_THAT(told.out, HasSubstr("of 25 ms allowed: below 25 ms"));
+  EXPECT_THAT(told.out, HasSubstr("searched, not proved"));
+  const Outcome none = Tune({"--latency", "0.001us", "--stiffness", "9000", "--contact-area",
+                             "1mm2", "--damping", "0.01", "--motor-side-mass", "0.25g"});
+  EXPECT_EQ(none.status, 3);
+  EXPECT_THAT(none.err, HasSubstr("has a latency of"));
 }
 
 TEST(TuneVerb, SaysWhichEffectsOfTheSceneItLeavesOut) {
@@ -129,7 +174,8 @@ TEST(TuneVerb, DrawsTheOptimumAndTheRidge) {
   EXPECT_EQ(Tune({"--plot", path}).status, 0);
   std::ifstream file(path);
   const std::string svg{std::istreambuf_iterator<char>(file), {}};
-  for (const char* said : {"skin side", "the ridge", "mover travel / um", "chosen anew"}) {
+  for (const char* said :
+       {"skin side", "the ridge: its best is 0.0", "mover travel / um", "chosen anew"}) {
     EXPECT_THAT(svg, HasSubstr(said));
   }
   EXPECT_EQ(Tune({"--plot", "tune.txt"}).status, 2);
@@ -174,6 +220,10 @@ TEST(TuneVerb, RefusesWhatItCannotMean) {
       {{"--mover-travel", "0"}, "--mover-travel"},
       {{"--mover-travel", "1mm", "--objective", "rms-per-watt"}, "not answered for rms-per-watt"},
       {{"--mover-travel", "1mm", "--skin-varies", "0.1"}, "skins that vary"},
+      {{"--latency", "0s"}, "must be above 0"},
+      {{"--latency", "25ms", "--objective", "stimulus"}, "skin-rms only"},
+      {{"--latency", "25ms", "--skin-varies", "0.1"}, "skins that vary"},
+      {{"--latency", "25ms", "--mover-travel", "1mm"}, "together with --mover-travel"},
       {{"--receptor-density", "1e9"}, "10 000 receptors"},
       {{kFixtures + "/lra_cone.toml", "--skin", "scene", "--objective", "stimulus"}, "area"},
       {{kFixtures + "/lra_cone.toml", kFixtures + "/lra_cone.toml"}, "second scene"}};

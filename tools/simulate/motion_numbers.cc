@@ -6,10 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <vector>
 
-#include "dsp/spectrum/envelope.h"
-#include "dsp/spectrum/onset.h"
 #include "sim/period_map.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene_mode.h"
@@ -17,10 +14,6 @@
 
 namespace haptometer::tools {
 namespace {
-
-constexpr double kQuietPeriods = 6;  // of rest put before the motion
-constexpr double kSteadyPeriods = 10;
-constexpr double kLeastPeriods = 20;  // that the drive must be on for
 
 double SkinShare(const sim::EnergyLedger& ledger) {
   return ledger.dissipated_j[static_cast<std::size_t>(sim::SceneElement::kSkin)] / ledger.input_j;
@@ -49,19 +42,12 @@ std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms
   return std::nullopt;
 }
 
-// the part of a drive in which its amplitude stands still
-struct SteadyPart {
-  double drive_s = 0;  // when the drive begins
-  double begin_s = 0;
-  double end_s = 0;
-};
-
-std::optional<SteadyPart> SteadyPartOf(const sim::Scene& scene, double duration_s) {
+std::optional<sim::SteadyPart> SteadyPartOf(const sim::Scene& scene, double duration_s) {
   const sim::Drive& drive = scene.drive;
-  if (drive.kind == sim::DriveKind::kSine) return SteadyPart{0, 0, duration_s};
+  if (drive.kind == sim::DriveKind::kSine) return sim::SteadyPart{0, 0, duration_s};
   if (drive.kind != sim::DriveKind::kBurst) return std::nullopt;
   const double full_s = drive.start_s + drive.rise_s;
-  return SteadyPart{drive.start_s, full_s, std::min(full_s + drive.hold_s, duration_s)};
+  return sim::SteadyPart{drive.start_s, full_s, std::min(full_s + drive.hold_s, duration_s)};
 }
 
 // Adds the rise, or why there is none.
@@ -73,35 +59,14 @@ void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumber
     numbers.no_rise = fmt::format("under {} no amplitude stands still", KindText(scene.drive.kind));
     return;
   }
-  if (!(part->end_s - part->begin_s >= kLeastPeriods * period_s * (1 - 1e-9))) {
-    numbers.no_rise = fmt::format("the drive is on for less than {:g} periods", kLeastPeriods);
+  if (!(part->end_s - part->begin_s >= sim::kLeastRisePeriods * period_s * (1 - 1e-9))) {
+    numbers.no_rise =
+        fmt::format("the drive is on for less than {:g} periods", sim::kLeastRisePeriods);
     return;
   }
-  // rest before, so that the envelope has seen it
-  const auto quiet = static_cast<std::size_t>(std::ceil(kQuietPeriods * period_s * played.rate_hz));
-  const double quiet_s = static_cast<double>(quiet) / played.rate_hz;
-  std::vector<double> skin_m(quiet, 0.0);
-  skin_m.insert(skin_m.end(), played.skin_m.begin(), played.skin_m.end());
-  const dsp::Envelope envelope =
-      dsp::DemodulateTone(skin_m, {played.rate_hz, scene.drive.frequency_hz});
-  const double last_s = envelope.start_s +
-                        static_cast<double>(envelope.amplitude.size()) * envelope.step_s -
-                        envelope.step_s;
-  const double end_s = std::min(last_s, quiet_s + part->end_s - envelope.support_s / 2);
-  const auto edge =
-      dsp::FindOnset(envelope, {.quiet_begin_s = envelope.start_s,
-                                .quiet_end_s = quiet_s + part->drive_s - envelope.support_s / 2,
-                                .steady_begin_s = end_s - kSteadyPeriods * period_s,
-                                .steady_end_s = end_s});
-  if (!edge) {
-    numbers.no_rise = "its amplitude does not pass from 10 % to 90 %";
-    return;
-  }
-  numbers.rise =
-      SkinRise{.rise_s = edge->rise_s,
-               .rise_at_most_s = edge->rise_at_most_s,
-               .latency_s = edge->time_s - quiet_s - part->drive_s,
-               .uncertainty_s = std::max(edge->time_uncertainty_s, edge->rise_uncertainty_s)};
+  numbers.rise = sim::RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())},
+                             played.rate_hz, scene.drive.frequency_hz, *part);
+  if (!numbers.rise) numbers.no_rise = "its amplitude does not pass from 10 % to 90 %";
 }
 
 }  // namespace

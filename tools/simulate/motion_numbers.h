@@ -3,18 +3,11 @@
 #include <optional>
 #include <string>
 
+#include "sim/skin_rise.h"
 #include "sim/waveforms.h"
 #include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
-
-/// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/onset.h).
-struct SkinRise {
-  std::optional<double> rise_s;          ///< 10 % to 90 % of the steady amplitude
-  std::optional<double> rise_at_most_s;  ///< in its place where the rise is too sudden to be told
-  double latency_s = 0;                  ///< from the drive's begin to 10 %
-  double uncertainty_s = 0;              ///< standard, of both: what the envelope's window may hide
-};
 
 /// What an answer tells of its motion beyond RMS and peaks.
 struct MotionNumbers {
@@ -22,7 +15,7 @@ struct MotionNumbers {
   /// what preload keeps contact, with a minus.
   std::optional<double> contact_force_least_n;
   std::optional<double> efficiency;  ///< power into the skin's damper over electrical power in
-  std::optional<SkinRise> rise;
+  std::optional<sim::SkinRise> rise;
   std::string no_rise;  ///< why not; empty where nothing was asked
 };
 

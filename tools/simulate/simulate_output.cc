@@ -102,7 +102,7 @@ std::string TonesText(const sim::SteadyTones& tones) {
 std::string RiseText(const MotionNumbers& numbers) {
   if (!numbers.no_rise.empty()) return fmt::format("  rise: none told, {}\n", numbers.no_rise);
   if (!numbers.rise) return {};
-  const SkinRise& rise = *numbers.rise;
+  const sim::SkinRise& rise = *numbers.rise;
   std::string text = "  rise of the skin   ";
   if (rise.rise_s) {
     text += fmt::format("{:12.2f} ms from 10 % to 90 %", *rise.rise_s * 1e3);
@@ -202,7 +202,7 @@ ordered_json PeriodicJson(const SceneAnswer& solved) {
 
 ordered_json RiseJson(const MotionNumbers& numbers) {
   if (!numbers.rise) return nullptr;
-  const SkinRise& rise = *numbers.rise;
+  const sim::SkinRise& rise = *numbers.rise;
   return {{"rise_s", cli::NumberOrNull(rise.rise_s)},
           {"rise_at_most_s", cli::NumberOrNull(rise.rise_at_most_s)},
           {"latency_s", rise.latency_s},

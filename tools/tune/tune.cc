@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/tuning/latency_limit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
@@ -40,6 +41,19 @@ std::vector<double> GridWeights(const TuneQuestion& question) {
   return weights;
 }
 
+// The best adapter of the problem, which is the question's or that with one spring. A latency limit
+// leaves the bound as it is without it.
+sim::AdapterOptimum OptimumOf(const TuneQuestion& question, const sim::TuningProblem& problem) {
+  sim::AdapterOptimum best =
+      sim::FindAdapterOptimum(question.objective, problem, question.receptors);
+  if (!question.latency_limit_s) return best;
+  const sim::PromptBest prompt =
+      sim::BestWithinLatency(problem, *question.latency_limit_s, best.point);
+  best.point = prompt.point;
+  best.value = prompt.value;
+  return best;
+}
+
 // The best with each listed spring, one after the other; the bound is the largest of theirs.
 sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
@@ -48,8 +62,7 @@ sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   for (const double spring_n_per_m : question.springs_n_per_m) {
     sim::TuningProblem held = question.problem;
     held.bounds.stiffness_n_per_m = {.lower = spring_n_per_m, .upper = spring_n_per_m};
-    sim::AdapterOptimum found =
-        sim::FindAdapterOptimum(question.objective, held, question.receptors);
+    sim::AdapterOptimum found = OptimumOf(question, held);
     answer.listed.push_back({.point = found.point, .value = found.value});
     bound = std::max(bound, found.upper_bound);
     found.boxes += best.boxes;
@@ -87,24 +100,31 @@ void AddWrongSprings(TuneAnswer& answer) {
   }
 }
 
+std::unexpected<Error> NothingFound(const TuneQuestion& question) {
+  if (question.latency_limit_s) {
+    return CannotAnswer(question.name,
+                        fmt::format("no adapter found within the bounds has a latency of {:g} ms",
+                                    *question.latency_limit_s * 1e3),
+                        "allow more --latency, or wider bounds");
+  }
+  return CannotAnswer(
+      question.name,
+      fmt::format("no adapter found within the bounds keeps the mover within {:g} mm",
+                  question.problem.mover_limit_m * 1e3),
+      "allow more --mover-travel, wider bounds, or less --voltage");
+}
+
 Result<TuneAnswer> Answer(const TuneQuestion& question) {
   const sim::TuningProblem& problem = question.problem;
   TuneAnswer answer;
   answer.question = question;
-  answer.optimum = question.springs_n_per_m.empty()
-                       ? sim::FindAdapterOptimum(question.objective, problem, question.receptors)
-                       : ChooseSpring(answer);
+  answer.optimum =
+      question.springs_n_per_m.empty() ? OptimumOf(question, problem) : ChooseSpring(answer);
   answer.matched_load_bound =
       sim::MatchedLoadBound(question.objective, problem,
                             sim::SourceOf(problem.actuator, problem.drive), question.receptors);
 
-  if (!(answer.optimum.value > 0)) {
-    return CannotAnswer(
-        question.name,
-        fmt::format("no adapter found within the bounds keeps the mover within {:g} mm",
-                    problem.mover_limit_m * 1e3),
-        "allow more --mover-travel, wider bounds, or less --voltage");
-  }
+  if (!(answer.optimum.value > 0)) return NothingFound(question);
 
   // the numbers that simulate gives, by its seven states
   const sim::AdapterPoint& best = answer.optimum.point;
@@ -118,6 +138,9 @@ Result<TuneAnswer> Answer(const TuneQuestion& question) {
     answer.stimulus_m = sim::SkinStimulus(
         question.receptors, sim::ContactRadius(best.contact_area_m2), answer.steady.skin_rms_m);
   }
+  answer.rise = sim::RiseWith(problem, best);
+  // none of these knows a latency
+  if (question.latency_limit_s) return answer;
   AddGridAndRidge(answer);
   AddWrongSprings(answer);
   return answer;

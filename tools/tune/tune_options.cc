@@ -147,6 +147,26 @@ Result<void> ReadReceptors(const TuneWords& words, sim::ReceptorField& field) {
   return {};
 }
 
+// the latency is a number of a run of one adapter on one skin
+Result<void> CheckLatency(const TuneQuestion& question) {
+  if (!question.latency_limit_s) return {};
+  if (!(*question.latency_limit_s > 0)) {
+    return Usage("--latency", "must be above 0", "25ms is where it begins to cost errors");
+  }
+  if (question.objective != sim::Objective::kSkinRms) {
+    return Usage("--latency", "is answered for skin-rms only", "leave it out for other objectives");
+  }
+  if (question.problem.skin_variation > 0) {
+    return Usage("--latency", "is not answered for skins that vary",
+                 "leave out one of --latency and --skin-varies");
+  }
+  if (!std::isinf(question.problem.mover_limit_m)) {
+    return Usage("--latency", "is not answered together with --mover-travel",
+                 "ask for one, and look at the other's number in the answer");
+  }
+  return {};
+}
+
 // what is answered for some objectives only
 Result<void> CheckObjective(const TuneQuestion& question) {
   using enum sim::Objective;
@@ -194,6 +214,8 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
   options.Number("--mover-travel", &words.mover_travel, Dimension::kLength,
                  "Only adapters with which the mover travels no further, to either side");
+  options.Number("--latency", &words.latency, Dimension::kTime,
+                 "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
   options.Text("--plot", &words.plot, "FILE",
                "Draw the objective around the optimum, and the ridge");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
@@ -236,6 +258,8 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   }
   question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
   if (auto fit = CheckObjective(question); !fit) return std::unexpected(fit.error());
+  if (words.latency) question.latency_limit_s = words.latency->value;
+  if (auto fit = CheckLatency(question); !fit) return std::unexpected(fit.error());
   if (words.grid) question.grid_values = static_cast<std::size_t>(*words.grid);
   return question;
 }

@@ -18,7 +18,7 @@ struct TuneWords {
   std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area, springs;
   std::string receptor_grid = "cell";
   std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies,
-      mover_travel;
+      mover_travel, latency;
   std::optional<std::int64_t> grid;
   std::string plot;
 };
@@ -30,9 +30,10 @@ struct TuneQuestion {
   sim::Objective objective = sim::Objective::kSkinRms;
   sim::ReceptorField receptors;
   std::size_t grid_values = 20;
-  std::vector<double> springs_n_per_m;  ///< to choose from; empty: any within the bounds
-  std::vector<std::string> left_out;    ///< effects that the scene names and tune does not know
-  bool has_stops = false;               ///< among them
+  std::optional<double> latency_limit_s{};  ///< only of skin-rms without other limits
+  std::vector<double> springs_n_per_m;      ///< to choose from; empty: any within the bounds
+  std::vector<std::string> left_out;        ///< effects that the scene names and tune does not know
+  bool has_stops = false;                   ///< among them
 };
 
 void Declare(cli::Options& options, TuneWords& words);

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sim/tuning/latency_limit.h"
 #include "tools/cli/json.h"
+#include "tools/latency_verdict.h"
 
 namespace haptometer::tools {
 namespace {
@@ -41,7 +43,8 @@ std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& pr
 std::string ProofText(const TuneAnswer& answer) {
   switch (answer.optimum.proof) {
     case sim::Proof::kBranchAndBound:
-      return fmt::format("no adapter within the bounds gives more ({} boxes)",
+      return fmt::format("no adapter within the bounds gives more{} ({} boxes)",
+                         answer.question.latency_limit_s ? ", whatever its latency" : "",
                          answer.optimum.boxes);
     case sim::Proof::kLimitedTravel:
       return "no adapter at all gives more (the coil's work over that travel)";
@@ -59,7 +62,7 @@ std::string PointsText(const TuneAnswer& answer, std::string_view title,
     text += point.value > 0
                 ? fmt::format("    {}: {}\n", Adapter(point.point, answer.question.problem),
                               Said(answer.question.objective, point.value))
-                : "    none found that keeps the mover within its travel\n";
+                : "    none found that keeps to the limit\n";
   }
   return text;
 }
@@ -81,6 +84,28 @@ std::string SpringsText(const TuneAnswer& answer) {
         rebalanced);
   }
   return text;
+}
+
+// what simulate says of the adapter in a run of that length
+std::string RiseText(const TuneAnswer& answer) {
+  const double run_s = sim::LatencyRunS(answer.question.problem);
+  if (!answer.rise)
+    return fmt::format("  latency            none told in a run of {:g} s\n", run_s);
+  const std::optional<double>& limit_s = answer.question.latency_limit_s;
+  return fmt::format("  latency to 10 %    {:.3f} ms{}: {} (a run of {:g} s from rest)\n",
+                     answer.rise->latency_s * 1e3,
+                     limit_s ? fmt::format(" of {:g} ms allowed", *limit_s * 1e3) : "",
+                     LatencyVerdict(answer.rise->latency_s), run_s);
+}
+
+ordered_json RiseJson(const TuneAnswer& answer) {
+  if (!answer.rise) return nullptr;
+  return {{"run_s", sim::LatencyRunS(answer.question.problem)},
+          {"rise_s", cli::NumberOrNull(answer.rise->rise_s)},
+          {"rise_at_most_s", cli::NumberOrNull(answer.rise->rise_at_most_s)},
+          {"latency_s", answer.rise->latency_s},
+          {"standard_uncertainty_s", answer.rise->uncertainty_s},
+          {"verdict", LatencyVerdict(answer.rise->latency_s)}};
 }
 
 ordered_json PointJson(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
@@ -179,6 +204,12 @@ std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
       answer.question.problem.fixed_skin
           ? "the skin is the scene's whatever the contact's area"
           : "the skin follows the thesis's cube root of the contact's area"};
+  if (answer.question.latency_limit_s) {
+    assumptions.emplace_back(
+        "the latency is that of a simulated run and was searched, not proved: that the adapter "
+        "keeps "
+        "to the limit is certain, that no other does and moves the skin more is not");
+  }
   if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
   return assumptions;
 }
@@ -204,6 +235,7 @@ std::string TuneText(const TuneAnswer& answer) {
           : fmt::format(", of {:g} um allowed", question.problem.mover_limit_m * 1e6));
   text += fmt::format("  electrical power   {:.5f} mW, of which into the skin {:.5f} mW\n",
                       answer.steady.power_w * 1e3, answer.skin_power_w * 1e3);
+  text += RiseText(answer);
   if (answer.stimulus_m) {
     text += fmt::format("  stimulus           {:.5f} mm x receptors\n", *answer.stimulus_m * 1e3);
   }
@@ -241,6 +273,8 @@ std::string TuneJson(const TuneAnswer& answer) {
         {"boxes", optimum.boxes}}},
       {"mover_peak_m", cli::NumberOrNull(answer.steady.mover_peak_m)},
       {"mover_limit_m", cli::NumberOrNull(question.problem.mover_limit_m)},
+      {"rise", RiseJson(answer)},
+      {"latency_limit_s", cli::NumberOrNull(question.latency_limit_s)},
       {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
       {"power_w", cli::NumberOrNull(answer.steady.power_w)},
       {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/skin_rise.h"
 #include "sim/steady_state.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
@@ -15,15 +16,17 @@ namespace haptometer::tools {
 struct TuneAnswer {
   TuneQuestion question;
   sim::AdapterOptimum optimum;
-  sim::SteadyState steady;            ///< of the best adapter
-  double skin_power_w = 0;            ///< mean power into the skin
-  std::optional<double> stimulus_m;   ///< S; absent for a skin without area
-  double matched_load_bound = 0;      ///< of the objective
-  std::optional<sim::GridBest> grid;  ///< absent for rms-per-watt and for listed springs
-  std::vector<sim::RidgePoint>
-      ridge;  ///< over the motor side's mass; empty where that is fixed or springs listed
-  std::vector<sim::RidgePoint> listed;   ///< the best with each listed spring, in their order
-  std::vector<sim::SpringCost> springs;  ///< 5 % too soft and 5 % too stiff
+  sim::SteadyState steady;              ///< of the best adapter
+  double skin_power_w = 0;              ///< mean power into the skin
+  std::optional<sim::SkinRise> rise;    ///< of its skin from rest; absent where none is told
+  std::optional<double> stimulus_m;     ///< S; absent for a skin without area
+  double matched_load_bound = 0;        ///< of the objective
+  std::optional<sim::GridBest> grid;    ///< absent for rms-per-watt, listed springs and any limit
+  std::vector<sim::RidgePoint> ridge;   ///< over the motor side's mass; empty where that is fixed,
+                                        ///< springs listed or latency limited
+  std::vector<sim::RidgePoint> listed;  ///< the best with each listed spring, in their order
+  std::vector<sim::SpringCost>
+      springs;  ///< 5 % too soft and 5 % too stiff; none of a limited latency
 };
 
 /// The unit in which people say an objective, and how many of it one SI unit is.

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -135,11 +136,15 @@ plot::Panel RidgePanel(const TuneAnswer& answer) {
     ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);
     ridge.y.push_back(point.value * SpokenUnitOf(question.objective).factor);
   }
-  return {.title = "the ridge",
+  const auto [least, most] = std::ranges::minmax_element(ridge.y);
+  const std::string title = ridge.y.empty()
+                                ? "the ridge"
+                                : fmt::format("the ridge: its best is {:.3g} % above its least",
+                                              (*most / *least - 1) * 100);
+  return {.title = title,
           .x_label = "mass on the motor's side / g",
           .y_label = ObjectiveLabel(question),
-          .series = {std::move(ridge)},
-          .y_from_zero = true};
+          .series = {std::move(ridge)}};
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "sim/tuning/adapter_optimum.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/adapter_reference.h"
+#include "tests/sim/tuning/limited_reference.h"
 
 namespace haptometer::sim {
 namespace {
@@ -86,13 +87,61 @@ TEST(TravelLimit, TakesTheNearestMassThatKeepsToIt) {
 TEST(TravelLimit, OptimumIsThatOfThirtyDigits) {
   const TuningProblem problem = Limited(0.4e-3);
   const AdapterOptimum optimum = FindAdapterOptimum(Objective::kSkinRms, problem, {});
-  EXPECT_REL(optimum.value, tests::kLimitedBest, 1e-9, "a bent ridge, climbed without slopes");
-  EXPECT_REL(optimum.point.adapter.stiffness_n_per_m, tests::kLimitedBestKa, 1e-4, "flat");
-  EXPECT_REL(optimum.point.adapter.skin_side_mass_kg, tests::kLimitedBestMa2, 1e-4, "flat");
+  EXPECT_REL(optimum.value, tests::kLimitedBest, 1e-11, "the limit is met to that");
+  EXPECT_REL(optimum.point.adapter.stiffness_n_per_m, tests::kLimitedBestKa, 1e-6, "flat");
+  EXPECT_REL(optimum.point.adapter.skin_side_mass_kg, tests::kLimitedBestMa2, 1e-6, "flat");
   EXPECT_LE(TravelOf(problem, optimum.point), 0.4e-3 * (1 + 1e-9));
-  EXPECT_EQ(optimum.proof, Proof::kLimitedTravel);
+  EXPECT_EQ(optimum.proof, Proof::kBranchAndBound);
   EXPECT_GT(optimum.upper_bound, optimum.value);
-  EXPECT_LT(optimum.upper_bound / optimum.value, 1.01) << "as found; it is no tight bound";
+  EXPECT_LT(optimum.upper_bound / optimum.value - 1, 2e-9) << "the gap that was asked for";
+}
+
+TuningProblem ProblemOf(const tests::LimitedCase& limited) {
+  TuningProblem problem = Limited(limited.limit_m);
+  if (limited.amplitude_v > 0) problem.drive.amplitude_v = limited.amplitude_v;
+  if (limited.frequency_hz > 0) problem.drive.frequency_hz = limited.frequency_hz;
+  if (limited.skin_stiffness > 0) {
+    problem.fixed_skin = Skin{limited.skin_stiffness, limited.skin_damping};
+  }
+  if (limited.least_skin_side_mass_kg > 0) {
+    problem.bounds.skin_side_mass_kg.lower = limited.least_skin_side_mass_kg;
+  }
+  return problem;
+}
+
+// limits from 0.05 to 1 mm, three objectives, other voltages, frequencies, skins and bounds
+TEST(TravelLimit, OptimumIsThatOfManyStarts) {
+  for (const tests::LimitedCase& limited : tests::kLimitedCases) {
+    const TuningProblem problem = ProblemOf(limited);
+    const AdapterPoint point = BestAdapter(limited.objective, problem, {});
+    const MotorSource source = SourceOf(problem.actuator, problem.drive);
+    EXPECT_REL(ValueOf(limited.objective, problem, source, {}, point), limited.best, 2e-9,
+               "SLSQP keeps to the limit to 1e-9")
+        << limited.limit_m;
+    EXPECT_LE(TravelOf(problem, point), limited.limit_m * (1 + 1e-9));
+  }
+}
+
+// few boxes: what has not been proved by then is said
+TEST(TravelLimit, BoundIsNeverBelowTheOptimum) {
+  for (const tests::LimitedCase& limited : tests::kLimitedCases) {
+    const AdapterOptimum optimum =
+        FindAdapterOptimum(limited.objective, ProblemOf(limited), {}, 1e-5, 1000);
+    EXPECT_GE(optimum.upper_bound, optimum.value) << limited.limit_m;
+    EXPECT_LT(optimum.upper_bound / optimum.value, 1.3) << limited.limit_m;
+  }
+}
+
+TEST(TravelLimit, CostsMoreTheTighterItIs) {
+  double before = 0;
+  for (const double limit_m : {0.03e-3, 0.07e-3, 0.15e-3, 0.4e-3, 0.7e-3}) {
+    const TuningProblem problem = Limited(limit_m);
+    const MotorSource source = SourceOf(problem.actuator, problem.drive);
+    const AdapterPoint point = BestAdapter(Objective::kSkinRms, problem, {});
+    const double value = ValueOf(Objective::kSkinRms, problem, source, {}, point);
+    EXPECT_GT(value, before) << limit_m;
+    before = value;
+  }
 }
 
 TEST(TravelLimit, OptimumIsExceededByNoPointThatKeepsToIt) {

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+namespace haptometer::sim {
+
+/// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/onset.h).
+struct SkinRise {
+  std::optional<double> rise_s;          ///< 10 % to 90 % of the steady amplitude
+  std::optional<double> rise_at_most_s;  ///< in its place where the rise is too sudden to be told
+  double latency_s = 0;                  ///< from the drive's begin to 10 %
+  double uncertainty_s = 0;              ///< standard, of both: what the envelope's window may hide
+};
+
+/// The part of a drive in which its amplitude stands still.
+struct SteadyPart {
+  double drive_s = 0;  ///< when the drive begins
+  double begin_s = 0;
+  double end_s = 0;
+};
+
+/// Periods that a steady part must last for a rise to be told.
+inline constexpr double kLeastRisePeriods = 20;
+
+/// The rise of a skin whose positions at i / rate_hz, from rest, are `skin_m`: six periods of rest
+/// are put before it, the tone is demodulated in windows of three periods
+/// (dsp/spectrum/envelope.h), and the last ten periods of the steady part are what 10 % and 90 %
+/// are of. Nothing where the amplitude does not pass both. The part must last for
+/// kLeastRisePeriods. Cost: some 0.1 us a position; allocates copies.
+[[nodiscard]] std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz,
+                                             double tone_hz, const SteadyPart& part);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,277 @@
+#include "sim/tuning/latency_limit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "base/check.h"
+#include "sim/effective_scene.h"
+#include "sim/tuning/limited_climb.h"
+#include "sim/tuning/travel_limit.h"
+#include "sim/waveforms.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+
+Scene SceneOf(const TuningProblem& problem, const AdapterPoint& point) {
+  Scene scene;
+  scene.actuator = problem.actuator;
+  scene.adapter = point.adapter;
+  scene.skin = SkinOf(problem, point.contact_area_m2);
+  scene.drive.amplitude_v = problem.drive.amplitude_v;
+  scene.drive.frequency_hz = problem.drive.frequency_hz;
+  scene.duration_s = LatencyRunS(problem);
+  return scene;
+}
+
+// an adapter that was run
+struct Tried {
+  CubePlace place = CubePlace::Zero();
+  double cost = kNever;
+  double latency_s = kNever;
+};
+
+class LatencySearch {
+ public:
+  LatencySearch(const TuningProblem& problem, const MotorSource& source, double limit_s)
+      : problem_(problem),
+        source_(source),
+        climb_(Objective::kSkinRms, problem, source, {}),
+        limit_s_(limit_s) {
+    const AdapterBounds& bounds = problem.bounds;
+    const auto free = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
+    upper_ << free(bounds.motor_side_mass_kg), free(bounds.stiffness_n_per_m),
+        free(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : free(bounds.contact_area_m2),
+        free(bounds.skin_side_mass_kg);
+  }
+
+  [[nodiscard]] Tried Run(const CubePlace& place) {
+    ++runs_;
+    const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
+    return {.place = place,
+            .cost = climb_.At(place).cost,
+            .latency_s = rise ? rise->latency_s : kNever};
+  }
+
+  [[nodiscard]] bool Prompt(const Tried& tried) const { return tried.latency_s <= limit_s_; }
+  [[nodiscard]] std::size_t runs() const { return runs_; }
+
+  std::vector<Tried> Starts();
+  // slopes are differences over `step`; 20 of it are trusted at first
+  Tried ClimbFrom(Tried here, double step);
+
+ private:
+  [[nodiscard]] std::vector<CubePlace> Lattice() const;
+  [[nodiscard]] CubePlace ScaleAt(const CubePlace& place) const;
+  [[nodiscard]] CubePlace SlopesAt(const Tried& here, double width);
+  [[nodiscard]] CubePlace Step(const Tried& here, const CubePlace& slopes, double offset_s,
+                               double radius) const;
+  [[nodiscard]] std::optional<Tried> Better(const Tried& here, const CubePlace& slopes,
+                                            double& radius);
+
+  const TuningProblem& problem_;
+  const MotorSource& source_;
+  LimitedClimb climb_;
+  double limit_s_;
+  CubePlace upper_;  // the cube's upper end: 0 where the bounds hold an axis
+  std::size_t runs_ = 0;
+};
+
+// Ma1, Ka, Ba, the area, and Ma2 at and beside what serves the RMS best
+std::vector<CubePlace> LatencySearch::Lattice() const {
+  std::vector<CubePlace> places;
+  const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
+  for (const double Ma1 : {0.0, 0.5, 1.0}) {
+    for (const double Ka : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0}) {
+      for (const double Ba : {0.0, 1.0}) {
+        for (const double area : {0.0, 1.0}) {
+          CubePlace place{Ma1, Ka, Ba, area, 0};
+          if ((place.array() > upper_.array()).any()) continue;
+          const AdapterPoint point = PointOf(problem_.bounds, place);
+          const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
+          for (const double part : {1.0, 0.6, 1.6}) {
+            const double kg = std::clamp(part * wanted_kg, mass_kg.lower, mass_kg.upper);
+            const double width_kg = mass_kg.upper - mass_kg.lower;
+            place[4] = width_kg > 0 ? (kg - mass_kg.lower) / width_kg : 0;
+            places.push_back(place);
+          }
+        }
+      }
+    }
+  }
+  return places;
+}
+
+// The first prompt ones by rising cost, apart from each other; without any, the promptest.
+std::vector<Tried> LatencySearch::Starts() {
+  constexpr std::size_t kMostStarts = 3;
+  constexpr double kApart = 0.2;
+  std::vector<CubePlace> places = Lattice();
+  std::ranges::sort(places, {}, [&](const CubePlace& place) { return climb_.At(place).cost; });
+  std::vector<Tried> starts;
+  Tried promptest;
+  for (const CubePlace& place : places) {
+    const bool near = std::ranges::any_of(
+        starts, [&](const Tried& start) { return (start.place - place).norm() < kApart; });
+    if (near) continue;
+    const Tried tried = Run(place);
+    if (tried.latency_s < promptest.latency_s) promptest = tried;
+    if (Prompt(tried)) starts.push_back(tried);
+    if (starts.size() == kMostStarts) break;
+  }
+  if (starts.empty() && promptest.latency_s < kNever) starts.push_back(promptest);
+  return starts;
+}
+
+// How far the latency's straight line may hold along each axis, as a part of its range: small
+// numbers matter by their own size, 0.1 g to a mass of 0.5 g.
+CubePlace LatencySearch::ScaleAt(const CubePlace& place) const {
+  const AdapterBounds& bounds = problem_.bounds;
+  const Adapter adapter = PointOf(bounds, place).adapter;
+  const auto scale = [](double value, const Range& range) {
+    return range.lower < range.upper ? std::min(1.0, 4 * value / (range.upper - range.lower)) : 1;
+  };
+  return {scale(adapter.motor_side_mass_kg, bounds.motor_side_mass_kg),
+          scale(adapter.stiffness_n_per_m, bounds.stiffness_n_per_m),
+          scale(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), 1,
+          scale(adapter.skin_side_mass_kg, bounds.skin_side_mass_kg)};
+}
+
+// the latency's differences over a width of each range, into the cube
+CubePlace LatencySearch::SlopesAt(const Tried& here, double width) {
+  const CubePlace widths = width * ScaleAt(here.place).cwiseMax(1e-3);
+  CubePlace slopes = CubePlace::Zero();
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    if (upper_[axis] == 0) continue;
+    const double step = here.place[axis] + widths[axis] <= 1 ? widths[axis] : -widths[axis];
+    const Tried beside = Run(here.place + step * CubePlace::Unit(axis));
+    if (beside.latency_s < kNever) slopes[axis] = (beside.latency_s - here.latency_s) / step;
+  }
+  return slopes;
+}
+
+// the largest RMS within the radius where the straight line plus an offset keeps to the limit
+CubePlace LatencySearch::Step(const Tried& here, const CubePlace& slopes, double offset_s,
+                              double radius) const {
+  const auto view = [&](const CubePlace& place) {
+    LimitedView at = climb_.At(place);
+    const double line_s = here.latency_s + offset_s + slopes.dot(place - here.place);
+    at.excess = line_s / limit_s_ - 1;
+    at.excess_slopes = slopes / limit_s_;
+    return at;
+  };
+  const CubePlace reach = radius * ScaleAt(here.place).cwiseMax(1e-3);
+  return ClimbWithinBounds(view, (here.place - reach).cwiseMax(0.0),
+                           (here.place + reach).cwiseMin(upper_), here.place)
+      .place;
+}
+
+// A better adapter within the radius, which shrinks where there is none and grows where there is.
+std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& slopes,
+                                           double& radius) {
+  constexpr double kLeastRadius = 1e-4, kMostRadius = 0.5;
+  constexpr int kCorrections = 3;
+  constexpr double kMarginS = 1e-8;  // so that a correction ends on the limit's better side
+  while (radius > kLeastRadius) {
+    double offset_s = 0;
+    for (int count = 0; count < kCorrections; ++count) {
+      Tried next = Run(Step(here, slopes, offset_s, radius));
+      const bool better = Prompt(next) ? !Prompt(here) || next.cost < here.cost - 1e-9
+                                       : !Prompt(here) && next.latency_s < here.latency_s;
+      if (better) {
+        radius = std::min(kMostRadius, 2 * radius);
+        return next;
+      }
+      if (Prompt(next) || next.latency_s == kNever) break;
+      // what the straight line missed
+      offset_s = next.latency_s - here.latency_s - slopes.dot(next.place - here.place) + kMarginS;
+    }
+    radius /= 4;
+  }
+  return std::nullopt;
+}
+
+Tried LatencySearch::ClimbFrom(Tried here, double step) {
+  constexpr int kMostSteps = 25;
+  double radius = 20 * step;
+  for (int count = 0; count < kMostSteps; ++count) {
+    const auto next = Better(here, SlopesAt(here, step), radius);
+    if (!next) break;
+    const bool settled = Prompt(here) && here.cost - next->cost < 1e-7;
+    here = *next;
+    if (settled) break;
+  }
+  return here;
+}
+
+CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
+  const auto part = [](const Range& range, double value) {
+    return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
+  };
+  const Range roots{std::cbrt(bounds.contact_area_m2.lower),
+                    std::cbrt(bounds.contact_area_m2.upper)};
+  return {part(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
+          part(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
+          part(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
+          part(roots, std::cbrt(point.contact_area_m2)),
+          part(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
+}
+
+}  // namespace
+
+double LatencyRunS(const TuningProblem& problem) {
+  return std::ceil(1e3 * std::max(0.5, 40 / problem.drive.frequency_hz)) / 1e3;
+}
+
+std::optional<SkinRise> RiseWith(const TuningProblem& problem, const AdapterPoint& point) {
+  const EffectiveScene scene{.scene = SceneOf(problem, point), .piecewise = {}};
+  const double duration_s = *scene.scene.duration_s;
+  const Waveforms played = PlayWaveforms(scene, BeginningOf(scene), duration_s, scene.RateHz());
+  const double end_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
+  return RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())}, played.rate_hz,
+                problem.drive.frequency_hz, {.end_s = end_s});
+}
+
+PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
+                             const AdapterPoint& unlimited) {
+  HAPTOMETER_CHECK(!Fault(problem) && problem.skin_variation == 0 && limit_s > 0 &&
+                       std::isinf(problem.mover_limit_m),
+                   "limit {} s, variation {}", limit_s, problem.skin_variation);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const auto value = [&](const AdapterPoint& point) {
+    return ValueOf(Objective::kSkinRms, problem, source, {}, point);
+  };
+  const auto rise = RiseWith(problem, unlimited);
+  if (rise && rise->latency_s <= limit_s) {
+    return {.point = unlimited, .value = value(unlimited), .rise = *rise, .runs = 1};
+  }
+  LatencySearch search(problem, source, limit_s);
+  Tried best;
+  const auto climb = [&](const Tried& start, double step) {
+    if (start.latency_s == kNever) return;
+    const Tried found = search.ClimbFrom(start, step);
+    if (search.Prompt(found) && found.cost < best.cost) best = found;
+  };
+  for (const Tried& start : search.Starts()) climb(start, 0.01);
+  // in long steps and in short ones, which do not leave its hill
+  const Tried from = search.Run(PlaceOf(problem.bounds, unlimited));
+  for (const double step : {0.01, 1e-3}) climb(from, step);
+  for (const double step : {2e-3, 4e-4}) {
+    if (best.cost < kNever) best = search.ClimbFrom(best, step);
+  }
+  PromptBest answer;
+  answer.runs = search.runs() + 1;
+  if (best.cost == kNever) return answer;
+  answer.point = PointOf(problem.bounds, best.place);
+  answer.value = value(answer.point);
+  answer.rise = *RiseWith(problem, answer.point);
+  return answer;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,164 @@
+#include "sim/tuning/limited_optimum.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <optional>
+
+#include "base/check.h"
+#include "sim/tuning/area_pieces.h"
+#include "sim/tuning/box_search.h"
+#include "sim/tuning/limited_climb.h"
+#include "sim/tuning/priced_cost.h"
+#include "sim/tuning/travel_limit.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+constexpr int kLattice = 9;
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+// a place of the lattice and how good it is to begin at: the less, the better
+struct Start {
+  CubePlace place = CubePlace::Zero();
+  double rank = kNone;
+  void Offer(const CubePlace& other, double other_rank) {
+    if (other_rank < rank) *this = {.place = other, .rank = other_rank};
+  }
+};
+
+// of each third of Ma1 and of Ka, those that keep to the limit and those that do not
+struct Starts {
+  std::array<Start, 6> kept, beyond;
+};
+
+double PartOf(const Range& range, double value) {
+  return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
+}
+
+class Lattice {
+ public:
+  Lattice(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb)
+      : problem_(piece.problem), source_(source), climb_(climb) {}
+
+  Starts Visit() {
+    const AdapterBounds& bounds = problem_.bounds;
+    const int areas = problem_.fixed_skin ? 1 : ValuesOf(bounds.contact_area_m2);
+    for (int i = 0; i < ValuesOf(bounds.motor_side_mass_kg); ++i) {
+      for (int j = 0; j < ValuesOf(bounds.stiffness_n_per_m); ++j) {
+        for (int k = 0; k < ValuesOf(bounds.damping_n_s_per_m); ++k) {
+          for (int l = 0; l < areas; ++l) Try({i, j, k, l});
+        }
+      }
+    }
+    return starts_;
+  }
+
+ private:
+  static int ValuesOf(const Range& range) { return range.lower < range.upper ? kLattice : 1; }
+
+  void Try(const std::array<int, 4>& at) {
+    CubePlace place = CubePlace::Zero();
+    for (int axis = 0; axis < 4; ++axis) {
+      place[axis] = at[static_cast<std::size_t>(axis)] / (kLattice - 1.0);
+    }
+    const AdapterPoint point = PointOf(problem_.bounds, place);
+    const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
+    const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
+    const auto found_kg = NearestWithinTravel(problem_, source_, point, wanted_kg);
+    const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
+    place[4] = PartOf(mass_kg, kg);
+    const LimitedView view = climb_.At(place);
+    auto& starts = found_kg ? starts_.kept : starts_.beyond;
+    const double rank = found_kg ? view.cost : view.excess;
+    starts[static_cast<std::size_t>(at[0] / 3)].Offer(place, rank);
+    starts[3 + static_cast<std::size_t>(at[1] / 3)].Offer(place, rank);
+  }
+
+  const TuningProblem& problem_;
+  const MotorSource& source_;
+  const LimitedClimb& climb_;
+  Starts starts_;
+};
+
+// the best of a stretch of areas
+struct PieceBest {
+  AdapterPoint point;
+  double value = 0;
+  double price = 0;
+};
+
+PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
+                      const ReceptorField& receptors) {
+  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
+  const Starts starts = Lattice(piece, source, climb).Visit();
+  const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
+  std::optional<LimitedSummit> best;
+  for (const Start& start : any ? starts.kept : starts.beyond) {
+    if (start.rank == kNone) continue;
+    const LimitedSummit summit = climb.From(start.place);
+    if (summit.kept && (!best || summit.cost < best->cost)) best = summit;
+  }
+  if (!best) return {};
+  const AdapterPoint point = PointOf(piece.problem.bounds, best->place);
+  return {.point = point,
+          .value = piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point),
+          .price = best->price};
+}
+
+// what the stretch cannot exceed by the coil's work alone
+double RoughBound(const AreaPiece& piece, const MotorSource& source,
+                  const ReceptorField& receptors) {
+  return piece.weight * LimitedTravelBound(piece.objective, piece.problem, source, receptors);
+}
+
+}  // namespace
+
+LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
+                             const ReceptorField& receptors) {
+  HAPTOMETER_CHECK(!Fault(problem) && problem.skin_variation == 0, "limit {}, variation {}",
+                   problem.mover_limit_m, problem.skin_variation);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  LimitedBest best;
+  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
+    best.prices.push_back(-1);
+    if (!(RoughBound(piece, source, receptors) > best.value)) continue;
+    const PieceBest found = BestOfPiece(piece, source, receptors);
+    best.prices.back() = found.price;
+    if (!(found.value > best.value)) continue;
+    best.point = found.point;
+    best.value = found.value;
+  }
+  return best;
+}
+
+double BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                         const ReceptorField& receptors, const LimitedBest& best,
+                         double relative_gap, std::size_t most_boxes, std::size_t& boxes) {
+  const bool steps = HasSteps(objective, receptors);
+  if (objective == Objective::kStimulus && !steps) return kNone;
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
+  HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
+                   pieces.size(), best.value);
+  double bound = best.value;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const AreaPiece& piece = pieces[k];
+    const double rough = RoughBound(piece, source, receptors);
+    if (!(rough > bound)) continue;
+    const PricedCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
+    const double price = std::clamp(best.prices[k], 0.0, 1.0);
+    const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
+    const double least = LeastCost([&](const AdapterBox& box) { return cost.Over(box, price); },
+                                   enough, most_boxes, boxes);
+    bound = std::max(bound, std::min(rough, ValueOfCost(piece, source, least)));
+  }
+  // what the rounding of source and limit may move: travel is a difference of two
+  const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
+  return bound * (1 + source.rounding_allowance * travel + (steps ? kStepAllowance : 0));
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "sim/tuning/adapter_bounds.h"
+#include "sim/tuning/adapter_objective.h"
+
+namespace haptometer::sim {
+
+/// The best adapter whose mover keeps to the problem's mover_limit_m.
+struct LimitedBest {
+  AdapterPoint point;
+  double value = 0;  ///< the objective there; 0: no adapter found that keeps to the limit
+  /// Of each stretch of areas (sim/tuning/area_pieces.h), the price of travel at its best; below 0
+  /// where the stretch was left out because LimitedTravelBound() of it is below the value.
+  std::vector<double> prices;
+};
+
+/// Climbs (sim/tuning/limited_climb.h) from the best points of an even lattice in which Ma2 is the
+/// nearest that keeps to the limit: the best of each third of Ma1's range and of Ka's. Where the
+/// lattice holds none, from those of its points with the least travel.
+///
+/// The problem without Fault(), skin_variation 0, mover_limit_m finite or not; not for kRmsPerWatt.
+/// The same optimum as SciPy's SLSQP finds from 20 starts, to 1e-9 of the value, over the limits
+/// and problems of tests/sim/tuning/limited_reference.py. Cost: some 10 ms a stretch of areas.
+[[nodiscard]] LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
+                                           const ReceptorField& receptors);
+
+/// What no adapter within the bounds exceeds whose mover keeps to the limit; infinite for a
+/// stimulus with soft edges, which has no proof.
+///
+/// By weak duality (sim/tuning/priced_cost.h) with the price of travel at `best`, and boxes. It
+/// comes within `relative_gap` where the duality has no gap (none was seen) and `most_boxes` are
+/// enough: 2e3 to 2e4 for 1e-6, more where the limit is below a tenth of what the mover would
+/// travel without it, or the areas are free, as for the skin's power. `boxes` counts on.
+[[nodiscard]] double BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                                       const ReceptorField& receptors, const LimitedBest& best,
+                                       double relative_gap, std::size_t most_boxes,
+                                       std::size_t& boxes);
+
+}  // namespace haptometer::sim

@@ -1,0 +1,86 @@
+#include "sim/tuning/bounded_climb.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/residual.h"
+
+namespace haptometer::sim {
+namespace {
+
+constexpr double kFree = -std::numeric_limits<double>::infinity();
+
+// half the squared distance from `top`, under excess <= 0 along one direction
+LimitedView Bowl(const CubePlace& place, const CubePlace& top, double excess,
+                 const CubePlace& slopes) {
+  return {.cost = (place - top).squaredNorm() / 2,
+          .excess = excess,
+          .cost_slopes = place - top,
+          .excess_slopes = slopes};
+}
+
+TEST(BoundedClimb, EndsOnItsBoundsExactly) {
+  const CubePlace top{-1, 0.25, 2, 0.5, 0.75};
+  const auto view = [&](const CubePlace& x) { return Bowl(x, top, kFree, CubePlace::Zero()); };
+  CubePlace upper = CubePlace::Ones();
+  upper[3] = 0;  // held
+  const LimitedSummit summit = ClimbWithinBounds(view, CubePlace::Zero(), upper, CubePlace::Zero());
+  EXPECT_EQ(summit.place[0], 0);
+  EXPECT_EQ(summit.place[2], 1);
+  EXPECT_EQ(summit.place[3], 0);
+  EXPECT_ABS(summit.place[1], 0.25, 1e-12, "where slopes end");
+  EXPECT_EQ(summit.price, 0);
+  EXPECT_TRUE(summit.kept);
+}
+
+// nearest point of the plane sum x = 2: every number falls by the same, which is the price
+TEST(BoundedClimb, EndsOnItsLimitWithItsPrice) {
+  const CubePlace top{0.9, 0.8, 0.7, 0.6, 0.5};
+  const auto view = [&](const CubePlace& x) {
+    return Bowl(x, top, x.sum() - 2, CubePlace::Ones());
+  };
+  const LimitedSummit summit =
+      ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones());
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    EXPECT_ABS(summit.place[axis], top[axis] - 0.3, 1e-10, "the limit is met to 1e-11");
+  }
+  EXPECT_ABS(summit.price, 0.3, 1e-9, "rho times that");
+  EXPECT_TRUE(summit.kept);
+}
+
+// along the valley x1 = x0^2 (Rosenbrock) inside a disc: on the disc's edge the gradients align
+TEST(BoundedClimb, FollowsABentRidge) {
+  const auto view = [](const CubePlace& x) {
+    const double off = x[1] - x[0] * x[0];
+    LimitedView at{.cost = 1e4 * off * off + (1 - x[0]) * (1 - x[0]),
+                   .excess = x[0] * x[0] + x[1] * x[1] - 0.5};
+    at.cost_slopes[0] = -4e4 * off * x[0] - 2 * (1 - x[0]);
+    at.cost_slopes[1] = 2e4 * off;
+    at.excess_slopes[0] = 2 * x[0];
+    at.excess_slopes[1] = 2 * x[1];
+    return at;
+  };
+  CubePlace upper = CubePlace::Zero();
+  upper[0] = upper[1] = 1;
+  const LimitedSummit summit = ClimbWithinBounds(view, CubePlace::Zero(), upper, CubePlace::Zero());
+  EXPECT_TRUE(summit.kept);
+  const LimitedView at = view(summit.place);
+  EXPECT_ABS(at.excess, 0, 1e-11, "met");
+  EXPECT_ABS((at.cost_slopes + summit.price * at.excess_slopes).norm(), 0, 1e-7,
+             "1e4 times the last step");
+  // on the edge and in the valley, but for what the price pulls it off
+  EXPECT_ABS(summit.place[0], std::sqrt((std::sqrt(3) - 1) / 2), 1e-4, "the valley's steepness");
+}
+
+TEST(BoundedClimb, SaysWhereALimitCannotBeKept) {
+  const auto view = [](const CubePlace& x) {
+    return Bowl(x, CubePlace::Zero(), 1 + x.sum(), CubePlace::Ones());
+  };
+  EXPECT_FALSE(
+      ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones()).kept);
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,120 @@
+#include "sim/tuning/latency_limit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/tuning/adapter_optimum.h"
+#include "sim/tuning/limited_climb.h"
+#include "tests/repetitions.h"
+#include "tests/residual.h"
+#include "tests/sim/tuning/latency_reference.h"
+
+namespace haptometer::sim {
+namespace {
+
+TuningProblem ProblemAt(double frequency_hz) {
+  TuningProblem problem = ThesisProblem();
+  problem.drive.frequency_hz = frequency_hz;
+  return problem;
+}
+
+// a spring and a skin side to choose, all else held
+TuningProblem TwoFree() {
+  TuningProblem problem = ThesisProblem();
+  problem.fixed_skin = Skin{.stiffness_n_per_m = 600, .damping_n_s_per_m = 0.75};
+  problem.bounds.motor_side_mass_kg = {0.25e-3, 0.25e-3};
+  problem.bounds.damping_n_s_per_m = {0.01, 0.01};
+  return problem;
+}
+
+double RmsOf(const TuningProblem& problem, const AdapterPoint& point) {
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  return ValueOf(Objective::kSkinRms, problem, source, {}, point);
+}
+
+TEST(LatencyLimit, OfAdaptersIsThatOfNumPy) {
+  for (const tests::LatencyCase& known : tests::kLatencyCases) {
+    const TuningProblem problem = ProblemAt(known.frequency_hz);
+    const auto& [Ma1, Ma2, Ka, Ba, area] = known.place;
+    const AdapterPoint point = PointOf(problem.bounds, {Ma1, Ka, Ba, area, Ma2});
+    const auto rise = RiseWith(problem, point);
+    ASSERT_TRUE(rise) << known.frequency_hz;
+    EXPECT_ABS(rise->latency_s, known.latency_s, 1e-10, "the same straight lines, in seconds");
+    EXPECT_REL(RmsOf(problem, point), known.rms_m, 1e-9, "ten digits are kept");
+  }
+}
+
+TEST(LatencyLimit, LeavesNothingThatADenseSearchFinds) {
+  int left = tests::Repetitions(1);
+  for (const tests::LatencyCase& known : tests::kLatencyCases) {
+    if (!(known.limit_s > 0) || left-- <= 0) continue;
+    const TuningProblem problem = ProblemAt(known.frequency_hz);
+    const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+    const PromptBest best = BestWithinLatency(problem, known.limit_s, free);
+    EXPECT_LE(best.rise.latency_s, known.limit_s);
+    EXPECT_EQ(best.rise.latency_s, RiseWith(problem, best.point)->latency_s);
+    EXPECT_GT(best.value, known.rms_m * (1 - 1e-5)) << known.frequency_hz;
+    EXPECT_LT(best.value, RmsOf(problem, free));
+  }
+}
+
+TEST(LatencyLimit, ThatIsKeptChangesNothing) {
+  const TuningProblem problem = ThesisProblem();
+  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  const double latency_s = RiseWith(problem, free)->latency_s;
+  const PromptBest best = BestWithinLatency(problem, latency_s, free);
+  EXPECT_EQ(best.runs, 1U);
+  EXPECT_EQ(best.value, RmsOf(problem, free));
+  EXPECT_EQ(best.point.adapter.stiffness_n_per_m, free.adapter.stiffness_n_per_m);
+  EXPECT_EQ(best.point.adapter.skin_side_mass_kg, free.adapter.skin_side_mass_kg);
+  EXPECT_EQ(best.rise.latency_s, latency_s);
+}
+
+TEST(LatencyLimit, CostsMoreTheTighterItIs) {
+  const TuningProblem problem = TwoFree();
+  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  double before = RmsOf(problem, free);
+  for (const double limit_s : {2.2e-3, 1.2e-3}) {
+    const PromptBest best = BestWithinLatency(problem, limit_s, free);
+    EXPECT_GT(best.value, 0) << limit_s;
+    EXPECT_LT(best.value, before) << limit_s;
+    EXPECT_LE(best.rise.latency_s, limit_s);
+    before = best.value;
+  }
+}
+
+TEST(LatencyLimit, ThatNothingKeepsIsSaid) {
+  TuningProblem problem = TwoFree();
+  problem.bounds.stiffness_n_per_m = {9000, 9000};
+  const AdapterPoint free = BestAdapter(Objective::kSkinRms, problem, {});
+  EXPECT_EQ(BestWithinLatency(problem, 1e-9, free).value, 0);
+}
+
+// every adapter of a grid that is prompt enough, each by its own run
+TEST(LatencyLimit, IsBeatenByNoAdapterOfAGrid) {
+  const TuningProblem problem = TwoFree();
+  const double limit_s = 2e-3;
+  const PromptBest best =
+      BestWithinLatency(problem, limit_s, BestAdapter(Objective::kSkinRms, problem, {}));
+  const int steps = tests::Repetitions(16);
+  int prompt = 0;
+  for (int i = 0; i <= steps; ++i) {
+    for (int k = 0; k <= steps; ++k) {
+      const CubePlace place{0, i / static_cast<double>(steps), 0, 0,
+                            k / static_cast<double>(steps)};
+      const AdapterPoint point = PointOf(problem.bounds, place);
+      const double rms_m = RmsOf(problem, point);
+      // no run is needed for what would lose
+      if (rms_m < 0.9 * best.value) continue;
+      const auto rise = RiseWith(problem, point);
+      if (!rise || rise->latency_s > limit_s) continue;
+      ++prompt;
+      EXPECT_LE(rms_m, best.value * (1 + 1e-6)) << i << ' ' << k;
+    }
+  }
+  EXPECT_GT(prompt, 0);
+}
+
+}  // namespace
+}  // namespace haptometer::sim
