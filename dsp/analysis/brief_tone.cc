@@ -148,16 +148,22 @@ Result<Glances> ReadGlances(const BandSignal& signal, const BandPass& band) {
   return glances;
 }
 
-// the amplitude of a tone, or of noise, that all of what has settled but a short part is above
-double LeastAmplitude(const Glances& glances, const Seen& tone) {
+// what all windows of what has settled but the quietest eighth are above
+template <typename PowerOf>
+double QuietPower(const Glances& glances, const PowerOf& power_of) {
   std::vector<double> powers;
   powers.reserve(glances.windows_m.size());
-  for (const std::vector<double>& window : glances.windows_m) {
-    powers.push_back(PowerAbout(window, glances.rate_hz, tone.frequency_hz));
-  }
+  for (const std::vector<double>& window : glances.windows_m) powers.push_back(power_of(window));
   const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / kPausesIn);
   std::ranges::nth_element(powers, low);
-  return std::sqrt(*low);
+  return *low;
+}
+
+// the amplitude of a tone, or of noise, that all of what has settled but a short part is above
+double LeastAmplitude(const Glances& glances, const Seen& tone) {
+  return std::sqrt(QuietPower(glances, [&](const std::vector<double>& window) {
+    return PowerAbout(window, glances.rate_hz, tone.frequency_hz);
+  }));
 }
 
 // the mean of PowerAt from half an octave below a frequency to half an octave above it
@@ -175,15 +181,11 @@ double NoisePowerAbout(std::span<const double> samples, double rate_hz, double f
 
 // whether a tone is more than noise of any colour gives where the record is most quiet
 bool IsAboveNoise(const Glances& glances, const Seen& tone) {
-  std::vector<double> powers;
-  powers.reserve(glances.windows_m.size());
-  for (const std::vector<double>& window : glances.windows_m) {
-    powers.push_back(NoisePowerAbout(window, glances.rate_hz, tone.frequency_hz));
-  }
-  const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / kPausesIn);
-  std::ranges::nth_element(powers, low);
+  const double noise = QuietPower(glances, [&](const std::vector<double>& window) {
+    return NoisePowerAbout(window, glances.rate_hz, tone.frequency_hz);
+  });
   const double glance_s = static_cast<double>(glances.windows_m[0].size()) / glances.rate_hz;
-  return tone.amplitude_m * tone.amplitude_m > kNoisePowers * *low * glance_s / tone.duration_s;
+  return tone.amplitude_m * tone.amplitude_m > kNoisePowers * noise * glance_s / tone.duration_s;
 }
 
 // whether a tone is in all of what has settled, as far as noise lets that be told

@@ -25,9 +25,8 @@ struct BriefTone {
 /// tile, of its half, and so on to a 32nd (19 ms in the default band), overlapping by half, are
 /// asked for a tone of three periods or more (dsp/spectrum/tone.h; with a false alarm of 1e-4 for
 /// the whole signal). Of several the one with most energy is told that
-/// - goes on for 3.5 periods or more, does not swell in its middle and has 0.42 or more of the
-/// power
-///   that its tile has beside noise: else it is a bump, or rings about one;
+/// - goes on for 3.5 periods or more, does not swell in its middle and has 0.42 or more of what
+///   power its tile has beside noise: else it is a bump, or rings about one;
 /// - has 80 times the power that noise near its frequency has in the quietest eighth of up to 31
 ///   short windows of what has settled;
 /// - is there less than 0.3 of its amplitude (and less by four deviations of the noise) within 5 %

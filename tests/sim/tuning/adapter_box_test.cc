@@ -7,20 +7,16 @@
 #include <random>
 
 #include "sim/tuning/motor_source.h"
+#include "tests/sim/tuning/box_places.h"
 
 namespace haptometer::sim {
 namespace {
 
 // |Fc / Xs|^2 of the adapter at a place of the box, whatever Ma2
-double CostAt(const TuningProblem& problem, const MotorSource& source,
-              const std::array<double, kBoxAxes>& place, double skin_side_mass_kg,
-              bool per_resistance) {
-  const AdapterBounds& bounds = problem.bounds;
-  const Adapter adapter{.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
-                        .skin_side_mass_kg = skin_side_mass_kg,
-                        .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                        .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])};
-  const Skin skin = SkinOf(problem, AreaAt(bounds.contact_area_m2, place[3]));
+double CostAt(const TuningProblem& problem, const MotorSource& source, const tests::Place& place,
+              double skin_side_mass_kg, bool per_resistance) {
+  const Adapter adapter = tests::AdapterAt(problem, place, skin_side_mass_kg);
+  const Skin skin = SkinOf(problem, AreaAt(problem.bounds.contact_area_m2, place[3]));
   const double cost = std::norm(source.force_n / MotionOf(source, adapter, skin).skin_m);
   return per_resistance ? cost / (source.omega_rad_per_s * skin.damping_n_s_per_m) : cost;
 }
@@ -36,14 +32,7 @@ TEST_P(AdapterBoxes, HoldNothingBelowTheirBound) {
     const MotorSource source = SourceOf(problem.actuator, problem.drive);
     const AdapterCost cost(problem, source, GetParam());
     for (int trial = 0; trial < 1000; ++trial) {
-      AdapterBox box;
-      std::array<double, kBoxAxes> place{};
-      const double size = std::pow(10, -4 * part(random));
-      for (std::size_t axis = 0; axis < kBoxAxes; ++axis) {
-        box[axis].lower = (1 - size) * part(random);
-        box[axis].upper = box[axis].lower + size;
-        place[axis] = box[axis].lower + size * part(random);
-      }
+      const auto [box, place] = tests::RandomBox(random);
       const double mass_kg = problem.bounds.skin_side_mass_kg.At(part(random));
       ASSERT_LE(cost.Over(box).lower, CostAt(problem, source, place, mass_kg, GetParam()));
     }
@@ -55,7 +44,7 @@ TEST_P(AdapterBoxes, CloseInWithTheSquareOfTheirWidth) {
   const TuningProblem problem = ThesisProblem();
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const AdapterCost cost(problem, source, GetParam());
-  const std::array<double, kBoxAxes> middle{0.3, 0.6, 0.4, 0.5};
+  const tests::Place middle{0.3, 0.6, 0.4, 0.5};
   double before = 0;
   for (const double half : {0.02, 0.01, 0.005}) {
     AdapterBox box;

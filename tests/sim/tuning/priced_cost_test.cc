@@ -3,27 +3,23 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <random>
 
 #include "tests/residual.h"
+#include "tests/sim/tuning/box_places.h"
 
 namespace haptometer::sim {
 namespace {
 
-using Place = std::array<double, kBoxAxes>;
+using tests::Place;
 
 // (1 - m) |Fc / Xs|^2 + m |Fc / Xs|^2 |travel|^2 / T^2 of an adapter, by its motion
 double PricedAt(const TuningProblem& problem, const MotorSource& source, const Place& place,
                 double skin_side_mass_kg, double price) {
-  const AdapterBounds& bounds = problem.bounds;
-  const Adapter adapter{.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
-                        .skin_side_mass_kg = skin_side_mass_kg,
-                        .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                        .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])};
-  const Skin skin = SkinOf(problem, AreaAt(bounds.contact_area_m2, place[3]));
+  const Adapter adapter = tests::AdapterAt(problem, place, skin_side_mass_kg);
+  const Skin skin = SkinOf(problem, AreaAt(problem.bounds.contact_area_m2, place[3]));
   const AdapterMotion motion = MotionOf(source, adapter, skin);
   const double cost = std::norm(source.force_n / motion.skin_m);
   const double part = MoverTravel(source, motion.case_m) / problem.mover_limit_m;
@@ -45,14 +41,7 @@ TEST(PricedCost, HoldsNothingBelowItsBound) {
     const MotorSource source = SourceOf(problem.actuator, problem.drive);
     const PricedCost cost(problem, source, false);
     for (int trial = 0; trial < 600; ++trial) {
-      AdapterBox box;
-      Place place{};
-      const double size = std::pow(10, -4 * part(random));
-      for (std::size_t axis = 0; axis < kBoxAxes; ++axis) {
-        box[axis].lower = (1 - size) * part(random);
-        box[axis].upper = box[axis].lower + size;
-        place[axis] = box[axis].lower + size * part(random);
-      }
+      const auto [box, place] = tests::RandomBox(random);
       const double mass_kg = problem.bounds.skin_side_mass_kg.At(part(random));
       const double price = part(random);
       ASSERT_LE(cost.Over(box, price).lower, PricedAt(problem, source, place, mass_kg, price));
