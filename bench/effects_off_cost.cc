@@ -1,11 +1,11 @@
 // What the effects cost that a scene does not call for, counted by tests/long/effects_off.py:
 //
-//   effects_off_cost bare OUTPUTS       the adapter scene by a plain loop over its step's matrix
-//   effects_off_cost scene OUTPUTS      the same outputs by the engine, every effect there and off
-//   effects_off_cost single OUTPUTS     the same, asked for one by one
-//   effects_off_cost bare-waves OUTPUTS the plain loop, which keeps what `simulate --waveforms`
-//   does effects_off_cost waves OUTPUTS      what `simulate --waveforms` calls, every effect there
-//   and off effects_off_cost none OUTPUTS       nothing: what the program itself takes
+//   effects_off_cost bare OUTPUTS        the adapter scene by a plain loop over its matrix
+//   effects_off_cost scene OUTPUTS       the same by the engine, every effect there and off
+//   effects_off_cost single OUTPUTS      the same, asked for one by one
+//   effects_off_cost bare-waves OUTPUTS  the plain loop, keeping all waveforms
+//   effects_off_cost waves OUTPUTS       the same by what `simulate --waveforms` calls
+//   effects_off_cost none OUTPUTS        nothing: what the program itself takes
 //
 // from rest, at 10 kHz, all seven states in blocks of 4096. Prints the last state or the last row
 // of waveforms, which are the same to the last bit for the first 16384 outputs; later the engine

@@ -22,6 +22,7 @@ constexpr double kLeastPeriods = 3;           // of a tone in a window
 constexpr double kLeastPeriodsOn = 3.5;       // and as far as it goes on
 constexpr std::size_t kMostStepsInTile = 4;   // in a tile
 constexpr std::size_t kMostWindowHalvings = 5;
+constexpr std::size_t kLeastWindowValues = 8;
 constexpr double kFalseAlarm = 1e-4;     // of a record
 constexpr double kElsewhere = 0.3;       // of a tone's amplitude: there it goes on
 constexpr double kNoiseDeviations = 4;   // of noise, by which a tone is less there
@@ -80,6 +81,7 @@ std::vector<Seen> TonesOf(const RawTile& tile, const BandPass& band, double fals
   std::vector<Seen> tones;
   for (std::size_t halving = 0; halving <= kMostWindowHalvings; ++halving) {
     const std::size_t size = tile.values_m().size() >> halving;
+    if (size < kLeastWindowValues) break;
     for (std::size_t begin = 0; begin + size <= tile.values_m().size(); begin += (size + 1) / 2) {
       if (const auto tone = ToneIn(tile, begin, size, band, false_alarm)) tones.push_back(*tone);
     }
@@ -322,6 +324,7 @@ Result<std::optional<BriefTone>> FindBriefTone(const BandSignal& signal, const B
   for (const std::size_t begin : begins) {
     auto tile = RawTile::Read(signal, begin, begin + size, band);
     if (!tile) return std::unexpected(tile.error());
+    if (!tile->IsRidOfWhatLiesBelow()) continue;
     const auto tone = BriefIn(*tile, *glances, band, kFalseAlarm / windows);
     const auto energy = [](const BriefTone& brief) {
       return brief.rms_m * brief.rms_m * brief.window.duration_s();

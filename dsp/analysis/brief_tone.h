@@ -33,7 +33,9 @@ struct BriefTone {
 ///   of its frequency: one that goes on, or wanders, is no brief one.
 ///
 /// So a drive of fewer than four periods, below 31 Hz in the default band, or in a tile with a
-/// bump of more energy, is not seen.
+/// bump of more energy or a stronger tone that goes on (mains hum), is not seen; nor is any in a
+/// tile that has too few samples to be rid of what lies below the band: below some 700 Hz in the
+/// default one, and in a narrow band.
 ///
 /// Of more than 64 tiles those at the ends are searched, and the eight with the highest power over
 /// 8 ms. Errors: as RowSource::Read. Cost: about 5 ms a tile.

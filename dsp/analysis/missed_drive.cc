@@ -23,7 +23,7 @@ constexpr double kBriefOn = 0.1;         // of the greatest power
 constexpr double kQuietBlocks = 2.5;     // periods of the lower corner that a filter rings for
 
 // the stretch about the greatest cell in which power stays above a tenth of it, gaps of `gap_s`
-// left in; nothing where that is no drive
+// left in; nothing where it is on for less than half of that, or of kLeastBriefS
 std::optional<TimeWindow> BriefOn(const PowerCourse& course, double gap_s) {
   const std::span<const double> power = course.mean_square;
   if (power.empty()) return std::nullopt;
@@ -35,16 +35,21 @@ std::optional<TimeWindow> BriefOn(const PowerCourse& course, double gap_s) {
   if (!(top > kBriefStandsOut * *middle)) return std::nullopt;
   const auto gap = static_cast<std::size_t>(gap_s / course.cell_s) + 1;
   std::size_t begin = greatest;
+  const auto is_on = [&](double cell) { return cell > kBriefOn * top; };
   for (std::size_t k = greatest; k-- > 0 && begin - k <= gap;) {
-    if (power[k] > kBriefOn * top) begin = k;
+    if (is_on(power[k])) begin = k;
   }
   std::size_t end = greatest + 1;
   for (std::size_t k = end; k < power.size() && k - end < gap; ++k) {
-    if (power[k] > kBriefOn * top) end = k + 1;
+    if (is_on(power[k])) end = k + 1;
   }
-  const TimeWindow on{course.start_s + static_cast<double>(begin) * course.cell_s,
-                      course.start_s + static_cast<double>(end) * course.cell_s};
-  return on.duration_s() < kLeastBriefS ? std::nullopt : std::optional(on);
+  // a last digit that flickers is on here and there
+  const auto cells =
+      static_cast<double>(std::ranges::count_if(power.subspan(begin, end - begin), is_on));
+  if (2 * cells < static_cast<double>(end - begin) || cells * course.cell_s < kLeastBriefS)
+    return {};
+  return TimeWindow{course.start_s + static_cast<double>(begin) * course.cell_s,
+                    course.start_s + static_cast<double>(end) * course.cell_s};
 }
 
 // what a channel says that the drive did over all of a signal, where it was on for a part of it

@@ -64,6 +64,8 @@ std::vector<double> MeansOf(std::span<const double> raw, std::size_t stride) {
 
 double RawTile::duration_s() const { return static_cast<double>(values_m_.size()) / rate_hz_; }
 
+bool RawTile::IsRidOfWhatLiesBelow() const { return degree_ * degree_ <= 4 * values_m_.size(); }
+
 double RawTile::Time(std::size_t k) const { return start_s_ + static_cast<double>(k) / rate_hz_; }
 
 Result<RawTile> RawTile::Read(const BandSignal& signal, std::size_t begin, std::size_t end,
@@ -80,7 +82,7 @@ Result<RawTile> RawTile::Read(const BandSignal& signal, std::size_t begin, std::
   const double degree = std::ceil(half_waves * kBelow * band.lower_hz) + kMoreDegrees;
   tile.degree_ = static_cast<std::size_t>(degree);
   tile.clear_hz_ = std::max(kClearOf * degree / half_waves, band.lower_hz);
-  tile.TakeOutPolynomial();
+  if (tile.IsRidOfWhatLiesBelow()) tile.TakeOutPolynomial();
   return tile;
 }
 

@@ -25,6 +25,9 @@ class RawTile {
   [[nodiscard]] const std::vector<double>& values_m() const { return values_m_; }
   [[nodiscard]] double rate_hz() const { return rate_hz_; }
   [[nodiscard]] double duration_s() const;
+  /// Whether there are values enough for a polynomial of that degree: (d / 2)^2. With fewer Gram's
+  /// recurrence loses its digits, and nothing is taken out.
+  [[nodiscard]] bool IsRidOfWhatLiesBelow() const;
   /// In the record's time, of value `k`.
   [[nodiscard]] double Time(std::size_t k) const;
   /// Above are tones as they were: 1.5 d / (pi T), 31 Hz in the default band's tile of 0.6 s.

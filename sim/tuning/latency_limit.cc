@@ -18,6 +18,8 @@ namespace haptometer::sim {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
+// of a run: 0.1 s of work
+constexpr double kMostLatencyOutputs = 1e6;
 
 Scene SceneOf(const TuningProblem& problem, const AdapterPoint& point) {
   Scene scene;
@@ -232,6 +234,7 @@ double LatencyRunS(const TuningProblem& problem) {
 std::optional<SkinRise> RiseWith(const TuningProblem& problem, const AdapterPoint& point) {
   const EffectiveScene scene{.scene = SceneOf(problem, point), .piecewise = {}};
   const double duration_s = *scene.scene.duration_s;
+  if (!(duration_s * scene.RateHz() <= kMostLatencyOutputs)) return std::nullopt;
   const Waveforms played = PlayWaveforms(scene, BeginningOf(scene), duration_s, scene.RateHz());
   const double end_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
   return RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())}, played.rate_hz,

@@ -13,7 +13,8 @@ namespace haptometer::sim {
 
 /// The rise of the skin that `simulate` tells of the adapter: from rest under the problem's drive
 /// for LatencyRunS(), all states and looks as PlayWaveforms() has them. Nothing where the amplitude
-/// does not pass from 10 % to 90 %. Cost: a run, some 0.5 ms.
+/// does not pass from 10 % to 90 %, or the run would take more than 1e6 outputs (drives below some
+/// 0.2 Hz, and bodies that are far faster than their drive). Cost: a run, some 0.5 ms.
 [[nodiscard]] std::optional<SkinRise> RiseWith(const TuningProblem& problem,
                                                const AdapterPoint& point);
 

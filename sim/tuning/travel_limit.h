@@ -36,9 +36,9 @@ namespace haptometer::sim {
 /// The coil's force F puts in w |F| T / 2 at most, of which the mover's own damping takes
 /// Im k1 w T^2 / 2, and the skin's w (w Bs) |Xs|^2 / 2 cannot be more than what is left:
 ///
-///   |Xs|^2 <= (|F| T - Im k1 T^2) / (w Bs)      for T <= |F| / (2 Im k1), beyond which it holds
-///   with
-///                                               that T.
+///   |Xs|^2 <= (|F| T - Im k1 T^2) / (w Bs)      for T <= |F| / (2 Im k1);
+///
+/// for a longer T it holds with that one.
 [[nodiscard]] double LimitedTravelBound(Objective objective, const TuningProblem& problem,
                                         const MotorSource& source, const ReceptorField& receptors);
 

@@ -103,7 +103,7 @@ void AddWrongSprings(TuneAnswer& answer) {
 std::unexpected<Error> NothingFound(const TuneQuestion& question) {
   if (question.latency_limit_s) {
     return CannotAnswer(question.name,
-                        fmt::format("no adapter found within the bounds has a latency of {:g} ms",
+                        fmt::format("no adapter found within the bounds comes up within {:g} ms",
                                     *question.latency_limit_s * 1e3),
                         "allow more --latency, or wider bounds");
   }

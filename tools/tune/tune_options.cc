@@ -151,7 +151,7 @@ Result<void> ReadReceptors(const TuneWords& words, sim::ReceptorField& field) {
 Result<void> CheckLatency(const TuneQuestion& question) {
   if (!question.latency_limit_s) return {};
   if (!(*question.latency_limit_s > 0)) {
-    return Usage("--latency", "must be above 0", "25ms is where it begins to cost errors");
+    return Usage("--latency", "must be above 0", "give the longest latency, such as 25ms");
   }
   if (question.objective != sim::Objective::kSkinRms) {
     return Usage("--latency", "is answered for skin-rms only", "leave it out for other objectives");

@@ -19,6 +19,7 @@
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
+#include "tests/residual.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -288,6 +289,36 @@ INSTANTIATE_TEST_SUITE_P(
         Undriven{"Modulated", 5e-4, 2e-7, Modulated}, Undriven{"Wandering", 5e-4, 2e-7, Wandering},
         Undriven{"TwoTones", 5e-4, 2e-7, TwoTones}),
     [](const auto& undriven) { return std::string(undriven.param.name); });
+
+// a tone that goes on, in as many values as a narrow band leaves of a tile
+TEST(NarrowBand, IsAnsweredAtEveryRate) {
+  for (const double rate_hz : {1e3, 2e3, 5e3, 1e5}) {
+    Noise noise(3);
+    std::vector<double> values =
+        Samples(rate_hz, static_cast<std::size_t>(3 * rate_hz), 0, {{14.14e-6, 385, 0}});
+    for (double& value : values) value += 1e-7 * noise();
+    BandQuestion question;
+    question.band.lower_hz = 380;
+    question.band.upper_hz = 390;
+    const BandAnalysis analysis = Answer(RecordOf(std::move(values), rate_hz), question);
+    ASSERT_TRUE(analysis.answered) << rate_hz;
+    EXPECT_REL(analysis.numbers->rms.rms_m, 10e-6, 1e-3, "a steady tone well within the band");
+  }
+}
+
+// 1 mV here and there on a channel that is 0 else is no drive: the tone is on all the time
+TEST(DriveChannel, ThatFlickersIsNone) {
+  trial::Record record =
+      CaseRecord({Place::kStart, /*drive_s=*/3, /*record_s=*/3, /*has_channel=*/true, 0, 5e-8}, 5);
+  std::vector<double>& voltage = record.channels[1].values;
+  for (std::size_t k = 0; k < voltage.size(); ++k) {
+    voltage[k] = Uniform(k, 1) < 0.013 ? 1e-3 : 0;
+  }
+  const BandAnalysis analysis = Answer(record);
+  ASSERT_TRUE(analysis.answered);
+  EXPECT_REL(analysis.numbers->rms.rms_m, kRmsM, 1e-3, "a steady tone well within the band")
+      << analysis.numbers->part.why;
+}
 
 }  // namespace
 }  // namespace haptometer::dsp
