@@ -171,14 +171,11 @@ double LeastAmplitude(const Glances& glances, const Seen& tone) {
 // the mean of PowerAt from half an octave below a frequency to half an octave above it
 double NoisePowerAbout(std::span<const double> samples, double rate_hz, double frequency_hz) {
   const double step_hz = rate_hz / static_cast<double>(samples.size());
+  const double lowest_hz = frequency_hz / std::numbers::sqrt2;
+  const auto steps = static_cast<int>(lowest_hz / step_hz);
   double sum = 0;
-  double count = 0;
-  for (double hz = frequency_hz / std::numbers::sqrt2; hz <= frequency_hz * std::numbers::sqrt2;
-       hz += step_hz) {
-    sum += PowerAt(samples, rate_hz, hz);
-    ++count;
-  }
-  return sum / count;
+  for (int k = 0; k <= steps; ++k) sum += PowerAt(samples, rate_hz, lowest_hz + k * step_hz);
+  return sum / (steps + 1);
 }
 
 // whether a tone is more than noise of any colour gives where the record is most quiet

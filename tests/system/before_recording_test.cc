@@ -277,7 +277,7 @@ TEST_F(BeforeRecording, WithoutReconnectALostDeviceEndsItAndTheMessageNamesTheOp
   EmulateStream();
   Process acquire(Acquire({"-o", trial_}));
   ASSERT_TRUE(WaitForRows(acquire, 0));
-  emulator_.reset();
+  EndDevice();
   const Outcome acquired = acquire.Wait(60);
   EXPECT_EQ(acquired.status, 1);
   EXPECT_THAT(acquired.err, HasSubstr("--reconnect"));
@@ -304,7 +304,7 @@ TEST_F(BeforeRecording, ADeviceThatStaysAwayIsGivenUp) {
   EmulateStream();
   Process acquire(Acquire({"-o", trial_, "--reconnect", "1s", "--json"}));
   ASSERT_TRUE(WaitForRows(acquire, 0));
-  emulator_.reset();
+  EndDevice();
   EXPECT_EQ(acquire.Wait(60).status, 1);
 }
 

@@ -26,11 +26,16 @@ void EmulatedDeviceTest::TearDown() { fs::remove_all(directory_); }
 void EmulatedDeviceTest::Emulate(const std::vector<std::string>& words) {
   std::vector<std::string> arguments{"haptometer", "emulate"};
   arguments.insert(arguments.end(), words.begin(), words.end());
-  emulator_.reset();
+  EndDevice();
   emulator_ = std::make_unique<Process>(arguments);
   const auto port = emulator_->WaitForLine("ready ", 20);
   ASSERT_TRUE(port);
   port_ = *port;
+}
+
+void EmulatedDeviceTest::EndDevice() {
+  if (fs::is_symlink(port_)) fs::remove(port_);
+  emulator_.reset();
 }
 
 ::testing::AssertionResult EmulatedDeviceTest::WaitForRows(Process& recorder, int rows) const {

@@ -27,6 +27,10 @@ class EmulatedDeviceTest : public ::testing::Test {
   /// Starts `haptometer emulate` with `words` and stores its port; the one before ends first.
   void Emulate(const std::vector<std::string>& words);
 
+  /// Ends the device. Its link goes first: the number of its terminal may be another's at once,
+  /// and who reconnects would find that one by it.
+  void EndDevice();
+
   /// Waits until `recorder` has put more than `rows` rows into trial_ that a reader sees, which
   /// takes it a flush; 60 s at most.
   [[nodiscard]] ::testing::AssertionResult WaitForRows(Process& recorder, int rows) const;
