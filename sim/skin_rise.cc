@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/check.h"
 #include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/onset.h"
 
@@ -17,6 +18,8 @@ constexpr double kSteadyPeriods = 10;
 
 std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, double tone_hz,
                                const SteadyPart& part) {
+  HAPTOMETER_CHECK((part.end_s - part.begin_s) * tone_hz >= kLeastRisePeriods * (1 - 1e-9),
+                   "a steady part of {} s at {} Hz", part.end_s - part.begin_s, tone_hz);
   // rest before, so that the envelope has seen it
   const auto quiet = static_cast<std::size_t>(std::ceil(kQuietPeriods / tone_hz * rate_hz));
   const double quiet_s = static_cast<double>(quiet) / rate_hz;

@@ -230,6 +230,8 @@ TEST(TuneVerb, RefusesWhatItCannotMean) {
       {{"--mover-travel", "1mm", "--objective", "rms-per-watt"}, "not answered for rms-per-watt"},
       {{"--mover-travel", "1mm", "--skin-varies", "0.1"}, "skins that vary"},
       {{"--latency", "0s"}, "must be above 0"},
+      {{"--mover-travel", "-1mm"}, "longest travel to one side"},
+      {{"--latency", "25ms", "--grid", "5"}, "neither travel nor latency"},
       {{"--latency", "25ms", "--objective", "stimulus"}, "skin-rms only"},
       {{"--latency", "25ms", "--skin-varies", "0.1"}, "skins that vary"},
       {{"--latency", "25ms", "--mover-travel", "1mm"}, "together with --mover-travel"},

@@ -237,6 +237,10 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   sim::TuningProblem& problem = question.problem;
   if (words.skin == "table") problem.skin_range = sim::SkinRange::kTable;
   if (words.mover_travel) problem.mover_limit_m = words.mover_travel->value;
+  if (!(problem.mover_limit_m > 0)) {
+    return Usage("--mover-travel", "must be above 0",
+                 "give the longest travel to one side, such as 0.5mm");
+  }
   if (words.skin_varies) problem.skin_variation = words.skin_varies->value;
   if (words.voltage) problem.drive.amplitude_v = words.voltage->value;
   if (words.frequency) problem.drive.frequency_hz = words.frequency->value;
@@ -260,6 +264,10 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   if (auto fit = CheckObjective(question); !fit) return std::unexpected(fit.error());
   if (words.latency) question.latency_limit_s = words.latency->value;
   if (auto fit = CheckLatency(question); !fit) return std::unexpected(fit.error());
+  if (words.grid && (question.latency_limit_s || std::isfinite(problem.mover_limit_m))) {
+    return Usage("--grid", "knows neither travel nor latency",
+                 "leave it out beside --mover-travel and --latency");
+  }
   if (words.grid) question.grid_values = static_cast<std::size_t>(*words.grid);
   return question;
 }

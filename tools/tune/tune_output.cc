@@ -207,8 +207,7 @@ std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
   if (answer.question.latency_limit_s) {
     assumptions.emplace_back(
         "the latency is that of a simulated run and was searched, not proved: that the adapter "
-        "keeps "
-        "to the limit is certain, that no other does and moves the skin more is not");
+        "keeps to the limit is certain, that no other does and moves the skin more is not");
   }
   if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
   return assumptions;
