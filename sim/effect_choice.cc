@@ -49,7 +49,8 @@ class Decision {
     PlayedScene everything = Play(all_);
     if (!everything.answered) {
       return CannotAnswer(where, everything.problem,
-                          "give a duration, or leave out effects that are on");
+                          scene_.duration_s ? "shorten duration_s, or leave out effects that are on"
+                                            : "give a duration, or leave out effects that are on");
     }
     if (!(everything.run.error_estimate <= scene_.tolerance)) {
       return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));

@@ -85,17 +85,17 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
 }
 
 template <typename Motion>
-std::optional<PeriodStep> PeriodMap::Play(Motion& motion, int periods, int outputs,
-                                          bool with_means) const {
+std::expected<PeriodStep, std::string_view> PeriodMap::Play(Motion& motion, int periods,
+                                                            int outputs, bool with_means) const {
   Eigen::VectorXd largest = motion.Positions().cwiseAbs();
   for (int i = 0; i < periods * outputs; ++i) {
     motion.Next();
-    if (motion.stalled_at_s()) return {};
+    if (motion.stalled_at_s()) return std::unexpected(motion.stall_reason());
     if (with_means) largest = largest.cwiseMax(motion.Positions().cwiseAbs());
   }
   double theta_k = 0;
   if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
-  PeriodStep step{.point = PointOf(motion.mode(), motion.x(), theta_k)};
+  PeriodStep step{.point = PointOf(motion.mode(), motion.x(), theta_k), .steps = motion.steps()};
   if (!with_means) return step;
   const double duration_s = periods / drive_.frequency_hz;
   const std::vector<double> squares = motion.SquareIntegrals();
@@ -109,8 +109,8 @@ std::optional<PeriodStep> PeriodMap::Play(Motion& motion, int periods, int outpu
   return step;
 }
 
-std::optional<PeriodStep> PeriodMap::After(const PeriodPoint& point, int periods,
-                                           bool with_means) const {
+std::expected<PeriodStep, std::string_view> PeriodMap::After(const PeriodPoint& point, int periods,
+                                                             bool with_means) const {
   const int outputs = with_means ? kOutputsPerPeriod : 1;
   const double rate_hz = outputs * drive_.frequency_hz;
   if (!settings_) {

@@ -2,7 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
+#include <expected>
 #include <optional>
+#include <string_view>
 
 #include "sim/piecewise_linear.h"
 #include "sim/piecewise_motion.h"
@@ -31,10 +34,11 @@ struct PeriodMeans {
 /// Where a point is after some periods.
 struct PeriodStep {
   PeriodPoint point;
+  std::int64_t steps = 0;              ///< the work: intervals judged, or the solver's steps
   std::optional<PeriodMeans> means{};  ///< if asked for
 };
 
-/// The motion over whole periods of its drive, from phase 0 to phase 0; nothing where it stalls.
+/// The motion over whole periods of its drive, from phase 0 to phase 0; where it stalls, why.
 class PeriodMap {
  public:
   /// Exact: PiecewiseMotion.
@@ -42,8 +46,9 @@ class PeriodMap {
   /// SmoothMotion at settings.tolerance.
   PeriodMap(SmoothSystem system, const SineDrive& drive, const SmoothSettings& settings);
 
-  [[nodiscard]] std::optional<PeriodStep> After(const PeriodPoint& point, int periods,
-                                                bool with_means = false) const;
+  [[nodiscard]] std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point,
+                                                                  int periods,
+                                                                  bool with_means = false) const;
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
@@ -57,8 +62,9 @@ class PeriodMap {
 
  private:
   template <typename Motion>
-  [[nodiscard]] std::optional<PeriodStep> Play(Motion& motion, int periods, int outputs,
-                                               bool with_means) const;
+  [[nodiscard]] std::expected<PeriodStep, std::string_view> Play(Motion& motion, int periods,
+                                                                 int outputs,
+                                                                 bool with_means) const;
 
   SmoothSystem system_;
   SineDrive drive_;

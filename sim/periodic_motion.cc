@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <expected>
+#include <string_view>
 #include <utility>
 
 namespace haptometer::sim {
@@ -22,11 +24,35 @@ constexpr double kDone = 3;
 constexpr double kFixed = 1e3;
 constexpr double kSame = 1e4;
 
+// The map, whose work a search counts; beyond its limit nothing is known of any point.
+class CountedMap {
+ public:
+  CountedMap(const PeriodMap& map, std::int64_t most_steps, PeriodicSearch& search)
+      : map_(map), most_steps_(most_steps), search_(search) {}
+
+  bool IsSpent() const { return search_.steps > most_steps_; }
+  std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point, int periods,
+                                                    bool with_means = false) {
+    if (IsSpent()) return std::unexpected("the search needs too many steps");
+    std::expected<PeriodStep, std::string_view> step = map_.After(point, periods, with_means);
+    search_.periods_played += periods;
+    if (step) search_.steps += step->steps;
+    return step;
+  }
+  Eigen::VectorXd ScaleOf(const PeriodPoint& point) const { return map_.ScaleOf(point); }
+  double error() const { return map_.error(); }
+
+ private:
+  const PeriodMap& map_;
+  std::int64_t most_steps_;
+  PeriodicSearch& search_;
+};
+
 // The fixed points of P^k near a point.
 class Shooting {
  public:
-  Shooting(const PeriodMap& map, int periods, const Eigen::VectorXd& scale, std::int64_t& played)
-      : map_(map), periods_(periods), scale_(scale), played_(played) {}
+  Shooting(CountedMap& map, int periods, const Eigen::VectorXd& scale)
+      : map_(map), periods_(periods), scale_(scale) {}
 
   struct End {
     PeriodPoint point;
@@ -78,8 +104,7 @@ class Shooting {
   static double Size(const Eigen::VectorXd& scaled) { return scaled.cwiseAbs().maxCoeff(); }
 
   std::optional<PeriodPoint> After(const PeriodPoint& point, int periods) {
-    played_ += periods;
-    std::optional<PeriodStep> step = map_.After(point, periods);
+    std::expected<PeriodStep, std::string_view> step = map_.After(point, periods);
     if (!step) return {};
     return std::move(step->point);
   }
@@ -112,10 +137,9 @@ class Shooting {
     return false;
   }
 
-  const PeriodMap& map_;
+  CountedMap& map_;
   int periods_;
   const Eigen::VectorXd& scale_;
-  std::int64_t& played_;
 };
 
 Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
@@ -138,18 +162,17 @@ bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
 }
 
 // A motion of k periods that has no shorter one.
-std::optional<PeriodicMotion> Shoot(const PeriodMap& map, const PeriodPoint& from, int periods,
-                                    int newton_steps, std::int64_t& played) {
+std::optional<PeriodicMotion> Shoot(CountedMap& map, const PeriodPoint& from, int periods,
+                                    int newton_steps) {
   const Eigen::VectorXd scale = map.ScaleOf(from);
-  Shooting shooting(map, periods, scale, played);
+  Shooting shooting(map, periods, scale);
   std::optional<Shooting::End> end = shooting.From(from, newton_steps);
   if (!end) return {};
   if (periods > 1) {
     const std::optional<double> apart = shooting.ReturnsWithin(end->point, periods / 2);
     if (apart && *apart <= kSame * map.error()) return {};
   }
-  played += periods;
-  std::optional<PeriodStep> whole = map.After(end->point, periods, true);
+  std::expected<PeriodStep, std::string_view> whole = map.After(end->point, periods, true);
   if (!whole) return {};
   const Eigen::VectorXd apart = (end->point.x - from.x).cwiseQuotient(scale);
   const bool stable = IsStable(shooting, *end, map.error());
@@ -168,19 +191,19 @@ std::optional<PeriodicMotion> Shoot(const PeriodMap& map, const PeriodPoint& fro
 PeriodicSearch FindPeriodicMotion(const PeriodMap& map, const PeriodPoint& start,
                                   const PeriodicSettings& settings) {
   PeriodicSearch search;
+  CountedMap counted(map, settings.most_steps, search);
   PeriodPoint point = start;
   int transient = settings.transient_periods;
   for (int round = 0; round < kTransients; ++round, transient *= 2) {
-    std::optional<PeriodStep> end = map.After(point, transient);
-    search.periods_played += transient;
+    std::expected<PeriodStep, std::string_view> end = counted.After(point, transient);
     if (!end) {
-      search.tried += fmt::format("the motion stalls within {} periods", transient);
+      search.tried +=
+          fmt::format("the motion stalls within {} periods: {}", transient, end.error());
       return search;
     }
     point = std::move(end->point);
     for (const int periods : kPeriods) {
-      std::optional<PeriodicMotion> motion =
-          Shoot(map, point, periods, settings.newton_steps, search.periods_played);
+      std::optional<PeriodicMotion> motion = Shoot(counted, point, periods, settings.newton_steps);
       if (motion && motion->stable) {
         search.found = std::move(motion);
         return search;
@@ -189,6 +212,10 @@ PeriodicSearch FindPeriodicMotion(const PeriodMap& map, const PeriodPoint& start
     }
     search.tried += fmt::format("{}{} periods of transient, then Newton for 1, 2 and 4",
                                 round > 0 ? "; " : "", transient);
+    if (counted.IsSpent()) {
+      search.tried += fmt::format("; no more after {} steps", search.steps);
+      break;
+    }
   }
   return search;
 }

@@ -29,12 +29,14 @@ struct PeriodicSearch {
   std::optional<PeriodicMotion> found;  ///< stable where there is one, else the shortest found
   std::string tried;                    ///< in words, for the answer "none found"
   std::int64_t periods_played = 0;      ///< periods of the drive that were computed
+  std::int64_t steps = 0;               ///< what that took (PeriodStep::steps)
 };
 
 /// How a periodic motion is searched for.
 struct PeriodicSettings {
   int transient_periods = 200;  ///< before the first shot; doubled twice if nothing is found
   int newton_steps = 20;        ///< at most, for each shot
+  std::int64_t most_steps = 10'000'000;  ///< in all, then nothing more is tried: half a minute
 };
 
 /// The periodic steady state that a motion settles to.

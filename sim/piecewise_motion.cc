@@ -14,6 +14,9 @@ namespace {
 
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
+// judged one by one, in some 1 us each
+constexpr std::uint64_t kMostIntervals = 2'000'000;
+constexpr std::uint64_t kMostIntervalsPerOutput = 10;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
 
@@ -160,6 +163,7 @@ void PiecewiseMotion::Play() {
     const std::uint64_t end_tick = PieceEndsWithin() ? piece_end_tick_ : kTicks;
     const std::uint64_t ticks = std::min(end_tick - now_.tick, kTicks >> level);
     const Point end = Travelled(now_, ticks, false);
+    NoticeWork();
     const Ahead ahead = LookAhead(end, ticks);
     if (!ahead.known) {
       while ((kTicks >> level) >= ticks) ++level;
@@ -351,7 +355,19 @@ void PiecewiseMotion::NoticeStall() {
   const std::uint64_t tick = index_ * kTicks + now_.tick;  // may wrap: differences are what counts
   crowded_events_ = tick - last_event_tick_ < kCrowdedTicks ? crowded_events_ + 1 : 0;
   last_event_tick_ = tick;
-  if (crowded_events_ >= kMostCrowdedEvents) stalled_at_s_ = events_.back().time_s;
+  if (crowded_events_ >= kMostCrowdedEvents) Stall(events_.back().time_s, "events without end");
+}
+
+void PiecewiseMotion::NoticeWork() {
+  ++intervals_;
+  if (intervals_ > kMostIntervals + kMostIntervalsPerOutput * index_) {
+    Stall(static_cast<double>(TimeAt(now_.tick)), kBodiesTooFast);
+  }
+}
+
+void PiecewiseMotion::Stall(double time_s, std::string_view reason) {
+  stalled_at_s_ = time_s;
+  stall_reason_ = reason;
 }
 
 // the state from where the mode began, in as few steps as there are ones in their number

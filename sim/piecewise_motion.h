@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,6 +19,10 @@
 #include "sim/uniform_motion.h"
 
 namespace haptometer::sim {
+
+/// The reason for a stall where the intervals that have to be judged are too many.
+inline constexpr std::string_view kBodiesTooFast =
+    "bodies too fast against the drive to look for events";
 
 /// A guard fell below zero.
 struct Event {
@@ -63,8 +68,10 @@ struct OutputGrid {
 /// the speed of crossing and A the size of the motion; a graze, where v vanishes, is decided by g
 /// at its minimum to 1e-13 A and timed to sqrt(1e-13 A/|g''|).
 ///
-/// **Accumulation** of bounces: see PiecewiseLinearSystem. **A stall**, a hundred events with less
-/// than 2^-40 of an output step from each to the next, ends the motion and is said.
+/// **Accumulation** of bounces: see PiecewiseLinearSystem. **A stall** ends the motion and is said:
+/// a hundred events with less than 2^-40 of an output step from each to the next, or more than
+/// 2e6 intervals judged, and 10 more for each output so far (some 2 s, and 10 us an output), as
+/// happens where a body or a current settles a million times faster than the rest moves.
 class PiecewiseMotion {
  public:
   /// `with_energy` keeps the ledger: 0.2 us more for a step, and some
@@ -123,8 +130,12 @@ class PiecewiseMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
+  /// How many intervals were judged one by one so far.
+  [[nodiscard]] std::int64_t steps() const { return static_cast<std::int64_t>(intervals_); }
   /// When the motion stalled, if it did.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
+  /// Why: "events without end", for instance.
+  [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_; }
 
  private:
@@ -178,6 +189,8 @@ class PiecewiseMotion {
   void Follow(std::size_t transition, double time_s, double guard_rate);
   [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition);
   void NoticeStall();
+  void NoticeWork();
+  void Stall(double time_s, std::string_view reason);
   void Forget();
   void Reanchor();
   [[nodiscard]] double StoredNow() const;
@@ -202,9 +215,11 @@ class PiecewiseMotion {
   Eigen::VectorXd anchor_;  // the state at output anchor_index_, all since in one mode
   std::uint64_t anchor_index_ = 0;
   std::vector<Event> events_;
+  std::uint64_t intervals_ = 0;  // judged so far
   int crowded_events_ = 0;
   std::uint64_t last_event_tick_ = 0;
   std::optional<double> stalled_at_s_;
+  std::string_view stall_reason_;
   double initial_j_ = 0;
   Flow flow_;
 };

@@ -82,9 +82,6 @@ double CurrentSquares(const SmoothMotion& motion, double /*resistance_ohm*/) {
   return motion.CurrentSquareIntegral();
 }
 
-std::string_view StallOf(const PiecewiseMotion& /*motion*/) { return "events without end"; }
-std::string_view StallOf(const SmoothMotion& motion) { return motion.stall_reason(); }
-
 double RiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
 double RiseOf(const SmoothMotion& motion) { return motion.temperature_rise_k(); }
 
@@ -183,7 +180,7 @@ class Playing {
 
   void Finish() {
     run_.stalled_at_s = motion_.stalled_at_s();
-    if (run_.stalled_at_s) run_.stall_reason = StallOf(motion_);
+    if (run_.stalled_at_s) run_.stall_reason = motion_.stall_reason();
     run_.temperature_rise_k = RiseOf(motion_);
     run_.ledger = motion_.Ledger();
     const double length_s = run_.end_s - run_.begin_s;
@@ -243,7 +240,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   if (!CanLookForEvents(system, grid)) {
     SceneRun run;
     run.stalled_at_s = 0;
-    run.stall_reason = "bodies too fast against the drive to look for events";
+    run.stall_reason = kBodiesTooFast;
     return run;
   }
   auto motion = std::make_unique<PiecewiseMotion>(std::move(system),

@@ -110,6 +110,8 @@ class SmoothMotion {
   [[nodiscard]] OdeMethod method() const { return method_; }
   /// What it cost, both runs.
   [[nodiscard]] OdeWork work() const;
+  /// The solver's steps so far, without those of the run that errors are told from.
+  [[nodiscard]] std::int64_t steps() const { return steps_; }
   /// A tenth of the largest difference to the second run over all outputs so far, each position
   /// over its largest value. In every scene of the tests the error is below it. Infinite after the
   /// second run stalled; needs `with_error`.

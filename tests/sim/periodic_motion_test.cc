@@ -280,6 +280,20 @@ TEST(PeriodicMotion, WhatIsNotFoundIsSaid) {
   PeriodPoint broken = RestOf(scene, smooth);
   broken.x(0) = std::nan("");
   EXPECT_NE(FindPeriodicMotion(smooth, broken).tried.find("stalls"), std::string::npos);
+
+  const PeriodMap stops = ExactMap(scene, {.stops = TravelStops{.gap_up_m = 1, .gap_down_m = 1}});
+  const PeriodicSearch spent = FindPeriodicMotion(stops, RestOf(scene, stops), {.most_steps = 0});
+  EXPECT_FALSE(spent.found.has_value());
+  EXPECT_NE(spent.tried.find("no more after"), std::string::npos) << spent.tried;
+
+  // a current that settles in 3e-12 s beside a drive of 500 Hz
+  Scene fast = scene;
+  fast.actuator.inductance_h = 1e-9;
+  fast.actuator.resistance_ohm = 300;
+  const PeriodMap watched = ExactMap(fast, {.stops = TravelStops{.gap_up_m = 1, .gap_down_m = 1}});
+  const PeriodicSearch stalled = FindPeriodicMotion(watched, RestOf(fast, watched));
+  EXPECT_FALSE(stalled.found.has_value());
+  EXPECT_NE(stalled.tried.find(kBodiesTooFast), std::string::npos) << stalled.tried;
 }
 
 }  // namespace

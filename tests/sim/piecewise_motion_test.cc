@@ -214,6 +214,20 @@ TEST(PiecewiseMotion, AnEndlessToAndFroIsSaidToStall) {
   RunTo(motion, 100);
   ASSERT_TRUE(motion.stalled_at_s().has_value());
   EXPECT_REL(*motion.stalled_at_s(), std::asin(0.5), 1e-14, "where the first event was");
+  EXPECT_EQ(motion.stall_reason(), "events without end");
+}
+
+TEST(PiecewiseMotion, WhatIsTooFastForItsOutputsIsSaidToStall) {
+  // a wall that is nearly reached in each of 1e9 swings between two outputs
+  const Guard wall{.row = -Eigen::RowVectorXd::Unit(2, 0), .offset = 1.001, .transition = 0};
+  constexpr double omega = 2 * std::numbers::pi * 1e9;
+  PiecewiseMotion motion(Swing(omega, {wall}), kNoDrive, {.x = State({0, 1})}, 1);
+  RunTo(motion, 2);
+  ASSERT_TRUE(motion.stalled_at_s().has_value());
+  EXPECT_EQ(motion.stall_reason(), kBodiesTooFast);
+  EXPECT_GT(*motion.stalled_at_s(), 0);
+  EXPECT_LT(*motion.stalled_at_s(), 1);
+  EXPECT_TRUE(motion.events().empty());
 }
 
 TEST(PiecewiseMotion, AMillionCyclesKeepTheirEnergy) {

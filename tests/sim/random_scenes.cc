@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sim/effective_scene.h"
+#include "sim/output_rate.h"
 #include "sim/scene_run.h"
 #include "sim/steady_state.h"
 #include "tests/sim/thesis_scenes.h"
@@ -125,6 +126,7 @@ bool RandomScenes::DrawDrive(Scene& scene) {
   scene.drive.amplitude_v = Real(Between(1e-9, 1) / unit.mover_peak_m);
   scene.duration_s = std::min(Real(Between(2, 12) / scene.drive.frequency_hz), sim::kLongestRunS);
   scene.start = sim::Start::kRest;
+  if (sim::StepsOfRun(scene, *scene.duration_s) > sim::MostSteps(scene)) return false;
   const sim::SceneRun run =
       sim::RunScene(sim::WithEffects(scene, sim::EffectSet(1)), *scene.duration_s);
   if (!run.IsFinite() || !(run.mover_peak_of_run_m > 0)) return false;
