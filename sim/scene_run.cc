@@ -32,8 +32,10 @@ constexpr double kWorthIt = 0.5;
 // of the exact motion, each judged in a microsecond or so
 constexpr double kMostIntervals = 2e6;
 constexpr double kMostIntervalsPerOutput = 1e4;
+// of the solver: some 3 us each, so that a run takes a minute or two at most
 constexpr std::int64_t kMostSteps = 100'000;
 constexpr std::int64_t kMostStepsPerOutput = 300;
+constexpr std::int64_t kMostStepsOfAll = 30'000'000;
 
 // The outputs of a run: so many steps from before t = 0 to its very end.
 struct RunGrid {
@@ -329,9 +331,10 @@ SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseSt
   auto motion = std::make_unique<SmoothMotion>(
       std::move(system), Excitation(bodies.drive, bodies.finger.tones), std::move(start),
       grid.outputs,
-      SmoothSettings{.tolerance = tolerance,
-                     .with_energy = true,
-                     .most_steps = kMostSteps + kMostStepsPerOutput * outputs},
+      SmoothSettings{
+          .tolerance = tolerance,
+          .with_energy = true,
+          .most_steps = std::min(kMostSteps + kMostStepsPerOutput * outputs, kMostStepsOfAll)},
       temperature_rise_k);
   const SmoothMotion& played = *motion;
   Playing playing(scene, duration_s, std::move(motion));
