@@ -258,6 +258,8 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
   };
   SolverLadder ladder(scene.scene.tolerance);
   SceneRun coarse = play(ladder.before());
+  // with less tolerance it takes more
+  if (coarse.stall_reason == kTooManySteps) return coarse;
   OdeWork work = coarse.work;
   for (;; ladder.Refine()) {
     SceneRun run = play(ladder.tolerance());

@@ -185,7 +185,7 @@ void SmoothMotion::Next() {
       TakeOutput(tau_s);
       break;
     } else if (++steps_ > settings_.most_steps) {
-      Stall("the solver needs too many steps");
+      Stall(kTooManySteps);
     } else {
       Advance();
     }

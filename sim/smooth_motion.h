@@ -19,6 +19,9 @@
 
 namespace haptometer::sim {
 
+/// The reason for a stall where SmoothSettings::most_steps are not enough.
+inline constexpr std::string_view kTooManySteps = "the solver needs too many steps";
+
 /// How a smooth motion is computed.
 struct SmoothSettings {
   double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2

@@ -338,6 +338,11 @@ TEST(SmoothMotion, WorkIsCounted) {
   EXPECT_GE(work.evaluations, work.steps);
   EXPECT_GT(work.jacobians, 0);
   EXPECT_EQ(work.restarts, static_cast<std::int64_t>(motion.events().size()) + 1);
+
+  SmoothMotion limited = MotionOf(scene, {}, {}, {.tolerance = 1e-4, .most_steps = 100});
+  for (int i = 0; i < 300; ++i) limited.Next();
+  ASSERT_TRUE(limited.stalled_at_s().has_value());
+  EXPECT_EQ(limited.stall_reason(), kTooManySteps);
 }
 
 }  // namespace
