@@ -76,6 +76,13 @@ AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
 
 namespace {
 
+// a bound that was proved below a point that was found is a mistake of the program
+void CheckBound(Objective objective, const AdapterOptimum& optimum) {
+  HAPTOMETER_CHECK(optimum.upper_bound >= optimum.value, "{}: bound {} by proof {} below {}",
+                   Name(objective), optimum.upper_bound, static_cast<int>(optimum.proof),
+                   optimum.value);
+}
+
 constexpr std::size_t kMostPricedBoxes = 60'000;  // half a second
 
 AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
@@ -84,21 +91,22 @@ AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const Skin skin = SkinOf(problem, unlimited.point.contact_area_m2);
   const AdapterMotion motion = MotionOf(source, unlimited.point.adapter, skin);
-  if (MoverTravel(source, motion.case_m) <= problem.mover_limit_m) return unlimited;
-  const LimitedBest best = BestWithinTravel(objective, problem, receptors);
   AdapterOptimum optimum = unlimited;
-  optimum.point = best.point;
-  optimum.value = best.value;
-  if (!(best.value > 0)) return optimum;
   const auto offer = [&](double bound, Proof proof) {
     if (!(bound < optimum.upper_bound)) return;
     optimum.upper_bound = bound;
     optimum.proof = proof;
   };
   offer(LimitedTravelBound(objective, problem, source, receptors), Proof::kLimitedTravel);
+  if (MoverTravel(source, motion.case_m) <= problem.mover_limit_m) return optimum;
+  const LimitedBest best = BestWithinTravel(objective, problem, receptors);
+  optimum.point = best.point;
+  optimum.value = best.value;
+  if (!(best.value > 0)) return optimum;
   const double proved = BoundWithinTravel(objective, problem, receptors, best, relative_gap,
                                           std::min(most_boxes, kMostPricedBoxes), optimum.boxes);
   offer(proved, Proof::kBranchAndBound);
+  CheckBound(objective, optimum);
   return optimum;
 }
 
@@ -130,9 +138,9 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
   const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
   if (!provable && !steps) return optimum;
 
-  // the largest of the pieces' bounds, each no lower than the best point found
-  const double allowed = 1 + source.rounding_allowance + (steps ? kStepAllowance : 0);
-  double bound = best.value;
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
+  const double allowed = 1 + squares * source.rounding_allowance + (steps ? kStepAllowance : 0);
+  double bound = 0;
   for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
     if (!(piece.weight > 0)) continue;
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
@@ -145,6 +153,7 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
     optimum.upper_bound = bound * allowed;
     optimum.proof = Proof::kBranchAndBound;
   }
+  CheckBound(objective, optimum);
   return optimum;
 }
 

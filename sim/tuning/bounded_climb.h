@@ -17,12 +17,15 @@ struct LimitedView {
   CubePlace excess_slopes = CubePlace::Zero();
 };
 
+/// A limit counts as kept where h is no more than this.
+inline constexpr double kKeptLimit = 1e-11;
+
 /// Where a climb ended.
 struct LimitedSummit {
   CubePlace place = CubePlace::Zero();
   double price = 0;   ///< lambda: by how much the cost falls where the limit is let out
   double cost = 0;    ///< f
-  bool kept = false;  ///< h <= 1e-11
+  bool kept = false;  ///< h <= kKeptLimit
 };
 
 /// The local minimum of f under h <= 0 and lower <= place <= upper that is reached from `start`.

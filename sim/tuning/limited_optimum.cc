@@ -144,11 +144,14 @@ double BoundWithinTravel(Objective objective, const TuningProblem& problem,
   const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
   HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
                    pieces.size(), best.value);
-  double bound = best.value;
+  double bound = 0;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const AreaPiece& piece = pieces[k];
     const double rough = RoughBound(piece, source, receptors);
-    if (!(rough > bound)) continue;
+    if (!(rough > best.value)) {
+      bound = std::max(bound, rough);
+      continue;
+    }
     const PricedCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
     const double price = std::clamp(best.prices[k], 0.0, 1.0);
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
@@ -156,9 +159,12 @@ double BoundWithinTravel(Objective objective, const TuningProblem& problem,
                                    enough, most_boxes, boxes);
     bound = std::max(bound, std::min(rough, ValueOfCost(piece, source, least)));
   }
-  // what the rounding of source and limit may move: travel is a difference of two
+  // what the rounding of source and limit may move: travel is a difference of two; a price is 1 at
+  // most, so that the value moves by no more than the limit's square
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
-  return bound * (1 + source.rounding_allowance * travel + (steps ? kStepAllowance : 0));
+  return bound * (1 + squares * source.rounding_allowance * travel + kKeptLimit +
+                  (steps ? kStepAllowance : 0));
 }
 
 }  // namespace haptometer::sim

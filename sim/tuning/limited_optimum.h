@@ -28,7 +28,8 @@ struct LimitedBest {
                                            const ReceptorField& receptors);
 
 /// What no adapter within the bounds exceeds whose mover keeps to the limit; infinite for a
-/// stimulus with soft edges, which has no proof.
+/// stimulus with soft edges, which has no proof. It is what the boxes say, not lifted to the value
+/// that was found: below that value it would be wrong.
 ///
 /// By weak duality (sim/tuning/priced_cost.h) with the price of travel at `best`, and boxes. It
 /// comes within `relative_gap` where the duality has no gap (none was seen) and `most_boxes` are
