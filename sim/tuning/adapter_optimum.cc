@@ -76,6 +76,34 @@ AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
 
 namespace {
 
+void Offer(AdapterOptimum& optimum, double bound, Proof proof) {
+  if (!(bound < optimum.upper_bound)) return;
+  optimum.upper_bound = bound;
+  optimum.proof = proof;
+}
+
+// The largest of the bounds of the stretches of areas; nothing for what has no proof by boxes.
+void ProveUnlimited(Objective objective, const TuningProblem& problem, const MotorSource& source,
+                    const ReceptorField& receptors, double relative_gap, std::size_t most_boxes,
+                    AdapterOptimum& optimum) {
+  const bool steps = HasSteps(objective, receptors);
+  const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
+  if (!provable && !steps) return;
+  double bound = 0;
+  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
+    if (!(piece.weight > 0)) continue;
+    const double enough = CostOfValue(piece, source, optimum.value * (1 + relative_gap));
+    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
+    const LeastOfBoxes least =
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
+    optimum.boxes += least.boxes;
+    bound = std::max(bound, ValueOfCost(piece, source, least.cost));
+  }
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
+  const double allowed = 1 + squares * source.rounding_allowance + (steps ? kStepAllowance : 0);
+  Offer(optimum, bound * allowed, Proof::kBranchAndBound);
+}
+
 // a bound that was proved below a point that was found is a mistake of the program
 void CheckBound(Objective objective, const AdapterOptimum& optimum) {
   HAPTOMETER_CHECK(optimum.upper_bound >= optimum.value, "{}: bound {} by proof {} below {}",
@@ -83,76 +111,50 @@ void CheckBound(Objective objective, const AdapterOptimum& optimum) {
                    optimum.value);
 }
 
-constexpr std::size_t kMostPricedBoxes = 60'000;  // half a second
-
-AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
-                            const ReceptorField& receptors, const AdapterOptimum& unlimited,
-                            double relative_gap, std::size_t most_boxes) {
-  const MotorSource source = SourceOf(problem.actuator, problem.drive);
-  const Skin skin = SkinOf(problem, unlimited.point.contact_area_m2);
-  const AdapterMotion motion = MotionOf(source, unlimited.point.adapter, skin);
-  AdapterOptimum optimum = unlimited;
-  const auto offer = [&](double bound, Proof proof) {
-    if (!(bound < optimum.upper_bound)) return;
-    optimum.upper_bound = bound;
-    optimum.proof = proof;
-  };
-  offer(LimitedTravelBound(objective, problem, source, receptors), Proof::kLimitedTravel);
-  if (MoverTravel(source, motion.case_m) <= problem.mover_limit_m) return optimum;
-  const LimitedBest best = BestWithinTravel(objective, problem, receptors);
-  optimum.point = best.point;
-  optimum.value = best.value;
-  if (!(best.value > 0)) return optimum;
-  const double proved = BoundWithinTravel(objective, problem, receptors, best, relative_gap,
-                                          std::min(most_boxes, kMostPricedBoxes), optimum.boxes);
-  offer(proved, Proof::kBranchAndBound);
-  CheckBound(objective, optimum);
-  return optimum;
+bool KeepsToItsTravel(const TuningProblem& problem, const MotorSource& source,
+                      const AdapterPoint& point) {
+  const Skin skin = SkinOf(problem, point.contact_area_m2);
+  return MoverTravel(source, MotionOf(source, point.adapter, skin).case_m) <= problem.mover_limit_m;
 }
+
+constexpr std::size_t kMostPricedBoxes = 60'000;  // half a second
 
 }  // namespace
 
 AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                   const ReceptorField& receptors, double relative_gap,
                                   std::size_t most_boxes) {
-  if (std::isfinite(problem.mover_limit_m)) {
-    HAPTOMETER_CHECK(objective != Objective::kRmsPerWatt && problem.skin_variation == 0,
-                     "{} of skins that vary by {} with limited travel", Name(objective),
-                     problem.skin_variation);
-    TuningProblem free = problem;
-    free.mover_limit_m = std::numeric_limits<double>::infinity();
-    return WithinTravel(objective, problem, receptors,
-                        FindAdapterOptimum(objective, free, receptors, relative_gap, most_boxes),
-                        relative_gap, most_boxes);
-  }
+  const bool limited = std::isfinite(problem.mover_limit_m);
+  const bool of_motion = objective == Objective::kSkinRms || objective == Objective::kStimulus;
   HAPTOMETER_CHECK(!Fault(problem) && relative_gap > 0, "gap {}", relative_gap);
-  HAPTOMETER_CHECK(problem.skin_variation == 0 || objective == Objective::kSkinRms ||
-                       objective == Objective::kStimulus,
-                   "{} of skins that vary", Name(objective));
+  HAPTOMETER_CHECK(problem.skin_variation == 0 || (of_motion && !limited),
+                   "{} of skins that vary, limit {}", Name(objective), problem.mover_limit_m);
+  HAPTOMETER_CHECK(!limited || objective != Objective::kRmsPerWatt, "{} with limited travel",
+                   Name(objective));
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
-  const RidgePoint best = Best(objective, problem, receptors);
+  TuningProblem unlimited = problem;
+  unlimited.mover_limit_m = std::numeric_limits<double>::infinity();
+  const RidgePoint best = Best(objective, unlimited, receptors);
   AdapterOptimum optimum{.point = best.point,
                          .value = best.value,
                          .upper_bound = MatchedLoadBound(objective, problem, source, receptors)};
-  const bool steps = HasSteps(objective, receptors);
-  const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
-  if (!provable && !steps) return optimum;
-
-  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
-  const double allowed = 1 + squares * source.rounding_allowance + (steps ? kStepAllowance : 0);
-  double bound = 0;
-  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
-    if (!(piece.weight > 0)) continue;
-    const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
-    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
-    const double least = LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough,
-                                   most_boxes, optimum.boxes);
-    bound = std::max(bound, ValueOfCost(piece, source, least));
+  if (limited) {
+    Offer(optimum, LimitedTravelBound(objective, problem, source, receptors),
+          Proof::kLimitedTravel);
   }
-  if (bound * allowed < optimum.upper_bound) {
-    optimum.upper_bound = bound * allowed;
-    optimum.proof = Proof::kBranchAndBound;
+  if (!limited || KeepsToItsTravel(problem, source, best.point)) {
+    ProveUnlimited(objective, unlimited, source, receptors, relative_gap, most_boxes, optimum);
+    CheckBound(objective, optimum);
+    return optimum;
   }
+  const LimitedBest within = BestWithinTravel(objective, problem, receptors);
+  optimum.point = within.point;
+  optimum.value = within.value;
+  if (!(within.value > 0)) return optimum;
+  const TravelBound proved = BoundWithinTravel(objective, problem, receptors, within, relative_gap,
+                                               std::min(most_boxes, kMostPricedBoxes));
+  optimum.boxes = proved.boxes;
+  Offer(optimum, proved.value, Proof::kBranchAndBound);
   CheckBound(objective, optimum);
   return optimum;
 }

@@ -21,7 +21,7 @@ struct AdapterOptimum {
   double value = 0;        ///< the objective there, in its unit
   double upper_bound = 0;  ///< no point within the bounds gives more
   Proof proof = Proof::kMatchedLoad;
-  std::size_t boxes = 0;  ///< that the proof took
+  std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
 /// The best point alone, without proof: Newton's steps from the best of an even lattice
@@ -44,8 +44,9 @@ struct AdapterOptimum {
 /// rounds outwards. The box with the weakest bound is halved across its widest contribution until
 /// that bound is within `relative_gap` of the best point, or `most_boxes` have been looked at;
 /// whichever comes first, the weakest bound that is left is the answer. kStimulus is the same for
-/// each step of Nr, whose weight is constant on it (sharp field edges only); kSkinPower divides by
-/// b. kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
+/// each stretch of areas between two steps of Nr, whose weight is constant on it (sharp field edges
+/// only), each with `most_boxes` of its own; kSkinPower divides by b. kRmsPerWatt has
+/// MatchedLoadBound() alone, and so has a stimulus with soft edges.
 ///
 /// With a skin_variation v (kSkinRms and kStimulus only) the second bracket is
 /// |Ks + Re Z - Ma2 w^2| + v Ks and b is that of the largest Bs: the least RMS over those skins is
@@ -53,9 +54,9 @@ struct AdapterOptimum {
 ///
 /// With a mover_limit_m (not for kRmsPerWatt, nor with a skin_variation) the best point is sought
 /// among those that keep to it; where the unlimited optimum does, it is the answer, with its proof.
-/// Else the bound is the lowest of BoundWithinTravel() with at most 60 000 boxes, that of boxes
-/// again, of LimitedTravelBound(), and of the unlimited optimum's. value 0: none found. ValueOf()
-/// itself knows no limit.
+/// Else the proof is BoundWithinTravel()'s, boxes again, at most 60 000 of each stretch of areas.
+/// Either way LimitedTravelBound() and MatchedLoadBound() are told where they are lower. value 0:
+/// none found. ValueOf() itself knows no limit.
 ///
 /// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance
 /// (2.5e-11 for the thesis's actuator) is added for that.

@@ -49,12 +49,13 @@ bool Bound(const Cost& over, OpenBox& open) {
 
 }  // namespace
 
-double LeastCost(const Cost& over, double enough, std::size_t most_boxes, std::size_t& boxes) {
+LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) {
   OpenBox whole;
   whole.box.fill({.lower = 0, .upper = 1});
   Bound(over, whole);
   OpenBoxes open;
   open.push(whole);
+  std::size_t boxes = 1;
   while (!open.empty() && open.top().cost.lower < enough && boxes < most_boxes) {
     const OpenBox first = open.top();
     open.pop();
@@ -68,7 +69,8 @@ double LeastCost(const Cost& over, double enough, std::size_t most_boxes, std::s
     }
     boxes += 2;
   }
-  return open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower;
+  return {.cost = open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower,
+          .boxes = boxes};
 }
 
 }  // namespace haptometer::sim

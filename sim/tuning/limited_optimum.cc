@@ -135,36 +135,38 @@ LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
   return best;
 }
 
-double BoundWithinTravel(Objective objective, const TuningProblem& problem,
-                         const ReceptorField& receptors, const LimitedBest& best,
-                         double relative_gap, std::size_t most_boxes, std::size_t& boxes) {
+TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                              const ReceptorField& receptors, const LimitedBest& best,
+                              double relative_gap, std::size_t most_boxes) {
   const bool steps = HasSteps(objective, receptors);
-  if (objective == Objective::kStimulus && !steps) return kNone;
+  if (objective == Objective::kStimulus && !steps) return {.value = kNone};
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
   HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
                    pieces.size(), best.value);
-  double bound = 0;
+  TravelBound bound;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const AreaPiece& piece = pieces[k];
     const double rough = RoughBound(piece, source, receptors);
     if (!(rough > best.value)) {
-      bound = std::max(bound, rough);
+      bound.value = std::max(bound.value, rough);
       continue;
     }
     const PricedCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
     const double price = std::clamp(best.prices[k], 0.0, 1.0);
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
-    const double least = LeastCost([&](const AdapterBox& box) { return cost.Over(box, price); },
-                                   enough, most_boxes, boxes);
-    bound = std::max(bound, std::min(rough, ValueOfCost(piece, source, least)));
+    const LeastOfBoxes least =
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box, price); }, enough, most_boxes);
+    bound.boxes += least.boxes;
+    bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
   }
   // what the rounding of source and limit may move: travel is a difference of two; a price is 1 at
   // most, so that the value moves by no more than the limit's square
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
-  return bound * (1 + squares * source.rounding_allowance * travel + kKeptLimit +
-                  (steps ? kStepAllowance : 0));
+  bound.value *=
+      1 + squares * source.rounding_allowance * travel + kKeptLimit + (steps ? kStepAllowance : 0);
+  return bound;
 }
 
 }  // namespace haptometer::sim

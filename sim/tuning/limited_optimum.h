@@ -27,17 +27,22 @@ struct LimitedBest {
 [[nodiscard]] LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
                                            const ReceptorField& receptors);
 
-/// What no adapter within the bounds exceeds whose mover keeps to the limit; infinite for a
-/// stimulus with soft edges, which has no proof. It is what the boxes say, not lifted to the value
-/// that was found: below that value it would be wrong.
+/// What no adapter exceeds whose mover keeps to the limit.
+struct TravelBound {
+  double value = 0;       ///< of the objective; infinite: no proof
+  std::size_t boxes = 0;  ///< looked at, over all stretches of areas
+};
+
+/// The bound of the adapters within the bounds; none for a stimulus with soft edges. It is what the
+/// boxes say, not lifted to the value that was found: below that value it would be wrong.
 ///
-/// By weak duality (sim/tuning/priced_cost.h) with the price of travel at `best`, and boxes. It
-/// comes within `relative_gap` where the duality has no gap (none was seen) and `most_boxes` are
-/// enough: 2e3 to 2e4 for 1e-6, more where the limit is below a tenth of what the mover would
-/// travel without it, or the areas are free, as for the skin's power. `boxes` counts on.
-[[nodiscard]] double BoundWithinTravel(Objective objective, const TuningProblem& problem,
-                                       const ReceptorField& receptors, const LimitedBest& best,
-                                       double relative_gap, std::size_t most_boxes,
-                                       std::size_t& boxes);
+/// By weak duality (sim/tuning/priced_cost.h) with the price of travel at `best`, and boxes, at
+/// most `most_boxes` of each stretch of areas. It comes within `relative_gap` where the duality has
+/// no gap (none was seen) and the boxes are enough: 2e3 to 2e4 for 1e-6, more where the limit is
+/// below a tenth of what the mover would travel without it, or the areas are free, as for the
+/// skin's power.
+[[nodiscard]] TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                                            const ReceptorField& receptors, const LimitedBest& best,
+                                            double relative_gap, std::size_t most_boxes);
 
 }  // namespace haptometer::sim

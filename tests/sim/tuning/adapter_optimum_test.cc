@@ -157,6 +157,14 @@ TEST(AdapterOptimum, SaysWhatItHasWhenItMustStopEarly) {
   EXPECT_GT(optimum.upper_bound / optimum.value - 1, 1e-9);
 }
 
+// boxes that one stretch of areas had used up would leave the others unproved
+TEST(AdapterOptimum, GivesEachStretchOfAreasItsBoxes) {
+  const AdapterOptimum optimum =
+      FindAdapterOptimum(Objective::kStimulus, ThesisProblem(), {}, 1e-9, 30);
+  EXPECT_GT(optimum.boxes, 34U) << "shared";
+  EXPECT_GE(optimum.upper_bound, optimum.value);
+}
+
 // an undamped adapter takes the available power at any mass on the motor's side
 TEST(MatchedLoad, IsReachedByALosslessAdapterAllAlongItsRidge) {
   TuningProblem problem = ThesisProblem();
