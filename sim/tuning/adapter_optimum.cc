@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/check.h"
-#include "sim/tuning/adapter_box.h"
+#include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
@@ -117,8 +117,6 @@ bool KeepsToItsTravel(const TuningProblem& problem, const MotorSource& source,
   return MoverTravel(source, MotionOf(source, point.adapter, skin).case_m) <= problem.mover_limit_m;
 }
 
-constexpr std::size_t kMostPricedBoxes = 60'000;  // half a second
-
 }  // namespace
 
 AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
@@ -151,8 +149,8 @@ AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& prob
   optimum.point = within.point;
   optimum.value = within.value;
   if (!(within.value > 0)) return optimum;
-  const TravelBound proved = BoundWithinTravel(objective, problem, receptors, within, relative_gap,
-                                               std::min(most_boxes, kMostPricedBoxes));
+  const TravelBound proved =
+      BoundWithinTravel(objective, problem, receptors, within, relative_gap, most_boxes);
   optimum.boxes = proved.boxes;
   Offer(optimum, proved.value, Proof::kBranchAndBound);
   CheckBound(objective, optimum);

@@ -12,6 +12,9 @@ namespace {
 
 using Cost = std::function<BoxCost(const AdapterBox&)>;
 
+// a bound that comes so near to the cost of an adapter cannot be raised further
+constexpr double kSettled = 1e-10;
+
 struct OpenBox {
   AdapterBox box;
   BoxCost cost{};
@@ -56,7 +59,9 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
   OpenBoxes open;
   open.push(whole);
   std::size_t boxes = 1;
-  while (!open.empty() && open.top().cost.lower < enough && boxes < most_boxes) {
+  double reached = whole.cost.middle;  // by an adapter
+  const auto open_by = [&] { return std::min(enough, (1 - kSettled) * reached); };
+  while (!open.empty() && open.top().cost.lower < open_by() && boxes < most_boxes) {
     const OpenBox first = open.top();
     open.pop();
     const auto widest = std::ranges::max_element(first.cost.spread);
@@ -65,7 +70,9 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
     OpenBox upper{.box = first.box};
     lower.box[axis].upper = upper.box[axis].lower = first.box[axis].middle();
     for (OpenBox* half : {&lower, &upper}) {
-      if (Bound(over, *half)) open.push(*half);
+      if (!Bound(over, *half)) continue;
+      reached = std::min(reached, half->cost.middle);
+      open.push(*half);
     }
     boxes += 2;
   }

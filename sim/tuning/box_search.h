@@ -13,8 +13,8 @@ struct LeastOfBoxes {
   std::size_t boxes = 0;  ///< looked at
 };
 
-/// A lower bound of a cost over all adapters of the bounds: at least `enough`, or the best that
-/// some `most_boxes` boxes allow.
+/// A lower bound of a cost over all adapters of the bounds: at least `enough`, or within 1e-10 of
+/// the cost of some adapter, or the best that some `most_boxes` boxes allow.
 ///
 /// Boxes cover the bounds; the one with the weakest bound comes first and is halved across its
 /// widest contribution. Where the cost rises all over a box along an axis, the least of all lies in

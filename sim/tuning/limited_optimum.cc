@@ -8,10 +8,10 @@
 #include <optional>
 
 #include "base/check.h"
+#include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
 #include "sim/tuning/limited_climb.h"
-#include "sim/tuning/priced_cost.h"
 #include "sim/tuning/travel_limit.h"
 
 namespace haptometer::sim {
@@ -152,11 +152,12 @@ TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
       bound.value = std::max(bound.value, rough);
       continue;
     }
-    const PricedCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
-    const double price = std::clamp(best.prices[k], 0.0, 1.0);
+    // any price below 1 gives a bound
+    const double price = std::clamp(best.prices[k], 0.0, 1 - 1e-6);
+    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower, price);
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
     const LeastOfBoxes least =
-        LeastCost([&](const AdapterBox& box) { return cost.Over(box, price); }, enough, most_boxes);
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
     bound.boxes += least.boxes;
     bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
   }

@@ -36,11 +36,11 @@ struct TravelBound {
 /// The bound of the adapters within the bounds; none for a stimulus with soft edges. It is what the
 /// boxes say, not lifted to the value that was found: below that value it would be wrong.
 ///
-/// By weak duality (sim/tuning/priced_cost.h) with the price of travel at `best`, and boxes, at
-/// most `most_boxes` of each stretch of areas. It comes within `relative_gap` where the duality has
-/// no gap (none was seen) and the boxes are enough: 2e3 to 2e4 for 1e-6, more where the limit is
-/// below a tenth of what the mover would travel without it, or the areas are free, as for the
-/// skin's power.
+/// By weak duality (sim/tuning/adapter_cost.h) with the price of travel at `best`, and boxes, at
+/// most `most_boxes` of each stretch of areas. It comes within `relative_gap`, or within some 3e-9,
+/// to which the price is known, where the duality has no gap: so it has been in all problems of
+/// tests/sim/tuning/limited_reference.h, with 50 to 3000 boxes. Narrow bounds of Ma2 can make a
+/// gap: then the bound stays above the optimum by it, whatever the boxes.
 [[nodiscard]] TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
                                             const ReceptorField& receptors, const LimitedBest& best,
                                             double relative_gap, std::size_t most_boxes);

@@ -125,15 +125,19 @@ TEST(TravelLimit, OptimumIsThatOfManyStarts) {
 
 // Whatever the boxes: what has not been proved by then is said. Against the program's own optimum
 // and that of SciPy, which keeps to the limit to 1e-9.
-TEST(TravelLimit, BoundIsNeverBelowTheOptimum) {
+TEST(TravelLimit, BoundIsNeverBelowTheOptimumAndComesUpToIt) {
+  constexpr std::size_t kFew = 10, kEnough = 5000;
   for (const tests::LimitedCase& limited : tests::kLimitedCases) {
     const TuningProblem problem = ProblemOf(limited);
     const LimitedBest best = BestWithinTravel(limited.objective, problem, {});
-    for (const std::size_t most_boxes : {10, 4000}) {
-      const double bound =
-          BoundWithinTravel(limited.objective, problem, {}, best, 1e-9, most_boxes).value;
-      EXPECT_GE(bound, best.value) << limited.limit_m;
-      EXPECT_GE(bound, limited.best * (1 - 2e-9)) << limited.limit_m;
+    for (const std::size_t most_boxes : {kFew, kEnough}) {
+      const TravelBound bound =
+          BoundWithinTravel(limited.objective, problem, {}, best, 1e-9, most_boxes);
+      EXPECT_GE(bound.value, best.value) << limited.limit_m;
+      EXPECT_GE(bound.value, limited.best * (1 - 2e-9)) << limited.limit_m;
+      if (most_boxes == kFew) continue;
+      EXPECT_LT(bound.value, best.value * (1 + 5e-9)) << limited.limit_m << ": the price's error";
+      EXPECT_LT(bound.boxes, kEnough) << limited.limit_m;
     }
   }
 }
