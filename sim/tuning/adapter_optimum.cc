@@ -11,6 +11,7 @@
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
 #include "sim/tuning/compass_search.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_optimum.h"
 #include "sim/tuning/travel_limit.h"
 
@@ -18,37 +19,30 @@ namespace haptometer::sim {
 
 namespace {
 
-// the point at a place of the unit cube: Ma1, Ka, Ba, area and, where it is not eliminated, Ma2
+// The adapter at Ma1, Ka, Ba and area of the unit cube; Ma2 is a fifth, or that which serves best.
 AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
-                     const std::vector<double>& place) {
-  const AdapterBounds& bounds = problem.bounds;
-  AdapterPoint point{.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
-                                 .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                                 .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
-                     .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
+                     const std::vector<double>& parts) {
+  CubePlace place = CubePlace::Zero();
+  std::ranges::copy(parts, place.begin());
+  AdapterPoint point = PointOf(problem.bounds, place);
+  if (parts.size() == kCubeAxes) return point;
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   point.adapter.skin_side_mass_kg =
-      place.size() > kBoxAxes
-          ? bounds.skin_side_mass_kg.At(place[kBoxAxes])
-          : std::clamp(WantedSkinSideMass(problem, source, point), bounds.skin_side_mass_kg.lower,
-                       bounds.skin_side_mass_kg.upper);
+      std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
   return point;
 }
-
-bool IsPoint(const Range& range) { return range.lower == range.upper; }
 
 RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
   constexpr int kLattice = 9;
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
-  const auto value = [&](const std::vector<double>& place) {
-    const AdapterPoint point = PointAt(piece.problem, source, place);
+  const auto value = [&](const std::vector<double>& parts) {
+    const AdapterPoint point = PointAt(piece.problem, source, parts);
     return ValueOf(piece.objective, piece.problem, source, receptors, point);
   };
-  const AdapterBounds& bounds = piece.problem.bounds;
-  std::vector<bool> fixed{IsPoint(bounds.motor_side_mass_kg), IsPoint(bounds.stiffness_n_per_m),
-                          IsPoint(bounds.damping_n_s_per_m),
-                          piece.problem.fixed_skin || IsPoint(bounds.contact_area_m2)};
+  const CubePlace upper = UpperEndOf(piece.problem);
+  std::vector<bool> fixed{upper[0] == 0, upper[1] == 0, upper[2] == 0, upper[3] == 0};
   // the electrical power wants another Ma2 than the skin's motion
-  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(IsPoint(bounds.skin_side_mass_kg));
+  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(upper[4] == 0);
   const CubePoint best = SearchCube(value, fixed, kLattice);
   return {.point = PointAt(piece.problem, source, best.place), .value = piece.weight * best.value};
 }

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 
-namespace haptometer::sim {
+#include "sim/tuning/cube_place.h"
 
-/// Ma1, Ka, Ba, the area by AreaAt() and Ma2, each as its part of the way between its bounds.
-inline constexpr int kCubeAxes = 5;
-using CubePlace = Eigen::Matrix<double, kCubeAxes, 1>;
+namespace haptometer::sim {
 
 /// What a place costs and how far it is beyond a limit, with slopes.
 struct LimitedView {

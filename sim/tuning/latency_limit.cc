@@ -9,6 +9,8 @@
 
 #include "base/check.h"
 #include "sim/effective_scene.h"
+#include "sim/tuning/adapter_grid.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_climb.h"
 #include "sim/tuning/travel_limit.h"
 #include "sim/waveforms.h"
@@ -45,13 +47,8 @@ class LatencySearch {
       : problem_(problem),
         source_(source),
         climb_(Objective::kSkinRms, problem, source, {}),
-        limit_s_(limit_s) {
-    const AdapterBounds& bounds = problem.bounds;
-    const auto free = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
-    upper_ << free(bounds.motor_side_mass_kg), free(bounds.stiffness_n_per_m),
-        free(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : free(bounds.contact_area_m2),
-        free(bounds.skin_side_mass_kg);
-  }
+        limit_s_(limit_s),
+        upper_(UpperEndOf(problem)) {}
 
   [[nodiscard]] Tried Run(const CubePlace& place) {
     ++runs_;
@@ -69,7 +66,7 @@ class LatencySearch {
   Tried ClimbFrom(Tried here, double step);
 
  private:
-  [[nodiscard]] std::vector<CubePlace> Lattice() const;
+  [[nodiscard]] std::vector<CubePlace> Places() const;
   [[nodiscard]] CubePlace ScaleAt(const CubePlace& place) const;
   [[nodiscard]] CubePlace SlopesAt(const Tried& here, double width);
   [[nodiscard]] CubePlace Step(const Tried& here, const CubePlace& slopes, double offset_s,
@@ -81,30 +78,21 @@ class LatencySearch {
   const MotorSource& source_;
   LimitedClimb climb_;
   double limit_s_;
-  CubePlace upper_;  // the cube's upper end: 0 where the bounds hold an axis
+  CubePlace upper_;
   std::size_t runs_ = 0;
 };
 
-// Ma1, Ka, Ba, the area, and Ma2 at and beside what serves the RMS best
-std::vector<CubePlace> LatencySearch::Lattice() const {
-  std::vector<CubePlace> places;
+// a lattice of Ma1, Ka, Ba and the area, and Ma2 at and beside what serves the RMS best
+std::vector<CubePlace> LatencySearch::Places() const {
+  const std::vector<double> springs = EqualSteps({.lower = 0, .upper = 1}, 9);
   const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
-  for (const double Ma1 : {0.0, 0.5, 1.0}) {
-    for (const double Ka : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0}) {
-      for (const double Ba : {0.0, 1.0}) {
-        for (const double area : {0.0, 1.0}) {
-          CubePlace place{Ma1, Ka, Ba, area, 0};
-          if ((place.array() > upper_.array()).any()) continue;
-          const AdapterPoint point = PointOf(problem_.bounds, place);
-          const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
-          for (const double part : {1.0, 0.6, 1.6}) {
-            const double kg = std::clamp(part * wanted_kg, mass_kg.lower, mass_kg.upper);
-            const double width_kg = mass_kg.upper - mass_kg.lower;
-            place[4] = width_kg > 0 ? (kg - mass_kg.lower) / width_kg : 0;
-            places.push_back(place);
-          }
-        }
-      }
+  std::vector<CubePlace> places;
+  for (CubePlace place : Lattice(upper_, {{{0, 0.5, 1}, springs, {0, 1}, {0, 1}}})) {
+    const AdapterPoint point = PointOf(problem_.bounds, place);
+    const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
+    for (const double part : {1.0, 0.6, 1.6}) {
+      place[4] = PartOf(mass_kg, std::clamp(part * wanted_kg, mass_kg.lower, mass_kg.upper));
+      places.push_back(place);
     }
   }
   return places;
@@ -114,7 +102,7 @@ std::vector<CubePlace> LatencySearch::Lattice() const {
 std::vector<Tried> LatencySearch::Starts() {
   constexpr std::size_t kMostStarts = 3;
   constexpr double kApart = 0.2;
-  std::vector<CubePlace> places = Lattice();
+  std::vector<CubePlace> places = Places();
   std::ranges::sort(places, {}, [&](const CubePlace& place) { return climb_.At(place).cost; });
   std::vector<Tried> starts;
   Tried promptest;
@@ -210,19 +198,6 @@ Tried LatencySearch::ClimbFrom(Tried here, double step) {
     if (settled) break;
   }
   return here;
-}
-
-CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
-  const auto part = [](const Range& range, double value) {
-    return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
-  };
-  const Range roots{std::cbrt(bounds.contact_area_m2.lower),
-                    std::cbrt(bounds.contact_area_m2.upper)};
-  return {part(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
-          part(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
-          part(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
-          part(roots, std::cbrt(point.contact_area_m2)),
-          part(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
 }
 
 }  // namespace

@@ -9,8 +9,10 @@
 
 #include "base/check.h"
 #include "sim/tuning/adapter_cost.h"
+#include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_climb.h"
 #include "sim/tuning/travel_limit.h"
 
@@ -18,7 +20,7 @@ namespace haptometer::sim {
 
 namespace {
 
-constexpr int kLattice = 9;
+constexpr std::size_t kLattice = 9;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // a place of the lattice and how good it is to begin at: the less, the better
@@ -35,54 +37,28 @@ struct Starts {
   std::array<Start, 6> kept, beyond;
 };
 
-double PartOf(const Range& range, double value) {
-  return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
-}
-
-class Lattice {
- public:
-  Lattice(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb)
-      : problem_(piece.problem), source_(source), climb_(climb) {}
-
-  Starts Visit() {
-    const AdapterBounds& bounds = problem_.bounds;
-    const int areas = problem_.fixed_skin ? 1 : ValuesOf(bounds.contact_area_m2);
-    for (int i = 0; i < ValuesOf(bounds.motor_side_mass_kg); ++i) {
-      for (int j = 0; j < ValuesOf(bounds.stiffness_n_per_m); ++j) {
-        for (int k = 0; k < ValuesOf(bounds.damping_n_s_per_m); ++k) {
-          for (int l = 0; l < areas; ++l) Try({i, j, k, l});
-        }
-      }
-    }
-    return starts_;
-  }
-
- private:
-  static int ValuesOf(const Range& range) { return range.lower < range.upper ? kLattice : 1; }
-
-  void Try(const std::array<int, 4>& at) {
-    CubePlace place = CubePlace::Zero();
-    for (int axis = 0; axis < 4; ++axis) {
-      place[axis] = at[static_cast<std::size_t>(axis)] / (kLattice - 1.0);
-    }
-    const AdapterPoint point = PointOf(problem_.bounds, place);
-    const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
-    const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
-    const auto found_kg = NearestWithinTravel(problem_, source_, point, wanted_kg);
+Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb) {
+  const TuningProblem& problem = piece.problem;
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  const std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
+  const auto third = [](double part) {
+    return static_cast<std::size_t>(part * (kLattice - 1) / 3);
+  };
+  Starts starts;
+  for (CubePlace place : Lattice(UpperEndOf(problem), {parts, parts, parts, parts})) {
+    const AdapterPoint point = PointOf(problem.bounds, place);
+    const double wanted_kg = WantedSkinSideMass(problem, source, point);
+    const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
     const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
     place[4] = PartOf(mass_kg, kg);
-    const LimitedView view = climb_.At(place);
-    auto& starts = found_kg ? starts_.kept : starts_.beyond;
+    const LimitedView view = climb.At(place);
+    auto& kind = found_kg ? starts.kept : starts.beyond;
     const double rank = found_kg ? view.cost : view.excess;
-    starts[static_cast<std::size_t>(at[0] / 3)].Offer(place, rank);
-    starts[3 + static_cast<std::size_t>(at[1] / 3)].Offer(place, rank);
+    kind[third(place[0])].Offer(place, rank);
+    kind[3 + third(place[1])].Offer(place, rank);
   }
-
-  const TuningProblem& problem_;
-  const MotorSource& source_;
-  const LimitedClimb& climb_;
-  Starts starts_;
-};
+  return starts;
+}
 
 // the best of a stretch of areas
 struct PieceBest {
@@ -94,7 +70,7 @@ struct PieceBest {
 PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
                       const ReceptorField& receptors) {
   const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
-  const Starts starts = Lattice(piece, source, climb).Visit();
+  const Starts starts = StartsOf(piece, source, climb);
   const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
   std::optional<LimitedSummit> best;
   for (const Start& start : any ? starts.kept : starts.beyond) {
