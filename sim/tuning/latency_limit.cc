@@ -1,9 +1,11 @@
 #include "sim/tuning/latency_limit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -41,6 +43,12 @@ struct Tried {
   double latency_s = kNever;
 };
 
+// where a climb in steps of that length ended
+struct Summit {
+  Tried top;
+  double step = 0;
+};
+
 class LatencySearch {
  public:
   LatencySearch(const TuningProblem& problem, const MotorSource& source, double limit_s)
@@ -50,16 +58,10 @@ class LatencySearch {
         limit_s_(limit_s),
         upper_(UpperEndOf(problem)) {}
 
-  [[nodiscard]] Tried Run(const CubePlace& place) {
-    ++runs_;
-    const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
-    return {.place = place,
-            .cost = climb_.At(place).cost,
-            .latency_s = rise ? rise->latency_s : kNever};
-  }
-
+  // the adapter at a place by its own run, which is remembered
+  [[nodiscard]] Tried Run(const CubePlace& place);
   [[nodiscard]] bool Prompt(const Tried& tried) const { return tried.latency_s <= limit_s_; }
-  [[nodiscard]] std::size_t runs() const { return runs_; }
+  [[nodiscard]] std::size_t runs() const { return tried_.size(); }
 
   std::vector<Tried> Starts();
   // slopes are differences over `step`; 20 of it are trusted at first
@@ -79,8 +81,21 @@ class LatencySearch {
   LimitedClimb climb_;
   double limit_s_;
   CubePlace upper_;
-  std::size_t runs_ = 0;
+  std::map<std::array<double, kCubeAxes>, Tried> tried_;
+  std::vector<Summit> summits_;
 };
+
+Tried LatencySearch::Run(const CubePlace& place) {
+  std::array<double, kCubeAxes> key{};
+  std::ranges::copy(place, key.begin());
+  const auto known = tried_.find(key);
+  if (known != tried_.end()) return known->second;
+  const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
+  const Tried tried{
+      .place = place, .cost = climb_.At(place).cost, .latency_s = rise ? rise->latency_s : kNever};
+  tried_.emplace(key, tried);
+  return tried;
+}
 
 // a lattice of Ma1, Ka, Ba and the area, and Ma2 at and beside what serves the RMS best
 std::vector<CubePlace> LatencySearch::Places() const {
@@ -189,6 +204,7 @@ std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& s
 
 Tried LatencySearch::ClimbFrom(Tried here, double step) {
   constexpr int kMostSteps = 25;
+  constexpr double kSameHill = 1e-3;
   double radius = 20 * step;
   for (int count = 0; count < kMostSteps; ++count) {
     const auto next = Better(here, SlopesAt(here, step), radius);
@@ -196,7 +212,13 @@ Tried LatencySearch::ClimbFrom(Tried here, double step) {
     const bool settled = Prompt(here) && here.cost - next->cost < 1e-7;
     here = *next;
     if (settled) break;
+    // a climb that has come to a known summit would run to the same places again
+    const auto known = std::ranges::find_if(summits_, [&](const Summit& summit) {
+      return summit.step <= step && (summit.top.place - here.place).norm() < kSameHill;
+    });
+    if (known != summits_.end()) return known->top;
   }
+  summits_.push_back({.top = here, .step = step});
   return here;
 }
 
@@ -227,7 +249,11 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
   };
   const auto rise = RiseWith(problem, unlimited);
   if (rise && rise->latency_s <= limit_s) {
-    return {.point = unlimited, .value = value(unlimited), .rise = *rise, .runs = 1};
+    return {.point = unlimited,
+            .value = value(unlimited),
+            .rise = *rise,
+            .runs = 1,
+            .is_unlimited = true};
   }
   LatencySearch search(problem, source, limit_s);
   Tried best;
@@ -244,7 +270,7 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
     if (best.cost < kNever) best = search.ClimbFrom(best, step);
   }
   PromptBest answer;
-  answer.runs = search.runs() + 1;
+  answer.runs = search.runs();
   if (best.cost == kNever) return answer;
   answer.point = PointOf(problem.bounds, best.place);
   answer.value = value(answer.point);
