@@ -86,6 +86,26 @@ std::string SpringsText(const TuneAnswer& answer) {
   return text;
 }
 
+// how sure the answer is where the latency is limited
+std::string SearchText(const LatencySearch& search) {
+  if (search.proved) {
+    return "the latency is that of a simulated run; the best adapter without the limit keeps to "
+           "it, "
+           "so that the upper bound is the answer's own";
+  }
+  return fmt::format(
+      "the latency is that of a simulated run and was searched, not proved ({} runs: an even "
+      "lattice of all five numbers, and climbs from its best that come up in time and from the "
+      "best without the limit): that the adapter keeps to the limit is certain, that no other does "
+      "and moves the skin more is not; the upper bound is that without the limit",
+      search.runs);
+}
+
+ordered_json SearchJson(const TuneAnswer& answer) {
+  if (!answer.latency) return nullptr;
+  return {{"proved", answer.latency->proved}, {"runs", answer.latency->runs}};
+}
+
 // what simulate says of the adapter in a run of that length
 std::string RiseText(const TuneAnswer& answer) {
   const double run_s = sim::LatencyRunS(answer.question.problem);
@@ -204,11 +224,7 @@ std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
       answer.question.problem.fixed_skin
           ? "the skin is the scene's whatever the contact's area"
           : "the skin follows the thesis's cube root of the contact's area"};
-  if (answer.question.latency_limit_s) {
-    assumptions.emplace_back(
-        "the latency is that of a simulated run and was searched, not proved: that the adapter "
-        "keeps to the limit is certain, that no other does and moves the skin more is not");
-  }
+  if (answer.latency) assumptions.push_back(SearchText(*answer.latency));
   if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
   return assumptions;
 }
@@ -274,6 +290,7 @@ std::string TuneJson(const TuneAnswer& answer) {
       {"mover_limit_m", cli::NumberOrNull(question.problem.mover_limit_m)},
       {"rise", RiseJson(answer)},
       {"latency_limit_s", cli::NumberOrNull(question.latency_limit_s)},
+      {"latency_search", SearchJson(answer)},
       {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
       {"power_w", cli::NumberOrNull(answer.steady.power_w)},
       {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},
