@@ -44,8 +44,9 @@ struct PromptBest {
 /// not: an upper bound is that without the limit. The same numbers each time.
 ///
 /// Against differential evolution with 4000 runs of its own (tests/sim/tuning/
-/// latency_reference.py) it found 2e-5 to 3e-4 more at four limits. Worked: the thesis's problem
-/// within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89 um.
+/// latency_reference.py) it found 1.9e-5 to 3.4e-4 more at four limits. Worked: the thesis's
+/// problem within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89
+/// um.
 ///
 /// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 130 to 450
 /// runs.

@@ -88,6 +88,7 @@ TEST(TuneVerb, ChoosesAmongTheSpringsOfAList) {
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_GE(answer.at("upper_bound_m").get<double>(), largest);
   EXPECT_LT(answer.at("upper_bound_m").get<double>(), largest * (1 + 1e-8));
+  EXPECT_THAT(Tune({"--springs", "5000,8200"}).out, HasSubstr("with one of these springs gives"));
 }
 
 TEST(TuneVerb, ServesTheWorstOfSkinsThatVary) {
@@ -105,6 +106,7 @@ TEST(TuneVerb, KeepsTheMoverWithinItsTravel) {
   EXPECT_EQ(answer.at("objective").at("proof"), "branch and bound");
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(Json({}).at("mover_limit_m").is_null());
+  EXPECT_THAT(Tune({"--mover-travel", "0.05mm"}).out, HasSubstr("keeps to the travel gives more"));
   const Outcome none = Tune({"--mover-travel", "1um"});
   EXPECT_EQ(none.status, 3);
   EXPECT_THAT(none.err, HasSubstr("no adapter found"));

@@ -22,7 +22,7 @@ constexpr double kSpringError = 0.05;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Find the adapter that moves the skin most, with a proof that none is better.",
+    .summary = "Find the adapter that moves the skin most, with a proved upper bound.",
     .examples = {"haptometer tune", "haptometer tune scene.toml --stiffness 5000:9000 --json",
                  "haptometer tune --objective stimulus --skin table"}};
 
@@ -59,25 +59,25 @@ sim::AdapterOptimum OptimumOf(const sim::TuningProblem& problem, TuneAnswer& ans
   return best;
 }
 
-// The best with each listed spring, one after the other; the bound is the largest of theirs.
+// The best with each listed spring, one after the other; the bound is the largest of theirs, which
+// another spring than the best one may have.
 sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   sim::AdapterOptimum best;
-  double bound = 0;
   for (const double spring_n_per_m : question.springs_n_per_m) {
     sim::TuningProblem held = question.problem;
     held.bounds.stiffness_n_per_m = {.lower = spring_n_per_m, .upper = spring_n_per_m};
-    sim::AdapterOptimum found = OptimumOf(held, answer);
+    const sim::AdapterOptimum found = OptimumOf(held, answer);
     answer.listed.push_back({.point = found.point, .value = found.value});
-    bound = std::max(bound, found.upper_bound);
-    found.boxes += best.boxes;
-    if (found.value > best.value) {
-      best = found;
-    } else {
-      best.boxes = found.boxes;
+    best.boxes += found.boxes;
+    if (found.upper_bound > best.upper_bound) {
+      best.upper_bound = found.upper_bound;
+      best.proof = found.proof;
     }
+    if (!(found.value > best.value)) continue;
+    best.point = found.point;
+    best.value = found.value;
   }
-  best.upper_bound = bound;
   return best;
 }
 

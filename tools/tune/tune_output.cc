@@ -40,18 +40,32 @@ std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& pr
       adapter.damping_n_s_per_m, Mark(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), area);
 }
 
+// whom the bound of boxes holds for
+std::string BoundedText(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  std::string text = "no adapter within the bounds";
+  if (!question.springs_n_per_m.empty()) text += " with one of these springs";
+  if (std::isfinite(question.problem.mover_limit_m)) text += " that keeps to the travel";
+  text += " gives more";
+  if (answer.latency && !answer.latency->proved) text += ", whatever its latency";
+  return text;
+}
+
 std::string ProofText(const TuneAnswer& answer) {
   switch (answer.optimum.proof) {
     case sim::Proof::kBranchAndBound:
-      return fmt::format("no adapter within the bounds gives more{} ({} boxes)",
-                         answer.question.latency_limit_s ? ", whatever its latency" : "",
-                         answer.optimum.boxes);
+      return fmt::format("{} ({} boxes)", BoundedText(answer), answer.optimum.boxes);
     case sim::Proof::kLimitedTravel:
       return "no adapter at all gives more (the coil's work over that travel)";
     case sim::Proof::kMatchedLoad:
       break;
   }
   return "no adapter at all gives more (matched load)";
+}
+
+// how far the bound lies above what was found, in percent
+std::string GapText(const sim::AdapterOptimum& optimum) {
+  return fmt::format("{:.2g} % above", (optimum.upper_bound / optimum.value - 1) * 100);
 }
 
 std::string PointsText(const TuneAnswer& answer, std::string_view title,
@@ -238,8 +252,9 @@ std::string TuneText(const TuneAnswer& answer) {
   text += fmt::format("  {} (* at a bound)\n", Adapter(answer.optimum.point, question.problem));
   text +=
       fmt::format("  {:<19}{:s}\n", sim::Name(objective), Said(objective, answer.optimum.value));
-  text += fmt::format("  upper bound        {:s}: {:s}\n",
-                      Said(objective, answer.optimum.upper_bound), ProofText(answer));
+  text += fmt::format("  upper bound        {:s} ({:s}): {:s}\n",
+                      Said(objective, answer.optimum.upper_bound), GapText(answer.optimum),
+                      ProofText(answer));
   text += fmt::format("  any adapter        {:s}: matched load with the lowest dampings\n",
                       Said(objective, answer.matched_load_bound));
   text += fmt::format("  skin displacement  {:.5f} um RMS\n", answer.steady.skin_rms_m * 1e6);
