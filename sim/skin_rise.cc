@@ -16,10 +16,14 @@ constexpr double kQuietPeriods = 6;  // of rest put before the motion
 constexpr double kSteadyPeriods = 10;
 }  // namespace
 
+bool LastsForARise(const SteadyPart& part, double tone_hz) {
+  return (part.end_s - part.begin_s) * tone_hz >= kLeastRisePeriods * (1 - 1e-9);
+}
+
 std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, double tone_hz,
                                const SteadyPart& part) {
-  HAPTOMETER_CHECK((part.end_s - part.begin_s) * tone_hz >= kLeastRisePeriods * (1 - 1e-9),
-                   "a steady part of {} s at {} Hz", part.end_s - part.begin_s, tone_hz);
+  HAPTOMETER_CHECK(LastsForARise(part, tone_hz), "a steady part of {} s at {} Hz",
+                   part.end_s - part.begin_s, tone_hz);
   // rest before, so that the envelope has seen it
   const auto quiet = static_cast<std::size_t>(std::ceil(kQuietPeriods / tone_hz * rate_hz));
   const double quiet_s = static_cast<double>(quiet) / rate_hz;

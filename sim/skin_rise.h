@@ -16,18 +16,19 @@ struct SkinRise {
 /// The part of a drive in which its amplitude stands still.
 struct SteadyPart {
   double drive_s = 0;  ///< when the drive begins
-  double begin_s = 0;
+  double begin_s = 0;  ///< when it has come to its full amplitude
   double end_s = 0;
 };
 
 /// Periods that a steady part must last for a rise to be told.
 inline constexpr double kLeastRisePeriods = 20;
+[[nodiscard]] bool LastsForARise(const SteadyPart& part, double tone_hz);
 
 /// The rise of a skin whose positions at i / rate_hz, from rest, are `skin_m`: six periods of rest
 /// are put before it, the tone is demodulated in windows of three periods
 /// (dsp/spectrum/envelope.h), and the last ten periods of the steady part are what 10 % and 90 %
-/// are of. Nothing where the amplitude does not pass both. The part must last for
-/// kLeastRisePeriods. Cost: some 0.1 us a position; allocates copies.
+/// are of. Nothing where the amplitude does not pass both. The part must be one that
+/// LastsForARise(). Cost: some 0.1 us a position; allocates copies.
 [[nodiscard]] std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz,
                                              double tone_hz, const SteadyPart& part);
 

@@ -18,6 +18,7 @@ using AdapterBox = std::array<Interval, kBoxAxes>;
 /// Bounds of the cost of every adapter within a box.
 struct BoxCost {
   double lower = 0;                       ///< no adapter of the box costs less
+  double middle = 0;                      ///< the adapter in its middle costs no more
   std::array<double, kBoxAxes> spread{};  ///< by which each axis widens the bound, to choose a cut
   /// Of an axis along which the cost rises all over the box +1, where it falls -1, else 0.
   std::array<int, kBoxAxes> trend{};
@@ -41,29 +42,10 @@ struct AdapterRanges {
 [[nodiscard]] AdapterBox MiddleOf(const AdapterBox& box);
 
 /// The mean value form f(middle) + sum of f'(box) (box - middle), or f(box) where that is higher;
-/// `natural` is f with its slopes over the box, `middle` f at its middle.
+/// `natural` is f with its slopes over the box (of its value the lower end alone counts), `middle`
+/// f at its middle.
 [[nodiscard]] BoxCost MeanValueBound(const AdapterBox& box,
                                      const Slope<Interval, kBoxAxes>& natural,
                                      const Interval& middle);
-
-/// The cost of an adapter with the best Ma2: |Fc / Xs|^2, in (N/m)^2; the less, the more the skin
-/// moves. Of the skin that moves least, where skins vary. Divided by w Bs where `per_resistance`,
-/// so that the least cost is the most power.
-class AdapterCost {
- public:
-  AdapterCost(const TuningProblem& problem, const MotorSource& source, bool per_resistance);
-
-  /// A lower bound over the box, by the mean value form (sim/tuning/adapter_optimum.h).
-  [[nodiscard]] BoxCost Over(const AdapterBox& box) const;
-
- private:
-  using Number = Slope<Interval, kBoxAxes>;
-  [[nodiscard]] Number At(const AdapterBox& box) const;
-
-  AdapterRanges ranges_;
-  Interval case_stiffness_, passive_;  // Re kc - Mc w^2 and Im kc
-  Interval variation_;                 // of the skin
-  bool per_resistance_;
-};
 
 }  // namespace haptometer::sim

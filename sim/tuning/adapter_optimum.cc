@@ -6,11 +6,12 @@
 #include <limits>
 
 #include "base/check.h"
-#include "sim/tuning/adapter_box.h"
+#include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
 #include "sim/tuning/compass_search.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_optimum.h"
 #include "sim/tuning/travel_limit.h"
 
@@ -18,37 +19,30 @@ namespace haptometer::sim {
 
 namespace {
 
-// the point at a place of the unit cube: Ma1, Ka, Ba, area and, where it is not eliminated, Ma2
+// The adapter at Ma1, Ka, Ba and area of the unit cube; Ma2 is a fifth, or that which serves best.
 AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
-                     const std::vector<double>& place) {
-  const AdapterBounds& bounds = problem.bounds;
-  AdapterPoint point{.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
-                                 .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                                 .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
-                     .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
+                     const std::vector<double>& parts) {
+  CubePlace place = CubePlace::Zero();
+  std::ranges::copy(parts, place.begin());
+  AdapterPoint point = PointOf(problem.bounds, place);
+  if (parts.size() == kCubeAxes) return point;
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   point.adapter.skin_side_mass_kg =
-      place.size() > kBoxAxes
-          ? bounds.skin_side_mass_kg.At(place[kBoxAxes])
-          : std::clamp(WantedSkinSideMass(problem, source, point), bounds.skin_side_mass_kg.lower,
-                       bounds.skin_side_mass_kg.upper);
+      std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
   return point;
 }
-
-bool IsPoint(const Range& range) { return range.lower == range.upper; }
 
 RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
   constexpr int kLattice = 9;
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
-  const auto value = [&](const std::vector<double>& place) {
-    const AdapterPoint point = PointAt(piece.problem, source, place);
+  const auto value = [&](const std::vector<double>& parts) {
+    const AdapterPoint point = PointAt(piece.problem, source, parts);
     return ValueOf(piece.objective, piece.problem, source, receptors, point);
   };
-  const AdapterBounds& bounds = piece.problem.bounds;
-  std::vector<bool> fixed{IsPoint(bounds.motor_side_mass_kg), IsPoint(bounds.stiffness_n_per_m),
-                          IsPoint(bounds.damping_n_s_per_m),
-                          piece.problem.fixed_skin || IsPoint(bounds.contact_area_m2)};
+  const CubePlace upper = UpperEndOf(piece.problem);
+  std::vector<bool> fixed{upper[0] == 0, upper[1] == 0, upper[2] == 0, upper[3] == 0};
   // the electrical power wants another Ma2 than the skin's motion
-  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(IsPoint(bounds.skin_side_mass_kg));
+  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(upper[4] == 0);
   const CubePoint best = SearchCube(value, fixed, kLattice);
   return {.point = PointAt(piece.problem, source, best.place), .value = piece.weight * best.value};
 }
@@ -76,30 +70,45 @@ AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
 
 namespace {
 
-constexpr std::size_t kMostPricedBoxes = 60'000;  // half a second
+void Offer(AdapterOptimum& optimum, double bound, Proof proof) {
+  if (!(bound < optimum.upper_bound)) return;
+  optimum.upper_bound = bound;
+  optimum.proof = proof;
+}
 
-AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
-                            const ReceptorField& receptors, const AdapterOptimum& unlimited,
-                            double relative_gap, std::size_t most_boxes) {
-  const MotorSource source = SourceOf(problem.actuator, problem.drive);
-  const Skin skin = SkinOf(problem, unlimited.point.contact_area_m2);
-  const AdapterMotion motion = MotionOf(source, unlimited.point.adapter, skin);
-  if (MoverTravel(source, motion.case_m) <= problem.mover_limit_m) return unlimited;
-  const LimitedBest best = BestWithinTravel(objective, problem, receptors);
-  AdapterOptimum optimum = unlimited;
-  optimum.point = best.point;
-  optimum.value = best.value;
-  if (!(best.value > 0)) return optimum;
-  const auto offer = [&](double bound, Proof proof) {
-    if (!(bound < optimum.upper_bound)) return;
-    optimum.upper_bound = bound;
-    optimum.proof = proof;
-  };
-  offer(LimitedTravelBound(objective, problem, source, receptors), Proof::kLimitedTravel);
-  const double proved = BoundWithinTravel(objective, problem, receptors, best, relative_gap,
-                                          std::min(most_boxes, kMostPricedBoxes), optimum.boxes);
-  offer(proved, Proof::kBranchAndBound);
-  return optimum;
+// The largest of the bounds of the stretches of areas; nothing for what has no proof by boxes.
+void ProveUnlimited(Objective objective, const TuningProblem& problem, const MotorSource& source,
+                    const ReceptorField& receptors, double relative_gap, std::size_t most_boxes,
+                    AdapterOptimum& optimum) {
+  const bool steps = HasSteps(objective, receptors);
+  const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
+  if (!provable && !steps) return;
+  double bound = 0;
+  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
+    if (!(piece.weight > 0)) continue;
+    const double enough = CostOfValue(piece, source, optimum.value * (1 + relative_gap));
+    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
+    const LeastOfBoxes least =
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
+    optimum.boxes += least.boxes;
+    bound = std::max(bound, ValueOfCost(piece, source, least.cost));
+  }
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
+  const double allowed = 1 + squares * source.rounding_allowance + (steps ? kStepAllowance : 0);
+  Offer(optimum, bound * allowed, Proof::kBranchAndBound);
+}
+
+// a bound that was proved below a point that was found is a mistake of the program
+void CheckBound(Objective objective, const AdapterOptimum& optimum) {
+  HAPTOMETER_CHECK(optimum.upper_bound >= optimum.value, "{}: bound {} by proof {} below {}",
+                   Name(objective), optimum.upper_bound, static_cast<int>(optimum.proof),
+                   optimum.value);
+}
+
+bool KeepsToItsTravel(const TuningProblem& problem, const MotorSource& source,
+                      const AdapterPoint& point) {
+  const Skin skin = SkinOf(problem, point.contact_area_m2);
+  return MoverTravel(source, MotionOf(source, point.adapter, skin).case_m) <= problem.mover_limit_m;
 }
 
 }  // namespace
@@ -107,44 +116,38 @@ AdapterOptimum WithinTravel(Objective objective, const TuningProblem& problem,
 AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                   const ReceptorField& receptors, double relative_gap,
                                   std::size_t most_boxes) {
-  if (std::isfinite(problem.mover_limit_m)) {
-    HAPTOMETER_CHECK(objective != Objective::kRmsPerWatt && problem.skin_variation == 0,
-                     "{} of skins that vary by {} with limited travel", Name(objective),
-                     problem.skin_variation);
-    TuningProblem free = problem;
-    free.mover_limit_m = std::numeric_limits<double>::infinity();
-    return WithinTravel(objective, problem, receptors,
-                        FindAdapterOptimum(objective, free, receptors, relative_gap, most_boxes),
-                        relative_gap, most_boxes);
-  }
+  const bool limited = std::isfinite(problem.mover_limit_m);
+  const bool of_motion = objective == Objective::kSkinRms || objective == Objective::kStimulus;
   HAPTOMETER_CHECK(!Fault(problem) && relative_gap > 0, "gap {}", relative_gap);
-  HAPTOMETER_CHECK(problem.skin_variation == 0 || objective == Objective::kSkinRms ||
-                       objective == Objective::kStimulus,
-                   "{} of skins that vary", Name(objective));
+  HAPTOMETER_CHECK(problem.skin_variation == 0 || (of_motion && !limited),
+                   "{} of skins that vary, limit {}", Name(objective), problem.mover_limit_m);
+  HAPTOMETER_CHECK(!limited || objective != Objective::kRmsPerWatt, "{} with limited travel",
+                   Name(objective));
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
-  const RidgePoint best = Best(objective, problem, receptors);
+  TuningProblem unlimited = problem;
+  unlimited.mover_limit_m = std::numeric_limits<double>::infinity();
+  const RidgePoint best = Best(objective, unlimited, receptors);
   AdapterOptimum optimum{.point = best.point,
                          .value = best.value,
                          .upper_bound = MatchedLoadBound(objective, problem, source, receptors)};
-  const bool steps = HasSteps(objective, receptors);
-  const bool provable = objective == Objective::kSkinRms || objective == Objective::kSkinPower;
-  if (!provable && !steps) return optimum;
-
-  // the largest of the pieces' bounds, each no lower than the best point found
-  const double allowed = 1 + source.rounding_allowance + (steps ? kStepAllowance : 0);
-  double bound = best.value;
-  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
-    if (!(piece.weight > 0)) continue;
-    const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
-    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
-    const double least = LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough,
-                                   most_boxes, optimum.boxes);
-    bound = std::max(bound, ValueOfCost(piece, source, least));
+  if (limited) {
+    Offer(optimum, LimitedTravelBound(objective, problem, source, receptors),
+          Proof::kLimitedTravel);
   }
-  if (bound * allowed < optimum.upper_bound) {
-    optimum.upper_bound = bound * allowed;
-    optimum.proof = Proof::kBranchAndBound;
+  if (!limited || KeepsToItsTravel(problem, source, best.point)) {
+    ProveUnlimited(objective, unlimited, source, receptors, relative_gap, most_boxes, optimum);
+    CheckBound(objective, optimum);
+    return optimum;
   }
+  const LimitedBest within = BestWithinTravel(objective, problem, receptors);
+  optimum.point = within.point;
+  optimum.value = within.value;
+  if (!(within.value > 0)) return optimum;
+  const TravelBound proved =
+      BoundWithinTravel(objective, problem, receptors, within, relative_gap, most_boxes);
+  optimum.boxes = proved.boxes;
+  Offer(optimum, proved.value, Proof::kBranchAndBound);
+  CheckBound(objective, optimum);
   return optimum;
 }
 

@@ -21,7 +21,7 @@ struct AdapterOptimum {
   double value = 0;        ///< the objective there, in its unit
   double upper_bound = 0;  ///< no point within the bounds gives more
   Proof proof = Proof::kMatchedLoad;
-  std::size_t boxes = 0;  ///< that the proof took
+  std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
 /// The best point alone, without proof: Newton's steps from the best of an even lattice
@@ -32,40 +32,35 @@ struct AdapterOptimum {
 /// The best point with a certified upper bound. The problem must have no Fault().
 ///
 /// The proof, for kSkinRms, kStimulus and kSkinPower. |Xs| depends on Ma2 through one square only,
+/// so Ma2 takes the value that serves best and four numbers are left: Ma1, Ka, Ba and the area's
+/// part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds; where Ma2 meets
+/// its bound the cost bends, and its slopes there are an interval too. Boxes that cover the bounds
+/// have a lower bound of the cost (sim/tuning/adapter_cost.h) in interval arithmetic that rounds
+/// outwards. The box with the weakest bound is halved across its widest contribution until that
+/// bound is within `relative_gap` of the best point, or `most_boxes` have been looked at; whichever
+/// comes first, the weakest bound that is left is the answer. kStimulus is the same for each
+/// stretch of areas between two steps of Nr, whose weight is constant on it (sharp field edges
+/// only), each with `most_boxes` of its own; kSkinPower divides by b. kRmsPerWatt has
+/// MatchedLoadBound() alone, and so has a stimulus with soft edges.
 ///
-///   |Fc|^2 / |Xs|^2 = H^2 + (t (Ks + Re Z - Ma2 w^2))^2,
-///   H = b t + q / t + e |D1|^2 / (|ka| |D1 + ka|),        t, b, e, q as in MatchedLoadBound(),
-///
-/// so Ma2 takes the value nearest to (Ks + Re Z) / w^2 and four numbers are left: Ma1, Ka, Ba and
-/// the area's part. Im(D1 + ka) >= q > 0, so nothing is divided by 0 anywhere in the bounds;
-/// where Ma2 meets its bound the distance bends, and its slopes there are an interval too. Boxes
-/// that cover the bounds are bounded from below by the mean value form f(middle) + sum of f'(box)
-/// (box - middle) and by the natural extension, whichever is higher, in interval arithmetic that
-/// rounds outwards. The box with the weakest bound is halved across its widest contribution until
-/// that bound is within `relative_gap` of the best point, or `most_boxes` have been looked at;
-/// whichever comes first, the weakest bound that is left is the answer. kStimulus is the same for
-/// each step of Nr, whose weight is constant on it (sharp field edges only); kSkinPower divides by
-/// b. kRmsPerWatt has MatchedLoadBound() alone, and so has a stimulus with soft edges.
-///
-/// With a skin_variation v (kSkinRms and kStimulus only) the second bracket is
-/// |Ks + Re Z - Ma2 w^2| + v Ks and b is that of the largest Bs: the least RMS over those skins is
-/// made as large as it can be, and the nearest Ma2 is still the best.
+/// With a skin_variation (kSkinRms and kStimulus only) the least RMS over those skins is made as
+/// large as it can be, and the nearest Ma2 is still the best.
 ///
 /// With a mover_limit_m (not for kRmsPerWatt, nor with a skin_variation) the best point is sought
 /// among those that keep to it; where the unlimited optimum does, it is the answer, with its proof.
-/// Else the bound is the lowest of BoundWithinTravel() with at most 60 000 boxes, that of boxes
-/// again, of LimitedTravelBound(), and of the unlimited optimum's. value 0: none found. ValueOf()
-/// itself knows no limit.
+/// Else the proof is BoundWithinTravel()'s, boxes again.
+/// Either way LimitedTravelBound() and MatchedLoadBound() are told where they are lower. value 0:
+/// none found. ValueOf() itself knows no limit.
 ///
 /// Rounding: the intervals begin from kc and Fc as rounded; MotorSource::rounding_allowance
 /// (2.5e-11 for the thesis's actuator) is added for that.
 ///
 /// Worked: the thesis's problem gives Ma1 0.25 g, Ma2 4.9205 g, Ka 9276.2 N/m, Ba 0.01 N s/m, A 1
-/// mm2, 0.20188526 mm, and a bound 1e-9 above it. Cost: docs/results.md; allocates the boxes.
+/// mm2, 0.20188526 mm, and a bound 4e-10 above it. Cost: docs/results.md; allocates the boxes.
 [[nodiscard]] AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                                 const ReceptorField& receptors,
                                                 double relative_gap = 1e-9,
-                                                std::size_t most_boxes = 300'000);
+                                                std::size_t most_boxes = 100'000);
 
 /// One point of the ridge: the best there is with that mass on the motor's side.
 struct RidgePoint {

@@ -11,8 +11,6 @@ namespace {
 using CubeView = std::function<LimitedView(const CubePlace&)>;
 using Curvature = Eigen::Matrix<double, kCubeAxes, kCubeAxes>;
 
-constexpr double kKept = 1e-11;
-
 struct CubeBounds {
   CubePlace lower, upper;
 };
@@ -114,8 +112,8 @@ LimitedSummit ClimbWithinBounds(const CubeView& view, const CubePlace& lower,
     const double miss = std::abs(std::max(at.excess, -merit.lambda / merit.rho));
     merit.lambda = merit.Pull(at);
     summit.cost = at.cost;
-    summit.kept = at.excess <= kKept;
-    if (miss < kKept / 10) break;
+    summit.kept = at.excess <= kKeptLimit;
+    if (miss < kKeptLimit / 10) break;
     if (miss > before / 8) merit.rho *= 4;
     before = miss;
   }

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 
-namespace haptometer::sim {
+#include "sim/tuning/cube_place.h"
 
-/// Ma1, Ka, Ba, the area by AreaAt() and Ma2, each as its part of the way between its bounds.
-inline constexpr int kCubeAxes = 5;
-using CubePlace = Eigen::Matrix<double, kCubeAxes, 1>;
+namespace haptometer::sim {
 
 /// What a place costs and how far it is beyond a limit, with slopes.
 struct LimitedView {
@@ -17,12 +14,15 @@ struct LimitedView {
   CubePlace excess_slopes = CubePlace::Zero();
 };
 
+/// A limit counts as kept where h is no more than this.
+inline constexpr double kKeptLimit = 1e-11;
+
 /// Where a climb ended.
 struct LimitedSummit {
   CubePlace place = CubePlace::Zero();
   double price = 0;   ///< lambda: by how much the cost falls where the limit is let out
   double cost = 0;    ///< f
-  bool kept = false;  ///< h <= 1e-11
+  bool kept = false;  ///< h <= kKeptLimit
 };
 
 /// The local minimum of f under h <= 0 and lower <= place <= upper that is reached from `start`.

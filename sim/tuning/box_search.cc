@@ -12,6 +12,9 @@ namespace {
 
 using Cost = std::function<BoxCost(const AdapterBox&)>;
 
+// a bound that comes so near to the cost of an adapter cannot be raised further
+constexpr double kSettled = 1e-10;
+
 struct OpenBox {
   AdapterBox box;
   BoxCost cost{};
@@ -49,13 +52,16 @@ bool Bound(const Cost& over, OpenBox& open) {
 
 }  // namespace
 
-double LeastCost(const Cost& over, double enough, std::size_t most_boxes, std::size_t& boxes) {
+LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) {
   OpenBox whole;
   whole.box.fill({.lower = 0, .upper = 1});
   Bound(over, whole);
   OpenBoxes open;
   open.push(whole);
-  while (!open.empty() && open.top().cost.lower < enough && boxes < most_boxes) {
+  std::size_t boxes = 1;
+  double reached = whole.cost.middle;  // by an adapter
+  const auto open_by = [&] { return std::min(enough, (1 - kSettled) * reached); };
+  while (!open.empty() && open.top().cost.lower < open_by() && boxes < most_boxes) {
     const OpenBox first = open.top();
     open.pop();
     const auto widest = std::ranges::max_element(first.cost.spread);
@@ -64,11 +70,14 @@ double LeastCost(const Cost& over, double enough, std::size_t most_boxes, std::s
     OpenBox upper{.box = first.box};
     lower.box[axis].upper = upper.box[axis].lower = first.box[axis].middle();
     for (OpenBox* half : {&lower, &upper}) {
-      if (Bound(over, *half)) open.push(*half);
+      if (!Bound(over, *half)) continue;
+      reached = std::min(reached, half->cost.middle);
+      open.push(*half);
     }
     boxes += 2;
   }
-  return open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower;
+  return {.cost = open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower,
+          .boxes = boxes};
 }
 
 }  // namespace haptometer::sim

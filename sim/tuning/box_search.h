@@ -7,8 +7,14 @@
 
 namespace haptometer::sim {
 
-/// A lower bound of a cost over all adapters of the bounds: at least `enough`, or the best that
-/// `most_boxes` boxes in all allow. `boxes` counts on.
+/// What boxes prove.
+struct LeastOfBoxes {
+  double cost = 0;        ///< no adapter of the bounds costs less
+  std::size_t boxes = 0;  ///< looked at
+};
+
+/// A lower bound of a cost over all adapters of the bounds: at least `enough`, or within 1e-10 of
+/// the cost of some adapter, or the best that some `most_boxes` boxes allow.
 ///
 /// Boxes cover the bounds; the one with the weakest bound comes first and is halved across its
 /// widest contribution. Where the cost rises all over a box along an axis, the least of all lies in
@@ -18,7 +24,7 @@ namespace haptometer::sim {
 /// boxes.
 ///
 /// Cost: some us a box; allocates the boxes.
-[[nodiscard]] double LeastCost(const std::function<BoxCost(const AdapterBox&)>& over, double enough,
-                               std::size_t most_boxes, std::size_t& boxes);
+[[nodiscard]] LeastOfBoxes LeastCost(const std::function<BoxCost(const AdapterBox&)>& over,
+                                     double enough, std::size_t most_boxes);
 
 }  // namespace haptometer::sim

@@ -1,14 +1,18 @@
 #include "sim/tuning/latency_limit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <vector>
 
 #include "base/check.h"
 #include "sim/effective_scene.h"
+#include "sim/tuning/adapter_grid.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_climb.h"
 #include "sim/tuning/travel_limit.h"
 #include "sim/waveforms.h"
@@ -39,37 +43,32 @@ struct Tried {
   double latency_s = kNever;
 };
 
+// where a climb in steps of that length ended
+struct Summit {
+  Tried top;
+  double step = 0;
+};
+
 class LatencySearch {
  public:
   LatencySearch(const TuningProblem& problem, const MotorSource& source, double limit_s)
       : problem_(problem),
         source_(source),
         climb_(Objective::kSkinRms, problem, source, {}),
-        limit_s_(limit_s) {
-    const AdapterBounds& bounds = problem.bounds;
-    const auto free = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
-    upper_ << free(bounds.motor_side_mass_kg), free(bounds.stiffness_n_per_m),
-        free(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : free(bounds.contact_area_m2),
-        free(bounds.skin_side_mass_kg);
-  }
+        limit_s_(limit_s),
+        upper_(UpperEndOf(problem)) {}
 
-  [[nodiscard]] Tried Run(const CubePlace& place) {
-    ++runs_;
-    const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
-    return {.place = place,
-            .cost = climb_.At(place).cost,
-            .latency_s = rise ? rise->latency_s : kNever};
-  }
-
+  // the adapter at a place by its own run, which is remembered
+  [[nodiscard]] Tried Run(const CubePlace& place);
   [[nodiscard]] bool Prompt(const Tried& tried) const { return tried.latency_s <= limit_s_; }
-  [[nodiscard]] std::size_t runs() const { return runs_; }
+  [[nodiscard]] std::size_t runs() const { return tried_.size(); }
 
   std::vector<Tried> Starts();
   // slopes are differences over `step`; 20 of it are trusted at first
   Tried ClimbFrom(Tried here, double step);
 
  private:
-  [[nodiscard]] std::vector<CubePlace> Lattice() const;
+  [[nodiscard]] std::vector<CubePlace> Places() const;
   [[nodiscard]] CubePlace ScaleAt(const CubePlace& place) const;
   [[nodiscard]] CubePlace SlopesAt(const Tried& here, double width);
   [[nodiscard]] CubePlace Step(const Tried& here, const CubePlace& slopes, double offset_s,
@@ -81,30 +80,34 @@ class LatencySearch {
   const MotorSource& source_;
   LimitedClimb climb_;
   double limit_s_;
-  CubePlace upper_;  // the cube's upper end: 0 where the bounds hold an axis
-  std::size_t runs_ = 0;
+  CubePlace upper_;
+  std::map<std::array<double, kCubeAxes>, Tried> tried_;
+  std::vector<Summit> summits_;
 };
 
-// Ma1, Ka, Ba, the area, and Ma2 at and beside what serves the RMS best
-std::vector<CubePlace> LatencySearch::Lattice() const {
-  std::vector<CubePlace> places;
+Tried LatencySearch::Run(const CubePlace& place) {
+  std::array<double, kCubeAxes> key{};
+  std::ranges::copy(place, key.begin());
+  const auto known = tried_.find(key);
+  if (known != tried_.end()) return known->second;
+  const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
+  const Tried tried{
+      .place = place, .cost = climb_.At(place).cost, .latency_s = rise ? rise->latency_s : kNever};
+  tried_.emplace(key, tried);
+  return tried;
+}
+
+// a lattice of Ma1, Ka, Ba and the area, and Ma2 at and beside what serves the RMS best
+std::vector<CubePlace> LatencySearch::Places() const {
+  const std::vector<double> springs = EqualSteps({.lower = 0, .upper = 1}, 9);
   const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
-  for (const double Ma1 : {0.0, 0.5, 1.0}) {
-    for (const double Ka : {0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0}) {
-      for (const double Ba : {0.0, 1.0}) {
-        for (const double area : {0.0, 1.0}) {
-          CubePlace place{Ma1, Ka, Ba, area, 0};
-          if ((place.array() > upper_.array()).any()) continue;
-          const AdapterPoint point = PointOf(problem_.bounds, place);
-          const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
-          for (const double part : {1.0, 0.6, 1.6}) {
-            const double kg = std::clamp(part * wanted_kg, mass_kg.lower, mass_kg.upper);
-            const double width_kg = mass_kg.upper - mass_kg.lower;
-            place[4] = width_kg > 0 ? (kg - mass_kg.lower) / width_kg : 0;
-            places.push_back(place);
-          }
-        }
-      }
+  std::vector<CubePlace> places;
+  for (CubePlace place : Lattice(upper_, {{{0, 0.5, 1}, springs, {0, 1}, {0, 1}}})) {
+    const AdapterPoint point = PointOf(problem_.bounds, place);
+    const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
+    for (const double part : {1.0, 0.6, 1.6}) {
+      place[4] = PartOf(mass_kg, std::clamp(part * wanted_kg, mass_kg.lower, mass_kg.upper));
+      places.push_back(place);
     }
   }
   return places;
@@ -114,7 +117,7 @@ std::vector<CubePlace> LatencySearch::Lattice() const {
 std::vector<Tried> LatencySearch::Starts() {
   constexpr std::size_t kMostStarts = 3;
   constexpr double kApart = 0.2;
-  std::vector<CubePlace> places = Lattice();
+  std::vector<CubePlace> places = Places();
   std::ranges::sort(places, {}, [&](const CubePlace& place) { return climb_.At(place).cost; });
   std::vector<Tried> starts;
   Tried promptest;
@@ -201,6 +204,7 @@ std::optional<Tried> LatencySearch::Better(const Tried& here, const CubePlace& s
 
 Tried LatencySearch::ClimbFrom(Tried here, double step) {
   constexpr int kMostSteps = 25;
+  constexpr double kSameHill = 1e-3;
   double radius = 20 * step;
   for (int count = 0; count < kMostSteps; ++count) {
     const auto next = Better(here, SlopesAt(here, step), radius);
@@ -208,21 +212,14 @@ Tried LatencySearch::ClimbFrom(Tried here, double step) {
     const bool settled = Prompt(here) && here.cost - next->cost < 1e-7;
     here = *next;
     if (settled) break;
+    // a climb that has come to a known summit would run to the same places again
+    const auto known = std::ranges::find_if(summits_, [&](const Summit& summit) {
+      return summit.step <= step && (summit.top.place - here.place).norm() < kSameHill;
+    });
+    if (known != summits_.end()) return known->top;
   }
+  summits_.push_back({.top = here, .step = step});
   return here;
-}
-
-CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
-  const auto part = [](const Range& range, double value) {
-    return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
-  };
-  const Range roots{std::cbrt(bounds.contact_area_m2.lower),
-                    std::cbrt(bounds.contact_area_m2.upper)};
-  return {part(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
-          part(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
-          part(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
-          part(roots, std::cbrt(point.contact_area_m2)),
-          part(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
 }
 
 }  // namespace
@@ -252,7 +249,11 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
   };
   const auto rise = RiseWith(problem, unlimited);
   if (rise && rise->latency_s <= limit_s) {
-    return {.point = unlimited, .value = value(unlimited), .rise = *rise, .runs = 1};
+    return {.point = unlimited,
+            .value = value(unlimited),
+            .rise = *rise,
+            .runs = 1,
+            .is_unlimited = true};
   }
   LatencySearch search(problem, source, limit_s);
   Tried best;
@@ -269,7 +270,7 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
     if (best.cost < kNever) best = search.ClimbFrom(best, step);
   }
   PromptBest answer;
-  answer.runs = search.runs() + 1;
+  answer.runs = search.runs();
   if (best.cost == kNever) return answer;
   answer.point = PointOf(problem.bounds, best.place);
   answer.value = value(answer.point);

@@ -23,7 +23,9 @@ struct PromptBest {
   AdapterPoint point;
   double value = 0;      ///< skin RMS, m; 0: no adapter found that is prompt enough
   SkinRise rise;         ///< of it
-  std::size_t runs = 0;  ///< that the search took
+  std::size_t runs = 0;  ///< of different adapters, that the search took
+  /// Whether it is the best without the limit, and so no less proved; else it was only searched.
+  bool is_unlimited = false;
 };
 
 /// The best adapter whose latency is at most `limit_s`; `unlimited` is the best without the limit
@@ -37,14 +39,17 @@ struct PromptBest {
 /// over a hundredth of the ranges, of small numbers a part of themselves, in the end over 1/2500)
 /// within a trust region, where ClimbWithinBounds() finds the largest RMS exactly; what the line
 /// missed is taken off, and a step counts only if its own run keeps to the limit and the RMS grows.
+/// A climb that comes to a summit that is known ends there.
 /// That the adapter keeps to the limit is certain; that no other does and moves the skin more is
 /// not: an upper bound is that without the limit. The same numbers each time.
 ///
 /// Against differential evolution with 4000 runs of its own (tests/sim/tuning/
-/// latency_reference.py) it found 2e-5 to 3e-4 more at four limits. Worked: the thesis's problem
-/// within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89 um.
+/// latency_reference.py) it found 1.9e-5 to 3.4e-4 more at four limits. Worked: the thesis's
+/// problem within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89
+/// um.
 ///
-/// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 500 runs.
+/// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 130 to 450
+/// runs.
 [[nodiscard]] PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
                                            const AdapterPoint& unlimited);
 

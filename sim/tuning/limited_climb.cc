@@ -37,23 +37,13 @@ CubePlace SlopesOf(const CubeNumber& number) {
 
 }  // namespace
 
-AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place) {
-  return {.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
-                      .skin_side_mass_kg = bounds.skin_side_mass_kg.At(place[4]),
-                      .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                      .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
-          .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
-}
-
 LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
                            const MotorSource& source, const ReceptorField& receptors)
-    : objective_(objective), problem_(problem), source_(source), receptors_(receptors) {
-  const AdapterBounds& bounds = problem.bounds;
-  const auto free = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
-  free_ << free(bounds.motor_side_mass_kg), free(bounds.stiffness_n_per_m),
-      free(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : free(bounds.contact_area_m2),
-      free(bounds.skin_side_mass_kg);
-}
+    : objective_(objective),
+      problem_(problem),
+      source_(source),
+      receptors_(receptors),
+      upper_(UpperEndOf(problem)) {}
 
 double LimitedClimb::LogWeight(double part) const {
   const double area_m2 = AreaAt(problem_.bounds.contact_area_m2, part);
@@ -100,7 +90,7 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
 
 LimitedSummit LimitedClimb::From(const CubePlace& start) const {
   return ClimbWithinBounds([this](const CubePlace& place) { return At(place); }, CubePlace::Zero(),
-                           free_, start);
+                           upper_, start);
 }
 
 }  // namespace haptometer::sim

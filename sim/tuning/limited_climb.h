@@ -5,9 +5,6 @@
 
 namespace haptometer::sim {
 
-/// The adapter at a place.
-[[nodiscard]] AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place);
-
 /// Climbs to adapters whose mover keeps to the problem's mover_limit_m.
 ///
 /// f = ln |Fc / Xs|^2, less the logarithm of what the objective weighs it by (w Bs of kSkinPower,
@@ -33,7 +30,7 @@ class LimitedClimb {
   TuningProblem problem_;
   MotorSource source_;
   ReceptorField receptors_;
-  CubePlace free_;  // the cube's upper end: 1, and 0 where the bounds hold an axis
+  CubePlace upper_;
 };
 
 }  // namespace haptometer::sim

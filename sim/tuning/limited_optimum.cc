@@ -8,17 +8,19 @@
 #include <optional>
 
 #include "base/check.h"
+#include "sim/tuning/adapter_cost.h"
+#include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
+#include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_climb.h"
-#include "sim/tuning/priced_cost.h"
 #include "sim/tuning/travel_limit.h"
 
 namespace haptometer::sim {
 
 namespace {
 
-constexpr int kLattice = 9;
+constexpr std::size_t kLattice = 9;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // a place of the lattice and how good it is to begin at: the less, the better
@@ -35,54 +37,28 @@ struct Starts {
   std::array<Start, 6> kept, beyond;
 };
 
-double PartOf(const Range& range, double value) {
-  return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
-}
-
-class Lattice {
- public:
-  Lattice(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb)
-      : problem_(piece.problem), source_(source), climb_(climb) {}
-
-  Starts Visit() {
-    const AdapterBounds& bounds = problem_.bounds;
-    const int areas = problem_.fixed_skin ? 1 : ValuesOf(bounds.contact_area_m2);
-    for (int i = 0; i < ValuesOf(bounds.motor_side_mass_kg); ++i) {
-      for (int j = 0; j < ValuesOf(bounds.stiffness_n_per_m); ++j) {
-        for (int k = 0; k < ValuesOf(bounds.damping_n_s_per_m); ++k) {
-          for (int l = 0; l < areas; ++l) Try({i, j, k, l});
-        }
-      }
-    }
-    return starts_;
-  }
-
- private:
-  static int ValuesOf(const Range& range) { return range.lower < range.upper ? kLattice : 1; }
-
-  void Try(const std::array<int, 4>& at) {
-    CubePlace place = CubePlace::Zero();
-    for (int axis = 0; axis < 4; ++axis) {
-      place[axis] = at[static_cast<std::size_t>(axis)] / (kLattice - 1.0);
-    }
-    const AdapterPoint point = PointOf(problem_.bounds, place);
-    const Range& mass_kg = problem_.bounds.skin_side_mass_kg;
-    const double wanted_kg = WantedSkinSideMass(problem_, source_, point);
-    const auto found_kg = NearestWithinTravel(problem_, source_, point, wanted_kg);
+Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb) {
+  const TuningProblem& problem = piece.problem;
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  const std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
+  const auto third = [](double part) {
+    return static_cast<std::size_t>(part * (kLattice - 1) / 3);
+  };
+  Starts starts;
+  for (CubePlace place : Lattice(UpperEndOf(problem), {parts, parts, parts, parts})) {
+    const AdapterPoint point = PointOf(problem.bounds, place);
+    const double wanted_kg = WantedSkinSideMass(problem, source, point);
+    const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
     const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
     place[4] = PartOf(mass_kg, kg);
-    const LimitedView view = climb_.At(place);
-    auto& starts = found_kg ? starts_.kept : starts_.beyond;
+    const LimitedView view = climb.At(place);
+    auto& kind = found_kg ? starts.kept : starts.beyond;
     const double rank = found_kg ? view.cost : view.excess;
-    starts[static_cast<std::size_t>(at[0] / 3)].Offer(place, rank);
-    starts[3 + static_cast<std::size_t>(at[1] / 3)].Offer(place, rank);
+    kind[third(place[0])].Offer(place, rank);
+    kind[3 + third(place[1])].Offer(place, rank);
   }
-
-  const TuningProblem& problem_;
-  const MotorSource& source_;
-  const LimitedClimb& climb_;
-  Starts starts_;
-};
+  return starts;
+}
 
 // the best of a stretch of areas
 struct PieceBest {
@@ -94,7 +70,7 @@ struct PieceBest {
 PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
                       const ReceptorField& receptors) {
   const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
-  const Starts starts = Lattice(piece, source, climb).Visit();
+  const Starts starts = StartsOf(piece, source, climb);
   const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
   std::optional<LimitedSummit> best;
   for (const Start& start : any ? starts.kept : starts.beyond) {
@@ -135,30 +111,39 @@ LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
   return best;
 }
 
-double BoundWithinTravel(Objective objective, const TuningProblem& problem,
-                         const ReceptorField& receptors, const LimitedBest& best,
-                         double relative_gap, std::size_t most_boxes, std::size_t& boxes) {
+TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                              const ReceptorField& receptors, const LimitedBest& best,
+                              double relative_gap, std::size_t most_boxes) {
   const bool steps = HasSteps(objective, receptors);
-  if (objective == Objective::kStimulus && !steps) return kNone;
+  if (objective == Objective::kStimulus && !steps) return {.value = kNone};
   const MotorSource source = SourceOf(problem.actuator, problem.drive);
   const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
   HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
                    pieces.size(), best.value);
-  double bound = best.value;
+  TravelBound bound;
   for (std::size_t k = 0; k < pieces.size(); ++k) {
     const AreaPiece& piece = pieces[k];
     const double rough = RoughBound(piece, source, receptors);
-    if (!(rough > bound)) continue;
-    const PricedCost cost(piece.problem, source, piece.objective == Objective::kSkinPower);
-    const double price = std::clamp(best.prices[k], 0.0, 1.0);
+    if (!(rough > best.value)) {
+      bound.value = std::max(bound.value, rough);
+      continue;
+    }
+    // any price below 1 gives a bound
+    const double price = std::clamp(best.prices[k], 0.0, 1 - 1e-6);
+    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower, price);
     const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
-    const double least = LeastCost([&](const AdapterBox& box) { return cost.Over(box, price); },
-                                   enough, most_boxes, boxes);
-    bound = std::max(bound, std::min(rough, ValueOfCost(piece, source, least)));
+    const LeastOfBoxes least =
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
+    bound.boxes += least.boxes;
+    bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
   }
-  // what the rounding of source and limit may move: travel is a difference of two
+  // what the rounding of source and limit may move: travel is a difference of two; a price is 1 at
+  // most, so that the value moves by no more than the limit's square
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
   const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
-  return bound * (1 + source.rounding_allowance * travel + (steps ? kStepAllowance : 0));
+  bound.value *=
+      1 + squares * source.rounding_allowance * travel + kKeptLimit + (steps ? kStepAllowance : 0);
+  return bound;
 }
 
 }  // namespace haptometer::sim

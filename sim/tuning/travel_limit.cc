@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/check.h"
+#include "sim/tuning/bounded_climb.h"
 
 namespace haptometer::sim {
 
@@ -93,7 +94,7 @@ double LimitedTravelBound(Objective objective, const TuningProblem& problem,
   const double F = std::abs(source.coil_force_n);
   const double T = std::min(problem.mover_limit_m, F / (2 * q));
   const double Bs = SkinOf(problem, problem.bounds.contact_area_m2.lower).damping_n_s_per_m;
-  const double work_n_m = (F * T - q * T * T) * (1 + source.rounding_allowance);
+  const double work_n_m = (F * T - q * T * T) * (1 + source.rounding_allowance + kKeptLimit);
   if (objective == Objective::kSkinPower) return w * work_n_m / 2;
   const double rms_m = std::sqrt(work_n_m / (w * Bs) / 2);
   if (objective == Objective::kSkinRms) return rms_m;

@@ -38,7 +38,8 @@ namespace haptometer::sim {
 ///
 ///   |Xs|^2 <= (|F| T - Im k1 T^2) / (w Bs)      for T <= |F| / (2 Im k1);
 ///
-/// for a longer T it holds with that one.
+/// for a longer T it holds with that one. Rounding is allowed for, and kKeptLimit of
+/// sim/tuning/bounded_climb.h.
 [[nodiscard]] double LimitedTravelBound(Objective objective, const TuningProblem& problem,
                                         const MotorSource& source, const ReceptorField& receptors);
 

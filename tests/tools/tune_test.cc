@@ -88,6 +88,7 @@ TEST(TuneVerb, ChoosesAmongTheSpringsOfAList) {
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_GE(answer.at("upper_bound_m").get<double>(), largest);
   EXPECT_LT(answer.at("upper_bound_m").get<double>(), largest * (1 + 1e-8));
+  EXPECT_THAT(Tune({"--springs", "5000,8200"}).out, HasSubstr("with one of these springs gives"));
 }
 
 TEST(TuneVerb, ServesTheWorstOfSkinsThatVary) {
@@ -105,6 +106,7 @@ TEST(TuneVerb, KeepsTheMoverWithinItsTravel) {
   EXPECT_EQ(answer.at("objective").at("proof"), "branch and bound");
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(Json({}).at("mover_limit_m").is_null());
+  EXPECT_THAT(Tune({"--mover-travel", "0.05mm"}).out, HasSubstr("keeps to the travel gives more"));
   const Outcome none = Tune({"--mover-travel", "1um"});
   EXPECT_EQ(none.status, 3);
   EXPECT_THAT(none.err, HasSubstr("no adapter found"));
@@ -130,6 +132,9 @@ TEST(TuneVerb, KeepsToALatencyThatSimulateConfirms) {
   EXPECT_EQ(answer.at("latency_limit_s").get<double>(), 2e-3);
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(answer.at("ridge").empty());
+  EXPECT_FALSE(answer.at("latency_search").at("proved").get<bool>());
+  EXPECT_GT(answer.at("latency_search").at("runs").get<int>(), 20);
+  EXPECT_THAT(answer.at("assumptions").dump(), HasSubstr("searched, not proved ("));
 
   const std::string path = ::testing::TempDir() + "prompt.toml";
   std::ofstream(path) << "[actuator]\nmodel = \"thesis-c10-100\"\n[skin]\nstiffness_n_per_m = 600\n"
@@ -157,11 +162,15 @@ TEST(TuneVerb, IsNotChangedByALatencyThatIsKept) {
   EXPECT_EQ(kept.at("rise"), plain.at("rise"));
   const Outcome told = Tune({"--latency", "25ms"});
   EXPECT_THAT(told.out, HasSubstr("of 25 ms allowed: below 25 ms"));
-  EXPECT_THAT(told.out, HasSubstr("searched, not proved"));
+  EXPECT_THAT(told.out, HasSubstr("without the limit keeps to it"));
+  EXPECT_THAT(told.out, ::testing::Not(HasSubstr("not proved")));
+  EXPECT_TRUE(kept.at("latency_search").at("proved").get<bool>());
+  EXPECT_TRUE(plain.at("latency_search").is_null());
   const Outcome none = Tune({"--latency", "0.001us", "--stiffness", "9000", "--contact-area",
                              "1mm2", "--damping", "0.01", "--motor-side-mass", "0.25g"});
   EXPECT_EQ(none.status, 3);
   EXPECT_THAT(none.err, HasSubstr("comes up within"));
+  EXPECT_THAT(none.err, HasSubstr("runs, not proved"));
 }
 
 TEST(TuneVerb, SaysWhichEffectsOfTheSceneItLeavesOut) {

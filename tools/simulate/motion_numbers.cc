@@ -44,22 +44,23 @@ std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms
 
 std::optional<sim::SteadyPart> SteadyPartOf(const sim::Scene& scene, double duration_s) {
   const sim::Drive& drive = scene.drive;
-  if (drive.kind == sim::DriveKind::kSine) return sim::SteadyPart{0, 0, duration_s};
+  if (drive.kind == sim::DriveKind::kSine) return sim::SteadyPart{.end_s = duration_s};
   if (drive.kind != sim::DriveKind::kBurst) return std::nullopt;
   const double full_s = drive.start_s + drive.rise_s;
-  return sim::SteadyPart{drive.start_s, full_s, std::min(full_s + drive.hold_s, duration_s)};
+  return sim::SteadyPart{.drive_s = drive.start_s,
+                         .begin_s = full_s,
+                         .end_s = std::min(full_s + drive.hold_s, duration_s)};
 }
 
 // Adds the rise, or why there is none.
 void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumbers& numbers) {
-  const double period_s = 1 / scene.drive.frequency_hz;
   const double duration_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
   const auto part = SteadyPartOf(scene, duration_s);
   if (!part) {
     numbers.no_rise = fmt::format("under {} no amplitude stands still", KindText(scene.drive.kind));
     return;
   }
-  if (!(part->end_s - part->begin_s >= sim::kLeastRisePeriods * period_s * (1 - 1e-9))) {
+  if (!sim::LastsForARise(*part, scene.drive.frequency_hz)) {
     numbers.no_rise =
         fmt::format("the drive is on for less than {:g} periods", sim::kLeastRisePeriods);
     return;

@@ -22,7 +22,7 @@ constexpr double kSpringError = 0.05;
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Find the adapter that moves the skin most, with a proof that none is better.",
+    .summary = "Find the adapter that moves the skin most, with a proved upper bound.",
     .examples = {"haptometer tune", "haptometer tune scene.toml --stiffness 5000:9000 --json",
                  "haptometer tune --objective stimulus --skin table"}};
 
@@ -42,8 +42,9 @@ std::vector<double> GridWeights(const TuneQuestion& question) {
 }
 
 // The best adapter of the problem, which is the question's or that with one spring. A latency limit
-// leaves the bound as it is without it.
-sim::AdapterOptimum OptimumOf(const TuneQuestion& question, const sim::TuningProblem& problem) {
+// leaves the bound as it is without it; its search is added to the answer's.
+sim::AdapterOptimum OptimumOf(const sim::TuningProblem& problem, TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
   sim::AdapterOptimum best =
       sim::FindAdapterOptimum(question.objective, problem, question.receptors);
   if (!question.latency_limit_s) return best;
@@ -51,28 +52,32 @@ sim::AdapterOptimum OptimumOf(const TuneQuestion& question, const sim::TuningPro
       sim::BestWithinLatency(problem, *question.latency_limit_s, best.point);
   best.point = prompt.point;
   best.value = prompt.value;
+  LatencySearch search = answer.latency.value_or(LatencySearch{});
+  search.runs += prompt.runs;
+  search.proved = search.proved && prompt.is_unlimited;
+  answer.latency = search;
   return best;
 }
 
-// The best with each listed spring, one after the other; the bound is the largest of theirs.
+// The best with each listed spring, one after the other; the bound is the largest of theirs, which
+// another spring than the best one may have.
 sim::AdapterOptimum ChooseSpring(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   sim::AdapterOptimum best;
-  double bound = 0;
   for (const double spring_n_per_m : question.springs_n_per_m) {
     sim::TuningProblem held = question.problem;
     held.bounds.stiffness_n_per_m = {.lower = spring_n_per_m, .upper = spring_n_per_m};
-    sim::AdapterOptimum found = OptimumOf(question, held);
+    const sim::AdapterOptimum found = OptimumOf(held, answer);
     answer.listed.push_back({.point = found.point, .value = found.value});
-    bound = std::max(bound, found.upper_bound);
-    found.boxes += best.boxes;
-    if (found.value > best.value) {
-      best = found;
-    } else {
-      best.boxes = found.boxes;
+    best.boxes += found.boxes;
+    if (found.upper_bound > best.upper_bound) {
+      best.upper_bound = found.upper_bound;
+      best.proof = found.proof;
     }
+    if (!(found.value > best.value)) continue;
+    best.point = found.point;
+    best.value = found.value;
   }
-  best.upper_bound = bound;
   return best;
 }
 
@@ -100,12 +105,15 @@ void AddWrongSprings(TuneAnswer& answer) {
   }
 }
 
-std::unexpected<Error> NothingFound(const TuneQuestion& question) {
-  if (question.latency_limit_s) {
-    return CannotAnswer(question.name,
-                        fmt::format("no adapter found within the bounds comes up within {:g} ms",
-                                    *question.latency_limit_s * 1e3),
-                        "allow more --latency, or wider bounds");
+std::unexpected<Error> NothingFound(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  if (answer.latency) {
+    return CannotAnswer(
+        question.name,
+        fmt::format("no adapter found within the bounds comes up within {:g} ms (searched in {} "
+                    "runs, not proved)",
+                    *question.latency_limit_s * 1e3, answer.latency->runs),
+        "allow more --latency, or wider bounds");
   }
   return CannotAnswer(
       question.name,
@@ -119,12 +127,12 @@ Result<TuneAnswer> Answer(const TuneQuestion& question) {
   TuneAnswer answer;
   answer.question = question;
   answer.optimum =
-      question.springs_n_per_m.empty() ? OptimumOf(question, problem) : ChooseSpring(answer);
+      question.springs_n_per_m.empty() ? OptimumOf(problem, answer) : ChooseSpring(answer);
   answer.matched_load_bound =
       sim::MatchedLoadBound(question.objective, problem,
                             sim::SourceOf(problem.actuator, problem.drive), question.receptors);
 
-  if (!(answer.optimum.value > 0)) return NothingFound(question);
+  if (!(answer.optimum.value > 0)) return NothingFound(answer);
 
   // the numbers that simulate gives, by its seven states
   const sim::AdapterPoint& best = answer.optimum.point;

@@ -40,18 +40,32 @@ std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& pr
       adapter.damping_n_s_per_m, Mark(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), area);
 }
 
+// whom the bound of boxes holds for
+std::string BoundedText(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  std::string text = "no adapter within the bounds";
+  if (!question.springs_n_per_m.empty()) text += " with one of these springs";
+  if (std::isfinite(question.problem.mover_limit_m)) text += " that keeps to the travel";
+  text += " gives more";
+  if (answer.latency && !answer.latency->proved) text += ", whatever its latency";
+  return text;
+}
+
 std::string ProofText(const TuneAnswer& answer) {
   switch (answer.optimum.proof) {
     case sim::Proof::kBranchAndBound:
-      return fmt::format("no adapter within the bounds gives more{} ({} boxes)",
-                         answer.question.latency_limit_s ? ", whatever its latency" : "",
-                         answer.optimum.boxes);
+      return fmt::format("{} ({} boxes)", BoundedText(answer), answer.optimum.boxes);
     case sim::Proof::kLimitedTravel:
       return "no adapter at all gives more (the coil's work over that travel)";
     case sim::Proof::kMatchedLoad:
       break;
   }
   return "no adapter at all gives more (matched load)";
+}
+
+// how far the bound lies above what was found, in percent
+std::string GapText(const sim::AdapterOptimum& optimum) {
+  return fmt::format("{:.2g} % above", (optimum.upper_bound / optimum.value - 1) * 100);
 }
 
 std::string PointsText(const TuneAnswer& answer, std::string_view title,
@@ -84,6 +98,26 @@ std::string SpringsText(const TuneAnswer& answer) {
         rebalanced);
   }
   return text;
+}
+
+// how sure the answer is where the latency is limited
+std::string SearchText(const LatencySearch& search) {
+  if (search.proved) {
+    return "the latency is that of a simulated run; the best adapter without the limit keeps to "
+           "it, "
+           "so that the upper bound is the answer's own";
+  }
+  return fmt::format(
+      "the latency is that of a simulated run and was searched, not proved ({} runs: an even "
+      "lattice of all five numbers, and climbs from its best that come up in time and from the "
+      "best without the limit): that the adapter keeps to the limit is certain, that no other does "
+      "and moves the skin more is not; the upper bound is that without the limit",
+      search.runs);
+}
+
+ordered_json SearchJson(const TuneAnswer& answer) {
+  if (!answer.latency) return nullptr;
+  return {{"proved", answer.latency->proved}, {"runs", answer.latency->runs}};
 }
 
 // what simulate says of the adapter in a run of that length
@@ -204,11 +238,7 @@ std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
       answer.question.problem.fixed_skin
           ? "the skin is the scene's whatever the contact's area"
           : "the skin follows the thesis's cube root of the contact's area"};
-  if (answer.question.latency_limit_s) {
-    assumptions.emplace_back(
-        "the latency is that of a simulated run and was searched, not proved: that the adapter "
-        "keeps to the limit is certain, that no other does and moves the skin more is not");
-  }
+  if (answer.latency) assumptions.push_back(SearchText(*answer.latency));
   if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
   return assumptions;
 }
@@ -222,8 +252,9 @@ std::string TuneText(const TuneAnswer& answer) {
   text += fmt::format("  {} (* at a bound)\n", Adapter(answer.optimum.point, question.problem));
   text +=
       fmt::format("  {:<19}{:s}\n", sim::Name(objective), Said(objective, answer.optimum.value));
-  text += fmt::format("  upper bound        {:s}: {:s}\n",
-                      Said(objective, answer.optimum.upper_bound), ProofText(answer));
+  text += fmt::format("  upper bound        {:s} ({:s}): {:s}\n",
+                      Said(objective, answer.optimum.upper_bound), GapText(answer.optimum),
+                      ProofText(answer));
   text += fmt::format("  any adapter        {:s}: matched load with the lowest dampings\n",
                       Said(objective, answer.matched_load_bound));
   text += fmt::format("  skin displacement  {:.5f} um RMS\n", answer.steady.skin_rms_m * 1e6);
@@ -274,6 +305,7 @@ std::string TuneJson(const TuneAnswer& answer) {
       {"mover_limit_m", cli::NumberOrNull(question.problem.mover_limit_m)},
       {"rise", RiseJson(answer)},
       {"latency_limit_s", cli::NumberOrNull(question.latency_limit_s)},
+      {"latency_search", SearchJson(answer)},
       {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
       {"power_w", cli::NumberOrNull(answer.steady.power_w)},
       {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,19 +13,27 @@
 
 namespace haptometer::tools {
 
+/// How the adapter was found where its latency is limited.
+struct LatencySearch {
+  std::size_t runs = 0;  ///< of simulated adapters
+  /// Whether the best without the limit keeps to it, so that its proof is the answer's too.
+  bool proved = true;
+};
+
 /// Everything that tune answers.
 struct TuneAnswer {
   TuneQuestion question;
   sim::AdapterOptimum optimum;
-  sim::SteadyState steady;              ///< of the best adapter
-  double skin_power_w = 0;              ///< mean power into the skin
-  std::optional<sim::SkinRise> rise;    ///< of its skin from rest; absent where none is told
-  std::optional<double> stimulus_m;     ///< S; absent for a skin without area
-  double matched_load_bound = 0;        ///< of the objective
-  std::optional<sim::GridBest> grid;    ///< absent for rms-per-watt, listed springs and any limit
-  std::vector<sim::RidgePoint> ridge;   ///< over the motor side's mass; empty where that is fixed,
-                                        ///< springs listed or latency limited
-  std::vector<sim::RidgePoint> listed;  ///< the best with each listed spring, in their order
+  std::optional<LatencySearch> latency;  ///< absent without a limited latency
+  sim::SteadyState steady;               ///< of the best adapter
+  double skin_power_w = 0;               ///< mean power into the skin
+  std::optional<sim::SkinRise> rise;     ///< of its skin from rest; absent where none is told
+  std::optional<double> stimulus_m;      ///< S; absent for a skin without area
+  double matched_load_bound = 0;         ///< of the objective
+  std::optional<sim::GridBest> grid;     ///< absent for rms-per-watt, listed springs and any limit
+  std::vector<sim::RidgePoint> ridge;    ///< over the motor side's mass; empty where that is fixed,
+                                         ///< springs listed or latency limited
+  std::vector<sim::RidgePoint> listed;   ///< the best with each listed spring, in their order
   std::vector<sim::SpringCost>
       springs;  ///< 5 % too soft and 5 % too stiff; none of a limited latency
 };

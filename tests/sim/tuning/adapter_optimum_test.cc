@@ -151,10 +151,19 @@ TEST(AdapterOptimum, GrowsWithItsBounds) {
 
 TEST(AdapterOptimum, SaysWhatItHasWhenItMustStopEarly) {
   const AdapterOptimum optimum =
-      FindAdapterOptimum(Objective::kSkinRms, ThesisProblem(), {}, 1e-9, 200);
-  EXPECT_GE(optimum.boxes, 200U);
-  EXPECT_LT(optimum.boxes, 203U);
+      FindAdapterOptimum(Objective::kSkinRms, ThesisProblem(), {}, 1e-9, 20);
+  EXPECT_GE(optimum.boxes, 20U);
+  EXPECT_LT(optimum.boxes, 23U);
   EXPECT_GT(optimum.upper_bound / optimum.value - 1, 1e-9);
+}
+
+// boxes that one stretch of areas had used up would leave the others unproved
+TEST(AdapterOptimum, GivesEachStretchOfAreasItsBoxes) {
+  TuningProblem held = ThesisProblem();
+  held.bounds.skin_side_mass_kg = {2.5e-3, 2.5e-3};
+  const AdapterOptimum optimum = FindAdapterOptimum(Objective::kStimulus, held, {}, 1e-9, 100);
+  EXPECT_GT(optimum.boxes, 150U);
+  EXPECT_GE(optimum.upper_bound, optimum.value);
 }
 
 // an undamped adapter takes the available power at any mass on the motor's side

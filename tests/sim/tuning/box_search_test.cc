@@ -27,28 +27,26 @@ BoxCost Valley(const AdapterBox& box, double c) {
 
 TEST(BoxSearch, ClosesInOnTheLeastFromBelow) {
   for (const double c : {0.0, 0.3, 0.5, 1.0}) {
-    std::size_t boxes = 0;
-    const double least =
-        LeastCost([c](const AdapterBox& box) { return Valley(box, c); }, 2 - 1e-6, 20'000, boxes);
-    EXPECT_LE(least, 2) << c;
-    EXPECT_GE(least, 2 - 1e-6) << c;
-    EXPECT_GT(boxes, 0U);
+    const LeastOfBoxes least =
+        LeastCost([c](const AdapterBox& box) { return Valley(box, c); }, 2 - 1e-6, 20'000);
+    EXPECT_LE(least.cost, 2) << c;
+    EXPECT_GE(least.cost, 2 - 1e-6) << c;
+    EXPECT_GT(least.boxes, 1U);
   }
 }
 
 TEST(BoxSearch, FlattensWhatOnlyRises) {
   // without flattening x2 and x3 every valley's box would be cut along them too
-  std::size_t boxes = 0;
-  (void)LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 2 - 1e-6, 20'000, boxes);
-  EXPECT_LT(boxes, 400U);
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 2 - 1e-6, 20'000);
+  EXPECT_LT(least.boxes, 400U);
 }
 
 TEST(BoxSearch, StopsAtTheMostBoxes) {
-  std::size_t boxes = 0;
-  const double least =
-      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 3, 10, boxes);
-  EXPECT_LE(least, 2);
-  EXPECT_EQ(boxes, 10U);
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 3, 11);
+  EXPECT_LE(least.cost, 2);
+  EXPECT_EQ(least.boxes, 11U);
 }
 
 }  // namespace

@@ -1,0 +1,53 @@
+#include "sim/tuning/cube_place.h"
+
+#include <cmath>
+
+namespace haptometer::sim {
+
+double PartOf(const Range& range, double value) {
+  return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
+}
+
+AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place) {
+  return {.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
+                      .skin_side_mass_kg = bounds.skin_side_mass_kg.At(place[4]),
+                      .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
+                      .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
+          .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
+}
+
+CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
+  const Range roots{.lower = std::cbrt(bounds.contact_area_m2.lower),
+                    .upper = std::cbrt(bounds.contact_area_m2.upper)};
+  return {PartOf(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
+          PartOf(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
+          PartOf(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
+          PartOf(roots, std::cbrt(point.contact_area_m2)),
+          PartOf(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
+}
+
+CubePlace UpperEndOf(const TuningProblem& problem) {
+  const AdapterBounds& bounds = problem.bounds;
+  const auto end = [](const Range& range) { return range.lower < range.upper ? 1.0 : 0.0; };
+  return {end(bounds.motor_side_mass_kg), end(bounds.stiffness_n_per_m),
+          end(bounds.damping_n_s_per_m), problem.fixed_skin ? 0 : end(bounds.contact_area_m2),
+          end(bounds.skin_side_mass_kg)};
+}
+
+std::vector<CubePlace> Lattice(const CubePlace& upper,
+                               const std::array<std::vector<double>, 4>& parts) {
+  std::vector<CubePlace> places;
+  for (const double Ma1 : parts[0]) {
+    for (const double Ka : parts[1]) {
+      for (const double Ba : parts[2]) {
+        for (const double area : parts[3]) {
+          const CubePlace place{Ma1, Ka, Ba, area, 0};
+          if ((place.array() <= upper.array()).all()) places.push_back(place);
+        }
+      }
+    }
+  }
+  return places;
+}
+
+}  // namespace haptometer::sim
