@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <cstddef>
 #include <numbers>
 #include <numeric>
@@ -11,16 +10,20 @@
 #include <vector>
 
 #include "dsp/analysis/raw_tile.h"
+#include "dsp/analysis/settled_glances.h"
+#include "dsp/analysis/tone_in_values.h"
 #include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kGlanceSamplesPerUpper = 8;  // kept of a period of the upper corner
-constexpr double kTilePeriods = 12;           // of the lower corner
-constexpr double kLeastPeriods = 3;           // of a tone in a window
-constexpr double kLeastPeriodsOn = 3.5;       // and as far as it goes on
-constexpr std::size_t kMostStepsInTile = 4;   // in a tile
+constexpr double kTileS = 0.6;
+constexpr double kLeastTilePeriods = 12;     // of the lower corner
+constexpr double kMostTilePeriods = 48;      // of the lower corner
+constexpr std::size_t kMostGoingOn = 4;      // tones that are taken out of a tile
+constexpr double kLeastPeriods = 3;          // of a tone in a window
+constexpr double kLeastPeriodsOn = 3.5;      // and as far as it goes on
+constexpr std::size_t kMostStepsInTile = 4;  // in a tile
 constexpr std::size_t kMostWindowHalvings = 5;
 constexpr std::size_t kLeastWindowValues = 8;
 constexpr double kFalseAlarm = 1e-4;     // of a record
@@ -30,10 +33,6 @@ constexpr double kNoisePowers = 80;      // by which a tone is above noise
 constexpr double kMedianSquare = 0.455;  // of normally distributed noise of variance 1
 constexpr double kMostOf = 0.42;
 constexpr double kWander = 0.05;  // of a tone's frequency
-constexpr std::size_t kMostGlances = 31;
-constexpr std::size_t kLeastGlances = 8;
-constexpr std::size_t kPausesIn = 8;  // one of so many, at least, where a tone does not go on
-constexpr double kGlancePeriods = 2;  // of the lower corner, at most
 constexpr std::size_t kMostTiles = 64;
 constexpr std::size_t kLoudTiles = 8;
 constexpr double kLoudS = 8e-3;
@@ -101,98 +100,54 @@ std::vector<Seen> TonesBesideSteps(RawTile& tile, const BandPass& band, double f
   return tones;
 }
 
-// the square of a tone's amplitude in samples
-double PowerAt(std::span<const double> samples, double rate_hz, double frequency_hz) {
-  const std::complex<double> turn = std::polar(1.0, -2 * std::numbers::pi * frequency_hz / rate_hz);
-  std::complex<double> phasor = 1;
-  std::complex<double> sum = 0;
-  for (const double x : samples) {
-    sum += x * phasor;
-    phasor *= turn;
-  }
-  return 4 * std::norm(sum) / std::pow(static_cast<double>(samples.size()), 2);
-}
-
-// the most of PowerAt within kWander of `frequency_hz`
-double PowerAbout(std::span<const double> samples, double rate_hz, double frequency_hz) {
-  const double step_hz = 0.5 * rate_hz / static_cast<double>(samples.size());
-  const auto steps = static_cast<int>(kWander * frequency_hz / step_hz);
-  double most = 0;
-  for (int k = -steps; k <= steps; ++k) {
-    most = std::max(most, PowerAt(samples, rate_hz, frequency_hz + k * step_hz));
-  }
-  return most;
-}
-
-// short windows of what has settled, evenly spread; every n-th of their samples, which hold the
-// band
-struct Glances {
-  std::vector<std::vector<double>> windows_m;
-  double rate_hz = 0;
+// what a tile's tones are compared with: what has settled, and what goes on
+struct Settled {
+  SettledGlances glances;
+  std::vector<Seen> going_on;  // tones taken out of the tile and of the glances
 };
 
-Result<Glances> ReadGlances(const BandSignal& signal, const BandPass& band) {
-  const std::size_t settled = signal.settled_end() - signal.settled_begin();
-  const auto longest = static_cast<std::size_t>(kGlancePeriods / band.lower_hz * signal.rate_hz());
-  const std::size_t size = std::max(std::min(longest, settled / kLeastGlances), std::size_t{1});
-  const auto stride = static_cast<std::size_t>(
-      std::max(1.0, signal.rate_hz() / (kGlanceSamplesPerUpper * band.upper_hz)));
-  Glances glances;
-  glances.rate_hz = signal.rate_hz() / static_cast<double>(stride);
-  glances.windows_m.resize(std::min(kMostGlances, 2 * (settled / size) - 1));
-  std::vector<double> samples(size);
-  for (std::size_t k = 0; k < glances.windows_m.size(); ++k) {
-    const std::size_t at =
-        signal.settled_begin() + (settled - size) * k / (glances.windows_m.size() - 1);
-    if (auto read = signal.Read(at, samples); !read) return std::unexpected(read.error());
-    for (std::size_t i = 0; i < size; i += stride) glances.windows_m[k].push_back(samples[i]);
-  }
-  return glances;
-}
-
-// what all windows of what has settled but the quietest eighth are above
-template <typename PowerOf>
-double QuietPower(const Glances& glances, const PowerOf& power_of) {
-  std::vector<double> powers;
-  powers.reserve(glances.windows_m.size());
-  for (const std::vector<double>& window : glances.windows_m) powers.push_back(power_of(window));
-  const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / kPausesIn);
-  std::ranges::nth_element(powers, low);
-  return *low;
-}
-
-// the amplitude of a tone, or of noise, that all of what has settled but a short part is above
-double LeastAmplitude(const Glances& glances, const Seen& tone) {
-  return std::sqrt(QuietPower(glances, [&](const std::vector<double>& window) {
-    return PowerAbout(window, glances.rate_hz, tone.frequency_hz);
-  }));
-}
-
-// the mean of PowerAt from half an octave below a frequency to half an octave above it
-double NoisePowerAbout(std::span<const double> samples, double rate_hz, double frequency_hz) {
-  const double step_hz = rate_hz / static_cast<double>(samples.size());
-  const double lowest_hz = frequency_hz / std::numbers::sqrt2;
-  const auto steps = static_cast<int>(lowest_hz / step_hz);
-  double sum = 0;
-  for (int k = 0; k <= steps; ++k) sum += PowerAt(samples, rate_hz, lowest_hz + k * step_hz);
-  return sum / (steps + 1);
-}
-
 // whether a tone is more than noise of any colour gives where the record is most quiet
-bool IsAboveNoise(const Glances& glances, const Seen& tone) {
-  const double noise = QuietPower(glances, [&](const std::vector<double>& window) {
-    return NoisePowerAbout(window, glances.rate_hz, tone.frequency_hz);
-  });
-  const double glance_s = static_cast<double>(glances.windows_m[0].size()) / glances.rate_hz;
-  return tone.amplitude_m * tone.amplitude_m > kNoisePowers * noise * glance_s / tone.duration_s;
+bool IsAboveNoise(const SettledGlances& glances, const Seen& tone) {
+  const double noise = glances.NoisePower(tone.frequency_hz);
+  return tone.amplitude_m * tone.amplitude_m >
+         kNoisePowers * noise * glances.duration_s() / tone.duration_s;
+}
+
+// whether a tone is what is left of one that was taken out because it goes on, but wanders
+bool IsLeftOf(const Seen& gone, const Seen& tone, double resolution_hz) {
+  return std::abs(tone.frequency_hz - gone.frequency_hz) <
+             kWander * gone.frequency_hz + resolution_hz &&
+         gone.amplitude_m > kElsewhere * tone.amplitude_m;
 }
 
 // whether a tone is in all of what has settled, as far as noise lets that be told
-bool GoesOn(const Glances& glances, const Seen& tone) {
-  const double glance_s = static_cast<double>(glances.windows_m[0].size()) / glances.rate_hz;
+bool GoesOn(const Settled& settled, const Seen& tone) {
+  const double glance_s = settled.glances.duration_s();
+  if (std::ranges::any_of(settled.going_on,
+                          [&](const Seen& gone) { return IsLeftOf(gone, tone, 1 / glance_s); })) {
+    return true;
+  }
   const double noise_m = tone.uncertainty_m * std::sqrt(2 * tone.duration_s / glance_s);
   const double least_m = tone.amplitude_m - kNoiseDeviations * (tone.uncertainty_m + noise_m);
-  return LeastAmplitude(glances, tone) > std::min(kElsewhere * tone.amplitude_m, least_m);
+  return settled.glances.LeastAmplitude(tone.frequency_hz) >
+         std::min(kElsewhere * tone.amplitude_m, least_m);
+}
+
+// Takes tones out of a tile, the strongest first, as long as they are in all of what has settled:
+// mains hum hides no drive then.
+Settled TakeOutWhatGoesOn(RawTile& tile, const SettledGlances& glances, const BandPass& band,
+                          double false_alarm) {
+  Settled settled{glances, {}};
+  for (std::size_t k = 0; k < kMostGoingOn; ++k) {
+    const auto whole = ToneIn(tile, 0, tile.values_m().size(), band, false_alarm);
+    if (!whole) break;
+    const double least_m = glances.LeastAmplitude(whole->frequency_hz);
+    if (least_m < kElsewhere * whole->amplitude_m) break;
+    tile.TakeOutTone(whole->frequency_hz);
+    settled.glances.TakeOutTone(whole->frequency_hz);
+    settled.going_on.push_back(*whole);
+  }
+  return settled;
 }
 
 // how far a tone goes on from its window, in a tile: where two periods of it hold half of it
@@ -200,8 +155,8 @@ BriefTone Grown(const RawTile& tile, const Seen& tone) {
   const auto size = std::min(tile.values_m().size(),
                              static_cast<std::size_t>(2 * tile.rate_hz() / tone.frequency_hz) + 1);
   const auto is_on = [&](std::size_t at) {
-    return PowerAt(std::span(tile.values_m()).subspan(at, size), tile.rate_hz(),
-                   tone.frequency_hz) > 0.25 * tone.amplitude_m * tone.amplitude_m;
+    return SquaredAmplitude(std::span(tile.values_m()).subspan(at, size), tile.rate_hz(),
+                            tone.frequency_hz) > 0.25 * tone.amplitude_m * tone.amplitude_m;
   };
   const std::size_t last = tile.values_m().size() - size;
   const std::size_t middle = std::min(last, (tone.begin + tone.end - size) / 2);
@@ -288,45 +243,96 @@ bool Swells(const RawTile& tile, const BriefTone& tone) {
   return power(first + third) > power(first) + power(first + 2 * third);
 }
 
-// the tone of most energy in a tile that is on for a part of the signal only; none beside one that
-// fills the tile and goes on
-std::optional<BriefTone> BriefIn(RawTile& tile, const Glances& glances, const BandPass& band,
+// the tone of most energy in a tile that is on for a part of the record only
+std::optional<BriefTone> BriefIn(RawTile& tile, const SettledGlances& glances, const BandPass& band,
                                  double false_alarm) {
-  const auto whole = ToneIn(tile, 0, tile.values_m().size(), band, false_alarm);
-  if (whole && LeastAmplitude(glances, *whole) > kElsewhere * whole->amplitude_m) {
-    return std::nullopt;
-  }
+  const Settled settled = TakeOutWhatGoesOn(tile, glances, band, false_alarm);
   std::vector<Seen> tones = TonesBesideSteps(tile, band, false_alarm);
   std::ranges::sort(tones, std::ranges::greater{}, &Seen::energy_m2);
   for (const Seen& tone : std::span(tones).first(std::min(kMostAsked, tones.size()))) {
     const BriefTone grown = Grown(tile, tone);
     if (grown.window.duration_s() * tone.frequency_hz < kLeastPeriodsOn) continue;
-    if (Swells(tile, grown) || !IsMostOf(tile, grown) || !IsAboveNoise(glances, tone)) continue;
-    if (!GoesOn(glances, tone)) return grown;
+    if (Swells(tile, grown) || !IsMostOf(tile, grown)) continue;
+    if (!IsAboveNoise(settled.glances, tone)) continue;
+    if (!GoesOn(settled, tone)) return grown;
   }
   return std::nullopt;
 }
 
+// a segment in tiles
+struct Tiled {
+  std::size_t tile = 0;             // samples
+  std::vector<std::size_t> begins;  // those that are searched
+};
+
+// none where they have too few samples
+Tiled TiledOf(const BriefSearch& search, const BandPass& band) {
+  const double rate_hz = search.samples.rate_hz();
+  const double tile_s =
+      std::clamp(kTileS, kLeastTilePeriods / band.lower_hz, kMostTilePeriods / band.lower_hz);
+  Tiled tiled{std::min(search.samples.size(), static_cast<std::size_t>(tile_s * rate_hz)), {}};
+  if (!TileShape::IsPossible(tiled.tile, rate_hz, band)) return tiled;
+  tiled.begins = TilesOf(search.samples.size(), tiled.tile);
+  if (search.signal != nullptr) {
+    tiled.begins = FewTiles(*search.signal, std::move(tiled.begins), tiled.tile);
+  }
+  return tiled;
+}
+
+double EnergyOf(const BriefTone& tone) {
+  return tone.rms_m * tone.rms_m * tone.window.duration_s();
+}
+
+// the tone of most energy, for as long as it goes on in the tiles beside it
+std::optional<BriefTone> Joined(const std::vector<BriefTone>& in_order) {
+  if (in_order.empty()) return std::nullopt;
+  const auto most = std::ranges::max_element(in_order, {}, EnergyOf);
+  BriefTone joined = *most;
+  const auto joins = [&](const BriefTone& other) {
+    if (std::abs(other.frequency_hz - most->frequency_hz) > kWander * most->frequency_hz ||
+        other.window.begin_s > joined.window.end_s || other.window.end_s < joined.window.begin_s) {
+      return false;
+    }
+    joined.window.begin_s = std::min(joined.window.begin_s, other.window.begin_s);
+    joined.window.end_s = std::max(joined.window.end_s, other.window.end_s);
+    return true;
+  };
+  for (auto next = most + 1; next != in_order.end() && joins(*next);) ++next;
+  for (auto before = most; before != in_order.begin() && joins(*(before - 1));) --before;
+  return joined;
+}
+
 }  // namespace
 
-Result<std::optional<BriefTone>> FindBriefTone(const BandSignal& signal, const BandPass& band) {
-  if (signal.settled_end() - signal.settled_begin() < kLeastGlances) return std::nullopt;
-  const auto glances = ReadGlances(signal, band);
+Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> searches,
+                                               const BandSignal& settled, const BandPass& band) {
+  if (settled.settled_end() - settled.settled_begin() < SettledGlances::kLeastSettled) {
+    return std::nullopt;
+  }
+  const auto glances = SettledGlances::Read(settled, band);
   if (!glances) return std::unexpected(glances.error());
-  const auto size = std::min(
-      signal.size(), static_cast<std::size_t>(kTilePeriods / band.lower_hz * signal.rate_hz()));
-  const std::vector<std::size_t> begins = FewTiles(signal, TilesOf(signal.size(), size), size);
-  const double windows = std::exp2(kMostWindowHalvings + 2) * static_cast<double>(begins.size());
+  std::vector<Tiled> tiled;
+  double tiles = 0;
+  for (const BriefSearch& search : searches) {
+    tiled.push_back(TiledOf(search, band));
+    tiles += static_cast<double>(tiled.back().begins.size());
+  }
+  const double false_alarm = kFalseAlarm / (std::exp2(kMostWindowHalvings + 2) * tiles);
   std::optional<BriefTone> most;
-  for (const std::size_t begin : begins) {
-    auto tile = RawTile::Read(signal, begin, begin + size, band);
-    if (!tile) return std::unexpected(tile.error());
-    if (!tile->IsRidOfWhatLiesBelow()) continue;
-    const auto tone = BriefIn(*tile, *glances, band, kFalseAlarm / windows);
-    const auto energy = [](const BriefTone& brief) {
-      return brief.rms_m * brief.rms_m * brief.window.duration_s();
-    };
-    if (tone && (!most || energy(*tone) > energy(*most))) most = tone;
+  for (std::size_t k = 0; k < tiled.size(); ++k) {
+    if (tiled[k].begins.empty()) continue;
+    const TileShape shape(tiled[k].tile, searches[k].samples.rate_hz(), band);
+    std::vector<BriefTone> tones;
+    for (const std::size_t begin : tiled[k].begins) {
+      auto tile = RawTile::Read(searches[k].samples, begin, shape);
+      if (!tile) return std::unexpected(tile.error());
+      const auto tone = BriefIn(*tile, *glances, band, false_alarm);
+      if (tone) tones.push_back(*tone);
+    }
+    auto joined = Joined(tones);
+    if (!joined || (most && EnergyOf(*joined) <= EnergyOf(*most))) continue;
+    joined->search = k;
+    most = joined;
   }
   return most;
 }

@@ -1,20 +1,30 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <span>
 
 #include "base/result.h"
 #include "dsp/analysis/band_signal.h"
+#include "dsp/analysis/segments.h"
 #include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
 
 /// A tone that is on for a part of a signal only, be it where its filter has not settled.
 namespace haptometer::dsp {
 
+/// A piece of a record in which a tone is sought.
+struct BriefSearch {
+  SegmentSamples samples;
+  const BandSignal* signal = nullptr;  ///< the same, filtered; nullptr where it is too short
+};
+
 /// Where a tone is on, and what it is there.
 struct BriefTone {
   TimeWindow window;  ///< to about two of its periods, in the record's time
   double frequency_hz = 0;
   double rms_m = 0;
+  std::size_t search = 0;  ///< the number of the piece
 };
 
 /// The tone that stands out of some stretch of `signal` and is not in what has settled.
@@ -39,7 +49,8 @@ struct BriefTone {
 ///
 /// Of more than 64 tiles those at the ends are searched, and the eight with the highest power over
 /// 8 ms. Errors: as RowSource::Read. Cost: about 5 ms a tile.
-[[nodiscard]] Result<std::optional<BriefTone>> FindBriefTone(const BandSignal& signal,
+[[nodiscard]] Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> searches,
+                                                             const BandSignal& settled,
                                                              const BandPass& band);
 
 }  // namespace haptometer::dsp
