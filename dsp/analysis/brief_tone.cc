@@ -32,7 +32,6 @@ constexpr double kNoiseDeviations = 4;   // of noise, by which a tone is less th
 constexpr double kNoisePowers = 80;      // by which a tone is above noise
 constexpr double kMedianSquare = 0.455;  // of normally distributed noise of variance 1
 constexpr double kMostOf = 0.42;
-constexpr double kWander = 0.05;  // of a tone's frequency
 constexpr std::size_t kMostTiles = 64;
 constexpr std::size_t kLoudTiles = 8;
 constexpr double kLoudS = 8e-3;
@@ -116,7 +115,7 @@ bool IsAboveNoise(const SettledGlances& glances, const Seen& tone) {
 // whether a tone is what is left of one that was taken out because it goes on, but wanders
 bool IsLeftOf(const Seen& gone, const Seen& tone, double resolution_hz) {
   return std::abs(tone.frequency_hz - gone.frequency_hz) <
-             kWander * gone.frequency_hz + resolution_hz &&
+             SettledGlances::kWander * gone.frequency_hz + resolution_hz &&
          gone.amplitude_m > kElsewhere * tone.amplitude_m;
 }
 
@@ -243,18 +242,43 @@ bool Swells(const RawTile& tile, const BriefTone& tone) {
   return power(first + third) > power(first) + power(first + 2 * third);
 }
 
+// where a tile lies
+struct TilePlace {
+  const BriefSearch* search = nullptr;
+  std::size_t begin = 0;  // sample
+  const TileShape* shape = nullptr;
+};
+
+// Whether a tone of a tile is in the filtered samples too, where there are any: what a polynomial
+// leaves of strong motion below the band at a tile's ends is not. A filter's own edges may be.
+Result<bool> IsFilteredToo(const TilePlace& place, const Seen& tone) {
+  if (place.search->signal == nullptr) return true;
+  const BandSignal& signal = *place.search->signal;
+  const std::size_t every = place.shape->samples_a_value();
+  std::vector<double> samples((tone.end - tone.begin) * every);
+  if (auto read = signal.Read(place.begin + tone.begin * every, samples); !read) {
+    return std::unexpected(read.error());
+  }
+  const double square = SquaredAmplitude(samples, signal.rate_hz(), tone.frequency_hz);
+  return square > kElsewhere * kElsewhere * tone.amplitude_m * tone.amplitude_m;
+}
+
 // the tone of most energy in a tile that is on for a part of the record only
-std::optional<BriefTone> BriefIn(RawTile& tile, const SettledGlances& glances, const BandPass& band,
-                                 double false_alarm) {
-  const Settled settled = TakeOutWhatGoesOn(tile, glances, band, false_alarm);
-  std::vector<Seen> tones = TonesBesideSteps(tile, band, false_alarm);
+Result<std::optional<BriefTone>> BriefIn(const TilePlace& place, const SettledGlances& glances,
+                                         const BandPass& band, double false_alarm) {
+  auto tile = RawTile::Read(place.search->samples, place.begin, *place.shape);
+  if (!tile) return std::unexpected(tile.error());
+  const Settled settled = TakeOutWhatGoesOn(*tile, glances, band, false_alarm);
+  std::vector<Seen> tones = TonesBesideSteps(*tile, band, false_alarm);
   std::ranges::sort(tones, std::ranges::greater{}, &Seen::energy_m2);
   for (const Seen& tone : std::span(tones).first(std::min(kMostAsked, tones.size()))) {
-    const BriefTone grown = Grown(tile, tone);
+    const BriefTone grown = Grown(*tile, tone);
     if (grown.window.duration_s() * tone.frequency_hz < kLeastPeriodsOn) continue;
-    if (Swells(tile, grown) || !IsMostOf(tile, grown)) continue;
-    if (!IsAboveNoise(settled.glances, tone)) continue;
-    if (!GoesOn(settled, tone)) return grown;
+    if (Swells(*tile, grown) || !IsMostOf(*tile, grown)) continue;
+    if (!IsAboveNoise(settled.glances, tone) || GoesOn(settled, tone)) continue;
+    const auto filtered = IsFilteredToo(place, tone);
+    if (!filtered) return std::unexpected(filtered.error());
+    if (*filtered) return grown;
   }
   return std::nullopt;
 }
@@ -289,7 +313,8 @@ std::optional<BriefTone> Joined(const std::vector<BriefTone>& in_order) {
   const auto most = std::ranges::max_element(in_order, {}, EnergyOf);
   BriefTone joined = *most;
   const auto joins = [&](const BriefTone& other) {
-    if (std::abs(other.frequency_hz - most->frequency_hz) > kWander * most->frequency_hz ||
+    if (std::abs(other.frequency_hz - most->frequency_hz) >
+            SettledGlances::kWander * most->frequency_hz ||
         other.window.begin_s > joined.window.end_s || other.window.end_s < joined.window.begin_s) {
       return false;
     }
@@ -324,10 +349,9 @@ Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> sear
     const TileShape shape(tiled[k].tile, searches[k].samples.rate_hz(), band);
     std::vector<BriefTone> tones;
     for (const std::size_t begin : tiled[k].begins) {
-      auto tile = RawTile::Read(searches[k].samples, begin, shape);
-      if (!tile) return std::unexpected(tile.error());
-      const auto tone = BriefIn(*tile, *glances, band, false_alarm);
-      if (tone) tones.push_back(*tone);
+      const auto tone = BriefIn({&searches[k], begin, &shape}, *glances, band, false_alarm);
+      if (!tone) return std::unexpected(tone.error());
+      if (*tone) tones.push_back(**tone);
     }
     auto joined = Joined(tones);
     if (!joined || (most && EnergyOf(*joined) <= EnergyOf(*most))) continue;

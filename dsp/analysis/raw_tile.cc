@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kValuesPerUpper = 8;  // kept of a period of the upper corner
 constexpr double kBelow = 0.75;        // of the lower corner: motion that a tile is rid of
-constexpr double kMoreDegrees = 12;    // than pi / 2 a half wave
+constexpr double kMoreDegrees = 4;     // cube roots of the half waves' degree above that
 constexpr double kClearOf = 1.5;       // of the fastest motion that the polynomial takes
 constexpr std::size_t kValuesPerDegree = 4;
 constexpr double kLeastNorm = 0.05;  // of a step that is left: at the ends hardly any is
@@ -27,7 +27,8 @@ std::size_t ValuesOf(std::size_t samples, double rate_hz, const BandPass& band) 
 
 std::size_t DegreeOf(std::size_t samples, double rate_hz, const BandPass& band) {
   const double turns = kBelow * band.lower_hz * static_cast<double>(samples) / rate_hz;
-  return static_cast<std::size_t>(std::ceil(std::numbers::pi * turns) + kMoreDegrees);
+  const double degree = std::numbers::pi * turns;
+  return static_cast<std::size_t>(std::ceil(degree + kMoreDegrees * std::cbrt(degree)));
 }
 
 // means of `many` samples each, from the first

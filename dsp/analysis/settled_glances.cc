@@ -13,15 +13,14 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kWander = 0.05;  // of a tone's frequency; see the header
 constexpr std::size_t kMostGlances = 31;
 constexpr std::size_t kPausesIn = 8;  // one of so many, at least, where a tone does not go on
 constexpr double kGlancePeriods = 2;  // of the lower corner, at most
 
-// the most of SquaredAmplitude within kWander of a frequency
+// the most of SquaredAmplitude within SettledGlances::kWander of a frequency
 double PowerAbout(std::span<const double> values, double rate_hz, double frequency_hz) {
   const double step_hz = 0.5 * rate_hz / static_cast<double>(values.size());
-  const auto steps = static_cast<int>(kWander * frequency_hz / step_hz);
+  const auto steps = static_cast<int>(SettledGlances::kWander * frequency_hz / step_hz);
   double most = 0;
   for (int k = -steps; k <= steps; ++k) {
     most = std::max(most, SquaredAmplitude(values, rate_hz, frequency_hz + k * step_hz));

@@ -19,10 +19,13 @@ class SettledGlances {
   [[nodiscard]] static Result<SettledGlances> Read(const BandSignal& signal, const BandPass& band);
 
   static constexpr std::size_t kLeastSettled = 8;
+  /// A tone that goes on may wander by so much of its frequency: one that is driven stays within
+  /// 0.1 %, but a resonance that rings on, or a hand that loads it, moves by some per cent.
+  static constexpr double kWander = 0.05;
 
   [[nodiscard]] double duration_s() const;  ///< of a window
 
-  /// The amplitude of a tone, or of noise, within 5 % of a frequency that all windows but the
+  /// The amplitude of a tone, or of noise, within kWander of a frequency that all windows but the
   /// quietest eighth are above.
   [[nodiscard]] double LeastAmplitude(double frequency_hz) const;
   /// Likewise the mean square amplitude from half an octave below to half an octave above it.
