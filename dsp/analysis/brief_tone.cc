@@ -20,18 +20,19 @@ namespace {
 constexpr double kTileS = 0.6;
 constexpr double kLeastTilePeriods = 12;     // of the lower corner
 constexpr double kMostTilePeriods = 48;      // of the lower corner
-constexpr std::size_t kMostGoingOn = 4;      // tones that are taken out of a tile
 constexpr double kLeastPeriods = 3;          // of a tone in a window
 constexpr double kLeastPeriodsOn = 3.5;      // and as far as it goes on
 constexpr std::size_t kMostStepsInTile = 4;  // in a tile
 constexpr std::size_t kMostWindowHalvings = 5;
 constexpr std::size_t kLeastWindowValues = 8;
 constexpr double kFalseAlarm = 1e-4;     // of a record
-constexpr double kElsewhere = 0.3;       // of a tone's amplitude: there it goes on
 constexpr double kNoiseDeviations = 4;   // of noise, by which a tone is less there
 constexpr double kNoisePowers = 80;      // by which a tone is above noise
 constexpr double kMedianSquare = 0.455;  // of normally distributed noise of variance 1
 constexpr double kMostOf = 0.42;
+// of its amplitude in what has settled, as which a steady tone is taken out of a tile: if it seems
+// to have more there, a step or a drive of its frequency is fitted, and is better left as it is
+constexpr double kMostOfSteady = 1.5;
 constexpr std::size_t kMostTiles = 64;
 constexpr std::size_t kLoudTiles = 8;
 constexpr double kLoudS = 8e-3;
@@ -99,10 +100,10 @@ std::vector<Seen> TonesBesideSteps(RawTile& tile, const BandPass& band, double f
   return tones;
 }
 
-// what a tile's tones are compared with: what has settled, and what goes on
+// what a tile's tones are compared with
 struct Settled {
   SettledGlances glances;
-  std::vector<Seen> going_on;  // tones taken out of the tile and of the glances
+  std::vector<SteadyTone> steady;  // taken out of the glances, and out of every tile
 };
 
 // whether a tone is more than noise of any colour gives where the record is most quiet
@@ -112,41 +113,22 @@ bool IsAboveNoise(const SettledGlances& glances, const Seen& tone) {
          kNoisePowers * noise * glances.duration_s() / tone.duration_s;
 }
 
-// whether a tone is what is left of one that was taken out because it goes on, but wanders
-bool IsLeftOf(const Seen& gone, const Seen& tone, double resolution_hz) {
-  return std::abs(tone.frequency_hz - gone.frequency_hz) <
-             SettledGlances::kWander * gone.frequency_hz + resolution_hz &&
-         gone.amplitude_m > kElsewhere * tone.amplitude_m;
+// whether a tone, known to 1 / duration, is what is left of one that goes on, but wanders
+bool IsLeftOf(const SteadyTone& gone, const Seen& tone) {
+  const double away_hz = std::abs(tone.frequency_hz - gone.frequency_hz);
+  return away_hz < SettledGlances::kWander * gone.frequency_hz + 1 / tone.duration_s &&
+         gone.amplitude_m > SettledGlances::kElsewhere * tone.amplitude_m;
 }
 
 // whether a tone is in all of what has settled, as far as noise lets that be told
 bool GoesOn(const Settled& settled, const Seen& tone) {
+  const auto left_of = [&](const SteadyTone& gone) { return IsLeftOf(gone, tone); };
+  if (std::ranges::any_of(settled.steady, left_of)) return true;
   const double glance_s = settled.glances.duration_s();
-  if (std::ranges::any_of(settled.going_on,
-                          [&](const Seen& gone) { return IsLeftOf(gone, tone, 1 / glance_s); })) {
-    return true;
-  }
   const double noise_m = tone.uncertainty_m * std::sqrt(2 * tone.duration_s / glance_s);
   const double least_m = tone.amplitude_m - kNoiseDeviations * (tone.uncertainty_m + noise_m);
   return settled.glances.LeastAmplitude(tone.frequency_hz) >
-         std::min(kElsewhere * tone.amplitude_m, least_m);
-}
-
-// Takes tones out of a tile, the strongest first, as long as they are in all of what has settled:
-// mains hum hides no drive then.
-Settled TakeOutWhatGoesOn(RawTile& tile, const SettledGlances& glances, const BandPass& band,
-                          double false_alarm) {
-  Settled settled{glances, {}};
-  for (std::size_t k = 0; k < kMostGoingOn; ++k) {
-    const auto whole = ToneIn(tile, 0, tile.values_m().size(), band, false_alarm);
-    if (!whole) break;
-    const double least_m = glances.LeastAmplitude(whole->frequency_hz);
-    if (least_m < kElsewhere * whole->amplitude_m) break;
-    tile.TakeOutTone(whole->frequency_hz);
-    settled.glances.TakeOutTone(whole->frequency_hz);
-    settled.going_on.push_back(*whole);
-  }
-  return settled;
+         std::min(SettledGlances::kElsewhere * tone.amplitude_m, least_m);
 }
 
 // how far a tone goes on from its window, in a tile: where two periods of it hold half of it
@@ -260,15 +242,18 @@ Result<bool> IsFilteredToo(const TilePlace& place, const Seen& tone) {
     return std::unexpected(read.error());
   }
   const double square = SquaredAmplitude(samples, signal.rate_hz(), tone.frequency_hz);
-  return square > kElsewhere * kElsewhere * tone.amplitude_m * tone.amplitude_m;
+  return square > SettledGlances::kElsewhere * SettledGlances::kElsewhere * tone.amplitude_m *
+                      tone.amplitude_m;
 }
 
 // the tone of most energy in a tile that is on for a part of the record only
-Result<std::optional<BriefTone>> BriefIn(const TilePlace& place, const SettledGlances& glances,
+Result<std::optional<BriefTone>> BriefIn(const TilePlace& place, const Settled& settled,
                                          const BandPass& band, double false_alarm) {
   auto tile = RawTile::Read(place.search->samples, place.begin, *place.shape);
   if (!tile) return std::unexpected(tile.error());
-  const Settled settled = TakeOutWhatGoesOn(*tile, glances, band, false_alarm);
+  for (const SteadyTone& tone : settled.steady) {
+    tile->TakeOutTone(tone.frequency_hz, kMostOfSteady * tone.amplitude_m);
+  }
   std::vector<Seen> tones = TonesBesideSteps(*tile, band, false_alarm);
   std::ranges::sort(tones, std::ranges::greater{}, &Seen::energy_m2);
   for (const Seen& tone : std::span(tones).first(std::min(kMostAsked, tones.size()))) {
@@ -330,12 +315,16 @@ std::optional<BriefTone> Joined(const std::vector<BriefTone>& in_order) {
 }  // namespace
 
 Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> searches,
-                                               const BandSignal& settled, const BandPass& band) {
-  if (settled.settled_end() - settled.settled_begin() < SettledGlances::kLeastSettled) {
+                                               const BandSignal& reference, const BandPass& band) {
+  if (reference.settled_end() - reference.settled_begin() < SettledGlances::kLeastSettled) {
     return std::nullopt;
   }
-  const auto glances = SettledGlances::Read(settled, band);
+  auto glances = SettledGlances::Read(reference, band);
   if (!glances) return std::unexpected(glances.error());
+  auto steady = FindSteadyTones(reference, band);
+  if (!steady) return std::unexpected(steady.error());
+  Settled settled{std::move(*glances), std::move(*steady)};
+  settled.glances.TakeOut(settled.steady);
   std::vector<Tiled> tiled;
   double tiles = 0;
   for (const BriefSearch& search : searches) {
@@ -349,7 +338,7 @@ Result<std::optional<BriefTone>> FindBriefTone(std::span<const BriefSearch> sear
     const TileShape shape(tiled[k].tile, searches[k].samples.rate_hz(), band);
     std::vector<BriefTone> tones;
     for (const std::size_t begin : tiled[k].begins) {
-      const auto tone = BriefIn({&searches[k], begin, &shape}, *glances, band, false_alarm);
+      const auto tone = BriefIn({&searches[k], begin, &shape}, settled, band, false_alarm);
       if (!tone) return std::unexpected(tone.error());
       if (*tone) tones.push_back(**tone);
     }

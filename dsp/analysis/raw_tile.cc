@@ -99,11 +99,11 @@ bool RawTile::TakeOutStep(double least_m2) {
   return true;
 }
 
-void RawTile::TakeOutTone(double frequency_hz) {
+void RawTile::TakeOutTone(double frequency_hz, double most_m) {
   Turns turns = TurnsOf(frequency_hz, rate_hz(), values_m_.size());
   shape_->basis().TakeOut(turns.cosine);
   shape_->basis().TakeOut(turns.sine);
-  TakeOutNearest(turns, values_m_);
+  TakeOutNearest(turns, values_m_, most_m);
 }
 
 }  // namespace haptometer::dsp

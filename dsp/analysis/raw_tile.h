@@ -66,8 +66,9 @@ class RawTile {
   /// Takes out the step that explains most of what is left, if that is more than `least_m2` (a sum
   /// of squares); false where it is not.
   bool TakeOutStep(double least_m2);
-  /// Takes out the sine of this frequency that is nearest to what is left.
-  void TakeOutTone(double frequency_hz);
+  /// Takes out the sine of this frequency that is nearest to what is left, if its amplitude is
+  /// `most_m` at most.
+  void TakeOutTone(double frequency_hz, double most_m);
 
  private:
   RawTile() = default;

@@ -9,12 +9,15 @@
 #include "base/check.h"
 #include "dsp/analysis/raw_tile.h"
 #include "dsp/analysis/tone_in_values.h"
+#include "dsp/analysis/used_part.h"
+#include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kMostGlances = 31;
 constexpr std::size_t kPausesIn = 8;  // one of so many, at least, where a tone does not go on
+constexpr std::size_t kMostSteady = 4;
 constexpr double kGlancePeriods = 2;  // of the lower corner, at most
 
 // the most of SquaredAmplitude within SettledGlances::kWander of a frequency
@@ -48,6 +51,19 @@ double QuietPower(const std::vector<std::vector<double>>& windows, const PowerOf
   const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / kPausesIn);
   std::ranges::nth_element(powers, low);
   return *low;
+}
+
+// whether a tone is in each eighth of some values but one
+bool IsInAll(std::span<const double> values, double rate_hz, const SineFit& tone) {
+  const std::size_t size = values.size() / kPausesIn;
+  if (size == 0) return false;
+  const double least = std::pow(SettledGlances::kElsewhere * tone.amplitude, 2);
+  std::size_t without = 0;
+  for (std::size_t k = 0; k < kPausesIn; ++k) {
+    const auto eighth = values.subspan(k * size, size);
+    if (SquaredAmplitude(eighth, rate_hz, tone.frequency_hz) < least) ++without;
+  }
+  return without <= 1;
 }
 
 }  // namespace
@@ -87,9 +103,29 @@ double SettledGlances::NoisePower(double frequency_hz) const {
   });
 }
 
-void SettledGlances::TakeOutTone(double frequency_hz) {
-  const Turns turns = TurnsOf(frequency_hz, rate_hz_, windows_m_.front().size());
-  for (std::vector<double>& window : windows_m_) TakeOutNearest(turns, window);
+void SettledGlances::TakeOut(std::span<const SteadyTone> tones) {
+  for (const SteadyTone& tone : tones) {
+    const Turns turns = TurnsOf(tone.frequency_hz, rate_hz_, windows_m_.front().size());
+    for (std::vector<double>& window : windows_m_) TakeOutNearest(turns, window);
+  }
+}
+
+Result<std::vector<SteadyTone>> FindSteadyTones(const BandSignal& signal, const BandPass& band) {
+  const auto read = ReadMiddle(signal, signal.settled_begin(), signal.settled_end());
+  if (!read) return std::unexpected(read.error());
+  const std::size_t every = SamplesAValue(signal.rate_hz(), band);
+  const double rate_hz = signal.rate_hz() / static_cast<double>(every);
+  std::vector<double> values;
+  values.reserve(read->size() / every + 1);
+  for (std::size_t k = 0; k < read->size(); k += every) values.push_back((*read)[k]);
+  std::vector<SteadyTone> steady;
+  for (std::size_t k = 0; k < kMostSteady; ++k) {
+    const auto tone = StrongestTone(values, {rate_hz, band.lower_hz, band.upper_hz});
+    if (!tone || !IsInAll(values, rate_hz, *tone)) break;
+    steady.push_back({tone->frequency_hz, tone->amplitude});
+    TakeOutNearest(TurnsOf(tone->frequency_hz, rate_hz, values.size()), values);
+  }
+  return steady;
 }
 
 }  // namespace haptometer::dsp

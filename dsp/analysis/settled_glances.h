@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/result.h"
@@ -7,6 +8,22 @@
 #include "dsp/filter/butterworth.h"
 
 namespace haptometer::dsp {
+
+/// A tone that is in all of what has settled.
+struct SteadyTone {
+  double frequency_hz = 0;
+  double amplitude_m = 0;
+};
+
+/// Tones that go on in what has settled of a signal (mains hum, a drive that is never off), the
+/// strongest first, four at most: as long as the strongest tone that is left has 0.3 of its
+/// amplitude or more in each eighth of it but one. One that has not is a drive with a pause, and
+/// what is left of it when a sine is taken out would be in every eighth.
+///
+/// Of a long signal the middle is asked (used_part.h). Errors: as RowSource::Read. Cost: four fits
+/// over at most 2^21 samples.
+[[nodiscard]] Result<std::vector<SteadyTone>> FindSteadyTones(const BandSignal& signal,
+                                                              const BandPass& band);
 
 /// Up to 31 short windows of what has settled of a signal, evenly spread: two periods of the lower
 /// corner each, or an eighth of what has settled where that is less.
@@ -22,6 +39,8 @@ class SettledGlances {
   /// A tone that goes on may wander by so much of its frequency: one that is driven stays within
   /// 0.1 %, but a resonance that rings on, or a hand that loads it, moves by some per cent.
   static constexpr double kWander = 0.05;
+  /// A tone with so much of its amplitude goes on there, as in dsp/analysis/drive_part.h.
+  static constexpr double kElsewhere = 0.3;
 
   [[nodiscard]] double duration_s() const;  ///< of a window
 
@@ -31,8 +50,8 @@ class SettledGlances {
   /// Likewise the mean square amplitude from half an octave below to half an octave above it.
   [[nodiscard]] double NoisePower(double frequency_hz) const;
 
-  /// Takes out of each window the sine of this frequency that is nearest to it.
-  void TakeOutTone(double frequency_hz);
+  /// Takes out of each window the sines of these frequencies that are nearest to it, one by one.
+  void TakeOut(std::span<const SteadyTone> tones);
 
  private:
   SettledGlances() = default;

@@ -30,7 +30,7 @@ Turns TurnsOf(double frequency_hz, double rate_hz, std::size_t size) {
   return turns;
 }
 
-void TakeOutNearest(const Turns& turns, std::span<double> values) {
+void TakeOutNearest(const Turns& turns, std::span<double> values, double most) {
   HAPTOMETER_CHECK(turns.cosine.size() == values.size(), "{} turns, {} values", turns.cosine.size(),
                    values.size());
   double cc = 0;
@@ -49,6 +49,7 @@ void TakeOutNearest(const Turns& turns, std::span<double> values) {
   if (!(determinant > kLeastDeterminant * cc * ss)) return;
   const double a = (ss * cx - cs * sx) / determinant;
   const double b = (cc * sx - cs * cx) / determinant;
+  if (std::hypot(a, b) > most) return;
   for (std::size_t k = 0; k < values.size(); ++k) {
     values[k] -= a * turns.cosine[k] + b * turns.sine[k];
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -12,9 +14,11 @@ struct Turns {
 };
 [[nodiscard]] Turns TurnsOf(double frequency_hz, double rate_hz, std::size_t size);
 
-/// Takes the sum a cosine + b sine out of `values` that is nearest to them; all are of one size.
-/// Nothing where the two cannot be told apart (fewer than about a twelfth of a period).
-void TakeOutNearest(const Turns& turns, std::span<double> values);
+/// Takes the sum a cosine + b sine out of `values` that is nearest to them, if its amplitude
+/// sqrt(a^2 + b^2) is `most` at most; all are of one size. Nothing where the two cannot be told
+/// apart (fewer than about a twelfth of a period).
+void TakeOutNearest(const Turns& turns, std::span<double> values,
+                    double most = std::numeric_limits<double>::infinity());
 
 /// The square of the amplitude that `values` have at a frequency, by correlation.
 [[nodiscard]] double SquaredAmplitude(std::span<const double> values, double rate_hz,

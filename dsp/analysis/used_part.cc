@@ -108,8 +108,8 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
   found.parts.why = "only transients stand out";
 }
 
-// the median power of the cells in some windows; 0 where there are none
-double MedianPower(const PowerCourse& response, std::span<const TimeWindow> windows) {
+// what a quarter of the cells in some windows are below in power; 0 where there are none
+double LowPower(const PowerCourse& response, std::span<const TimeWindow> windows) {
   const auto cell_at = [&](double time_s) {
     const double cell = std::round((time_s - response.start_s) / response.cell_s);
     return static_cast<std::size_t>(
@@ -123,17 +123,18 @@ double MedianPower(const PowerCourse& response, std::span<const TimeWindow> wind
     }
   }
   if (powers.empty()) return 0;
-  const auto middle = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 2);
-  std::ranges::nth_element(powers, middle);
-  return *middle;
+  const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 4);
+  std::ranges::nth_element(powers, low);
+  return *low;
 }
 
-// whether the displacement has more power in most of what a channel calls on than where it is off
+// whether the displacement has more power in nearly all of what a channel calls on than where it is
+// off
 bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
   const OnPart* on = parts.Longest();
   return on != nullptr && !parts.quiet.empty() &&
-         MedianPower(response, std::span(&on->steady, 1)) >
-             kLeastLouder * MedianPower(response, parts.quiet);
+         LowPower(response, std::span(&on->whole, 1)) >
+             kLeastLouder * LowPower(response, parts.quiet);
 }
 
 // by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
