@@ -14,7 +14,7 @@ constexpr double kCellS = 1e-3;
 constexpr std::size_t kMostCells = std::size_t{1} << 20U;
 constexpr double kStandsOut = 1 / (0.3 * 0.3);  // in power
 constexpr double kLeastQuiet = 1e-4;            // of the top's power: a drive that is exactly 0
-constexpr double kOn = 0.25;                    // of the top's power
+constexpr double kOn = 0.1;                     // of the top's power
 constexpr double kLeastPeriods = 0.3;           // of the lower corner; see the header
 constexpr double kLeastTriggerPeriods = 4;
 

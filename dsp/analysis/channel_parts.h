@@ -18,9 +18,9 @@ namespace haptometer::dsp {
 /// a whole half wave of any tone in the band. Off is the lower one of its medians over the record
 /// and over `used`; a part is on where the mean is eleven times that (the drive there has less than
 /// 0.3 of its amplitude, as a tone that pauses in dsp/analysis/drive_part.h) and above the
-/// geometric mean of off and top. Its ends are where the sum of (power - a quarter of the top) over
+/// geometric mean of off and top. Its ends are where the sum of (power - a tenth of the top) over
 /// the part is most. A voltage or current must be on for 0.3 periods of the lower corner (15 ms at
-/// 20 Hz), of which half at least above a quarter of the top: spikes are no drive. A trigger must
+/// 20 Hz), of which half at least above a tenth of the top: spikes are no drive. A trigger must
 /// be on for four periods: it may be a mark of the trial's start. Nothing is found in a channel
 /// that is coarse (dsp/analysis/drive_channel.h) and no trigger.
 ///

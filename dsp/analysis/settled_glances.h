@@ -39,7 +39,8 @@ class SettledGlances {
   /// A tone that goes on may wander by so much of its frequency: one that is driven stays within
   /// 0.1 %, but a resonance that rings on, or a hand that loads it, moves by some per cent.
   static constexpr double kWander = 0.05;
-  /// A tone with so much of its amplitude goes on there, as in dsp/analysis/drive_part.h.
+  /// A tone with so much of its amplitude goes on there, as in dsp/analysis/drive_part.h. Measured
+  /// (see brief_tone.cc): of a drive 0.02 or less in 99 of 100, of what goes on 0.49 and more.
   static constexpr double kElsewhere = 0.3;
 
   [[nodiscard]] double duration_s() const;  ///< of a window

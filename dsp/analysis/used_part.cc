@@ -23,6 +23,8 @@ constexpr double kLeastBulge = 2;      // of a transient
 // in power, of what a channel that says no more than on and off calls a drive: as of a level that
 // stands out by itself (FindDriveParts)
 constexpr double kLeastLouder = 1.3;
+// of its mean, that three quarters of it are above; of a sine in its quarters of a half wave: 0.29
+constexpr double kLeastEven = 0.1;
 constexpr std::string_view kMovesWhy = "the frequency moves: where it stands out is no drive";
 
 // whole cells of what has settled of one signal, as a course of power
@@ -129,12 +131,12 @@ double LowPower(const PowerCourse& response, std::span<const TimeWindow> windows
 }
 
 // whether the displacement has more power in nearly all of what a channel calls on than where it is
-// off
+// off, and not only in a short drive in it and what the filter rings about that
 bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
   const OnPart* on = parts.Longest();
-  return on != nullptr && !parts.quiet.empty() &&
-         LowPower(response, std::span(&on->whole, 1)) >
-             kLeastLouder * LowPower(response, parts.quiet);
+  if (on == nullptr || parts.quiet.empty()) return false;
+  const double low = LowPower(response, std::span(&on->whole, 1));
+  return low > kLeastLouder * LowPower(response, parts.quiet) && low > kLeastEven * on->mean_square;
 }
 
 // by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
