@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -110,8 +111,8 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
   found.parts.why = "only transients stand out";
 }
 
-// what a quarter of the cells in some windows are below in power; 0 where there are none
-double LowPower(const PowerCourse& response, std::span<const TimeWindow> windows) {
+// the powers of the cells in some windows
+std::vector<double> PowersIn(const PowerCourse& response, std::span<const TimeWindow> windows) {
   const auto cell_at = [&](double time_s) {
     const double cell = std::round((time_s - response.start_s) / response.cell_s);
     return static_cast<std::size_t>(
@@ -124,7 +125,11 @@ double LowPower(const PowerCourse& response, std::span<const TimeWindow> windows
       powers.push_back(response.mean_square[k]);
     }
   }
-  if (powers.empty()) return 0;
+  return powers;
+}
+
+// what a quarter of some powers is below
+double LowOf(std::vector<double> powers) {
   const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 4);
   std::ranges::nth_element(powers, low);
   return *low;
@@ -134,9 +139,14 @@ double LowPower(const PowerCourse& response, std::span<const TimeWindow> windows
 // off, and not only in a short drive in it and what the filter rings about that
 bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
   const OnPart* on = parts.Longest();
-  if (on == nullptr || parts.quiet.empty()) return false;
-  const double low = LowPower(response, std::span(&on->whole, 1));
-  return low > kLeastLouder * LowPower(response, parts.quiet) && low > kLeastEven * on->mean_square;
+  if (on == nullptr) return false;
+  std::vector<double> powers = PowersIn(response, std::span(&on->whole, 1));
+  std::vector<double> quiet = PowersIn(response, parts.quiet);
+  if (powers.empty() || quiet.empty()) return false;
+  const double mean =
+      std::accumulate(powers.begin(), powers.end(), 0.0) / static_cast<double>(powers.size());
+  const double low = LowOf(std::move(powers));
+  return low > kLeastLouder * LowOf(std::move(quiet)) && low > kLeastEven * mean;
 }
 
 // by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
