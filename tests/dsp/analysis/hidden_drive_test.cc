@@ -144,10 +144,12 @@ TEST(DriveBehindAGap, IsRefusedWhereNothingOfItSettles) {
     driven.record_s = 2.5 + drive_s;
     driven.on = {2.5, 2.5 + drive_s};
     const trial::Record record = WithGap(DrivenRecord(driven), 2.0, 2.5);
-    EXPECT_FALSE(Answer(record).answered) << drive_s;
-    EXPECT_FALSE(Answer(WithoutChannel(record)).answered) << drive_s;
-    EXPECT_THAT(Answer(record).reasons.back(), HasSubstr("on from 2.500 s"));
-    EXPECT_THAT(Answer(WithoutChannel(record)).reasons.back(), HasSubstr("stands out from 2.500"));
+    const BandAnalysis by_channel = Answer(record);
+    const BandAnalysis by_tone = Answer(WithoutChannel(record));
+    ASSERT_FALSE(by_channel.answered) << drive_s;
+    ASSERT_FALSE(by_tone.answered) << drive_s;
+    EXPECT_THAT(by_channel.reasons.back(), HasSubstr("on from 2.500 s"));
+    EXPECT_THAT(by_tone.reasons.back(), HasSubstr("stands out from 2.500"));
   }
 }
 
