@@ -17,7 +17,10 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr double kUmPerM = 1e6;
-constexpr double kQuietBlocks = 2.5;      // periods of the lower corner that a filter rings for
+constexpr double kQuietBlocks = 2.5;  // periods of the lower corner that a filter rings for
+// periods of the lower corner, behind a channel's begin and before its end
+constexpr double kLeastGuard = 0.25;
+constexpr double kLeastInside = 1.02;     // of the shortest window: cells cut at its ends
 constexpr double kLeastPiecePeriods = 1;  // of the lower corner, of a piece that is searched
 constexpr std::size_t kMostPieces = 64;
 
@@ -77,6 +80,18 @@ std::vector<BriefSearch> PiecesOf(const Displacement& displacement, const Segmen
   return pieces;
 }
 
+// Away from where the drive begins and ends. A channel tells that to a millisecond: of a short
+// drive as much is left as a window needs, and more is left out behind its begin, where the
+// vibration rises.
+TimeWindow InsideOf(const MissedDrive& missed, double block_s) {
+  const double least_guard_s = (missed.from_channel ? kLeastGuard : 1) * block_s;
+  const double spare_s = missed.on.duration_s() - kLeastInside * kLeastWindowPeriods * block_s;
+  const double begin_s = std::clamp(spare_s - least_guard_s, least_guard_s, block_s);
+  const double end_s = std::clamp(spare_s - begin_s, least_guard_s, block_s);
+  return {missed.on.begin_s + begin_s,
+          std::max(missed.on.begin_s + begin_s, missed.on.end_s - end_s)};
+}
+
 // settled parts beside the drive, each as long as `least_s`
 std::vector<TimeWindow> QuietBeside(const MissedDrive& missed, double guard_s, double least_s) {
   const BandSignal& signal = *missed.signal;
@@ -112,8 +127,7 @@ Result<std::optional<MissedDrive>> FindMissedDrive(const Displacement& displacem
 std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed, const BandPass& band) {
   const double block_s = 1 / band.lower_hz;
   const BandSignal& signal = *missed.signal;
-  const TimeWindow inside{missed.on.begin_s + block_s,
-                          std::max(missed.on.begin_s, missed.on.end_s - block_s)};
+  const TimeWindow inside = InsideOf(missed, block_s);
   const auto [begin, end] = SettledWithin(signal, inside);
   const double settled_s = static_cast<double>(end - begin) / signal.rate_hz();
   if (settled_s < kLeastWindowPeriods / band.lower_hz) return std::nullopt;
@@ -133,7 +147,8 @@ std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed, const BandPas
 std::string WhyMissed(const MissedDrive& missed, const BandPass& band) {
   const auto [begin, end] = SettledWithin(*missed.signal, missed.on);
   const double settled_s = SettledSecondsIn(*missed.signal, missed.on);
-  const double least_s = (kLeastWindowPeriods + 2) / band.lower_hz;
+  const double guards = missed.from_channel ? 2 * kLeastGuard : 2;
+  const double least_s = (kLeastWindowPeriods + guards) / band.lower_hz;
   std::string text = fmt::format("{}, of which {:.3f} s have settled", missed.what, settled_s);
   text += missed.on.duration_s() < least_s
               ? fmt::format(

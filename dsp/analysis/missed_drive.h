@@ -38,7 +38,8 @@ struct MissedDrive {
 
 /// What has settled of it, one period of the lower corner away from where it begins and ends (also
 /// at the record's ends, where it may begin and end at once), if that is as long as a window must
-/// be. Quiet is what has settled two and a half periods away.
+/// be. By a channel, which tells these times to a millisecond, down to a quarter of a period where
+/// the drive is short. Quiet is what has settled two and a half periods away.
 [[nodiscard]] std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed,
                                                       const BandPass& band);
 

@@ -220,6 +220,23 @@ TEST(OnOffChannel, IsADrive) {
   EXPECT_REL(analysis.numbers->rms.rms_m, kHiddenRmsM, 0.002, "a steady tone within the band");
 }
 
+// a quarter of 50 ms away from where it begins and ends there is a window
+TEST(ShortDriveByItsChannel, IsAnsweredWhereAWindowFits) {
+  Driven driven;
+  for (const double drive_s : {0.13, 0.14, 0.17, 0.2}) {
+    for (const double begin_s : {1.0, 1.374, 1.41}) {
+      driven.on = {begin_s, begin_s + drive_s};
+      const BandAnalysis analysis = Answer(DrivenRecord(driven));
+      ASSERT_TRUE(analysis.answered) << drive_s << " s from " << begin_s << " s";
+      EXPECT_REL(analysis.numbers->rms.rms_m, kHiddenRmsM, 0.01,
+                 "what the filter makes of its ends")
+          << drive_s << " s from " << begin_s << " s";
+      EXPECT_GE(analysis.numbers->part.window.begin_s, begin_s);
+      EXPECT_LE(analysis.numbers->part.window.end_s, begin_s + drive_s);
+    }
+  }
+}
+
 struct RateRow {
   double rate_hz = 0;
   double lower_hz = 0;
