@@ -81,15 +81,18 @@ std::vector<BriefSearch> PiecesOf(const Displacement& displacement, const Segmen
 }
 
 // Away from where the drive begins and ends. A channel tells that to a millisecond: of a short
-// drive as much is left as a window needs, and more is left out behind its begin, where the
-// vibration rises.
+// drive as much is left as a window needs of what has settled, and more is left out behind its
+// begin, where the vibration rises.
 TimeWindow InsideOf(const MissedDrive& missed, double block_s) {
-  const double least_guard_s = (missed.from_channel ? kLeastGuard : 1) * block_s;
-  const double spare_s = missed.on.duration_s() - kLeastInside * kLeastWindowPeriods * block_s;
-  const double begin_s = std::clamp(spare_s - least_guard_s, least_guard_s, block_s);
-  const double end_s = std::clamp(spare_s - begin_s, least_guard_s, block_s);
-  return {missed.on.begin_s + begin_s,
-          std::max(missed.on.begin_s + begin_s, missed.on.end_s - end_s)};
+  const BandSignal& signal = *missed.signal;
+  const TimeWindow& on = missed.on;
+  const double least_s = kLeastInside * kLeastWindowPeriods * block_s;
+  const double guard_s = (missed.from_channel ? kLeastGuard : 1) * block_s;
+  const double latest_s = std::min(on.end_s - guard_s, TimeOfSample(signal, signal.settled_end()));
+  const double begin_s = on.begin_s + std::clamp(latest_s - least_s - on.begin_s, guard_s, block_s);
+  const double earliest_s = std::max(begin_s, TimeOfSample(signal, signal.settled_begin()));
+  const double end_s = on.end_s - std::clamp(on.end_s - least_s - earliest_s, guard_s, block_s);
+  return {begin_s, std::max(begin_s, end_s)};
 }
 
 // settled parts beside the drive, each as long as `least_s`
