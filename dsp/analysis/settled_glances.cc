@@ -53,14 +53,17 @@ double QuietPower(const std::vector<std::vector<double>>& windows, const PowerOf
   return *low;
 }
 
-// whether a tone is in each eighth of some values
+// whether a tone is in each eighth of some values but one between the ends, in which one that
+// wanders may cancel itself
 bool IsInAll(std::span<const double> values, double rate_hz, const SineFit& tone) {
   const std::size_t size = values.size() / kPausesIn;
   if (size == 0) return false;
   const double least = std::pow(SettledGlances::kElsewhere * tone.amplitude, 2);
+  std::size_t without = 0;
   for (std::size_t k = 0; k < kPausesIn; ++k) {
     const auto eighth = values.subspan(k * size, size);
-    if (SquaredAmplitude(eighth, rate_hz, tone.frequency_hz) < least) return false;
+    if (SquaredAmplitude(eighth, rate_hz, tone.frequency_hz) >= least) continue;
+    if (k == 0 || k + 1 == kPausesIn || ++without > 1) return false;
   }
   return true;
 }
