@@ -130,7 +130,7 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   const auto all = FilterSettledEnough(displacement, segments, question, analysis);
   if (!all) return std::unexpected(all.error());
   if (all->empty()) return {};
-  const auto chosen = ChoosePart(displacement.source, *all, question, analysis);
+  const auto chosen = ChoosePart(displacement, segments, *all, question, analysis);
   if (!chosen) return std::unexpected(chosen.error());
   if (*chosen) {
     const auto stuck = WhyStuck(displacement, **chosen, *analysis);

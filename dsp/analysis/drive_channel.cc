@@ -9,6 +9,10 @@ namespace haptometer::dsp {
 namespace {
 
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
+// a value near the border of two digits flickers between these, with noise of half a digit between
+// three
+constexpr double kCoarseSteps = 2.000001;
+constexpr double kRounding = 1.000001;  // what the products of decimal digits are off by, and more
 
 // visits values of rows [first, first + size)
 template <typename Visit>
@@ -26,6 +30,23 @@ Result<void> ForEachValue(const trial::RowSource& source, std::size_t channel, s
   return {};
 }
 
+// what a channel's values say of its steps
+struct Steps {
+  double least = std::numeric_limits<double>::infinity();
+  double most = -std::numeric_limits<double>::infinity();
+  double step = std::numeric_limits<double>::infinity();  // the least change from row to row
+  double before = std::numeric_limits<double>::quiet_NaN();
+
+  void See(double value) {
+    if (!std::isfinite(value)) return;
+    least = std::min(least, value);
+    most = std::max(most, value);
+    const double change = std::abs(value - before);
+    if (change > 0) step = std::min(step, change);
+    before = value;
+  }
+};
+
 }  // namespace
 
 std::optional<std::size_t> DriveChannel(const trial::Record& head) {
@@ -38,27 +59,40 @@ std::optional<std::size_t> DriveChannel(const trial::Record& head) {
   return std::nullopt;
 }
 
-Result<std::vector<double>> DriveCells(const trial::RowSource& source, std::size_t channel,
-                                       const BandSignal& signal, std::size_t begin,
-                                       std::size_t end) {
-  const std::size_t cell = signal.cell_samples();
-  const std::size_t first = signal.first_row() + begin * cell;
-  const std::size_t size = std::min(end * cell, signal.size()) - begin * cell;
-  double least = 0;
-  if (source.head().channels[channel].role == trial::ChannelRole::kTrigger) {
-    least = std::numeric_limits<double>::infinity();
-    const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t, double value) {
-      if (std::isfinite(value)) least = std::min(least, value);
-    });
+Result<DrivePower> PowerOfRows(const trial::RowSource& source, std::size_t channel,
+                               std::size_t first, std::size_t rows, std::size_t cell_rows) {
+  const trial::Channel& of = source.head().channels[channel];
+  const bool is_trigger = of.role == trial::ChannelRole::kTrigger;
+  Steps steps;
+  if (is_trigger) {
+    const auto seen = ForEachValue(source, channel, 0, source.head().rows,
+                                   [&](std::size_t, double value) { steps.See(value); });
     if (!seen) return std::unexpected(seen.error());
   }
-  std::vector<double> cells(end - begin, 0.0);
-  const auto seen = ForEachValue(source, channel, first, size, [&](std::size_t k, double value) {
-    const double x = std::isfinite(value) ? value - least : 0;
-    cells[k / cell] += x * x / static_cast<double>(cell);
+  const double rest = is_trigger ? steps.least : 0;
+  DrivePower power;
+  power.mean_square.resize((rows + cell_rows - 1) / cell_rows, 0.0);
+  const auto seen = ForEachValue(source, channel, first, rows, [&](std::size_t k, double value) {
+    steps.See(value);
+    const double x = std::isfinite(value) ? value - rest : 0;
+    power.mean_square[k / cell_rows] += x * x / static_cast<double>(cell_rows);
   });
   if (!seen) return std::unexpected(seen.error());
-  return cells;
+  if (is_trigger) return power;
+  const double step = of.resolution > 0 ? of.resolution : steps.step;
+  power.is_coarse = steps.most - steps.least <= kCoarseSteps * step;
+  if (power.is_coarse) return power;
+  for (double& cell : power.mean_square) {
+    if (cell <= kRounding * step * step) cell = 0;
+  }
+  return power;
+}
+
+Result<DrivePower> DriveCells(const trial::RowSource& source, std::size_t channel,
+                              const BandSignal& signal, std::size_t begin, std::size_t end) {
+  const std::size_t cell = signal.cell_samples();
+  const std::size_t rows = std::min(end * cell, signal.size()) - begin * cell;
+  return PowerOfRows(source, channel, signal.first_row() + begin * cell, rows, cell);
 }
 
 }  // namespace haptometer::dsp

@@ -6,79 +6,93 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <utility>
 
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/brief_tone.h"
-#include "dsp/analysis/drive_channel.h"
+#include "dsp/analysis/channel_parts.h"
 #include "dsp/analysis/drive_part.h"
 
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kLeastBriefS = 0.015;
-constexpr double kBriefStandsOut = 100;  // in power, of the median
-constexpr double kBriefOn = 0.1;         // of the greatest power
-constexpr double kQuietBlocks = 2.5;     // periods of the lower corner that a filter rings for
+constexpr double kUmPerM = 1e6;
+constexpr double kQuietBlocks = 2.5;  // periods of the lower corner that a filter rings for
+// periods of the lower corner, behind a channel's begin and before its end
+constexpr double kLeastGuard = 0.25;
+constexpr double kLeastInside = 1.02;     // of the shortest window: cells cut at its ends
+constexpr double kLeastPiecePeriods = 1;  // of the lower corner, of a piece that is searched
+constexpr std::size_t kMostPieces = 64;
 
-// the stretch about the greatest cell in which power stays above a tenth of it, gaps of `gap_s`
-// left in; nothing where it is on for less than half of that, or of kLeastBriefS
-std::optional<TimeWindow> BriefOn(const PowerCourse& course, double gap_s) {
-  const std::span<const double> power = course.mean_square;
-  if (power.empty()) return std::nullopt;
-  std::vector<double> sorted(power.begin(), power.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::ranges::nth_element(sorted, middle);
-  const auto greatest = static_cast<std::size_t>(std::ranges::max_element(power) - power.begin());
-  const double top = power[greatest];
-  if (!(top > kBriefStandsOut * *middle)) return std::nullopt;
-  const auto gap = static_cast<std::size_t>(gap_s / course.cell_s) + 1;
-  std::size_t begin = greatest;
-  const auto is_on = [&](double cell) { return cell > kBriefOn * top; };
-  for (std::size_t k = greatest; k-- > 0 && begin - k <= gap;) {
-    if (is_on(power[k])) begin = k;
-  }
-  std::size_t end = greatest + 1;
-  for (std::size_t k = end; k < power.size() && k - end < gap; ++k) {
-    if (is_on(power[k])) end = k + 1;
-  }
-  // a last digit that flickers is on here and there
-  const auto cells =
-      static_cast<double>(std::ranges::count_if(power.subspan(begin, end - begin), is_on));
-  if (2 * cells < static_cast<double>(end - begin) || cells * course.cell_s < kLeastBriefS)
-    return {};
-  return TimeWindow{course.start_s + static_cast<double>(begin) * course.cell_s,
-                    course.start_s + static_cast<double>(end) * course.cell_s};
+// seconds of a window that have settled in a signal
+double SettledSecondsIn(const BandSignal& signal, const TimeWindow& window) {
+  const auto [begin, end] = SettledWithin(signal, window);
+  return static_cast<double>(end - begin) / signal.rate_hz();
 }
 
-// what a channel says that the drive did over all of a signal, where it was on for a part of it
-Result<std::optional<TimeWindow>> OnByChannel(const trial::RowSource& source,
-                                              const BandSignal& signal, const BandPass& band) {
-  const auto channel = DriveChannel(source.head());
-  if (!channel) return std::nullopt;
-  const std::size_t cells = signal.size() / signal.cell_samples();
-  const auto drive = DriveCells(source, *channel, signal, 0, cells);
-  if (!drive) return std::unexpected(drive.error());
-  const double cell_s = static_cast<double>(signal.cell_samples()) / signal.rate_hz();
-  const PowerCourse course{*drive, signal.start_s(), cell_s};
-  const DriveParts parts =
-      FindDriveParts(course, course, {band.lower_hz, band.upper_hz - band.lower_hz});
-  if (parts.course == DriveCourse::kGated) return parts.Longest()->whole;
-  if (source.head().channels[*channel].role == trial::ChannelRole::kTrigger) return std::nullopt;
-  return BriefOn(course, 1 / band.lower_hz);
+// a drive in the signal in which most of it has settled
+MissedDrive MissedIn(const std::vector<BandSignal>& all, const TimeWindow& on) {
+  const BandSignal& signal = *std::ranges::max_element(
+      all, {}, [&](const BandSignal& one) { return SettledSecondsIn(one, on); });
+  return {&signal, on, false, {}};
 }
 
-// away from where the drive begins and ends, unless the record does
-TimeWindow Within(const MissedDrive& missed, double guard_s) {
+// of the drive's parts by its channel the one of which most has settled, else the longest
+Result<std::optional<MissedDrive>> MissedByChannel(const trial::RowSource& source,
+                                                   const std::vector<BandSignal>& all,
+                                                   const ChosenPart& chosen, const BandPass& band) {
+  const TimeWindow used{TimeOfSample(*chosen.signal, chosen.begin),
+                        TimeOfSample(*chosen.signal, chosen.end)};
+  const auto parts = FindChannelParts(source, band, used);
+  if (!parts) return std::unexpected(parts.error());
+  std::optional<MissedDrive> missed;
+  const auto size = [](const MissedDrive& one) {
+    return std::pair{SettledSecondsIn(*one.signal, one.on), one.on.duration_s()};
+  };
+  for (const TimeWindow& part : *parts) {
+    const MissedDrive one = MissedIn(all, part);
+    if (!missed || size(one) > size(*missed)) missed = one;
+  }
+  if (!missed) return missed;
+  missed->from_channel = true;
+  missed->what = fmt::format("the drive is on from {:.3f} s to {:.3f} s", missed->on.begin_s,
+                             missed->on.end_s);
+  return missed;
+}
+
+// the longest pieces of the record that are fast enough, be they filtered or too short for it
+std::vector<BriefSearch> PiecesOf(const Displacement& displacement, const Segments& segments,
+                                  const std::vector<BandSignal>& all, const BandPass& band) {
+  std::vector<BriefSearch> pieces;
+  for (const Segment& segment : segments.parts) {
+    const double duration_s = static_cast<double>(segment.size) / segment.rate_hz;
+    if (segment.rate_hz < kLeastRatePerUpperCorner * band.upper_hz) continue;
+    if (duration_s < kLeastPiecePeriods / band.lower_hz) continue;
+    const auto filtered = std::ranges::find(all, segment.first_row, &BandSignal::first_row);
+    pieces.push_back({{displacement.source, displacement.channel, segment},
+                      filtered == all.end() ? nullptr : &*filtered});
+  }
+  const std::size_t kept = std::min(kMostPieces, pieces.size());
+  std::ranges::partial_sort(pieces, pieces.begin() + static_cast<std::ptrdiff_t>(kept),
+                            std::ranges::greater{},
+                            [](const BriefSearch& piece) { return piece.samples.size(); });
+  pieces.erase(pieces.begin() + static_cast<std::ptrdiff_t>(kept), pieces.end());
+  return pieces;
+}
+
+// Away from where the drive begins and ends. A channel tells that to a millisecond: of a short
+// drive as much is left as a window needs of what has settled, and more is left out behind its
+// begin, where the vibration rises.
+TimeWindow InsideOf(const MissedDrive& missed, double block_s) {
   const BandSignal& signal = *missed.signal;
-  const double begin_s = signal.start_s();
-  const double end_s = TimeOfSample(signal, signal.size());
-  TimeWindow inside = missed.on;
-  if (inside.begin_s > begin_s + guard_s) inside.begin_s += guard_s;
-  if (inside.end_s < end_s - guard_s) inside.end_s -= guard_s;
-  inside.end_s = std::max(inside.begin_s, inside.end_s);
-  return inside;
+  const TimeWindow& on = missed.on;
+  const double least_s = kLeastInside * kLeastWindowPeriods * block_s;
+  const double guard_s = (missed.from_channel ? kLeastGuard : 1) * block_s;
+  const double latest_s = std::min(on.end_s - guard_s, TimeOfSample(signal, signal.settled_end()));
+  const double begin_s = on.begin_s + std::clamp(latest_s - least_s - on.begin_s, guard_s, block_s);
+  const double earliest_s = std::max(begin_s, TimeOfSample(signal, signal.settled_begin()));
+  const double end_s = on.end_s - std::clamp(on.end_s - least_s - earliest_s, guard_s, block_s);
+  return {begin_s, std::max(begin_s, end_s)};
 }
 
 // settled parts beside the drive, each as long as `least_s`
@@ -96,34 +110,28 @@ std::vector<TimeWindow> QuietBeside(const MissedDrive& missed, double guard_s, d
 
 }  // namespace
 
-Result<std::optional<MissedDrive>> FindMissedDrive(const trial::RowSource& source,
+Result<std::optional<MissedDrive>> FindMissedDrive(const Displacement& displacement,
+                                                   const Segments& segments,
                                                    const std::vector<BandSignal>& all,
-                                                   const BandSignal& used, const BandPass& band) {
-  const auto on = OnByChannel(source, used, band);
-  if (!on) return std::unexpected(on.error());
-  if (*on) {
-    return MissedDrive{
-        &used, **on, true,
-        fmt::format("the drive is on from {:.3f} s to {:.3f} s", (*on)->begin_s, (*on)->end_s)};
-  }
-  for (const BandSignal& signal : all) {
-    const auto tone = FindBriefTone(signal, band);
-    if (!tone) return std::unexpected(tone.error());
-    if (!*tone) continue;
-    return MissedDrive{
-        &signal, (*tone)->window, false,
-        fmt::format("a vibration of {:.3g} Hz and about {:.2g} um RMS stands out from {:.3f} s to "
-                    "{:.3f} s",
-                    (*tone)->frequency_hz, (*tone)->rms_m * 1e6, (*tone)->window.begin_s,
-                    (*tone)->window.end_s)};
-  }
-  return std::nullopt;
+                                                   const ChosenPart& chosen, const BandPass& band) {
+  auto by_channel = MissedByChannel(displacement.source, all, chosen, band);
+  if (!by_channel || *by_channel) return by_channel;
+  const std::vector<BriefSearch> pieces = PiecesOf(displacement, segments, all, band);
+  const auto tone = FindBriefTone(pieces, *chosen.signal, band);
+  if (!tone) return std::unexpected(tone.error());
+  if (!*tone) return std::nullopt;
+  MissedDrive missed = MissedIn(all, (*tone)->window);
+  missed.what = fmt::format(
+      "a vibration of {:.3g} Hz and about {:.2g} um RMS stands out from {:.3f} s to {:.3f} s",
+      (*tone)->frequency_hz, (*tone)->rms_m * kUmPerM, missed.on.begin_s, missed.on.end_s);
+  return missed;
 }
 
 std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed, const BandPass& band) {
   const double block_s = 1 / band.lower_hz;
   const BandSignal& signal = *missed.signal;
-  const auto [begin, end] = SettledWithin(signal, Within(missed, block_s));
+  const TimeWindow inside = InsideOf(missed, block_s);
+  const auto [begin, end] = SettledWithin(signal, inside);
   const double settled_s = static_cast<double>(end - begin) / signal.rate_hz();
   if (settled_s < kLeastWindowPeriods / band.lower_hz) return std::nullopt;
   ChosenPart chosen{&signal, begin, end, {}};
@@ -141,8 +149,9 @@ std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed, const BandPas
 
 std::string WhyMissed(const MissedDrive& missed, const BandPass& band) {
   const auto [begin, end] = SettledWithin(*missed.signal, missed.on);
-  const double settled_s = static_cast<double>(end - begin) / missed.signal->rate_hz();
-  const double least_s = (kLeastWindowPeriods + 2) / band.lower_hz;
+  const double settled_s = SettledSecondsIn(*missed.signal, missed.on);
+  const double guards = missed.from_channel ? 2 * kLeastGuard : 2;
+  const double least_s = (kLeastWindowPeriods + guards) / band.lower_hz;
   std::string text = fmt::format("{}, of which {:.3f} s have settled", missed.what, settled_s);
   text += missed.on.duration_s() < least_s
               ? fmt::format(

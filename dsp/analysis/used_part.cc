@@ -6,6 +6,8 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <numeric>
+#include <span>
 #include <utility>
 
 #include "dsp/analysis/band_filtering.h"
@@ -19,6 +21,11 @@ namespace {
 
 constexpr double kRingingLeft = 1e-3;  // of an amplitude, where it counts as over
 constexpr double kLeastBulge = 2;      // of a transient
+// in power, of what a channel that says no more than on and off calls a drive: as of a level that
+// stands out by itself (FindDriveParts)
+constexpr double kLeastLouder = 1.3;
+// of its mean, that three quarters of it are above; of a sine in its quarters of a half wave: 0.29
+constexpr double kLeastEven = 0.1;
 constexpr std::string_view kMovesWhy = "the frequency moves: where it stands out is no drive";
 
 // whole cells of what has settled of one signal, as a course of power
@@ -104,6 +111,44 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
   found.parts.why = "only transients stand out";
 }
 
+// the powers of the cells in some windows
+std::vector<double> PowersIn(const PowerCourse& response, std::span<const TimeWindow> windows) {
+  const auto cell_at = [&](double time_s) {
+    const double cell = std::round((time_s - response.start_s) / response.cell_s);
+    return static_cast<std::size_t>(
+        std::clamp(cell, 0.0, static_cast<double>(response.mean_square.size())));
+  };
+  std::vector<double> powers;
+  for (const TimeWindow& window : windows) {
+    const std::size_t end = cell_at(window.end_s);
+    for (std::size_t k = cell_at(window.begin_s); k < end; ++k) {
+      powers.push_back(response.mean_square[k]);
+    }
+  }
+  return powers;
+}
+
+// what a quarter of some powers is below
+double LowOf(std::vector<double> powers) {
+  const auto low = powers.begin() + static_cast<std::ptrdiff_t>(powers.size() / 4);
+  std::ranges::nth_element(powers, low);
+  return *low;
+}
+
+// whether the displacement has more power in nearly all of what a channel calls on than where it is
+// off, and not only in a short drive in it and what the filter rings about that
+bool IsLouderOn(const DriveParts& parts, const PowerCourse& response) {
+  const OnPart* on = parts.Longest();
+  if (on == nullptr) return false;
+  std::vector<double> powers = PowersIn(response, std::span(&on->whole, 1));
+  std::vector<double> quiet = PowersIn(response, parts.quiet);
+  if (powers.empty() || quiet.empty()) return false;
+  const double mean =
+      std::accumulate(powers.begin(), powers.end(), 0.0) / static_cast<double>(powers.size());
+  const double low = LowOf(std::move(powers));
+  return low > kLeastLouder * LowOf(std::move(quiet)) && low > kLeastEven * mean;
+}
+
 // by the drive's channel where there is one, else by the tone, else by the power; none in a sweep,
 // whose resonance stands out as a drive does
 Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& signal,
@@ -114,9 +159,12 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
   if (channel && cells.end > cells.begin) {
     const auto drive = DriveCells(source, *channel, signal, cells.begin, cells.end);
     if (!drive) return std::unexpected(drive.error());
-    DriveParts parts =
-        FindDriveParts({*drive, cells.course.start_s, cells.course.cell_s}, cells.course, search);
-    if (parts.course == DriveCourse::kGated) return FoundParts{std::move(parts), true};
+    DriveParts parts = FindDriveParts(
+        {drive->mean_square, cells.course.start_s, cells.course.cell_s}, cells.course, search);
+    const bool is_drive = !drive->is_coarse || IsLouderOn(parts, cells.course);
+    if (parts.course == DriveCourse::kGated && is_drive) {
+      return FoundParts{std::move(parts), true};
+    }
   }
   auto by_tone = ToneParts(signal, cells, band, search);
   if (!by_tone) return std::unexpected(by_tone.error());
@@ -250,11 +298,12 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
 
 // What was chosen where no drive was found in it, if there is none elsewhere: else what has settled
 // of that drive, or a reason and nothing.
-Result<std::optional<ChosenPart>> WithoutMissed(const trial::RowSource& source,
+Result<std::optional<ChosenPart>> WithoutMissed(const Displacement& displacement,
+                                                const Segments& segments,
                                                 const std::vector<BandSignal>& all,
                                                 ChosenPart chosen, const BandPass& band,
                                                 BandAnalysis* analysis) {
-  const auto missed = FindMissedDrive(source, all, *chosen.signal, band);
+  const auto missed = FindMissedDrive(displacement, segments, all, chosen, band);
   if (!missed) return std::unexpected(missed.error());
   if (!*missed) return chosen;
   auto part = SettledPartOf(**missed, band);
@@ -294,7 +343,8 @@ Result<std::vector<double>> ReadMiddle(const BandSignal& signal, std::size_t beg
   return samples;
 }
 
-Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
+Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
+                                             const Segments& segments,
                                              const std::vector<BandSignal>& all,
                                              const BandQuestion& question, BandAnalysis* analysis) {
   std::optional<ChosenPart> chosen;
@@ -303,13 +353,13 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
     if (!chosen) return chosen;
   }
   if (question.choice == WindowChoice::kAuto) {
-    auto driven = ChooseDriven(source, all, question, analysis);
+    auto driven = ChooseDriven(displacement.source, all, question, analysis);
     if (!driven) return std::unexpected(driven.error());
     chosen = *std::move(driven);
   }
   if (!chosen) chosen = AllSettled(LongestSettled(all));
   if (question.choice != WindowChoice::kAuto) {
-    if (auto said = RemarkMixed(source, question.band, *chosen, analysis); !said) {
+    if (auto said = RemarkMixed(displacement.source, question.band, *chosen, analysis); !said) {
       return std::unexpected(said.error());
     }
   }
@@ -325,7 +375,7 @@ Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
   if (chosen->part.from_drive) {
     RemarkUnsteady(chosen->part.drive, analysis);
   } else if (question.choice == WindowChoice::kAuto && !analysis->frequency_move) {
-    return WithoutMissed(source, all, *std::move(chosen), question.band, analysis);
+    return WithoutMissed(displacement, segments, all, *std::move(chosen), question.band, analysis);
   }
   return chosen;
 }

@@ -6,9 +6,9 @@
 
 #include "base/result.h"
 #include "dsp/analysis/band_analysis.h"
+#include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"
-#include "trial/record.h"
-#include "trial/row_source.h"
+#include "dsp/analysis/segments.h"
 
 /// The step of AnalyzeBand that chooses which rows its numbers are of.
 namespace haptometer::dsp {
@@ -32,9 +32,11 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 }
 
 /// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
-/// nothing, and a reason, where a given window has not settled. `all` is not empty.
+/// nothing, and a reason, where a given window has not settled. `all` are `segments`, filtered, at
+/// least one.
 /// Errors: as RowSource::Read.
-[[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const trial::RowSource& source,
+[[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
+                                                           const Segments& segments,
                                                            const std::vector<BandSignal>& all,
                                                            const BandQuestion& question,
                                                            BandAnalysis* analysis);

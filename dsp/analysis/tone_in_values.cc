@@ -1,0 +1,69 @@
+#include "dsp/analysis/tone_in_values.h"
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <numbers>
+
+#include "base/check.h"
+
+namespace haptometer::dsp {
+namespace {
+
+constexpr double kLeastDeterminant = 0.01;  // of the product of the squares
+
+std::complex<double> TurnOf(double frequency_hz, double rate_hz) {
+  return std::polar(1.0, 2 * std::numbers::pi * frequency_hz / rate_hz);
+}
+
+}  // namespace
+
+Turns TurnsOf(double frequency_hz, double rate_hz, std::size_t size) {
+  const std::complex<double> turn = TurnOf(frequency_hz, rate_hz);
+  std::complex<double> phasor = 1;
+  Turns turns{std::vector<double>(size), std::vector<double>(size)};
+  for (std::size_t k = 0; k < size; ++k) {
+    turns.cosine[k] = phasor.real();
+    turns.sine[k] = phasor.imag();
+    phasor *= turn;
+  }
+  return turns;
+}
+
+void TakeOutNearest(const Turns& turns, std::span<double> values, double most) {
+  HAPTOMETER_CHECK(turns.cosine.size() == values.size(), "{} turns, {} values", turns.cosine.size(),
+                   values.size());
+  double cc = 0;
+  double cs = 0;
+  double ss = 0;
+  double cx = 0;
+  double sx = 0;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    cc += turns.cosine[k] * turns.cosine[k];
+    cs += turns.cosine[k] * turns.sine[k];
+    ss += turns.sine[k] * turns.sine[k];
+    cx += turns.cosine[k] * values[k];
+    sx += turns.sine[k] * values[k];
+  }
+  const double determinant = cc * ss - cs * cs;
+  if (!(determinant > kLeastDeterminant * cc * ss)) return;
+  const double a = (ss * cx - cs * sx) / determinant;
+  const double b = (cc * sx - cs * cx) / determinant;
+  if (std::hypot(a, b) > most) return;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    values[k] -= a * turns.cosine[k] + b * turns.sine[k];
+  }
+}
+
+double SquaredAmplitude(std::span<const double> values, double rate_hz, double frequency_hz) {
+  const std::complex<double> turn = std::conj(TurnOf(frequency_hz, rate_hz));
+  std::complex<double> phasor = 1;
+  std::complex<double> sum = 0;
+  for (const double x : values) {
+    sum += x * phasor;
+    phasor *= turn;
+  }
+  return 4 * std::norm(sum) / std::pow(static_cast<double>(values.size()), 2);
+}
+
+}  // namespace haptometer::dsp
