@@ -48,9 +48,7 @@ class Decision {
     choice_.on = all_;
     PlayedScene everything = Play(all_);
     if (!everything.answered) {
-      return CannotAnswer(where, everything.problem,
-                          scene_.duration_s ? "shorten duration_s, or leave out effects that are on"
-                                            : "give a duration, or leave out effects that are on");
+      return CannotAnswer(where, everything.problem, RemedyOf(everything));
     }
     if (!(everything.run.error_estimate <= scene_.tolerance)) {
       return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));
@@ -108,6 +106,14 @@ class Decision {
                      "with smooth effects the answer is known to {:.1e}, not to the {:g} "
                      "asked for",
                      run.error_estimate, scene_.tolerance);
+  }
+  std::string RemedyOf(const PlayedScene& played) const {
+    if (played.problem.find(kBodiesTooFast) != std::string::npos) {
+      return "leave out what settles so fast (inductance_h = 0 has the current follow at once), or "
+             "the effects that are on";
+    }
+    return scene_.duration_s ? "shorten duration_s, or leave out effects that are on"
+                             : "give a duration, or leave out effects that are on";
   }
   static std::string RemedyOf(const SceneRun& run) {
     return std::isinf(run.error_estimate)

@@ -14,9 +14,6 @@ namespace {
 
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
-// judged one by one, in some 1 us each
-constexpr std::uint64_t kMostIntervals = 2'000'000;
-constexpr std::uint64_t kMostIntervalsPerOutput = 10;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
 
@@ -359,8 +356,7 @@ void PiecewiseMotion::NoticeStall() {
 }
 
 void PiecewiseMotion::NoticeWork() {
-  ++intervals_;
-  if (intervals_ > kMostIntervals + kMostIntervalsPerOutput * index_) {
+  if (static_cast<double>(++intervals_) > MostSteps(index_)) {
     Stall(static_cast<double>(TimeAt(now_.tick)), kBodiesTooFast);
   }
 }

@@ -130,7 +130,11 @@ class PiecewiseMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
-  /// How many intervals were judged one by one so far.
+  /// How many intervals may be judged one by one, each in some 1 us, until that output.
+  [[nodiscard]] static double MostSteps(std::uint64_t output) {
+    return 2e6 + 10 * static_cast<double>(output);
+  }
+  /// How many were so far.
   [[nodiscard]] std::int64_t steps() const { return static_cast<std::int64_t>(intervals_); }
   /// When the motion stalled, if it did.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }

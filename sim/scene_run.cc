@@ -29,8 +29,7 @@ constexpr double kWindowPeriods = 10;
 constexpr double kLeastGain = 10;
 // an error that less tolerance does not make smaller than this part of itself stays
 constexpr double kWorthIt = 0.5;
-// of the exact motion, each judged in a microsecond or so
-constexpr double kMostIntervals = 2e6;
+// of the exact motion in its fastest mode: 10 ms in one output step
 constexpr double kMostIntervalsPerOutput = 1e4;
 // of the solver: some 3 us each, so that a run takes a minute or two at most
 constexpr std::int64_t kMostSteps = 100'000;
@@ -231,7 +230,7 @@ bool CanLookForEvents(const PiecewiseLinearSystem& system, const RunGrid& grid) 
     if (&mode == &system.modes.front()) first = intervals;
   }
   return most <= kMostIntervalsPerOutput &&
-         first * static_cast<double>(grid.count) <= kMostIntervals;
+         first * static_cast<double>(grid.count) <= PiecewiseMotion::MostSteps(grid.count);
 }
 
 SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseStart start) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 #include "sim/effective_scene.h"
 #include "sim/steady_state.h"
 #include "tests/residual.h"
@@ -130,6 +132,20 @@ TEST(EffectChoice, OfASceneThatSettlesComparesPeriodicMotions) {
   // the end of a long run
   scene.duration_s = 2;
   EXPECT_REL(Chosen(scene).run.skin_rms_m, limited.run.skin_rms_m, 1e-9, "2 s of transient");
+}
+
+TEST(EffectChoice, WhatIsTooFastToLookForEventsIsNamed) {
+  // a current that settles in 3e-12 s
+  Scene scene = Asking(5e-3, 10);
+  scene.actuator.inductance_h = 1e-9;
+  scene.actuator.resistance_ohm = 300;
+  for (const bool settles : {false, true}) {
+    if (settles) scene.duration_s.reset();
+    const auto choice = ChooseEffects(scene, "scene");
+    ASSERT_FALSE(choice);
+    EXPECT_NE(choice.error().Text().find("inductance_h = 0"), std::string::npos)
+        << choice.error().Text();
+  }
 }
 
 }  // namespace
