@@ -202,7 +202,7 @@ TEST_F(SimulateDrives, TellsNoLatencyBeforeTheDrive) {
   EXPECT_EQ(rise.at("latency_s").get<double>(), 0);
   EXPECT_EQ(rise.at("latency_below_s"), rise.at("standard_uncertainty_s"));
   EXPECT_THAT(Simulate({Path("slow.toml"), "--duration", "1s"}).out,
-              HasSubstr("latency to 10 %    below 2.49"));
+              HasSubstr("latency to 10 %    below 2.446 ms"));
 }
 
 TEST_F(SimulateDrives, TellsTheLeastContactForceAndTheEfficiency) {

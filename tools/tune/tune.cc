@@ -158,6 +158,10 @@ std::unexpected<Error> NothingPrompt(const TuneAnswer& answer) {
 std::unexpected<Error> NothingFound(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   if (answer.latency) return NothingPrompt(answer);
+  if (std::isinf(question.problem.mover_limit_m)) {
+    return CannotAnswer(question.name, "no adapter found within the bounds moves the skin",
+                        "allow wider bounds, or more --voltage");
+  }
   return CannotAnswer(
       question.name,
       fmt::format("no adapter found within the bounds keeps the mover within {:g} mm",

@@ -33,11 +33,25 @@ struct BoundWord {
   sim::Range& range;
 };
 
+// the range of a scene's numbers, beyond which the answers are no numbers any more
+Result<void> CheckReal(const std::string& option, double value) {
+  constexpr double kSmallest = 1e-9, kLargest = 1e9;
+  const double size = std::abs(value);
+  if (size == 0 || (size >= kSmallest && size <= kLargest)) return {};
+  return Usage(
+      option,
+      fmt::format("{:g} is outside {:g} to {:g}, where all scenes lie", value, kSmallest, kLargest),
+      "check its unit");
+}
+
 Result<void> ReadBound(const BoundWord& word) {
   if (word.text.empty()) return {};
   const auto range = ReadEnds(word.text, [&](const std::string& end) -> Result<double> {
     const auto quantity = ParseQuantity(end, word.dimension, word.option);
     if (!quantity) return std::unexpected(quantity.error());
+    if (auto real = CheckReal(word.option, quantity->value); !real) {
+      return std::unexpected(real.error());
+    }
     return quantity->value;
   });
   if (!range) return std::unexpected(range.error());
@@ -56,6 +70,7 @@ Result<void> ReadSprings(const std::string& text, TuneQuestion& question) {
       return Usage("--springs", fmt::format("has {}, and a stiffness must be above 0", word),
                    "give those that can be had, such as --springs 8200,9100");
     }
+    if (auto real = CheckReal("--springs", spring->value); !real) return real;
     question.springs_n_per_m.push_back(spring->value);
   }
   const auto [least, most] = std::ranges::minmax(question.springs_n_per_m);
@@ -165,7 +180,6 @@ Result<void> ReadLatency(const std::string& text, TuneQuestion& question) {
 }
 
 Result<void> CheckDrive(const TuneQuestion& question) {
-  constexpr double kSmallest = 1e-9, kLargest = 1e9;  // as of a scene's numbers
   const sim::SineDrive& drive = question.problem.drive;
   if (!(drive.amplitude_v > 0 && drive.frequency_hz > 0)) {
     return Usage(
@@ -173,15 +187,8 @@ Result<void> CheckDrive(const TuneQuestion& question) {
         fmt::format("{:g} V at {:g} Hz drive nothing", drive.amplitude_v, drive.frequency_hz),
         "give --voltage and --frequency above 0");
   }
-  for (const auto& [option, value] :
-       {std::pair("--voltage", drive.amplitude_v), std::pair("--frequency", drive.frequency_hz)}) {
-    if (value >= kSmallest && value <= kLargest) continue;
-    return Usage(option,
-                 fmt::format("{:g} is outside {:g} to {:g}, where all scenes lie", value, kSmallest,
-                             kLargest),
-                 "check its unit");
-  }
-  return {};
+  if (auto real = CheckReal("--voltage", drive.amplitude_v); !real) return real;
+  return CheckReal("--frequency", drive.frequency_hz);
 }
 
 Result<void> CheckVariation(double part) {

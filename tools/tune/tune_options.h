@@ -40,8 +40,8 @@ void Declare(cli::Options& options, TuneWords& words);
 
 /// Reads the scene, if there is one, and the bounds. Errors (Cause::kUsage): more than one scene, a
 /// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0
-/// or outside what scenes can have, a latency without a unit, an objective that is not answered for
-/// what else is asked.
+/// or a number outside what scenes can have, a latency without a unit, an objective that is not
+/// answered for what else is asked.
 [[nodiscard]] Result<TuneQuestion> ReadQuestion(const TuneWords& words);
 
 }  // namespace haptometer::tools
