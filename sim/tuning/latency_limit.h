@@ -52,7 +52,7 @@ struct PromptBest {
 ///
 /// Against differential evolution with 4000 runs of its own (tests/sim/tuning/
 /// latency_reference.py) it found 1.9e-5 to 3.4e-4 more at four limits. Worked: the thesis's
-/// problem within 2.652 ms, of which 0.652 ms are the uncertainty, gives 187.56 um, where the best
+/// problem within 2.654 ms, of which 0.654 ms are the uncertainty, gives 187.56 um, where the best
 /// without the limit takes 2.935 ms for 201.89 um.
 ///
 /// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 130 to 450

@@ -54,7 +54,7 @@ sim::AdapterOptimum OptimumOf(const sim::TuningProblem& problem, TuneAnswer& ans
   search.runs += prompt.runs;
   search.least_limit_s = std::max(search.least_limit_s, prompt.least_limit_s);
   // of several springs the best without the limit decides
-  if (best.value > search.unlimited.value) {
+  if (!answer.latency || best.value > search.unlimited.value) {
     search.unlimited = {.point = best.point, .value = best.value};
     search.proved = prompt.is_unlimited;
   }
