@@ -42,7 +42,7 @@ std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, d
   if (!edge) return std::nullopt;
   return SkinRise{.rise_s = edge->rise_s,
                   .rise_at_most_s = edge->rise_at_most_s,
-                  .latency_s = edge->time_s - quiet_s - part.drive_s,
+                  .latency_s = std::max(0.0, edge->time_s - quiet_s - part.drive_s),
                   .uncertainty_s = std::max(edge->time_uncertainty_s, edge->rise_uncertainty_s)};
 }
 

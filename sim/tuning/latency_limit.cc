@@ -36,11 +36,19 @@ Scene SceneOf(const TuningProblem& problem, const AdapterPoint& point) {
   return scene;
 }
 
+EffectiveScene RunOf(const TuningProblem& problem, const AdapterPoint& point) {
+  return {.scene = SceneOf(problem, point), .piecewise = {}};
+}
+
+bool HasTooManyOutputs(const EffectiveScene& run) {
+  return !(*run.scene.duration_s * run.RateHz() <= kMostLatencyOutputs);
+}
+
 // an adapter that was run
 struct Tried {
   CubePlace place = CubePlace::Zero();
   double cost = kNever;
-  double latency_s = kNever;
+  double latency_s = kNever;  // at most, with its uncertainty
 };
 
 // where a climb in steps of that length ended
@@ -62,6 +70,7 @@ class LatencySearch {
   [[nodiscard]] Tried Run(const CubePlace& place);
   [[nodiscard]] bool Prompt(const Tried& tried) const { return tried.latency_s <= limit_s_; }
   [[nodiscard]] std::size_t runs() const { return tried_.size(); }
+  [[nodiscard]] double least_uncertainty_s() const { return least_uncertainty_s_; }
 
   std::vector<Tried> Starts();
   // slopes are differences over `step`; 20 of it are trusted at first
@@ -83,6 +92,7 @@ class LatencySearch {
   CubePlace upper_;
   std::map<std::array<double, kCubeAxes>, Tried> tried_;
   std::vector<Summit> summits_;
+  double least_uncertainty_s_ = kNever;
 };
 
 Tried LatencySearch::Run(const CubePlace& place) {
@@ -91,8 +101,10 @@ Tried LatencySearch::Run(const CubePlace& place) {
   const auto known = tried_.find(key);
   if (known != tried_.end()) return known->second;
   const auto rise = RiseWith(problem_, PointOf(problem_.bounds, place));
-  const Tried tried{
-      .place = place, .cost = climb_.At(place).cost, .latency_s = rise ? rise->latency_s : kNever};
+  if (rise) least_uncertainty_s_ = std::min(least_uncertainty_s_, rise->uncertainty_s);
+  const Tried tried{.place = place,
+                    .cost = climb_.At(place).cost,
+                    .latency_s = rise ? rise->LatencyAtMostS() : kNever};
   tried_.emplace(key, tried);
   return tried;
 }
@@ -228,10 +240,14 @@ double LatencyRunS(const TuningProblem& problem) {
   return std::ceil(1e3 * std::max(0.5, 40 / problem.drive.frequency_hz)) / 1e3;
 }
 
+bool RunIsTooLong(const TuningProblem& problem, const AdapterPoint& point) {
+  return HasTooManyOutputs(RunOf(problem, point));
+}
+
 std::optional<SkinRise> RiseWith(const TuningProblem& problem, const AdapterPoint& point) {
-  const EffectiveScene scene{.scene = SceneOf(problem, point), .piecewise = {}};
+  const EffectiveScene scene = RunOf(problem, point);
+  if (HasTooManyOutputs(scene)) return std::nullopt;
   const double duration_s = *scene.scene.duration_s;
-  if (!(duration_s * scene.RateHz() <= kMostLatencyOutputs)) return std::nullopt;
   const Waveforms played = PlayWaveforms(scene, BeginningOf(scene), duration_s, scene.RateHz());
   const double end_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
   return RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())}, played.rate_hz,
@@ -248,13 +264,16 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
     return ValueOf(Objective::kSkinRms, problem, source, {}, point);
   };
   const auto rise = RiseWith(problem, unlimited);
-  if (rise && rise->latency_s <= limit_s) {
+  if (rise && rise->LatencyAtMostS() <= limit_s) {
     return {.point = unlimited,
             .value = value(unlimited),
             .rise = *rise,
             .runs = 1,
+            .least_limit_s = rise->uncertainty_s,
             .is_unlimited = true};
   }
+  PromptBest answer{.runs = 1, .least_limit_s = rise ? rise->uncertainty_s : 0};
+  if (limit_s < answer.least_limit_s) return answer;
   LatencySearch search(problem, source, limit_s);
   Tried best;
   const auto climb = [&](const Tried& start, double step) {
@@ -269,8 +288,8 @@ PromptBest BestWithinLatency(const TuningProblem& problem, double limit_s,
   for (const double step : {2e-3, 4e-4}) {
     if (best.cost < kNever) best = search.ClimbFrom(best, step);
   }
-  PromptBest answer;
   answer.runs = search.runs();
+  if (search.least_uncertainty_s() < kNever) answer.least_limit_s = search.least_uncertainty_s();
   if (best.cost == kNever) return answer;
   answer.point = PointOf(problem.bounds, best.place);
   answer.value = value(answer.point);

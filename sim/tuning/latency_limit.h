@@ -18,18 +18,25 @@ namespace haptometer::sim {
 [[nodiscard]] std::optional<SkinRise> RiseWith(const TuningProblem& problem,
                                                const AdapterPoint& point);
 
+/// Whether RiseWith() has nothing to tell of the adapter for its run's too many outputs.
+[[nodiscard]] bool RunIsTooLong(const TuningProblem& problem, const AdapterPoint& point);
+
 /// The largest skin RMS that was found among adapters of no more than a latency.
 struct PromptBest {
-  AdapterPoint point;
+  AdapterPoint point{};
   double value = 0;      ///< skin RMS, m; 0: no adapter found that is prompt enough
-  SkinRise rise;         ///< of it
+  SkinRise rise{};       ///< of it
   std::size_t runs = 0;  ///< of different adapters, that the search took
+  /// The least uncertainty of the latencies of those runs: no limit below it can be kept. 0: none
+  /// of them tells a latency.
+  double least_limit_s = 0;
   /// Whether it is the best without the limit, and so no less proved; else it was only searched.
   bool is_unlimited = false;
 };
 
-/// The best adapter whose latency is at most `limit_s`; `unlimited` is the best without the limit
-/// and the answer, to the bit, where it keeps to it.
+/// The best adapter whose latency with its standard uncertainty, SkinRise::LatencyAtMostS(), is no
+/// more than `limit_s`; `unlimited` is the best without the limit and the answer, to the bit, where
+/// it keeps to it. A limit below the uncertainty is not searched: nothing could be told to keep it.
 ///
 /// The latency is a number of a whole run, without slopes and with jumps: of the rate at which the
 /// run is looked at, of which crossing of a beating envelope is the first. So it is searched, not
@@ -45,8 +52,8 @@ struct PromptBest {
 ///
 /// Against differential evolution with 4000 runs of its own (tests/sim/tuning/
 /// latency_reference.py) it found 1.9e-5 to 3.4e-4 more at four limits. Worked: the thesis's
-/// problem within 2 ms gives 187.56 um, where the best without the limit takes 2.935 ms for 201.89
-/// um.
+/// problem within 2.654 ms, of which 0.654 ms are the uncertainty, gives 187.56 um, where the best
+/// without the limit takes 2.935 ms for 201.89 um.
 ///
 /// The problem: no Fault(), skin_variation or mover_limit_m; limit_s > 0. Cost: some 130 to 450
 /// runs.

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
@@ -188,6 +189,20 @@ TEST_F(SimulateDrives, TellsRiseAndLatency) {
   EXPECT_TRUE(Answer({Scene(kChirp)}).at("rise").is_null());
   EXPECT_THAT(Simulate({Scene(kSine), "--duration", "50ms"}).out,
               HasSubstr("rise: none told, the drive is on for less than 20 periods"));
+}
+
+// the window of three periods reads 2.34 ms before the drive
+TEST_F(SimulateDrives, TellsNoLatencyBeforeTheDrive) {
+  std::ifstream fixture(kFixtures + "/lra_direct.toml");
+  std::string text{std::istreambuf_iterator<char>(fixture), {}};
+  const std::string at_225 = "frequency_hz = 225";
+  text.replace(text.find(at_225), at_225.size(), "frequency_hz = 60");
+  std::ofstream(Path("slow.toml")) << text;
+  const json rise = Answer({Path("slow.toml"), "--duration", "1s"}).at("rise");
+  EXPECT_EQ(rise.at("latency_s").get<double>(), 0);
+  EXPECT_EQ(rise.at("latency_below_s"), rise.at("standard_uncertainty_s"));
+  EXPECT_THAT(Simulate({Path("slow.toml"), "--duration", "1s"}).out,
+              HasSubstr("latency to 10 %    below 2.446 ms"));
 }
 
 TEST_F(SimulateDrives, TellsTheLeastContactForceAndTheEfficiency) {

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "tests/residual.h"
@@ -123,13 +125,15 @@ TEST(TuneVerb, TellsNoLatencyWhereARunIsTooLong) {
 
 // simulate of the adapter that was found tells the same latency and the same verdict
 TEST(TuneVerb, KeepsToALatencyThatSimulateConfirms) {
-  const json answer = Json({"--latency", "2ms", "--contact-area", "1mm2", "--damping", "0.01"});
+  const json answer = Json({"--latency", "2.653ms", "--contact-area", "1mm2", "--damping", "0.01"});
   const json& best = answer.at("best");
   const json& rise = answer.at("rise");
-  EXPECT_LE(rise.at("latency_s").get<double>(), 2e-3);
+  EXPECT_LE(rise.at("latency_s").get<double>() + rise.at("standard_uncertainty_s").get<double>(),
+            2.653e-3);
+  EXPECT_TRUE(rise.at("latency_below_s").is_null()) << "it is above its uncertainty";
   EXPECT_LT(answer.at("skin_rms_m").get<double>(), tests::kRmsBest);
   EXPECT_GT(answer.at("upper_bound_m").get<double>(), tests::kRmsBest);
-  EXPECT_EQ(answer.at("latency_limit_s").get<double>(), 2e-3);
+  EXPECT_EQ(answer.at("latency_limit_s").get<double>(), 2.653e-3);
   EXPECT_TRUE(answer.at("grid").is_null());
   EXPECT_TRUE(answer.at("ridge").empty());
   EXPECT_FALSE(answer.at("latency_search").at("proved").get<bool>());
@@ -149,8 +153,13 @@ TEST(TuneVerb, KeepsToALatencyThatSimulateConfirms) {
   ASSERT_EQ(simulated.status, 0) << simulated.err;
   const json told = json::parse(simulated.out).at("rise");
   EXPECT_EQ(rise.at("run_s").get<double>(), 0.5);
-  EXPECT_EQ(told.at("latency_s"), rise.at("latency_s"));
-  EXPECT_EQ(told.at("verdict"), rise.at("verdict"));
+  for (const char* key :
+       {"latency_s", "latency_below_s", "standard_uncertainty_s", "verdict", "rise_s"}) {
+    EXPECT_EQ(told.at(key), rise.at(key)) << key;
+  }
+  const std::string said = Captured(RunSimulate, "simulate", {path, "--duration", "0.5s"}).out;
+  EXPECT_THAT(said, HasSubstr(fmt::format("  latency to 10 %    {:.3f} ms, to 0.65 ms: below 25 ms",
+                                          rise.at("latency_s").get<double>() * 1e3)));
 }
 
 TEST(TuneVerb, IsNotChangedByALatencyThatIsKept) {
@@ -166,11 +175,74 @@ TEST(TuneVerb, IsNotChangedByALatencyThatIsKept) {
   EXPECT_THAT(told.out, ::testing::Not(HasSubstr("not proved")));
   EXPECT_TRUE(kept.at("latency_search").at("proved").get<bool>());
   EXPECT_TRUE(plain.at("latency_search").is_null());
-  const Outcome none = Tune({"--latency", "0.001us", "--stiffness", "9000", "--contact-area",
-                             "1mm2", "--damping", "0.01", "--motor-side-mass", "0.25g"});
+  const Outcome none = Tune({"--latency", "0.67ms", "--stiffness", "9000", "--contact-area", "1mm2",
+                             "--damping", "0.01", "--motor-side-mass", "0.25g"});
   EXPECT_EQ(none.status, 3);
   EXPECT_THAT(none.err, HasSubstr("comes up within"));
   EXPECT_THAT(none.err, HasSubstr("runs, not proved"));
+}
+
+// a limit below what a run can tell is neither kept nor proved
+TEST(TuneVerb, RefusesALatencyThatCannotBeTold) {
+  for (const auto& [frequency, limit, least] :
+       {std::tuple("60Hz", "0.1ms", "2.45ms"), std::tuple("100Hz", "0.1ms", "1.47ms"),
+        std::tuple("5Hz", "0.1ms", "29.3ms")}) {
+    const Outcome refused = Tune({"--frequency", frequency, "--latency", limit});
+    EXPECT_EQ(refused.status, 3) << frequency;
+    EXPECT_THAT(refused.err, HasSubstr("a --latency of 0.1 ms cannot be decided")) << frequency;
+    const json kept = Json({"--frequency", frequency, "--latency", least});
+    const json& rise = kept.at("rise");
+    EXPECT_GE(rise.at("latency_s").get<double>(), 0) << frequency;
+    EXPECT_LE(rise.at("latency_s").get<double>() + rise.at("standard_uncertainty_s").get<double>(),
+              kept.at("latency_limit_s").get<double>())
+        << frequency;
+  }
+  EXPECT_THAT(Tune({"--frequency", "60Hz", "--latency", "0.1ms"}).err,
+              HasSubstr("at 60 Hz a run tells a latency to 2.45 ms, standard uncertainty; allow at "
+                        "least 2.45 ms"));
+}
+
+TEST(TuneVerb, TellsALatencyWithinItsUncertaintyAsBelow) {
+  const std::vector<std::string> asked{"--frequency", "60Hz", "--contact-area", "1mm2"};
+  const json rise = Json(asked).at("rise");
+  EXPECT_EQ(rise.at("latency_s").get<double>(), 0);
+  EXPECT_EQ(rise.at("latency_below_s"), rise.at("standard_uncertainty_s"));
+  EXPECT_THAT(Tune(asked).out, HasSubstr("latency to 10 %    below 2.446 ms"));
+  // 0 or 29 ms, which is on either side of 25
+  EXPECT_THAT(Tune({"--frequency", "5Hz", "--contact-area", "1mm2"}).out,
+              HasSubstr("ms: too uncertain to be held against 25 and 50 ms"));
+}
+
+TEST(TuneVerb, GivesTheSameReasonForNoLatencyWithALimitAndWithout) {
+  const std::string reason = "a run of 400 s has too many outputs to be looked at";
+  EXPECT_THAT(Tune({"--frequency", "0.1Hz"}).out, HasSubstr("none told: " + reason));
+  const Outcome limited = Tune({"--frequency", "0.1Hz", "--latency", "1s"});
+  EXPECT_EQ(limited.status, 3);
+  EXPECT_THAT(limited.err, HasSubstr("no latency can be told at 0.1 Hz: " + reason));
+}
+
+// the other spring comes up too late, but moves the skin less without the limit too
+TEST(TuneVerb, KeepsTheProofOfTheBestSpringThatIsPrompt) {
+  const std::string springs = "9100,12000";
+  const json free = Json({"--springs", springs});
+  const json kept = Json({"--springs", springs, "--latency", "4ms"});
+  EXPECT_EQ(kept.at("best"), free.at("best"));
+  EXPECT_EQ(kept.at("upper_bound_m"), free.at("upper_bound_m"));
+  EXPECT_TRUE(kept.at("latency_search").at("proved").get<bool>());
+  EXPECT_GT(kept.at("latency_search").at("runs").get<int>(), 2) << "the other needs a search";
+}
+
+TEST(TuneVerb, SaysWhereAWrongSpringBreaksTheTravel) {
+  const Outcome told = Tune({"--mover-travel", "0.4mm"});
+  EXPECT_THAT(told.out, HasSubstr("um (+1.12 %), but a mover travel of "));
+  EXPECT_THAT(told.out, HasSubstr("beyond the 400 um allowed"));
+  const json springs = Json({"--mover-travel", "0.4mm"}).at("spring_off");
+  for (const json& spring : springs) {
+    EXPECT_EQ(spring.at("keeps_mover_limit").get<bool>(),
+              spring.at("mover_peak_m").get<double>() <= 0.4e-3);
+  }
+  EXPECT_FALSE(springs.at(1).at("keeps_mover_limit").get<bool>());
+  EXPECT_THAT(Tune({}).out, ::testing::Not(HasSubstr("beyond the")));
 }
 
 TEST(TuneVerb, SaysWhichEffectsOfTheSceneItLeavesOut) {
@@ -238,7 +310,18 @@ TEST(TuneVerb, RefusesWhatItCannotMean) {
       {{"--mover-travel", "0"}, "--mover-travel"},
       {{"--mover-travel", "1mm", "--objective", "rms-per-watt"}, "not answered for rms-per-watt"},
       {{"--mover-travel", "1mm", "--skin-varies", "0.1"}, "skins that vary"},
+      {{"--stiffness", "1e300"}, "where all scenes lie"},
+      {{"--springs", "9000,1e-300"}, "where all scenes lie"},
+      {{"--voltage", "1e300"}, "where all scenes lie"},
+      {{"--frequency", "1e300"}, "where all scenes lie"},
+      {{"--frequency", "1e-10"}, "where all scenes lie"},
+      {{"--springs", "-5"}, "such as --springs"},
+      {{"--skin-varies", "20"}, "0.2 is 20 %"},
+      {{"--springs", "9000", "--grid", "5"}, "knows no list of springs"},
+      {{"--objective", "rms-per-watt", "--grid", "5"}, "does not know the power"},
       {{"--latency", "0s"}, "must be above 0"},
+      {{"--latency", "25"}, "did you mean 25ms?"},
+      {{"--latency", "soon"}, "--latency"},
       {{"--mover-travel", "-1mm"}, "longest travel to one side"},
       {{"--latency", "25ms", "--grid", "5"}, "neither travel nor latency"},
       {{"--latency", "25ms", "--objective", "stimulus"}, "skin-rms only"},

@@ -111,9 +111,8 @@ std::string RiseText(const MotionNumbers& numbers) {
   } else {
     text += "not determined";
   }
-  text +=
-      fmt::format(", to {:.2g} ms\n  latency to 10 %    {:12.2f} ms: {}\n",
-                  rise.uncertainty_s * 1e3, rise.latency_s * 1e3, LatencyVerdict(rise.latency_s));
+  text += fmt::format(", to {:.2g} ms\n  latency to 10 %    {}: {}\n", rise.uncertainty_s * 1e3,
+                      LatencyText(rise), LatencyVerdict(rise));
   return text;
 }
 
@@ -206,8 +205,9 @@ ordered_json RiseJson(const MotionNumbers& numbers) {
   return {{"rise_s", cli::NumberOrNull(rise.rise_s)},
           {"rise_at_most_s", cli::NumberOrNull(rise.rise_at_most_s)},
           {"latency_s", rise.latency_s},
+          {"latency_below_s", cli::NumberOrNull(LatencyBelowS(rise))},
           {"standard_uncertainty_s", rise.uncertainty_s},
-          {"verdict", LatencyVerdict(rise.latency_s)}};
+          {"verdict", LatencyVerdict(rise)}};
 }
 
 ordered_json RunJson(const SceneAnswer& solved) {

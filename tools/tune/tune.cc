@@ -50,12 +50,17 @@ sim::AdapterOptimum OptimumOf(const sim::TuningProblem& problem, TuneAnswer& ans
   if (!question.latency_limit_s) return best;
   const sim::PromptBest prompt =
       sim::BestWithinLatency(problem, *question.latency_limit_s, best.point);
-  best.point = prompt.point;
-  best.value = prompt.value;
   LatencySearch search = answer.latency.value_or(LatencySearch{});
   search.runs += prompt.runs;
-  search.proved = search.proved && prompt.is_unlimited;
+  search.least_limit_s = std::max(search.least_limit_s, prompt.least_limit_s);
+  // of several springs the best without the limit decides
+  if (!answer.latency || best.value > search.unlimited.value) {
+    search.unlimited = {.point = best.point, .value = best.value};
+    search.proved = prompt.is_unlimited;
+  }
   answer.latency = search;
+  best.point = prompt.point;
+  best.value = prompt.value;
   return best;
 }
 
@@ -97,23 +102,65 @@ void AddGridAndRidge(TuneAnswer& answer) {
   }
 }
 
+sim::SteadyState SteadyOf(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
+  const sim::Skin skin = sim::SkinOf(problem, point.contact_area_m2);
+  return sim::SolveSteadyState(sim::AssembleModel(problem.actuator, point.adapter, skin),
+                               problem.drive, skin);
+}
+
 void AddWrongSprings(TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   for (const double factor : {1 - kSpringError, 1 + kSpringError}) {
-    answer.springs.push_back(sim::CostOfSpring(question.objective, question.problem,
-                                               question.receptors, answer.optimum.point, factor));
+    const sim::AdapterPoint& best = answer.optimum.point;
+    sim::AdapterPoint built = best;
+    built.adapter.stiffness_n_per_m *= factor;
+    answer.springs.push_back({.cost = sim::CostOfSpring(question.objective, question.problem,
+                                                        question.receptors, best, factor),
+                              .mover_peak_m = SteadyOf(question.problem, built).mover_peak_m});
   }
+}
+
+// upwards to three digits
+double RoundedUp(double value) {
+  const double step = std::pow(10, std::floor(std::log10(value)) - 2);
+  return std::ceil(value / step) * step;
+}
+
+std::unexpected<Error> NothingPrompt(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const double least_ms = answer.latency->least_limit_s * 1e3;
+  const double limit_ms = *question.latency_limit_s * 1e3;
+  const double frequency_hz = question.problem.drive.frequency_hz;
+  if (least_ms == 0) {
+    return CannotAnswer(
+        question.name,
+        fmt::format("no latency can be told at {:g} Hz: {}", frequency_hz,
+                    NoLatencyText(question.problem, answer.latency->unlimited.point)),
+        "leave out --latency");
+  }
+  if (limit_ms < least_ms) {
+    return CannotAnswer(
+        question.name,
+        fmt::format("a --latency of {:g} ms cannot be decided: at {:g} Hz a run tells a latency to "
+                    "{:.3g} ms, standard uncertainty",
+                    limit_ms, frequency_hz, least_ms),
+        fmt::format("allow at least {:g} ms", RoundedUp(least_ms)));
+  }
+  return CannotAnswer(
+      question.name,
+      fmt::format(
+          "no adapter found within the bounds comes up within {:g} ms, uncertainty of {:.3g} "
+          "ms added (searched in {} runs, not proved)",
+          limit_ms, least_ms, answer.latency->runs),
+      "allow more --latency, or wider bounds");
 }
 
 std::unexpected<Error> NothingFound(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  if (answer.latency) {
-    return CannotAnswer(
-        question.name,
-        fmt::format("no adapter found within the bounds comes up within {:g} ms (searched in {} "
-                    "runs, not proved)",
-                    *question.latency_limit_s * 1e3, answer.latency->runs),
-        "allow more --latency, or wider bounds");
+  if (answer.latency) return NothingPrompt(answer);
+  if (std::isinf(question.problem.mover_limit_m)) {
+    return CannotAnswer(question.name, "no adapter found within the bounds moves the skin",
+                        "allow wider bounds, or more --voltage");
   }
   return CannotAnswer(
       question.name,
@@ -137,8 +184,7 @@ Result<TuneAnswer> Answer(const TuneQuestion& question) {
   // the numbers that simulate gives, by its seven states
   const sim::AdapterPoint& best = answer.optimum.point;
   const sim::Skin skin = sim::SkinOf(problem, best.contact_area_m2);
-  answer.steady = sim::SolveSteadyState(sim::AssembleModel(problem.actuator, best.adapter, skin),
-                                        problem.drive, skin);
+  answer.steady = SteadyOf(problem, best);
   const double velocity_rms =
       2 * std::numbers::pi * problem.drive.frequency_hz * answer.steady.skin_rms_m;
   answer.skin_power_w = skin.damping_n_s_per_m * velocity_rms * velocity_rms;

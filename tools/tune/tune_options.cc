@@ -33,11 +33,25 @@ struct BoundWord {
   sim::Range& range;
 };
 
+// the range of a scene's numbers, beyond which the answers are no numbers any more
+Result<void> CheckReal(const std::string& option, double value) {
+  constexpr double kSmallest = 1e-9, kLargest = 1e9;
+  const double size = std::abs(value);
+  if (size == 0 || (size >= kSmallest && size <= kLargest)) return {};
+  return Usage(
+      option,
+      fmt::format("{:g} is outside {:g} to {:g}, where all scenes lie", value, kSmallest, kLargest),
+      "check its unit");
+}
+
 Result<void> ReadBound(const BoundWord& word) {
   if (word.text.empty()) return {};
   const auto range = ReadEnds(word.text, [&](const std::string& end) -> Result<double> {
     const auto quantity = ParseQuantity(end, word.dimension, word.option);
     if (!quantity) return std::unexpected(quantity.error());
+    if (auto real = CheckReal(word.option, quantity->value); !real) {
+      return std::unexpected(real.error());
+    }
     return quantity->value;
   });
   if (!range) return std::unexpected(range.error());
@@ -52,6 +66,11 @@ Result<void> ReadSprings(const std::string& text, TuneQuestion& question) {
   for (std::string word; std::getline(words, word, ',');) {
     const auto spring = ParseQuantity(word, Dimension::kStiffness, "--springs");
     if (!spring) return std::unexpected(spring.error());
+    if (!(spring->value > 0)) {
+      return Usage("--springs", fmt::format("has {}, and a stiffness must be above 0", word),
+                   "give those that can be had, such as --springs 8200,9100");
+    }
+    if (auto real = CheckReal("--springs", spring->value); !real) return real;
     question.springs_n_per_m.push_back(spring->value);
   }
   const auto [least, most] = std::ranges::minmax(question.springs_n_per_m);
@@ -147,6 +166,54 @@ Result<void> ReadReceptors(const TuneWords& words, sim::ReceptorField& field) {
   return {};
 }
 
+// A bare number is refused, which a time elsewhere may be: 25 would be 25 s.
+Result<void> ReadLatency(const std::string& text, TuneQuestion& question) {
+  if (text.empty()) return {};
+  if (ParseQuantity(text, Dimension::kNone, "--latency")) {
+    return Usage("--latency", fmt::format("'{}' has no unit, and a latency needs one", text),
+                 fmt::format("did you mean {}ms?", text));
+  }
+  const auto limit = ParseQuantity(text, Dimension::kTime, "--latency");
+  if (!limit) return std::unexpected(limit.error());
+  question.latency_limit_s = limit->value;
+  return {};
+}
+
+Result<void> CheckDrive(const TuneQuestion& question) {
+  const sim::SineDrive& drive = question.problem.drive;
+  if (!(drive.amplitude_v > 0 && drive.frequency_hz > 0)) {
+    return Usage(
+        question.name,
+        fmt::format("{:g} V at {:g} Hz drive nothing", drive.amplitude_v, drive.frequency_hz),
+        "give --voltage and --frequency above 0");
+  }
+  if (auto real = CheckReal("--voltage", drive.amplitude_v); !real) return real;
+  return CheckReal("--frequency", drive.frequency_hz);
+}
+
+Result<void> CheckVariation(double part) {
+  if (part >= 0 && part < 1) return {};
+  return Usage("--skin-varies", "the skin's variation must be from 0 to below 1",
+               "give a part of one: 0.2 is 20 %");
+}
+
+// the grid is of the thesis's bounds and objectives, without limits
+Result<void> ReadGrid(const TuneWords& words, TuneQuestion& question) {
+  if (!words.grid) return {};
+  if (question.latency_limit_s || std::isfinite(question.problem.mover_limit_m)) {
+    return Usage("--grid", "knows neither travel nor latency",
+                 "leave it out beside --mover-travel and --latency");
+  }
+  if (!question.springs_n_per_m.empty()) {
+    return Usage("--grid", "knows no list of springs", "leave it out beside --springs");
+  }
+  if (question.objective == sim::Objective::kRmsPerWatt) {
+    return Usage("--grid", "does not know the power", "leave it out for rms-per-watt");
+  }
+  question.grid_values = static_cast<std::size_t>(*words.grid);
+  return {};
+}
+
 // the latency is a number of a run of one adapter on one skin
 Result<void> CheckLatency(const TuneQuestion& question) {
   if (!question.latency_limit_s) return {};
@@ -214,8 +281,8 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
   options.Number("--mover-travel", &words.mover_travel, Dimension::kLength,
                  "Only adapters with which the mover travels no further, to either side");
-  options.Number("--latency", &words.latency, Dimension::kTime,
-                 "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
+  options.Text("--latency", &words.latency, "s",
+               "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
   options.Text("--plot", &words.plot, "FILE",
                "Draw the objective around the optimum, and the ridge");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
@@ -244,12 +311,8 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   if (words.skin_varies) problem.skin_variation = words.skin_varies->value;
   if (words.voltage) problem.drive.amplitude_v = words.voltage->value;
   if (words.frequency) problem.drive.frequency_hz = words.frequency->value;
-  if (!(problem.drive.amplitude_v > 0 && problem.drive.frequency_hz > 0)) {
-    return Usage(question.name,
-                 fmt::format("{:g} V at {:g} Hz drive nothing", problem.drive.amplitude_v,
-                             problem.drive.frequency_hz),
-                 "give --voltage and --frequency above 0");
-  }
+  if (auto fit = CheckVariation(problem.skin_variation); !fit) return std::unexpected(fit.error());
+  if (auto fit = CheckDrive(question); !fit) return std::unexpected(fit.error());
   if (auto read = ReadBounds(words, problem.bounds); !read) return std::unexpected(read.error());
   if (auto read = ReadSprings(words.springs, question); !read) {
     return std::unexpected(read.error());
@@ -262,13 +325,11 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
   }
   question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
   if (auto fit = CheckObjective(question); !fit) return std::unexpected(fit.error());
-  if (words.latency) question.latency_limit_s = words.latency->value;
-  if (auto fit = CheckLatency(question); !fit) return std::unexpected(fit.error());
-  if (words.grid && (question.latency_limit_s || std::isfinite(problem.mover_limit_m))) {
-    return Usage("--grid", "knows neither travel nor latency",
-                 "leave it out beside --mover-travel and --latency");
+  if (auto read = ReadLatency(words.latency, question); !read) {
+    return std::unexpected(read.error());
   }
-  if (words.grid) question.grid_values = static_cast<std::size_t>(*words.grid);
+  if (auto fit = CheckLatency(question); !fit) return std::unexpected(fit.error());
+  if (auto read = ReadGrid(words, question); !read) return std::unexpected(read.error());
   return question;
 }
 

@@ -15,10 +15,10 @@ struct TuneWords {
   std::vector<std::string> scenes;
   std::string objective = "skin-rms";
   std::string skin = "text";
-  std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area, springs;
+  std::string motor_side_mass, skin_side_mass, stiffness, damping, contact_area, springs, latency;
   std::string receptor_grid = "cell";
   std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies,
-      mover_travel, latency;
+      mover_travel;
   std::optional<std::int64_t> grid;
   std::string plot;
 };
@@ -39,8 +39,9 @@ struct TuneQuestion {
 void Declare(cli::Options& options, TuneWords& words);
 
 /// Reads the scene, if there is one, and the bounds. Errors (Cause::kUsage): more than one scene, a
-/// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0,
-/// an objective that is not answered for what else is asked.
+/// bound that is no "LOW:HIGH" or number with its unit, bounds that Fault() refuses, a drive of 0
+/// or a number outside what scenes can have, a latency without a unit, an objective that is not
+/// answered for what else is asked.
 [[nodiscard]] Result<TuneQuestion> ReadQuestion(const TuneWords& words);
 
 }  // namespace haptometer::tools

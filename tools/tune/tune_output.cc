@@ -81,21 +81,33 @@ std::string PointsText(const TuneAnswer& answer, std::string_view title,
   return text;
 }
 
+// whether a spring that is off breaks the mover's limit, which holds to rounding
+bool BreaksLimit(const sim::TuningProblem& problem, double mover_peak_m) {
+  constexpr double kRounding = 1e-9;
+  return mover_peak_m > problem.mover_limit_m * (1 + kRounding);
+}
+
+std::string BeyondText(const sim::TuningProblem& problem, double mover_peak_m) {
+  if (!BreaksLimit(problem, mover_peak_m)) return {};
+  return fmt::format(", but a mover travel of {:.5f} um, beyond the {:g} um allowed",
+                     mover_peak_m * 1e6, problem.mover_limit_m * 1e6);
+}
+
 std::string SpringsText(const TuneAnswer& answer) {
   std::string text;
   const double best = answer.optimum.value;
-  for (const sim::SpringCost& spring : answer.springs) {
+  for (const auto& [spring, mover_peak_m] : answer.springs) {
     const std::string rebalanced =
         spring.rebalanced > 0
             ? fmt::format("{:s} ({:+.3f} %)", Said(answer.question.objective, spring.rebalanced),
                           (spring.rebalanced / best - 1) * 100)
             : "none found that keeps the mover within its travel";
     text += fmt::format(
-        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %), with the skin side's mass chosen anew "
+        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %){}, with the skin side's mass chosen anew "
         "{:s}\n",
         std::abs(spring.factor - 1) * 100, spring.factor < 1 ? "soft" : "stiff",
         Said(answer.question.objective, spring.as_built), (spring.as_built / best - 1) * 100,
-        rebalanced);
+        BeyondText(answer.question.problem, mover_peak_m), rebalanced);
   }
   return text;
 }
@@ -103,12 +115,13 @@ std::string SpringsText(const TuneAnswer& answer) {
 // how sure the answer is where the latency is limited
 std::string SearchText(const LatencySearch& search) {
   if (search.proved) {
-    return "the latency is that of a simulated run; the best adapter without the limit keeps to "
-           "it, "
-           "so that the upper bound is the answer's own";
+    return "the latency is that of a simulated run, its standard uncertainty added; the best "
+           "adapter "
+           "without the limit keeps to it, so that the upper bound is the answer's own";
   }
   return fmt::format(
-      "the latency is that of a simulated run and was searched, not proved ({} runs: an even "
+      "the latency is that of a simulated run, its standard uncertainty added, and was searched, "
+      "not proved ({} runs: an even "
       "lattice of all five numbers, and climbs from its best that come up in time and from the "
       "best without the limit): that the adapter keeps to the limit is certain, that no other does "
       "and moves the skin more is not; the upper bound is that without the limit",
@@ -123,13 +136,15 @@ ordered_json SearchJson(const TuneAnswer& answer) {
 // what simulate says of the adapter in a run of that length
 std::string RiseText(const TuneAnswer& answer) {
   const double run_s = sim::LatencyRunS(answer.question.problem);
-  if (!answer.rise)
-    return fmt::format("  latency            none told in a run of {:g} s\n", run_s);
+  if (!answer.rise) {
+    return fmt::format("  latency            none told: {}\n",
+                       NoLatencyText(answer.question.problem, answer.optimum.point));
+  }
   const std::optional<double>& limit_s = answer.question.latency_limit_s;
-  return fmt::format("  latency to 10 %    {:.3f} ms{}: {} (a run of {:g} s from rest)\n",
-                     answer.rise->latency_s * 1e3,
-                     limit_s ? fmt::format(" of {:g} ms allowed", *limit_s * 1e3) : "",
-                     LatencyVerdict(answer.rise->latency_s), run_s);
+  return fmt::format("  latency to 10 %    {}{}: {} (a run of {:g} s from rest)\n",
+                     LatencyText(*answer.rise),
+                     limit_s ? fmt::format(", of {:g} ms allowed", *limit_s * 1e3) : "",
+                     LatencyVerdict(*answer.rise), run_s);
 }
 
 ordered_json RiseJson(const TuneAnswer& answer) {
@@ -138,8 +153,9 @@ ordered_json RiseJson(const TuneAnswer& answer) {
           {"rise_s", cli::NumberOrNull(answer.rise->rise_s)},
           {"rise_at_most_s", cli::NumberOrNull(answer.rise->rise_at_most_s)},
           {"latency_s", answer.rise->latency_s},
+          {"latency_below_s", cli::NumberOrNull(LatencyBelowS(*answer.rise))},
           {"standard_uncertainty_s", answer.rise->uncertainty_s},
-          {"verdict", LatencyVerdict(answer.rise->latency_s)}};
+          {"verdict", LatencyVerdict(*answer.rise)}};
 }
 
 ordered_json PointJson(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
@@ -171,9 +187,11 @@ ordered_json PointsJson(const TuneAnswer& answer, const std::vector<sim::RidgePo
 
 ordered_json SpringsJson(const TuneAnswer& answer) {
   ordered_json springs = ordered_json::array();
-  for (const sim::SpringCost& spring : answer.springs) {
+  for (const auto& [spring, mover_peak_m] : answer.springs) {
     springs.push_back({{"factor", spring.factor},
                        {"value", cli::NumberOrNull(spring.as_built)},
+                       {"mover_peak_m", cli::NumberOrNull(mover_peak_m)},
+                       {"keeps_mover_limit", !BreaksLimit(answer.question.problem, mover_peak_m)},
                        {"value_with_new_skin_side_mass",
                         spring.rebalanced > 0 ? cli::NumberOrNull(spring.rebalanced) : nullptr}});
   }
@@ -227,6 +245,14 @@ SpokenUnit SpokenUnitOf(sim::Objective objective) {
       return {1e6, "um/W"};
   }
   return {1e6, "um"};
+}
+
+std::string NoLatencyText(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
+  const double run_s = sim::LatencyRunS(problem);
+  if (sim::RunIsTooLong(problem, point)) {
+    return fmt::format("a run of {:g} s has too many outputs to be looked at", run_s);
+  }
+  return fmt::format("in a run of {:g} s its amplitude does not pass from 10 % to 90 %", run_s);
 }
 
 std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {

@@ -18,6 +18,14 @@ struct LatencySearch {
   std::size_t runs = 0;  ///< of simulated adapters
   /// Whether the best without the limit keeps to it, so that its proof is the answer's too.
   bool proved = true;
+  sim::RidgePoint unlimited;  ///< the best that was found without the limit
+  double least_limit_s = 0;   ///< as of sim::PromptBest
+};
+
+/// A spring that is off.
+struct WrongSpring {
+  sim::SpringCost cost;
+  double mover_peak_m = 0;  ///< travel with nothing else changed, which may be beyond its limit
 };
 
 /// Everything that tune answers.
@@ -34,8 +42,7 @@ struct TuneAnswer {
   std::vector<sim::RidgePoint> ridge;    ///< over the motor side's mass; empty where that is fixed,
                                          ///< springs listed or latency limited
   std::vector<sim::RidgePoint> listed;   ///< the best with each listed spring, in their order
-  std::vector<sim::SpringCost>
-      springs;  ///< 5 % too soft and 5 % too stiff; none of a limited latency
+  std::vector<WrongSpring> springs;  ///< 5 % too soft and 5 % too stiff; none of a limited latency
 };
 
 /// The unit in which people say an objective, and how many of it one SI unit is.
@@ -44,6 +51,10 @@ struct SpokenUnit {
   const char* unit;
 };
 [[nodiscard]] SpokenUnit SpokenUnitOf(sim::Objective objective);
+
+/// Why no latency is told of the adapter.
+[[nodiscard]] std::string NoLatencyText(const sim::TuningProblem& problem,
+                                        const sim::AdapterPoint& point);
 
 /// What the numbers rest on, one sentence each.
 [[nodiscard]] std::vector<std::string> TuneAssumptions(const TuneAnswer& answer);
