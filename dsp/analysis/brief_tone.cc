@@ -150,9 +150,9 @@ bool GoesOn(const Settled& settled, const Seen& tone) {
 BriefTone Grown(const RawTile& tile, const Seen& tone) {
   const auto size = std::min(tile.values_m().size(),
                              static_cast<std::size_t>(2 * tile.rate_hz() / tone.frequency_hz) + 1);
+  const ToneSums sums(tile.values_m(), tile.rate_hz(), tone.frequency_hz);
   const auto is_on = [&](std::size_t at) {
-    return SquaredAmplitude(std::span(tile.values_m()).subspan(at, size), tile.rate_hz(),
-                            tone.frequency_hz) > 0.25 * tone.amplitude_m * tone.amplitude_m;
+    return sums.SquaredAmplitudeOf(at, size) > 0.25 * tone.amplitude_m * tone.amplitude_m;
   };
   const std::size_t last = tile.values_m().size() - size;
   const std::size_t middle = std::min(last, (tone.begin + tone.end - size) / 2);

@@ -66,4 +66,21 @@ double SquaredAmplitude(std::span<const double> values, double rate_hz, double f
   return 4 * std::norm(sum) / std::pow(static_cast<double>(values.size()), 2);
 }
 
+ToneSums::ToneSums(std::span<const double> values, double rate_hz, double frequency_hz) {
+  const std::complex<double> turn = std::conj(TurnOf(frequency_hz, rate_hz));
+  std::complex<double> phasor = 1;
+  std::complex<double> sum = 0;
+  sums_.reserve(values.size() + 1);
+  for (const double x : values) {
+    sums_.push_back(sum);
+    sum += x * phasor;
+    phasor *= turn;
+  }
+  sums_.push_back(sum);
+}
+
+double ToneSums::SquaredAmplitudeOf(std::size_t begin, std::size_t size) const {
+  return 4 * std::norm(sums_[begin + size] - sums_[begin]) / std::pow(static_cast<double>(size), 2);
+}
+
 }  // namespace haptometer::dsp

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <limits>
 #include <span>
@@ -23,5 +24,15 @@ void TakeOutNearest(const Turns& turns, std::span<double> values,
 /// The square of the amplitude that `values` have at a frequency, by correlation.
 [[nodiscard]] double SquaredAmplitude(std::span<const double> values, double rate_hz,
                                       double frequency_hz);
+
+/// SquaredAmplitude of any stretch of values at one frequency, each at once: by running sums.
+class ToneSums {
+ public:
+  ToneSums(std::span<const double> values, double rate_hz, double frequency_hz);
+  [[nodiscard]] double SquaredAmplitudeOf(std::size_t begin, std::size_t size) const;
+
+ private:
+  std::vector<std::complex<double>> sums_;  // of the values before each place
+};
 
 }  // namespace haptometer::dsp

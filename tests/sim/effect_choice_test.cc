@@ -136,7 +136,7 @@ TEST(EffectChoice, OfASceneThatSettlesComparesPeriodicMotions) {
 
 TEST(EffectChoice, WhatIsTooFastToLookForEventsIsNamed) {
   // a current that settles in 3e-12 s
-  Scene scene = Asking(0.1e-3, 10);
+  Scene scene = Asking(0.02e-3, 10);
   scene.actuator.inductance_h = 1e-9;
   scene.actuator.resistance_ohm = 300;
   for (const bool settles : {false, true}) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "tests/dsp/signals.h"
@@ -27,6 +29,15 @@ TEST(ToneInValues, IsLeftWhereItIsMoreThanTheMost) {
 
 TEST(ToneInValues, HasItsAmplitudeOverWholePeriods) {
   EXPECT_NEAR(SquaredAmplitude(Samples(1000, 200, 0, {{3, 40, 0.9}}), 1000, 40), 9, 1e-12);
+}
+
+TEST(ToneInValues, RunningSumsAreTheStretchesOwn) {
+  const std::vector<double> values = Samples(1000, 300, 0, {{3, 41.3, 0.9}, {1, 90, 0}});
+  const ToneSums sums(values, 1000, 41.3);
+  for (const std::size_t begin : {0U, 7U, 251U}) {
+    const auto stretch = std::span(values).subspan(begin, 49);
+    EXPECT_NEAR(sums.SquaredAmplitudeOf(begin, 49), SquaredAmplitude(stretch, 1000, 41.3), 1e-12);
+  }
 }
 
 }  // namespace
