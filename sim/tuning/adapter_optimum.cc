@@ -4,12 +4,14 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 
 #include "base/check.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
+#include "sim/tuning/climb_starts.h"
 #include "sim/tuning/compass_search.h"
 #include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_optimum.h"
@@ -19,37 +21,38 @@ namespace haptometer::sim {
 
 namespace {
 
-// The adapter at Ma1, Ka, Ba and area of the unit cube; Ma2 is a fifth, or that which serves best.
+// Ma1, Ka, Ba and area at a place of the cube, with the Ma2 that serves the skin's motion best
 AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
-                     const std::vector<double>& parts) {
-  CubePlace place = CubePlace::Zero();
-  std::ranges::copy(parts, place.begin());
+                     const CubePlace& place) {
   AdapterPoint point = PointOf(problem.bounds, place);
-  if (parts.size() == kCubeAxes) return point;
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   point.adapter.skin_side_mass_kg =
       std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
   return point;
 }
 
+// of skins that vary, whose least motion has a bend where the hardest skin changes
 RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
-  constexpr int kLattice = 9;
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
-  const auto value = [&](const std::vector<double>& parts) {
-    const AdapterPoint point = PointAt(piece.problem, source, parts);
-    return ValueOf(piece.objective, piece.problem, source, receptors, point);
+  const auto pointed = [&](const std::vector<double>& parts) {
+    return PointAt(piece.problem, source, {parts[0], parts[1], parts[2], parts[3], 0});
   };
-  const CubePlace upper = UpperEndOf(piece.problem);
-  std::vector<bool> fixed{upper[0] == 0, upper[1] == 0, upper[2] == 0, upper[3] == 0};
-  // the electrical power wants another Ma2 than the skin's motion
-  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(upper[4] == 0);
-  const CubePoint best = SearchCube(value, fixed, kLattice);
-  return {.point = PointAt(piece.problem, source, best.place), .value = piece.weight * best.value};
+  const auto value = [&](const std::vector<double>& parts) {
+    return ValueOf(piece.objective, piece.problem, source, receptors, pointed(parts));
+  };
+  CubePoint start{.place = {}, .value = -1};
+  for (const CubePlace& place : StartPlaces(piece.problem, source)) {
+    CubePoint tried{.place = {place[0], place[1], place[2], place[3]}};
+    tried.value = value(tried.place);
+    if (tried.value > start.value) start = std::move(tried);
+  }
+  const CubePoint best = ClimbWithinCube(value, start.place);
+  return {.point = pointed(best.place), .value = piece.weight * best.value};
 }
 
 RidgePoint Best(Objective objective, const TuningProblem& problem, const ReceptorField& receptors) {
   // Newton's steps, where all slopes are known
-  if (objective != Objective::kRmsPerWatt && problem.skin_variation == 0) {
+  if (problem.skin_variation == 0) {
     const LimitedBest limited = BestWithinTravel(objective, problem, receptors);
     return {.point = limited.point, .value = limited.value};
   }
