@@ -14,6 +14,7 @@
 #include "sim/tuning/climb_starts.h"
 #include "sim/tuning/compass_search.h"
 #include "sim/tuning/cube_place.h"
+#include "sim/tuning/limited_climb.h"
 #include "sim/tuning/limited_optimum.h"
 #include "sim/tuning/travel_limit.h"
 
@@ -21,13 +22,18 @@ namespace haptometer::sim {
 
 namespace {
 
+// gives the adapter the Ma2 that serves the skin's motion best
+void ServeBest(const TuningProblem& problem, const MotorSource& source, AdapterPoint& point) {
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  point.adapter.skin_side_mass_kg =
+      std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
+}
+
 // Ma1, Ka, Ba and area at a place of the cube, with the Ma2 that serves the skin's motion best
 AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
                      const CubePlace& place) {
   AdapterPoint point = PointOf(problem.bounds, place);
-  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
-  point.adapter.skin_side_mass_kg =
-      std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
+  ServeBest(problem, source, point);
   return point;
 }
 
@@ -79,6 +85,29 @@ void Offer(AdapterOptimum& optimum, double bound, Proof proof) {
   optimum.proof = proof;
 }
 
+// The adapter in the box's middle, and what is climbed to from it, where it is the better.
+void TryMiddle(const AreaPiece& piece, const MotorSource& source, const ReceptorField& receptors,
+               const AdapterBox& box, AdapterOptimum& optimum) {
+  const AdapterBounds& bounds = piece.problem.bounds;
+  const auto offer = [&](const AdapterPoint& point) {
+    const double value =
+        piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point);
+    if (!(value > optimum.value)) return false;
+    optimum.point = point;
+    optimum.value = value;
+    return true;
+  };
+  AdapterPoint middle{
+      .adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(box[0].middle()),
+                  .stiffness_n_per_m = bounds.stiffness_n_per_m.At(box[1].middle()),
+                  .damping_n_s_per_m = bounds.damping_n_s_per_m.At(box[2].middle())},
+      .contact_area_m2 = AreaAt(bounds.contact_area_m2, box[3].middle())};
+  ServeBest(piece.problem, source, middle);
+  if (!offer(middle) || piece.problem.skin_variation > 0) return;
+  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
+  offer(PointOf(bounds, climb.From(PlaceOf(bounds, middle)).place));
+}
+
 // The largest of the bounds of the stretches of areas; nothing for what has no proof by boxes.
 void ProveUnlimited(Objective objective, const TuningProblem& problem, const MotorSource& source,
                     const ReceptorField& receptors, double relative_gap, std::size_t most_boxes,
@@ -94,6 +123,7 @@ void ProveUnlimited(Objective objective, const TuningProblem& problem, const Mot
     const LeastOfBoxes least =
         LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
     optimum.boxes += least.boxes;
+    TryMiddle(piece, source, receptors, least.reached, optimum);
     bound = std::max(bound, ValueOfCost(piece, source, least.cost));
   }
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS

@@ -31,9 +31,10 @@ struct Start {
   }
 };
 
-// of each third of Ma1 and of Ka, those that keep to the limit and those that do not
+// of each third of Ma1 and of Ka, and of RMS per watt of all axes, those that keep to the limit and
+// those that do not
 struct Starts {
-  std::array<Start, 6> kept, beyond;
+  std::array<Start, std::size_t{3} * kCubeAxes> kept, beyond;
 };
 
 // Ma2 to begin with: what the skin's motion wants; that of RMS per watt lies beside it
@@ -43,7 +44,8 @@ std::vector<double> MassesToTry(const AreaPiece& piece, const MotorSource& sourc
   if (piece.objective != Objective::kRmsPerWatt) return {wanted_kg};
   const double w = source.omega_rad_per_s;
   const double Bs = SkinOf(piece.problem, point.contact_area_m2).damping_n_s_per_m;
-  return {wanted_kg, wanted_kg - Bs / w, wanted_kg + Bs / w};
+  const Range& mass_kg = piece.problem.bounds.skin_side_mass_kg;
+  return {wanted_kg, wanted_kg - Bs / w, wanted_kg + Bs / w, mass_kg.lower, mass_kg.upper};
 }
 
 Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb) {
@@ -52,6 +54,7 @@ Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const Limited
   const auto third = [](double part) {
     return std::min<std::size_t>(2, static_cast<std::size_t>(part * 3));
   };
+  const int axes = piece.objective == Objective::kRmsPerWatt ? kCubeAxes : 2;
   Starts starts;
   for (CubePlace place : StartPlaces(problem, source)) {
     const AdapterPoint point = PointOf(problem.bounds, place);
@@ -62,8 +65,9 @@ Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const Limited
       const LimitedView view = climb.At(place);
       auto& kind = found_kg ? starts.kept : starts.beyond;
       const double rank = found_kg ? view.cost : view.excess;
-      kind[third(place[0])].Offer(place, rank);
-      kind[3 + third(place[1])].Offer(place, rank);
+      for (int axis = 0; axis < axes; ++axis) {
+        kind[static_cast<std::size_t>(3 * axis) + third(place[axis])].Offer(place, rank);
+      }
     }
   }
   return starts;

@@ -19,7 +19,8 @@ struct LimitedBest {
 
 /// Climbs (sim/tuning/limited_climb.h) from the best of StartPlaces() (sim/tuning/climb_starts.h)
 /// in which Ma2 is the nearest that keeps to the limit: the best of each third of Ma1's range and
-/// of Ka's. Where there is none, from those of its points with the least travel.
+/// of Ka's, of kRmsPerWatt of every number's. Where there is none, from those with the least
+/// travel.
 ///
 /// The problem without Fault(), skin_variation 0, mover_limit_m finite or not (not, for
 /// kRmsPerWatt).
