@@ -29,13 +29,13 @@ TEST(CompassSearch, MeetsABoundExactly) {
   EXPECT_ABS(top.place[1], 0.25, 1e-7, "a maximum is flat: the root of rounding");
 }
 
-// A narrow curved ridge that rises by less than rounding a step: before gains and moves had a bound
-// some 8 million evaluations were not enough.
-TEST(CompassSearch, EndsOnAFlatRidge) {
+// A narrow ridge askew to all neighbours, which only steps of 1e-9 follow: without a bound on moves
+// 2e7 evaluations are not enough. After a million the hill is taken away.
+TEST(CompassSearch, EndsOnANarrowRidge) {
   int evaluations = 0;
   const auto ridge = [&](const std::vector<double>& x) {
-    ++evaluations;
-    return 1 + 1e-9 * x[0] - 1e3 * std::pow(x[1] - x[0] * x[0], 2);
+    if (++evaluations > 1'000'000) return 0.0;
+    return 1 + 1e-3 * x[0] - 1e6 * std::pow(x[1] - 0.37 * x[0], 2);
   };
   const CubePoint top = ClimbWithinCube(ridge, {0, 0});
   EXPECT_LT(evaluations, 350'000) << "37 lengths of 1000 moves with 9 evaluations at most";
