@@ -4,14 +4,17 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <utility>
 
 #include "base/check.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
+#include "sim/tuning/climb_starts.h"
 #include "sim/tuning/compass_search.h"
 #include "sim/tuning/cube_place.h"
+#include "sim/tuning/limited_climb.h"
 #include "sim/tuning/limited_optimum.h"
 #include "sim/tuning/travel_limit.h"
 
@@ -19,37 +22,43 @@ namespace haptometer::sim {
 
 namespace {
 
-// The adapter at Ma1, Ka, Ba and area of the unit cube; Ma2 is a fifth, or that which serves best.
-AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
-                     const std::vector<double>& parts) {
-  CubePlace place = CubePlace::Zero();
-  std::ranges::copy(parts, place.begin());
-  AdapterPoint point = PointOf(problem.bounds, place);
-  if (parts.size() == kCubeAxes) return point;
+// gives the adapter the Ma2 that serves the skin's motion best
+void ServeBest(const TuningProblem& problem, const MotorSource& source, AdapterPoint& point) {
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
   point.adapter.skin_side_mass_kg =
       std::clamp(WantedSkinSideMass(problem, source, point), mass_kg.lower, mass_kg.upper);
+}
+
+// Ma1, Ka, Ba and area at a place of the cube, with the Ma2 that serves the skin's motion best
+AdapterPoint PointAt(const TuningProblem& problem, const MotorSource& source,
+                     const CubePlace& place) {
+  AdapterPoint point = PointOf(problem.bounds, place);
+  ServeBest(problem, source, point);
   return point;
 }
 
+// of skins that vary, whose least motion has a bend where the hardest skin changes
 RidgePoint BestOfPiece(const AreaPiece& piece, const ReceptorField& receptors) {
-  constexpr int kLattice = 9;
   const MotorSource source = SourceOf(piece.problem.actuator, piece.problem.drive);
-  const auto value = [&](const std::vector<double>& parts) {
-    const AdapterPoint point = PointAt(piece.problem, source, parts);
-    return ValueOf(piece.objective, piece.problem, source, receptors, point);
+  const auto pointed = [&](const std::vector<double>& parts) {
+    return PointAt(piece.problem, source, {parts[0], parts[1], parts[2], parts[3], 0});
   };
-  const CubePlace upper = UpperEndOf(piece.problem);
-  std::vector<bool> fixed{upper[0] == 0, upper[1] == 0, upper[2] == 0, upper[3] == 0};
-  // the electrical power wants another Ma2 than the skin's motion
-  if (piece.objective == Objective::kRmsPerWatt) fixed.push_back(upper[4] == 0);
-  const CubePoint best = SearchCube(value, fixed, kLattice);
-  return {.point = PointAt(piece.problem, source, best.place), .value = piece.weight * best.value};
+  const auto value = [&](const std::vector<double>& parts) {
+    return ValueOf(piece.objective, piece.problem, source, receptors, pointed(parts));
+  };
+  CubePoint start{.place = {}, .value = -1};
+  for (const CubePlace& place : StartPlaces(piece.problem, source)) {
+    CubePoint tried{.place = {place[0], place[1], place[2], place[3]}};
+    tried.value = value(tried.place);
+    if (tried.value > start.value) start = std::move(tried);
+  }
+  const CubePoint best = ClimbWithinCube(value, start.place);
+  return {.point = pointed(best.place), .value = piece.weight * best.value};
 }
 
 RidgePoint Best(Objective objective, const TuningProblem& problem, const ReceptorField& receptors) {
   // Newton's steps, where all slopes are known
-  if (objective != Objective::kRmsPerWatt && problem.skin_variation == 0) {
+  if (problem.skin_variation == 0) {
     const LimitedBest limited = BestWithinTravel(objective, problem, receptors);
     return {.point = limited.point, .value = limited.value};
   }
@@ -76,6 +85,29 @@ void Offer(AdapterOptimum& optimum, double bound, Proof proof) {
   optimum.proof = proof;
 }
 
+// The adapter in the box's middle, and what is climbed to from it, where it is the better.
+void TryMiddle(const AreaPiece& piece, const MotorSource& source, const ReceptorField& receptors,
+               const AdapterBox& box, AdapterOptimum& optimum) {
+  const AdapterBounds& bounds = piece.problem.bounds;
+  const auto offer = [&](const AdapterPoint& point) {
+    const double value =
+        piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point);
+    if (!(value > optimum.value)) return false;
+    optimum.point = point;
+    optimum.value = value;
+    return true;
+  };
+  AdapterPoint middle{
+      .adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(box[0].middle()),
+                  .stiffness_n_per_m = bounds.stiffness_n_per_m.At(box[1].middle()),
+                  .damping_n_s_per_m = bounds.damping_n_s_per_m.At(box[2].middle())},
+      .contact_area_m2 = AreaAt(bounds.contact_area_m2, box[3].middle())};
+  ServeBest(piece.problem, source, middle);
+  if (!offer(middle) || piece.problem.skin_variation > 0) return;
+  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
+  offer(PointOf(bounds, climb.From(PlaceOf(bounds, middle)).place));
+}
+
 // The largest of the bounds of the stretches of areas; nothing for what has no proof by boxes.
 void ProveUnlimited(Objective objective, const TuningProblem& problem, const MotorSource& source,
                     const ReceptorField& receptors, double relative_gap, std::size_t most_boxes,
@@ -91,6 +123,7 @@ void ProveUnlimited(Objective objective, const TuningProblem& problem, const Mot
     const LeastOfBoxes least =
         LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
     optimum.boxes += least.boxes;
+    TryMiddle(piece, source, receptors, least.reached, optimum);
     bound = std::max(bound, ValueOfCost(piece, source, least.cost));
   }
   const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS

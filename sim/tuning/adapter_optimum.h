@@ -24,8 +24,8 @@ struct AdapterOptimum {
   std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
-/// The best point alone, without proof: Newton's steps from the best of an even lattice
-/// (sim/tuning/limited_optimum.h); of kRmsPerWatt and of skins that vary a compass search.
+/// The best point alone, without proof: Newton's steps (sim/tuning/limited_optimum.h); of skins
+/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/climb_starts.h).
 [[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
                                        const ReceptorField& receptors);
 
@@ -38,8 +38,9 @@ struct AdapterOptimum {
 /// have a lower bound of the cost (sim/tuning/adapter_cost.h) in interval arithmetic that rounds
 /// outwards. The box with the weakest bound is halved across its widest contribution until that
 /// bound is within `relative_gap` of the best point, or `most_boxes` have been looked at; whichever
-/// comes first, the weakest bound that is left is the answer. kStimulus is the same for each
-/// stretch of areas between two steps of Nr, whose weight is constant on it (sharp field edges
+/// comes first, the weakest bound that is left is the answer; where the middle of a box is better
+/// than the best point, it and a climb from it take that point's place. kStimulus is the same for
+/// each stretch of areas between two steps of Nr, whose weight is constant on it (sharp field edges
 /// only), each with `most_boxes` of its own; kSkinPower divides by b. kRmsPerWatt has
 /// MatchedLoadBound() alone, and so has a stimulus with soft edges.
 ///

@@ -59,8 +59,8 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
   OpenBoxes open;
   open.push(whole);
   std::size_t boxes = 1;
-  double reached = whole.cost.middle;  // by an adapter
-  const auto open_by = [&] { return std::min(enough, (1 - kSettled) * reached); };
+  OpenBox best = whole;  // by its middle
+  const auto open_by = [&] { return std::min(enough, (1 - kSettled) * best.cost.middle); };
   while (!open.empty() && open.top().cost.lower < open_by() && boxes < most_boxes) {
     const OpenBox first = open.top();
     open.pop();
@@ -71,13 +71,14 @@ LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) 
     lower.box[axis].upper = upper.box[axis].lower = first.box[axis].middle();
     for (OpenBox* half : {&lower, &upper}) {
       if (!Bound(over, *half)) continue;
-      reached = std::min(reached, half->cost.middle);
+      if (half->cost.middle < best.cost.middle) best = *half;
       open.push(*half);
     }
     boxes += 2;
   }
   return {.cost = open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower,
-          .boxes = boxes};
+          .boxes = boxes,
+          .reached = best.box};
 }
 
 }  // namespace haptometer::sim

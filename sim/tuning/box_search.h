@@ -11,6 +11,7 @@ namespace haptometer::sim {
 struct LeastOfBoxes {
   double cost = 0;        ///< no adapter of the bounds costs less
   std::size_t boxes = 0;  ///< looked at
+  AdapterBox reached{};   ///< of all boxes the one whose middle costs least
 };
 
 /// A lower bound of a cost over all adapters of the bounds: at least `enough`, or within 1e-10 of

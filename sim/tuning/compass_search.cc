@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <utility>
 
 namespace haptometer::sim {
@@ -40,34 +41,20 @@ CubePoint BestNeighbour(const Function& function, const CubePoint& here, double 
 CubePoint ClimbWithinCube(const Function& function, std::vector<double> start) {
   constexpr int kFirstHalving = 4;
   constexpr int kLastHalving = 40;
+  constexpr int kMostMoves = 1000;
+  // what the rounding of a function of some ten operations may feign
+  constexpr double kGain = 16 * std::numeric_limits<double>::epsilon();
   CubePoint here{.place = std::move(start)};
   here.value = function(here.place);
   for (int halving = kFirstHalving; halving <= kLastHalving; ++halving) {
     const double step = std::ldexp(1, -halving);
-    for (;;) {
+    for (int move = 0; move < kMostMoves; ++move) {
       CubePoint next = BestNeighbour(function, here, step);
-      if (!(next.value > here.value)) break;
+      if (!(next.value - here.value > kGain * std::abs(here.value))) break;
       here = std::move(next);
     }
   }
   return here;
-}
-
-CubePoint SearchCube(const Function& function, const std::vector<bool>& fixed, int values) {
-  CubePoint best;
-  std::vector<int> digits(fixed.size(), 0);
-  std::vector<double> place(fixed.size());
-  do {
-    bool repeated = false;
-    for (std::size_t k = 0; k < place.size(); ++k) {
-      place[k] = fixed[k] ? 0 : static_cast<double>(digits[k]) / (values - 1);
-      repeated = repeated || (fixed[k] && digits[k] > 0);
-    }
-    if (repeated) continue;
-    const double value = function(place);
-    if (best.place.empty() || value > best.value) best = {.place = place, .value = value};
-  } while (Advance(digits, values));
-  return ClimbWithinCube(function, best.place);
 }
 
 }  // namespace haptometer::sim

@@ -14,16 +14,12 @@ struct CubePoint {
 /// Climbs from `start` to a local maximum of `function` within the unit cube of as many dimensions.
 ///
 /// Compass search (Kolda, Lewis, Torczon, SIAM Review 45 (2003) 385, section 3) with all 3^n - 1
-/// neighbours: steps to the best of them while it is better, else halves the step, from 2^-4 down
-/// to 2^-40. Without derivatives and deterministic; bounds are met exactly. A smooth maximum is
-/// found to about the root of the function's rounding. Cost: 3^n - 1 evaluations a step, some
-/// hundred steps; n is 5 at most here.
+/// neighbours: steps to the best of them while it is better by 16 roundings of the value, at most
+/// 1000 times, then halves the step, from 2^-4 down to 2^-40: on a flat ridge the last bits of the
+/// value would be climbed for minutes. Without derivatives and deterministic; bounds are met
+/// exactly. A smooth maximum is found to about the root of the function's rounding. Cost: 3^n - 1
+/// evaluations a step, some hundred steps; n is 5 at most here.
 [[nodiscard]] CubePoint ClimbWithinCube(
     const std::function<double(const std::vector<double>&)>& function, std::vector<double> start);
-
-/// Climbs from the best of `values` evenly spaced places an axis; an axis in `fixed` stays at 0.
-[[nodiscard]] CubePoint SearchCube(
-    const std::function<double(const std::vector<double>&)>& function,
-    const std::vector<bool>& fixed, int values);
 
 }  // namespace haptometer::sim

@@ -8,11 +8,25 @@ double PartOf(const Range& range, double value) {
   return range.lower < range.upper ? (value - range.lower) / (range.upper - range.lower) : 0;
 }
 
+bool IsWide(const Range& range) { return range.lower > 0 && range.upper > 20 * range.lower; }
+
+double ScaledAt(const Range& range, double part) {
+  if (!IsWide(range)) return range.At(part);
+  // the ends exactly
+  if (part >= 1) return range.upper;
+  return range.lower * std::exp(part * std::log(range.upper / range.lower));
+}
+
+double ScaledPartOf(const Range& range, double value) {
+  if (!IsWide(range)) return PartOf(range, value);
+  return std::log(value / range.lower) / std::log(range.upper / range.lower);
+}
+
 AdapterPoint PointOf(const AdapterBounds& bounds, const CubePlace& place) {
   return {.adapter = {.motor_side_mass_kg = bounds.motor_side_mass_kg.At(place[0]),
                       .skin_side_mass_kg = bounds.skin_side_mass_kg.At(place[4]),
-                      .stiffness_n_per_m = bounds.stiffness_n_per_m.At(place[1]),
-                      .damping_n_s_per_m = bounds.damping_n_s_per_m.At(place[2])},
+                      .stiffness_n_per_m = ScaledAt(bounds.stiffness_n_per_m, place[1]),
+                      .damping_n_s_per_m = ScaledAt(bounds.damping_n_s_per_m, place[2])},
           .contact_area_m2 = AreaAt(bounds.contact_area_m2, place[3])};
 }
 
@@ -20,8 +34,8 @@ CubePlace PlaceOf(const AdapterBounds& bounds, const AdapterPoint& point) {
   const Range roots{.lower = std::cbrt(bounds.contact_area_m2.lower),
                     .upper = std::cbrt(bounds.contact_area_m2.upper)};
   return {PartOf(bounds.motor_side_mass_kg, point.adapter.motor_side_mass_kg),
-          PartOf(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
-          PartOf(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
+          ScaledPartOf(bounds.stiffness_n_per_m, point.adapter.stiffness_n_per_m),
+          ScaledPartOf(bounds.damping_n_s_per_m, point.adapter.damping_n_s_per_m),
           PartOf(roots, std::cbrt(point.contact_area_m2)),
           PartOf(bounds.skin_side_mass_kg, point.adapter.skin_side_mass_kg)};
 }

@@ -31,6 +31,14 @@ CubeNumber On(const Range& range, const CubePlace& place, int axis) {
          range.lower;
 }
 
+// Ka or Ba, as ScaledAt() has them
+CubeNumber ScaledOn(const Range& range, const CubePlace& place, int axis) {
+  if (!IsWide(range)) return On(range, place, axis);
+  const double decades = std::log(range.upper / range.lower);
+  const double value = range.lower * std::exp(place[axis] * decades);
+  return Variable<double, kCubeAxes>(0.0, static_cast<std::size_t>(axis), value * decades) + value;
+}
+
 CubePlace SlopesOf(const CubeNumber& number) {
   return CubePlace::Map(number.by.data()) / number.value;  // of the logarithm
 }
@@ -58,8 +66,8 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
   const CubeNumber p = (On(bounds.motor_side_mass_kg, place, 0) + source_.case_mass_kg) * (-w * w) +
                        source_.stiffness_n_per_m.real();
   const CubePhasor D1{p, {.value = source_.stiffness_n_per_m.imag()}};
-  const CubePhasor ka{On(bounds.stiffness_n_per_m, place, 1),
-                      On(bounds.damping_n_s_per_m, place, 2) * w};
+  const CubePhasor ka{ScaledOn(bounds.stiffness_n_per_m, place, 1),
+                      ScaledOn(bounds.damping_n_s_per_m, place, 2) * w};
   const CubeNumber b = On({first.damping_n_s_per_m, last.damping_n_s_per_m}, place, 3) * w;
   const CubePhasor D2{On({first.stiffness_n_per_m, last.stiffness_n_per_m}, place, 3) +
                           On(bounds.skin_side_mass_kg, place, 4) * (-w * w),
@@ -77,6 +85,12 @@ LimitedView LimitedClimb::At(const CubePlace& place) const {
   if (objective_ == Objective::kSkinPower) {
     view.cost -= std::log(b.value);
     view.cost_slopes -= SlopesOf(b);
+  } else if (objective_ == Objective::kRmsPerWatt) {
+    // P |N|^2 = P0 |N|^2 + Re(beta Fc (ka + D2) conj N)
+    const CubePhasor moved = (D2 + ka) * (source_.power_slope_w_per_m * source_.force_n);
+    const CubeNumber power = N2 * source_.blocked_power_w + moved.re * N.re + moved.im * N.im;
+    view.cost += 2 * std::log(power.value / N2.value);
+    view.cost_slopes += 2 * (SlopesOf(power) - SlopesOf(N2));
   } else if (objective_ == Objective::kStimulus) {
     constexpr double kStep = 1e-5;
     const double before = std::clamp(place[3] - kStep, 0.0, 1.0);

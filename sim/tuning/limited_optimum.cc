@@ -9,9 +9,9 @@
 
 #include "base/check.h"
 #include "sim/tuning/adapter_cost.h"
-#include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"
+#include "sim/tuning/climb_starts.h"
 #include "sim/tuning/cube_place.h"
 #include "sim/tuning/limited_climb.h"
 #include "sim/tuning/travel_limit.h"
@@ -20,7 +20,6 @@ namespace haptometer::sim {
 
 namespace {
 
-constexpr std::size_t kLattice = 9;
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 // a place of the lattice and how good it is to begin at: the less, the better
@@ -32,30 +31,44 @@ struct Start {
   }
 };
 
-// of each third of Ma1 and of Ka, those that keep to the limit and those that do not
+// of each third of Ma1 and of Ka, and of RMS per watt of all axes, those that keep to the limit and
+// those that do not
 struct Starts {
-  std::array<Start, 6> kept, beyond;
+  std::array<Start, std::size_t{3} * kCubeAxes> kept, beyond;
 };
+
+// Ma2 to begin with: what the skin's motion wants; that of RMS per watt lies beside it
+std::vector<double> MassesToTry(const AreaPiece& piece, const MotorSource& source,
+                                const AdapterPoint& point) {
+  const double wanted_kg = WantedSkinSideMass(piece.problem, source, point);
+  if (piece.objective != Objective::kRmsPerWatt) return {wanted_kg};
+  const double w = source.omega_rad_per_s;
+  const double Bs = SkinOf(piece.problem, point.contact_area_m2).damping_n_s_per_m;
+  const Range& mass_kg = piece.problem.bounds.skin_side_mass_kg;
+  return {wanted_kg, wanted_kg - Bs / w, wanted_kg + Bs / w, mass_kg.lower, mass_kg.upper};
+}
 
 Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb) {
   const TuningProblem& problem = piece.problem;
   const Range& mass_kg = problem.bounds.skin_side_mass_kg;
-  const std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
   const auto third = [](double part) {
-    return static_cast<std::size_t>(part * (kLattice - 1) / 3);
+    return std::min<std::size_t>(2, static_cast<std::size_t>(part * 3));
   };
+  const int axes = piece.objective == Objective::kRmsPerWatt ? kCubeAxes : 2;
   Starts starts;
-  for (CubePlace place : Lattice(UpperEndOf(problem), {parts, parts, parts, parts})) {
+  for (CubePlace place : StartPlaces(problem, source)) {
     const AdapterPoint point = PointOf(problem.bounds, place);
-    const double wanted_kg = WantedSkinSideMass(problem, source, point);
-    const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
-    const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
-    place[4] = PartOf(mass_kg, kg);
-    const LimitedView view = climb.At(place);
-    auto& kind = found_kg ? starts.kept : starts.beyond;
-    const double rank = found_kg ? view.cost : view.excess;
-    kind[third(place[0])].Offer(place, rank);
-    kind[3 + third(place[1])].Offer(place, rank);
+    for (const double wanted_kg : MassesToTry(piece, source, point)) {
+      const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
+      const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
+      place[4] = PartOf(mass_kg, kg);
+      const LimitedView view = climb.At(place);
+      auto& kind = found_kg ? starts.kept : starts.beyond;
+      const double rank = found_kg ? view.cost : view.excess;
+      for (int axis = 0; axis < axes; ++axis) {
+        kind[static_cast<std::size_t>(3 * axis) + third(place[axis])].Offer(place, rank);
+      }
+    }
   }
   return starts;
 }
@@ -88,6 +101,7 @@ PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
 // what the stretch cannot exceed by the coil's work alone
 double RoughBound(const AreaPiece& piece, const MotorSource& source,
                   const ReceptorField& receptors) {
+  if (piece.objective == Objective::kRmsPerWatt) return kNone;
   return piece.weight * LimitedTravelBound(piece.objective, piece.problem, source, receptors);
 }
 

@@ -17,11 +17,13 @@ struct LimitedBest {
   std::vector<double> prices;
 };
 
-/// Climbs (sim/tuning/limited_climb.h) from the best points of an even lattice in which Ma2 is the
-/// nearest that keeps to the limit: the best of each third of Ma1's range and of Ka's. Where the
-/// lattice holds none, from those of its points with the least travel.
+/// Climbs (sim/tuning/limited_climb.h) from the best of StartPlaces() (sim/tuning/climb_starts.h)
+/// in which Ma2 is the nearest that keeps to the limit: the best of each third of Ma1's range and
+/// of Ka's, of kRmsPerWatt of every number's. Where there is none, from those with the least
+/// travel.
 ///
-/// The problem without Fault(), skin_variation 0, mover_limit_m finite or not; not for kRmsPerWatt.
+/// The problem without Fault(), skin_variation 0, mover_limit_m finite or not (not, for
+/// kRmsPerWatt).
 /// The same optimum as SciPy's SLSQP finds from 20 starts, to 1e-9 of the value, over the limits
 /// and problems of tests/sim/tuning/limited_reference.py. Cost: some 10 ms a stretch of areas.
 [[nodiscard]] LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
