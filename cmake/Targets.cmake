@@ -93,7 +93,7 @@ function(haptometer_test name)
     endif()
   endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES
-                       PROPERTIES TIMEOUT 120 DISCOVERY_TIMEOUT 60)
+                       PROPERTIES TIMEOUT 240 DISCOVERY_TIMEOUT 60)
 endfunction()
 
 # haptometer_script_test(NAME SCRIPT ... DEPENDS ...)
