@@ -17,9 +17,8 @@ struct SteadyTone {
 
 /// Tones that go on in what has settled of a signal (mains hum, a drive that is never off), the
 /// strongest first, four at most: as long as the strongest tone that is left has 0.3 of its
-/// amplitude or more in each eighth of it but one
-/// between the ends. One that has not is a drive with a pause, and
-/// what is left of it when a sine is taken out would be in every eighth.
+/// amplitude or more in each eighth of it but one between the ends. One that has not is a drive
+/// with a pause, and what is left of it when a sine is taken out would be in every eighth.
 ///
 /// Of a long signal the middle is asked (used_part.h). Errors: as RowSource::Read. Cost: four fits
 /// over at most 2^21 samples.
