@@ -32,6 +32,8 @@ struct Estimate {
 struct Rates {
   Estimate frequency;  // natural
   Estimate decay;
+  double frequency_widening = 1;  // by what dry friction leaves open
+  double decay_widening = 1;
   double noise_v = 0;      // of one sample, if it were white
   double amplitude_v = 0;  // of the ringing at its begin
   double blocks = 0;
@@ -63,8 +65,28 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
     weights[column] = 1;
     return std::sqrt(square * Variance(seen, weights));
   };
+  std::vector<bool> without_friction = every;
+  without_friction.back() = !drop.part.background.has_friction;
+  const Identifiability alone = FindIdentifiability(fit.jacobian, without_friction, none);
+  const auto widening = [&](std::size_t column) {
+    std::vector<double> weights(fit.jacobian.columns, 0.0);
+    weights[column] = 1;
+    return std::sqrt(std::max(Variance(seen, weights) / Variance(alone, weights), 1.0));
+  };
+  // Friction is not exactly one force: a fiftieth of what it takes, as viscous damping of the first
+  // swing (2 f/(pi zeta) of the decay), is left open in the decay, 1e-4 of it in the frequency.
+  const bool rubs = drop.part.background.has_friction && fit.friction > 0;
+  const double motion =
+      fit.Envelope(0) / (samples.signal == RecordedSignal::kVoltage ? natural : 1);
+  const double taken =
+      rubs ? 2 * fit.friction / motion / std::numbers::pi * natural / fit.poles.decay_per_s : 0;
+  const auto left_open = [&](double share, double one_deviation) {
+    return one_deviation > 0 ? share * taken / one_deviation : 0;
+  };
   return Rates{{0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * deviation(1)},
                {std::log(fit.poles.decay_per_s), deviation(0)},
+               rubs ? std::hypot(widening(1), left_open(1e-4, 0.5 * deviation(1))) : 1,
+               rubs ? std::hypot(widening(0), left_open(0.02, deviation(0))) : 1,
                std::sqrt(square * static_cast<double>(block)),
                fit.Envelope(0),
                rows};
@@ -102,8 +124,8 @@ Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) 
   return {share, square > 0 ? std::abs(share) / std::sqrt(square) : 0};
 }
 
-void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
-                    std::vector<std::string>& doubts) {
+// Where a later begin says something else, the whole's interval is widened to hold that.
+void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::string>& doubts) {
   const double decay_per_s = std::exp(whole.decay.logarithm);
   const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
   const double left = static_cast<double>(drop.part.end_sample - drop.part.first_sample);
@@ -121,8 +143,14 @@ void DoubtLinearity(const PreparedRecord& drop, const Rates& whole,
         drop.record.name, 100 * frequency.share, frequency.deviations,
         frequency.share < 0 ? "stiffens" : "softens"));
   }
+  if (frequency.deviations > kDeviations) {
+    whole.frequency_widening =
+        std::hypot(whole.frequency_widening, std::abs(frequency.share) / whole.frequency.deviation);
+  }
   const Shift decay = ShiftOf(whole.decay, later->decay, noise_ratio);
   if (decay.deviations > kDeviations) {
+    whole.decay_widening =
+        std::hypot(whole.decay_widening, std::abs(decay.share) / whole.decay.deviation);
     doubts.push_back(fmt::format(
         "{}: one decay time later the decay is {:+.2g} % off ({:.0f} times its uncertainty): {}, "
         "and Bv is an average over this ring-down",
@@ -153,14 +181,17 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
   Consistency consistency;
   double noise_share = 0;  // most of a drop's own noise over that in the fit together
   for (const ComparedDrop& drop : drops) {
-    const PolePair& poles = drop.prepared->start.poles;
+    const PolePair& poles = drop.prepared->part.poles;
     if (poles.decay_per_s > kMostDamping * std::sqrt(poles.stiffness_per_s2)) continue;
-    const auto whole = RatesFrom(*drop.prepared, poles, drop.prepared->part.first_sample);
+    auto whole = RatesFrom(*drop.prepared, poles, drop.prepared->part.first_sample);
     if (!whole) continue;
     alike[{drop.load_ohm, drop.mass_ratio}].push_back(*whole);
     noise_share = std::max(noise_share, std::min(whole->noise_v / drop.noise_v, 1.0));
     DoubtBelonging(drop, *whole, consistency.contradictions);
     DoubtLinearity(*drop.prepared, *whole, consistency.doubts);
+    consistency.frequency_widening =
+        std::max(consistency.frequency_widening, whole->frequency_widening);
+    consistency.decay_widening = std::max(consistency.decay_widening, whole->decay_widening);
   }
   for (const auto& [condition, rates] : alike) {
     std::vector<Estimate> frequencies;
@@ -172,8 +203,10 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
     consistency.frequency_ratio = std::max(consistency.frequency_ratio, BirgeRatio(frequencies));
     consistency.decay_ratio = std::max(consistency.decay_ratio, BirgeRatio(decays));
   }
-  consistency.frequency_widening = std::max(1.0, consistency.frequency_ratio * noise_share);
-  consistency.decay_widening = std::max(1.0, consistency.decay_ratio * noise_share);
+  consistency.frequency_widening =
+      std::max(consistency.frequency_widening, consistency.frequency_ratio * noise_share);
+  consistency.decay_widening =
+      std::max(consistency.decay_widening, consistency.decay_ratio * noise_share);
   const auto say = [&consistency](const char* what, const char* constants, double ratio) {
     if (ratio == 1) return;
     consistency.doubts.push_back(

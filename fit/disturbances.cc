@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "fit/clipping.h"
+#include "fit/dry_friction.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::fit {
@@ -20,19 +21,21 @@ using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 constexpr double kSamplesPerPeriod = 16;
 constexpr double kLeastPeriods = 3;
 constexpr std::size_t kLeastBlocks = 32;
-constexpr double kLeastGain = 30;         // in units of the residual's mean square
-constexpr double kLeastBlowShare = 5e-3;  // of the ringing's first amplitude
+constexpr double kLeastGain = 30;          // in units of the residual's mean square
+constexpr double kLeastFrictionGain = 12;  // of one column whose sign is known: 1 in 4000
+constexpr double kLeastBlowShare = 5e-3;   // of the ringing's first amplitude
 constexpr double kLeastBackgroundShare = 5e-4;
-constexpr int kMostRounds = 8;
+constexpr int kMostRounds = 12;
 
 // A disturbance that the residual was tried for.
 struct Suspect {
-  enum class Kind : std::uint8_t { kNone, kDrift, kHum, kBlow, kNonlinear };
+  enum class Kind : std::uint8_t { kNone, kDrift, kHum, kBlow, kNonlinear, kFriction };
   Kind kind = Kind::kNone;
   double value = 0;  // frequency in Hz, or time in s
   double amplitude_v = 0;
-  std::size_t first = 0;  // of a blow: the sample behind it
-  double gain = 0;        // power taken away, in mean squares of what is left, per column
+  bool is_positive = false;  // of the first column
+  std::size_t first = 0;     // of a blow: the sample behind it
+  double gain = 0;           // power taken away, in mean squares of what is left, per column
 };
 
 double PeriodOf(const PolePair& poles) {
@@ -59,20 +62,30 @@ class Remainder {
   [[nodiscard]] Suspect Try(const Eigen::MatrixXd& columns) const {
     const Eigen::Index rows = columns.rows();
     const Eigen::MatrixXd taken = taken_.bottomRows(rows).transpose().lazyProduct(columns);
-    const Eigen::VectorXd seen =
-        columns.transpose() * residual_.tail(rows) - taken.transpose() * taken_residual_;
-    const Eigen::MatrixXd normal =
-        columns.transpose().lazyProduct(columns) - taken.transpose() * taken;
+    return FromProducts(columns.transpose().lazyProduct(columns), taken,
+                        columns.transpose() * residual_.tail(rows));
+  }
+
+  // The same of the columns' products: with each other, with what is taken, with the residual.
+  [[nodiscard]] Suspect FromProducts(const Eigen::MatrixXd& squares, const Eigen::MatrixXd& taken,
+                                     const Eigen::VectorXd& products) const {
+    const Eigen::VectorXd seen = products - taken.transpose() * taken_residual_;
+    const Eigen::MatrixXd normal = squares - taken.transpose() * taken;
     const Eigen::VectorXd amplitudes = normal.ldlt().solve(seen);
     const double gained = seen.dot(amplitudes);
     const double left = std::max(square_ - gained, 0.0);
-    const auto degrees = static_cast<double>(rows_ - taken_.cols() - columns.cols());
+    const auto degrees = static_cast<double>(rows_ - taken_.cols() - amplitudes.size());
     Suspect suspect;
     suspect.amplitude_v = amplitudes.norm();
-    suspect.gain = gained / static_cast<double>(columns.cols()) /
+    suspect.is_positive = amplitudes[0] > 0;
+    suspect.gain = gained / static_cast<double>(amplitudes.size()) /
                    std::max(left / degrees, std::numeric_limits<double>::min());
     return suspect;
   }
+
+  // orthonormal: what the fitted parameters take up; then the residual
+  [[nodiscard]] const Eigen::MatrixXd& taken() const { return taken_; }
+  [[nodiscard]] const Eigen::VectorXd& residual() const { return residual_; }
 
  private:
   Eigen::Index rows_;
@@ -120,56 +133,115 @@ Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Re
   return suspect;
 }
 
-// What a blow adds: a ring-down of the same poles with any jump of position and speed. Blows are
-// tried half a block before a block's middle, so that one table of the motion serves them all.
-class BlowTrial {
+// What dry friction adds, in first order: the derivative of the motion by it.
+Suspect TryFriction(const RingSamples& samples, const RingFit& fit, const Remainder& remainder) {
+  constexpr double kLittle = 1e-4;
+  std::vector<double> since_s = samples.times_s;
+  for (double& time_s : since_s) time_s -= samples.times_s.front();
+  FrictionRing ring{.poles = fit.poles,
+                    .even_v = fit.even_v,
+                    .odd_v_per_s = fit.odd_v_per_s,
+                    .friction = 0,
+                    .signal = samples.signal};
+  const auto without = MotionWithFriction(ring, since_s);
+  const double per_motion =
+      samples.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  ring.friction = kLittle * fit.Envelope(0) / per_motion;
+  const auto with = MotionWithFriction(ring, since_s);
+  Eigen::MatrixXd column(static_cast<Eigen::Index>(with.size()), 1);
+  for (std::size_t n = 0; n < with.size(); ++n) {
+    column(static_cast<Eigen::Index>(n), 0) = (with[n] - without[n]) / ring.friction;
+  }
+  Suspect suspect = remainder.Try(column);
+  suspect.kind = Suspect::Kind::kFriction;
+  return suspect;
+}
+
+// What a blow adds: a ring-down of the same poles with any jump of position and speed, half a block
+// before a block's middle. For all blocks at once: with r(t) = [E(t), w O(t)], r(t + s) = r(t) M(s)
+// by the addition theorems, so that the products of a blow's columns with anything follow from
+// those of the next block's blow.
+class BlowTrials {
  public:
-  BlowTrial(const RingSamples& samples, const PolePair& poles)
-      : times_(samples.times_s), step_s_(samples.step_s) {
-    const double angular = std::sqrt(poles.stiffness_per_s2);
-    const std::size_t last = Block(times_.size() - 1);
-    motion_.resize(static_cast<Eigen::Index>(last) + 1, 2);
-    for (Eigen::Index k = 0; k < motion_.rows(); ++k) {
-      const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2,
-                                                (static_cast<double>(k) + 0.5) * step_s_);
-      motion_.row(k) << pair.even, angular * pair.odd;
+  BlowTrials(const RingSamples& samples, const PolePair& poles, const Remainder& remainder)
+      : samples_(samples),
+        poles_(poles),
+        angular_per_s_(std::sqrt(poles.stiffness_per_s2)),
+        gains_(samples.times_s.size()) {
+    const Eigen::Index taken_count = remainder.taken().cols();
+    const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
+    const auto begin = RowAt(samples.step_s / 2);
+    const Eigen::Matrix2d step = Moves(samples.step_s);
+    Eigen::Matrix2d squares = begin.transpose() * begin;
+    Eigen::Matrix2Xd products = Eigen::Matrix2Xd::Zero(2, taken_count + 1);
+    Eigen::RowVectorXd here(taken_count + 1);
+    for (Eigen::Index n = rows - 1; n >= 0; --n) {
+      const auto at = static_cast<std::size_t>(n);
+      if (n + 1 < rows) {
+        const double gap_s = samples.times_s[at + 1] - samples.times_s[at];
+        const bool is_step = std::abs(gap_s - samples.step_s) < 1e-6 * samples.step_s;
+        const Eigen::Matrix2d moves = is_step ? step : Moves(gap_s);
+        squares = (moves.transpose() * squares * moves + begin.transpose() * begin).eval();
+        products = (moves.transpose() * products).eval();
+      }
+      here << remainder.taken().row(n), remainder.residual()[n];
+      products.noalias() += begin.transpose() * here;
+      if (rows - n < 4) continue;
+      const Suspect suspect = remainder.FromProducts(
+          squares, products.leftCols(taken_count).transpose(), products.col(taken_count));
+      gains_[at] = {suspect.gain, suspect.amplitude_v};
     }
   }
 
   // the blow just before the `first`-th sample
-  [[nodiscard]] Suspect At(std::size_t first, const Remainder& remainder) const {
-    Eigen::MatrixXd columns(static_cast<Eigen::Index>(times_.size() - first), 2);
-    const std::size_t from = Block(first);
-    for (Eigen::Index n = 0; n < columns.rows(); ++n) {
-      const std::size_t block = Block(first + static_cast<std::size_t>(n));
-      columns.row(n) = motion_.row(static_cast<Eigen::Index>(block - from));
-    }
-    Suspect suspect = remainder.Try(columns);
+  [[nodiscard]] Suspect At(std::size_t first) const {
+    Suspect suspect;
     suspect.kind = Suspect::Kind::kBlow;
     suspect.first = first;
-    suspect.value = times_[first] - step_s_ / 2;
+    suspect.value = samples_.times_s[first] - samples_.step_s / 2;
+    suspect.gain = gains_[first].gain;
+    suspect.amplitude_v = gains_[first].amplitude_v;
     return suspect;
   }
 
  private:
-  // holes leave blocks out
-  [[nodiscard]] std::size_t Block(std::size_t n) const {
-    return static_cast<std::size_t>(std::lround((times_[n] - times_.front()) / step_s_));
+  struct Gain {
+    double gain = 0;
+    double amplitude_v = 0;
+  };
+
+  [[nodiscard]] Eigen::RowVector2d RowAt(double time_s) const {
+    const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, time_s);
+    return {pair.even, angular_per_s_ * pair.odd};
   }
 
-  const std::vector<double>& times_;
-  double step_s_;
-  Eigen::MatrixX2d motion_;
+  [[nodiscard]] Eigen::Matrix2d Moves(double by_s) const {
+    const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, by_s);
+    const double discriminant = poles_.decay_per_s * poles_.decay_per_s - poles_.stiffness_per_s2;
+    Eigen::Matrix2d moves;
+    moves << pair.even, angular_per_s_ * pair.odd, discriminant * pair.odd / angular_per_s_,
+        pair.even;
+    return moves;
+  }
+
+  const RingSamples& samples_;
+  PolePair poles_;
+  double angular_per_s_;
+  std::vector<Gain> gains_;
 };
 
 bool IsLarge(const Suspect& suspect, double ringing_v) {
+  if (suspect.kind == Suspect::Kind::kFriction) {
+    return suspect.is_positive && suspect.gain > kLeastFrictionGain;
+  }
   const double least =
       suspect.kind == Suspect::Kind::kBlow ? kLeastBlowShare : kLeastBackgroundShare;
   return suspect.gain > kLeastGain && suspect.amplitude_v > least * ringing_v;
 }
 
 // the most telling disturbance that is not yet part of the fit
-Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackground& background) {
+Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackground& background,
+              bool may_have_friction) {
   const Remainder remainder(fit);
   const double ringing_v = fit.Envelope(0);
   Suspect worst;
@@ -182,15 +254,20 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
     const bool is_seen = length_s * hum_hz > 1 && background.hum_hz == 0;
     if (is_seen) consider(TryHum(samples, remainder, hum_hz));
   }
-  const BlowTrial blow(samples, fit.poles);
+  // friction before blows: where the motion stops, it looks like one
+  if (may_have_friction && !background.has_friction) {
+    const Suspect friction = TryFriction(samples, fit, remainder);
+    if (IsLarge(friction, ringing_v) && friction.gain > worst.gain) return friction;
+  }
+  const BlowTrials blow(samples, fit.poles, remainder);
   const auto half = static_cast<std::size_t>(PeriodOf(fit.poles) / (2 * samples.step_s)) + 1;
   const std::size_t end = samples.times_s.size() - std::min(2 * half, samples.times_s.size());
-  for (std::size_t first = half; first < end; first += half) consider(blow.At(first, remainder));
+  for (std::size_t first = half; first < end; first += half) consider(blow.At(first));
   if (worst.kind != Suspect::Kind::kBlow) return worst;
   // and the best time around the best of these
   const std::size_t middle = worst.first;
   for (std::size_t first = middle - half + 1; first < middle + half; ++first)
-    consider(blow.At(first, remainder));
+    consider(blow.At(first));
   for (const double power : {2.0, -1.0}) {
     consider(TryNonlinear(samples, fit.poles, remainder, power));
   }
@@ -260,26 +337,113 @@ void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double no
                   step_v, record.unit, record.start_s + static_cast<double>(end) * record.step_s));
 }
 
+// Whether what a cut leaves out rings at a frequency that no blow explains: a case that is held in
+// one part and free in the other changes it by far more.
+std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
+                      const Disturbances& part, const RingFit& kept) {
+  constexpr double kLeastChange = 0.03;
+  constexpr double kMostChange = 0.3;
+  constexpr double kLeastAmplitude = 0.2;
+  const bool is_before = part.first_sample > whole.first_sample;
+  const std::size_t first = is_before ? whole.first_sample : part.end_sample;
+  const std::size_t end = is_before ? part.first_sample : whole.end_sample;
+  const double wanted = PeriodOf(kept.poles) / (kSamplesPerPeriod * record.step_s);
+  const std::size_t block = std::max<std::size_t>(static_cast<std::size_t>(wanted), 1);
+  const auto samples = BlocksOf(record, first, end, block);
+  const double periods = static_cast<double>(end - first) * record.step_s / PeriodOf(kept.poles);
+  if (samples.values_v.size() < 2 * kLeastBlocks || periods < kLeastPeriods) return {};
+  const RingFit other = FitRing(samples, kept.poles, {});
+  if (!other.converged || other.Envelope(0) < kLeastAmplitude * kept.Envelope(0)) return {};
+  const double change =
+      std::abs(0.5 * std::log(other.poles.stiffness_per_s2 / kept.poles.stiffness_per_s2));
+  if (change < kLeastChange || change > kMostChange) return {};
+  return fmt::format(
+      "is no single decaying oscillation: its parts ring at {:.4g} and {:.4g} Hz (a chirp or a "
+      "beat?)",
+      1 / PeriodOf(kept.poles), 1 / PeriodOf(other.poles));
+}
+
+// whether friction explains the record better than no friction does, and slows the motion
+bool Holds(const RingFit& without, const RingFit& with, RecordedSignal signal) {
+  const auto squares = [](const RingFit& fit) {
+    double sum = 0;
+    for (const double residual : fit.jacobian.residuals) sum += residual * residual;
+    return sum;
+  };
+  const double left = squares(with);
+  const auto degrees = static_cast<double>(with.jacobian.rows - with.jacobian.columns);
+  // beyond this share of the spring's force it ends within five swings, and is something else
+  constexpr double kMostFriction = 0.045;
+  const double per_motion =
+      signal == RecordedSignal::kVoltage ? std::sqrt(with.poles.stiffness_per_s2) : 1;
+  const double share = with.friction * per_motion / with.Envelope(0);
+  return with.converged && share > 0 && share < kMostFriction &&
+         squares(without) - left > kLeastFrictionGain * left / degrees;
+}
+
+// what makes the part's samples those of a motion without friction
+void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start,
+                             const RingSamples& samples, const RingFit& fit, Disturbances* part) {
+  // the fit's time begins in the middle of the first block, whose mean is less than the motion
+  const double middle_s =
+      samples.times_s.front() -
+      (record.start_s + static_cast<double>(part->first_sample) * record.step_s);
+  const double half_angle = 0.5 * std::sqrt(fit.poles.stiffness_per_s2) * samples.step_s;
+  const double mean_share =
+      samples.step_s > 1.5 * record.step_s ? std::sin(half_angle) / half_angle : 1;
+  const double first_s = record.start_s + static_cast<double>(part->first_sample) * record.step_s;
+  std::vector<double> since_s;
+  for (std::size_t n = part->first_sample; n < part->end_sample; ++n) {
+    since_s.push_back(static_cast<double>(n - part->first_sample) * record.step_s - middle_s);
+  }
+  const FrictionRing ring{.poles = fit.poles,
+                          .even_v = fit.even_v / mean_share,
+                          .odd_v_per_s = fit.odd_v_per_s / mean_share,
+                          .friction = fit.friction / mean_share,
+                          .signal = record.signal};
+  const bool is_release = record.release_current_a.has_value();
+  const double begin_s = (is_release ? start.release_s : start.impact_s) - first_s - middle_s;
+  part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
+  const double per_motion =
+      record.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  part->found.push_back(
+      fmt::format("dry friction of {:.2g} % of the spring's force at the first swing: fitted along",
+                  100 * fit.friction * per_motion / fit.Envelope(0)));
+}
+
 }  // namespace
 
 Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start) {
+  constexpr double kLightDamping = 0.3;  // of critical
   Disturbances part;
   part.first_sample = start.first_sample;
   part.end_sample = record.voltage_v.size();
-  PolePair poles = start.poles;
+  part.poles = start.poles;
+  bool may_have_friction = true;
+  std::size_t cuts = 0;
+  const bool is_stated_drop = record.drop_height_m || record.release_current_a;
   for (int round = 0; round < kMostRounds; ++round) {
-    const double wanted = PeriodOf(poles) / (kSamplesPerPeriod * record.step_s);
+    const double wanted = PeriodOf(part.poles) / (kSamplesPerPeriod * record.step_s);
     const std::size_t length = part.end_sample - part.first_sample;
     const std::size_t block = std::clamp<std::size_t>(static_cast<std::size_t>(wanted), 1,
                                                       std::max<std::size_t>(length / 256, 1));
     const auto samples = BlocksOf(record, part.first_sample, part.end_sample, block);
     if (samples.values_v.size() < kLeastBlocks) break;
-    const RingFit fit = FitRing(samples, poles, part.background);
-    if (!fit.converged) break;
-    poles = fit.poles;
-    const Suspect worst = Worst(samples, fit, part.background);
+    RingFit fit = FitRing(samples, part.poles, part.background);
+    if (fit.converged) part.poles = fit.poles;
+    may_have_friction =
+        may_have_friction &&
+        part.poles.decay_per_s < kLightDamping * std::sqrt(part.poles.stiffness_per_s2);
+    const Suspect worst =
+        fit.converged ? Worst(samples, fit, part.background, may_have_friction) : Suspect{};
     if (worst.kind == Suspect::Kind::kBlow) {
+      const Disturbances before = part;
       CutAt(record, fit, worst, &part);
+      ++cuts;
+      part.background.has_friction = false;
+      may_have_friction = true;
+      part.no_ring_down = OtherSide(record, before, part, fit);
+      if (!part.no_ring_down.empty()) return part;
     } else if (worst.kind == Suspect::Kind::kHum) {
       part.background.hum_hz = worst.value;
       part.found.push_back(fmt::format("hum of {:g} Hz, {:.2g} {}: fitted along", worst.value,
@@ -288,13 +452,30 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
       part.background.drifts = true;
       part.found.push_back(fmt::format("a drift of {:.2g} {} over the record: fitted along",
                                        worst.amplitude_v, record.unit));
+    } else if (worst.kind == Suspect::Kind::kFriction) {
+      RingBackground rubbing = part.background;
+      rubbing.has_friction = true;
+      const RingFit with = FitRing(samples, part.poles, rubbing);
+      may_have_friction = Holds(fit, with, record.signal);
+      part.background.has_friction = may_have_friction;
+      if (may_have_friction) part.poles = with.poles;
     } else {
       // what changes with the amplitude is for consistency.h to judge
+      if (fit.friction > 0) WriteLinearLessFriction(record, start, samples, fit, &part);
+      const double step_v = ConverterStep(record.voltage_v);
+      const double quiet_v = start.quiet_samples > 0 ? start.quiet_noise_v : 0;
+      const double floor_v =
+          std::max(step_v / std::sqrt(12.0), std::min(quiet_v, 0.1 * fit.Envelope(0))) /
+          std::sqrt(static_cast<double>(block));
+      part.evidence = EvidenceOf(samples, fit, floor_v);
+      part.evidence.cuts = cuts;
+      part.no_ring_down = NoRingDown(part.evidence, samples, fit, is_stated_drop);
       CutQuantisedTail(record, fit,
                        start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, &part);
-      break;
+      return part;
     }
   }
+  part.no_ring_down = "is disturbed again and again: no ring-down is left alone";
   return part;
 }
 

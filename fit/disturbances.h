@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "fit/impulse_record.h"
+#include "fit/ring_evidence.h"
 #include "fit/ring_fit.h"
 #include "fit/ring_start.h"
 
@@ -17,7 +18,13 @@ struct Disturbances {
   std::size_t end_sample = 0;    ///< one behind it
   RingBackground background;     ///< to be fitted along
   bool follows_a_later_blow =
-      false;                       ///< the part is not the first ring-down: no height holds for it
+      false;       ///< the part is not the first ring-down: no height holds for it
+  PolePair poles;  ///< of the last fit
+  /// (part's samples, missing ones too) to be added, where dry friction was found: what makes them
+  /// those of a motion without it (dry_friction.h). Else empty.
+  std::vector<double> linear_less_friction_v;
+  RingEvidence evidence;
+  std::string no_ring_down;        ///< why it is none (ring_evidence.h); empty: it is one
   std::vector<std::string> found;  ///< sentences: what was found, how large, what is done
 };
 

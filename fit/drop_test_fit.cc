@@ -42,18 +42,19 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   return std::move(*by_heights);
 }
 
-// what a contact of half a sine takes from the amplitude: cos(w T/2)/(1 - (w T/pi)^2)
-double ContactShare(double angular_per_s, double contact_s) {
-  const double x = angular_per_s * contact_s;
-  return std::cos(x / 2) / (1 - std::pow(x / std::numbers::pi, 2));
-}
-
 void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assumptions) {
+  const bool sees_contact = std::ranges::any_of(
+      model.inputs, [](const DropTestInput& input) { return input.kind == Kind::kContact; });
   const double angular = std::sqrt(model.records[0].start.poles.stiffness_per_s2);
-  assumptions.push_back(fmt::format(
-      "the blow is short: a contact of 0.2 ms makes Km by the height {:.1f} % too small, 0.5 ms "
-      "{:.1f} %",
-      100 * (1 - ContactShare(angular, 0.2e-3)), 100 * (1 - ContactShare(angular, 0.5e-3))));
+  const double step_s = model.records[0].record.step_s;
+  const double lost =
+      (0.125 - 1 / (std::numbers::pi * std::numbers::pi)) * std::pow(angular * step_s, 2);
+  assumptions.push_back(
+      sees_contact
+          ? "the blow is half a sine of force, as long as the signal's rise says; corrected for"
+          : fmt::format("the blow is short: a contact as long as one sample's step, {:.2g} ms, "
+                        "makes Km by the height {:.2g} % too small",
+                        1e3 * step_s, 100 * lost));
   for (const auto& input : model.inputs) {
     if (input.kind != Kind::kRebound) continue;
     assumptions.push_back(
@@ -161,6 +162,9 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
     times.push_back(record.start_s + static_cast<double>(n) * record.step_s);
   }
   fitted.model_v = road.problem.Voltages(road.point, r, times);
+  for (std::size_t n = 0; n < std::min(times.size(), part.linear_less_friction_v.size()); ++n) {
+    fitted.model_v[n] -= part.linear_less_friction_v[n];
+  }
   double square_sum = 0;
   fitted.residual_v.assign(times.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t n = 0; n < times.size(); ++n) {
@@ -227,8 +231,11 @@ void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model,
 }
 
 // a blow found away from where the motion, continued backwards, begins
-void DoubtBeginning(const RingStart& start, const FittedRecord& record,
+void DoubtBeginning(const PreparedRecord& prepared, const FittedRecord& record,
                     std::vector<std::string>& contradictions) {
+  const RingStart& start = prepared.start;
+  // without a height or a current, nothing rests on how the motion began
+  if (!prepared.record.drop_height_m && !prepared.record.release_current_a) return;
   if (start.quiet_samples == 0 || record.damped_frequency_hz == 0) return;
   const double periods = (start.blow_s - record.impact_s) * record.damped_frequency_hz;
   if (std::abs(periods) < 1.0 / 8) return;
@@ -306,7 +313,7 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   fit.contradictions = road.consistency.contradictions;
   DoubtForceConstant(road, *model, fit.contradictions);
   for (std::size_t r = 0; r < model->records.size(); ++r) {
-    DoubtBeginning(model->records[r].start, fit.records[r], fit.contradictions);
+    DoubtBeginning(model->records[r], fit.records[r], fit.contradictions);
   }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 namespace haptometer::fit {
@@ -28,7 +29,8 @@ void AddInput(std::vector<DropTestInput>& inputs, Kind kind, std::string name, s
   inputs.push_back({kind, std::move(name), std::move(unit), quantity, {record}});
 }
 
-void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestModel& model) {
+void AddRecordInputs(const ImpulseRecord& record, const RingStart& start, std::size_t index,
+                     DropTestModel& model) {
   const Quantity load = record.load_ohm.value_or(Quantity{kOpen, 0});
   if (!record.load_ohm) {
     model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
@@ -54,6 +56,17 @@ void AddRecordInputs(const ImpulseRecord& record, std::size_t index, DropTestMod
   const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
   AddInput(model.inputs, Kind::kRebound, record.rebound ? "rebound" : "rebound (not stated)", "",
            rebound, index);
+  if (start.contact_s.value > 0) {
+    AddInput(model.inputs, Kind::kContact, "contact (seen)", "s", start.contact_s, index);
+  }
+}
+
+// A contact of half a sine, T long, takes 1 - k (w T)^2 of the amplitude, k = 1/8 - 1/pi^2, from
+// cos(w T/2)/(1 - (w T/pi)^2); kept above a half, beyond which no blow is short.
+double ContactShare(double angular_per_s, double contact_s) {
+  const double x = angular_per_s * contact_s;
+  const double lost = (0.125 - 1 / (std::numbers::pi * std::numbers::pi)) * x * x;
+  return std::max(1 - lost, 0.5);
 }
 
 void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& model) {
@@ -256,7 +269,7 @@ Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const ImpulseRecord& record = model.records[r].record;
     if (auto good = CheckKind(record); !good) return std::unexpected(good.error());
-    AddRecordInputs(record, r, model);
+    AddRecordInputs(record, model.records[r].start, r, model);
     some_loaded = some_loaded || (record.load_ohm && std::isfinite(record.load_ohm->value));
   }
   AddConditions(knowns, model);
@@ -279,7 +292,10 @@ RingDownProblem MakeProblem(const DropTestModel& model) {
     for (std::size_t n = part.first_sample; n < part.end_sample; ++n) {
       if (!std::isfinite(record.voltage_v[n])) continue;
       samples[r].times_s.push_back(record.start_s + static_cast<double>(n) * record.step_s);
-      samples[r].voltages_v.push_back(record.voltage_v[n]);
+      const double more_v = part.linear_less_friction_v.empty()
+                                ? 0
+                                : part.linear_less_friction_v[n - part.first_sample];
+      samples[r].voltages_v.push_back(record.voltage_v[n] + more_v);
     }
     samples[r].step_s = record.step_s;
     samples[r].signal = SignalOf(record);
@@ -332,6 +348,10 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
     for (const std::size_t r : input.records) {
       auto& record = problem->records()[r];
       if (input.kind == Kind::kRebound) record.speed_m_per_s *= 1 + input.quantity.value;
+      if (input.kind == Kind::kContact) {
+        record.speed_m_per_s *= ContactShare(
+            std::sqrt(model.records[r].part.poles.stiffness_per_s2), input.quantity.value);
+      }
       if (input.kind != Kind::kVoltageScale) continue;
       // a larger voltage is shown where the scale is larger, as after a faster impact
       record.speed_m_per_s *= input.quantity.value;

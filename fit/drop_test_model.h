@@ -27,6 +27,7 @@ struct DropTestInput {
     kLoad,
     kHeight,
     kRebound,
+    kContact,  ///< how long the blow lasts
     kReleaseCurrent,
     kAddedMass,
     kVoltageScale,

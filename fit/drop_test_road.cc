@@ -180,7 +180,9 @@ bool DependsOn(const DropTestRoad& road, const DropTestInput& input) {
       return record.speed_m_per_s > 0 || record.release_current_a > 0;
     });
   }
-  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound) return road.uses_heights;
+  if (input.kind == Kind::kHeight || input.kind == Kind::kRebound || input.kind == Kind::kContact) {
+    return road.uses_heights;
+  }
   return std::isfinite(input.quantity.value) && input.quantity.value > 0;
 }
 

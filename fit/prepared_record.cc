@@ -6,9 +6,13 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "fit/clipping.h"
+#include "fit/poles.h"
+#include "fit/ring_amplitude.h"
 
 namespace haptometer::fit {
 namespace {
@@ -31,9 +35,7 @@ Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& p
   return start;
 }
 
-}  // namespace
-
-Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
+Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   auto start = FindRingStart(record);
   if (!start) return std::unexpected(start.error());
   PreparedRecord prepared{record, *start, {}};
@@ -49,6 +51,10 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
         prepared.part.found.begin(),
         fmt::format("clipped: {} samples at the recorder's limits are left out", clipped));
   }
+  if (!prepared.part.no_ring_down.empty()) {
+    return CannotAnswer(record.name, prepared.part.no_ring_down,
+                        "record one free ring-down, or choose the part of the record that is one");
+  }
   const auto begin = prepared.record.voltage_v.begin();
   const auto measured =
       std::count_if(begin + static_cast<std::ptrdiff_t>(prepared.part.first_sample),
@@ -59,6 +65,7 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
                         fmt::format("holds only {} samples that a fit can use", measured),
                         "record three decay times of one free ring-down");
   }
+  if (prepared.part.background.has_friction) prepared.start.poles = prepared.part.poles;
   if (!prepared.part.follows_a_later_blow) return prepared;
 
   start = StartOfPart(prepared.record, prepared.part);
@@ -66,10 +73,79 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
   start->quiet_noise_v = prepared.start.quiet_noise_v;
   start->quiet_samples = prepared.start.quiet_samples;
   prepared.start = *start;
+  auto& more_v = prepared.part.linear_less_friction_v;
+  const std::size_t skipped = start->first_sample - prepared.part.first_sample;
+  more_v.erase(more_v.begin(),
+               more_v.begin() + static_cast<std::ptrdiff_t>(std::min(skipped, more_v.size())));
   prepared.part.first_sample = start->first_sample;
   if (prepared.record.drop_height_m) {
     prepared.record.drop_height_m.reset();
     prepared.part.found.emplace_back("the drop height is that of the first blow: not used");
+  }
+  return prepared;
+}
+
+// the record from sample `first` on
+ImpulseRecord From(const ImpulseRecord& record, std::size_t first) {
+  ImpulseRecord later = record;
+  later.voltage_v.assign(record.voltage_v.begin() + static_cast<std::ptrdiff_t>(first),
+                         record.voltage_v.end());
+  later.start_s = record.start_s + static_cast<double>(first) * record.step_s;
+  return later;
+}
+
+// The sample where a fast oscillation sets in behind something slow, as a release behind a pull,
+// and its period; nothing where none does. The record's differences say which oscillation that is:
+// what is slow is small in them.
+struct Onset {
+  std::size_t sample = 0;
+  double period_samples = 0;
+};
+
+std::optional<Onset> OnsetBehindSlow(const ImpulseRecord& record) {
+  constexpr double kCalm = 0.35;  // of the largest amplitude, before the onset
+  const std::vector<double> values = Filled(record.voltage_v);
+  std::vector<double> differences(values.size());
+  for (std::size_t n = 1; n < values.size(); ++n) differences[n] = values[n] - values[n - 1];
+  const auto frequency_hz = StrongestFrequency(differences, record.step_s);
+  if (!frequency_hz) return std::nullopt;
+  const double period = 1 / (*frequency_hz * record.step_s);
+  if (period < 4 || 6 * period > static_cast<double>(values.size())) return std::nullopt;
+  const auto amplitudes = FollowingAmplitude(differences, 0, period);
+  const auto largest = std::ranges::max_element(amplitudes) - amplitudes.begin();
+  const auto whole = static_cast<std::ptrdiff_t>(std::ceil(period));
+  std::ptrdiff_t risen = largest;
+  while (risen > 0 && amplitudes[static_cast<std::size_t>(risen - 1)] >
+                          0.5 * amplitudes[static_cast<std::size_t>(largest)]) {
+    --risen;
+  }
+  if (risen < 2 * whole) return std::nullopt;
+  const auto before = std::max_element(amplitudes.begin(), amplitudes.begin() + risen - whole);
+  if (*before > kCalm * amplitudes[static_cast<std::size_t>(largest)]) return std::nullopt;
+  return Onset{static_cast<std::size_t>(risen), period};
+}
+
+}  // namespace
+
+Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
+  auto prepared = PrepareAsItIs(record);
+  if (prepared || record.drop_height_m || record.release_current_a) return prepared;
+  // what precedes a release may be no rest: the part behind it alone, from ever later on
+  const auto onset = OnsetBehindSlow(record);
+  if (!onset) return prepared;
+  for (const double periods : {0.5, 1.0, 1.5, 2.0, 3.0}) {
+    const auto first = onset->sample + static_cast<std::size_t>(periods * onset->period_samples);
+    if (first + kLeastSamples > record.voltage_v.size()) break;
+    auto later = PrepareAsItIs(From(record, first));
+    if (!later) continue;
+    later->part.found.insert(
+        later->part.found.begin(),
+        fmt::format(
+            "a release at about {:.4g} s behind something slow: fitted from {:.4g} s on",
+            record.start_s +
+                (static_cast<double>(onset->sample) + onset->period_samples / 2) * record.step_s,
+            later->record.start_s));
+    return later;
   }
   return prepared;
 }

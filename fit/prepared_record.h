@@ -17,7 +17,10 @@ struct PreparedRecord {
 
 /// Prepares a record. What was found and done is in `part.found`.
 ///
-/// Errors: see FindRingStart.
+/// Where the whole record gives none and no height or current is stated, a fast oscillation that
+/// sets in behind something slow (a pull and its release) is tried by itself: `record` is then what
+/// follows its onset.
+/// Errors (Cause::kCannotAnswer): see FindRingStart; and what is no ring-down (ring_evidence.h).
 [[nodiscard]] Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record);
 
 }  // namespace haptometer::fit

@@ -6,6 +6,8 @@
 #include <span>
 
 #include "base/check.h"
+#include "fit/condensed_record.h"
+#include "fit/dry_friction.h"
 #include "fit/ringing_moments.h"
 #include "sim/ring_down.h"
 
@@ -70,9 +72,9 @@ std::vector<double> StartPoint(const RingSamples& samples, const PolePair& poles
   return point;
 }
 
-bool Evaluate(const RingSamples& samples, const Background& background,
-              std::span<const double> point, std::span<double> residuals,
-              std::span<double> jacobian) {
+bool EvaluateAll(const RingSamples& samples, const Background& background,
+                 std::span<const double> point, std::span<double> residuals,
+                 std::span<double> jacobian) {
   const double decay = std::exp(point[0]);
   const double stiffness = std::exp(point[1]);
   RingingMoments moments(decay, stiffness, 0, samples.step_s);
@@ -99,11 +101,152 @@ bool Evaluate(const RingSamples& samples, const Background& background,
   return true;
 }
 
+RingDownSamples AsRecord(const RingSamples& samples, const RingBackground& background) {
+  RingDownSamples record;
+  record.times_s = samples.times_s;
+  record.voltages_v = samples.values_v;
+  record.step_s = samples.step_s;
+  record.drifts = background.drifts;
+  record.hum_hz = background.hum_hz;
+  return record;
+}
+
+// the same problem in as few rows as condensed_record.h makes of it
+class CondensedFit {
+ public:
+  CondensedFit(const RingSamples& samples, const RingBackground& background)
+      : samples_(AsRecord(samples, background)),
+        length_s_(samples.times_s.back() - samples.times_s.front()),
+        condenser_(samples_) {}
+  CondensedFit(const CondensedFit&) = delete;
+  CondensedFit& operator=(const CondensedFit&) = delete;
+
+  [[nodiscard]] static constexpr std::size_t rows() { return kRows; }
+
+  [[nodiscard]] bool Evaluate(std::span<const double> point, std::span<double> residuals,
+                              std::span<double> jacobian) {
+    const RingingRates rates{.decay_per_s = std::exp(point[0]),
+                             .stiffness_per_s2 = std::exp(point[1]),
+                             .electrical_rate_per_s = 0,
+                             .impact_s = samples_.times_s.front()};
+    if (!CanBeCondensed(samples_, rates)) return false;
+    const auto& condensed = condenser_.At(rates);
+    for (std::size_t n = 0; n < kRows; ++n) {
+      const auto [parts, value_v] = n < condensed.size() ? condensed[n] : CondensedRow{};
+      const PartNumbers row = parts;
+      const auto part = [&row](Part which) { return row[Index(which)]; };
+      std::array<double, 6> linear{part(Part::kEven), part(Part::kOdd), part(Part::kConstant)};
+      std::size_t next = 3;
+      if (samples_.drifts) linear[next++] = part(Part::kDrift) / length_s_;
+      if (samples_.hum_hz > 0) {
+        linear[next++] = part(Part::kHumCosine);
+        linear[next++] = part(Part::kHumSine);
+      }
+      residuals[n] = -value_v;
+      for (std::size_t k = 0; k < next; ++k) residuals[n] += point[kPoleParameters + k] * linear[k];
+      if (!std::isfinite(residuals[n])) return false;
+      if (jacobian.empty()) continue;
+      // E by d is t (d O - E), by q -t O/2; O by d is 2 d D - t O, by q -D, D being kByDiscriminant
+      const double d = rates.decay_per_s;
+      double* slopes = jacobian.data() + n * point.size();
+      slopes[0] = d * (point[kEven] * (d * part(Part::kTimesOdd) - part(Part::kTimesEven)) +
+                       point[kOdd] * (2 * d * part(Part::kByDiscriminant) - part(Part::kTimesOdd)));
+      slopes[1] = -rates.stiffness_per_s2 * (0.5 * point[kEven] * part(Part::kTimesOdd) +
+                                             point[kOdd] * part(Part::kByDiscriminant));
+      std::copy_n(linear.begin(), next, slopes + kPoleParameters);
+    }
+    return true;
+  }
+
+ private:
+  static constexpr std::size_t kRows = 12;  // more than there are columns
+
+  RingDownSamples samples_;
+  double length_s_;
+  Condenser condenser_;
+};
+
+// whether every trial that is not far off can be condensed
+bool SwingsLong(const RingSamples& samples, const PolePair& poles) {
+  constexpr std::size_t kManySamples = 1000;
+  constexpr double kLongAngle = 40;  // of the oscillation in the record
+  const double square = poles.stiffness_per_s2 - poles.decay_per_s * poles.decay_per_s;
+  const double length_s = samples.times_s.back() - samples.times_s.front();
+  return samples.values_v.size() > kManySamples && square > 0 &&
+         std::sqrt(square) * length_s > kLongAngle;
+}
+
+// residuals with friction: the exact motion; slopes by the ringing's own five are differences
+class FrictionFit {
+ public:
+  FrictionFit(const RingSamples& samples, const Background& background)
+      : samples_(samples), background_(background), since_s_(samples.times_s) {
+    for (double& time_s : since_s_) time_s -= samples.times_s.front();
+  }
+
+  [[nodiscard]] bool Evaluate(std::span<const double> point, std::span<double> residuals,
+                              std::span<double> jacobian) const {
+    const std::vector<double> ringing = Ringing(point);
+    std::vector<double> columns(background_.count() + 3);
+    for (std::size_t n = 0; n < residuals.size(); ++n) {
+      residuals[n] = ringing[n] + point[kOffset] - samples_.values_v[n];
+      background_.Write(samples_.times_s[n], columns.data());
+      for (std::size_t k = 0; k < background_.count(); ++k) {
+        residuals[n] += point[kOffset + 1 + k] * columns[k];
+      }
+      if (!std::isfinite(residuals[n])) return false;
+      if (jacobian.empty()) continue;
+      double* row = jacobian.data() + n * point.size();
+      row[kOffset] = 1;
+      std::copy_n(columns.begin(), background_.count(), row + kOffset + 1);
+    }
+    if (jacobian.empty()) return true;
+    for (const std::size_t k : {0UZ, 1UZ, kEven, kOdd, point.size() - 1}) {
+      WriteDifference(point, k, jacobian);
+    }
+    return true;
+  }
+
+ private:
+  [[nodiscard]] std::vector<double> Ringing(std::span<const double> point) const {
+    const FrictionRing ring{.poles = {std::exp(point[0]), std::exp(point[1])},
+                            .even_v = point[kEven],
+                            .odd_v_per_s = point[kOdd],
+                            .friction = point.back(),
+                            .signal = samples_.signal};
+    return MotionWithFriction(ring, since_s_);
+  }
+
+  void WriteDifference(std::span<const double> point, std::size_t k,
+                       std::span<double> jacobian) const {
+    constexpr double kStep = 1e-6;
+    const double angular = std::exp(0.5 * point[1]);
+    const double amplitude = std::hypot(point[kEven], point[kOdd] / angular);
+    double step = kStep;
+    if (k >= kPoleParameters) step *= amplitude;
+    if (k == kOdd) step *= angular;
+    if (k + 1 == point.size()) step /= samples_.signal == RecordedSignal::kVoltage ? angular : 1;
+    std::vector<double> moved(point.begin(), point.end());
+    moved[k] += step;
+    const auto above = Ringing(moved);
+    moved[k] -= 2 * step;
+    const auto below = Ringing(moved);
+    for (std::size_t n = 0; n < above.size(); ++n) {
+      jacobian[n * point.size() + k] = (above[n] - below[n]) / (2 * step);
+    }
+  }
+
+  const RingSamples& samples_;
+  const Background& background_;
+  std::vector<double> since_s_;
+};
+
 }  // namespace
 
 RingSamples BlocksOf(const ImpulseRecord& record, std::size_t first, std::size_t end,
                      std::size_t block) {
   RingSamples samples;
+  samples.signal = record.signal;
   samples.step_s = static_cast<double>(block) * record.step_s;
   for (std::size_t n = first; n + block <= end; n += block) {
     double sum = 0;
@@ -128,13 +271,38 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   HAPTOMETER_CHECK(samples.values_v.size() >= 16, "{} samples", samples.values_v.size());
   const Background columns(samples, background);
   std::vector<double> point = StartPoint(samples, start, columns);
-  const LeastSquares problem{
+  const LeastSquares whole{
       samples.values_v.size(), point.size(),
       [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
-        return Evaluate(samples, columns, at, residuals, jacobian);
+        return EvaluateAll(samples, columns, at, residuals, jacobian);
       }};
   RingFit fit;
-  fit.converged = Minimise(problem, std::vector<bool>(point.size(), true), &point).converged;
+  const std::vector<bool> all(point.size(), true);
+  if (SwingsLong(samples, start)) {
+    CondensedFit condensed(samples, background);
+    const LeastSquares few{
+        CondensedFit::rows(), point.size(),
+        [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
+          return condensed.Evaluate(at, residuals, jacobian);
+        }};
+    fit.converged = Minimise(few, all, &point).converged;
+  } else {
+    fit.converged = Minimise(whole, all, &point).converged;
+  }
+  fit.jacobian = Linearise(whole, point);
+  if (background.has_friction) {
+    const FrictionFit rubbing(samples, columns);
+    point.push_back(0);
+    const LeastSquares with_friction{
+        samples.values_v.size(), point.size(),
+        [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
+          return rubbing.Evaluate(at, residuals, jacobian);
+        }};
+    fit.converged =
+        Minimise(with_friction, std::vector<bool>(point.size(), true), &point).converged;
+    fit.jacobian = Linearise(with_friction, point);
+    fit.friction = point.back();
+  }
   fit.poles = {std::exp(point[0]), std::exp(point[1])};
   fit.even_v = point[kEven];
   fit.odd_v_per_s = point[kOdd];
@@ -142,7 +310,6 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   std::size_t next = kOffset + 1;
   if (background.drifts) fit.drift_v = point[next++];
   if (background.hum_hz > 0) fit.hum_v = std::hypot(point[next], point[next + 1]);
-  fit.jacobian = Linearise(problem, point);
   return fit;
 }
 

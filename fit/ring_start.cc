@@ -167,6 +167,16 @@ double ZeroNear(const Swing& swing, const PolePair& poles, double near_s) {
   return rate > 0 && std::abs(ratio) < 1 ? std::atanh(ratio) / rate : near_s;
 }
 
+// `value`, which is below `limit`, with as many decimals as it takes to print otherwise
+std::string Below(double value, double limit, int decimals) {
+  constexpr int kMostDecimals = 9;
+  std::string text = fmt::format("{:.{}f}", value, decimals);
+  while (text == fmt::format("{:.{}f}", limit, decimals) && decimals < kMostDecimals) {
+    text = fmt::format("{:.{}f}", value, ++decimals);
+  }
+  return text;
+}
+
 std::unexpected<Error> Unfit(const ImpulseRecord& record, std::string what, std::string remedy) {
   return CannotAnswer(record.name, std::move(what), std::move(remedy));
 }
@@ -273,10 +283,39 @@ Result<Blow> LocateBlow(const ImpulseRecord& record, const std::vector<double>& 
   blow.sample = FindBlow(values, record.step_s, blow);
   const double periods = static_cast<double>(values.size() - blow.sample) / blow.period_samples;
   if (periods < kLeastPeriods) {
-    return Unfit(record, fmt::format("holds only {:.1f} periods behind the blow", periods),
-                 "record at least three decay times");
+    return Unfit(record,
+                 fmt::format("holds only {} periods behind the blow, {:g} are the least",
+                             Below(periods, kLeastPeriods, 1), kLeastPeriods),
+                 "record at least three decay times of one free ring-down");
   }
   return blow;
+}
+
+// See RingStart::contact_s.
+Quantity ContactOf(const std::vector<double>& values, const Blow& blow, const RingStart& start,
+                   double step_s) {
+  constexpr double kShapeUncertainty = 0.15;  // of the duration: forces other than half a sine
+  const auto share = [&](std::size_t n) {
+    return (values[n] - start.offset_v) / start.impact_voltage_v;
+  };
+  const auto quarter = static_cast<std::size_t>(blow.period_samples / 4);
+  const std::size_t from = blow.sample - std::min(quarter, blow.sample);
+  std::size_t peak = from;
+  for (std::size_t n = from; n < std::min(blow.sample + quarter, values.size()); ++n) {
+    if (share(n) > share(peak)) peak = n;
+  }
+  // backwards from the peak to where the signal falls below a level
+  const auto crossing = [&](double level) -> double {
+    std::size_t n = peak;
+    while (n > 0 && share(n - 1) >= level) --n;
+    if (n == 0) return 0;
+    return static_cast<double>(n) - (share(n) - level) / (share(n) - share(n - 1));
+  };
+  if (share(peak) < 0.75) return {};
+  const double rise = crossing(0.75) - crossing(0.25);
+  if (!(rise > 1 && rise < 0.5 * static_cast<double>(quarter))) return {};
+  const double contact_s = 3 * rise * step_s;
+  return {contact_s, std::hypot(kShapeUncertainty * contact_s, step_s)};
 }
 
 // whether the ring-down stands out of the noise and is sampled densely enough
@@ -285,13 +324,18 @@ Result<void> CheckQuality(const ImpulseRecord& record, const Blow& blow, const L
   if (energy < kLeastEnergy) {
     return Unfit(
         record,
-        fmt::format("the oscillation at {:.0f} Hz has only {:.1f} dB more energy than the noise",
-                    blow.frequency_hz, 10 * std::log10(energy)),
-        "record a stronger blow or a smaller voltage range (17 dB are the least)");
+        fmt::format("the oscillation at {:.4g} Hz has only {} dB more energy than the noise",
+                    blow.frequency_hz,
+                    Below(10 * std::log10(energy), 10 * std::log10(kLeastEnergy), 1)),
+        fmt::format("record a stronger blow or a smaller voltage range ({:.1f} dB are the least)",
+                    10 * std::log10(kLeastEnergy)));
   }
   if (blow.period_samples < kLeastSamplesPerPeriod) {
-    return Unfit(record, fmt::format("has only {:.1f} samples a period", blow.period_samples),
-                 "sample faster, at least 10 times the resonance");
+    return Unfit(
+        record,
+        fmt::format("has only {} samples a period, {:g} are the least",
+                    Below(blow.period_samples, kLeastSamplesPerPeriod, 1), kLeastSamplesPerPeriod),
+        "sample faster, at least 10 times the resonance");
   }
   return {};
 }
@@ -339,6 +383,14 @@ Result<RingStart> FindRingStart(const ImpulseRecord& record) {
   const double impact_s = ZeroNear(IntegralOf(swing, start.poles), start.poles, near_s);
   start.impact_s = first_s + impact_s;
   start.impact_voltage_v = swing.At(start.poles, impact_s);
+  if (start.quiet_samples > 0 && record.signal == RecordedSignal::kVoltage) {
+    start.contact_s = ContactOf(values, *blow, start, record.step_s);
+    // a long contact is over before the fit begins
+    const auto over = static_cast<std::size_t>(
+        std::ceil((start.impact_s + 0.6 * start.contact_s.value - record.start_s) / record.step_s));
+    if (over > start.first_sample && over < start.first_sample + 2 * eighth)
+      start.first_sample = over;
+  }
   const double release_s = ZeroNear(swing, start.poles, near_s);
   start.release_s = first_s + release_s;
   start.release_slope_v_per_s = SlopeOf(swing, start.poles).At(start.poles, release_s);

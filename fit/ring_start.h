@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "base/quantity.h"
 #include "base/result.h"
 #include "fit/impulse_record.h"
 #include "fit/poles.h"
@@ -20,6 +21,11 @@ struct RingStart {
   double impact_voltage_v = 0;  ///< the ring-down's voltage at that instant, signed, without offset
   double release_s = 0;         ///< the ring-down's zero that is nearest to the blow
   double release_slope_v_per_s = 0;  ///< its slope there
+  /// How long the blow lasts, as a half sine of force, with its standard uncertainty: three times
+  /// what the signal takes from a quarter to three quarters of impact_voltage_v (the speed goes as
+  /// (1 - cos(pi t/T))/2). 0: nothing precedes the blow, or the rise is over within a sample's
+  /// step.
+  Quantity contact_s;
   double offset_v = 0;
   double residual_rms_v = 0;  ///< of the fit by this pole pair, from first_sample on
 };

@@ -127,12 +127,28 @@ std::string Json(const fit::AdapterFit& fit, const std::vector<std::string>& rem
   document["taps"] = ordered_json::array();
   for (const auto& tap : fit.taps) document["taps"].push_back(TapJson(tap));
   document["assumptions"] = fit.assumptions;
-  document["not_determined"] = fit.undetermined;
+  auto undetermined = fit.undetermined;
+  if (fit.taps.empty()) {
+    for (const auto& error : left_out) undetermined.push_back(error.Text());
+  }
+  document["not_determined"] = undetermined;
   document["doubts"] = fit.doubts;
   document["remarks"] = remarks;
   document["left_out"] = ordered_json::array();
   for (const auto& error : left_out) document["left_out"].push_back(error.Text());
   return cli::JsonText(document);
+}
+
+// what stands in a document where no tap could be fitted
+fit::AdapterFit Nothing(const Quantity& mass_kg) {
+  fit::AdapterFit fit;
+  fit.stiffness.unit = "N/m";
+  fit.damping.unit = "N s/m";
+  fit.natural_frequency.unit = "Hz";
+  fit.stiffness_over_mass.unit = "1/s^2";
+  fit.damping_over_mass.unit = "1/s";
+  fit.mass_kg = mass_kg;
+  return fit;
 }
 
 // the taps that can be read
@@ -183,11 +199,18 @@ int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import,
   for (const auto& error : taps.left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
-  if (taps.records.empty()) return status;
+  if (taps.records.empty()) {
+    if (json) fmt::print("{}", Json(Nothing(*words.mass_kg), taps.remarks, taps.left_out));
+    return status;
+  }
   for (const auto& remark : taps.remarks) cli::Remark(kVerb, remark);
 
   const auto fit = fit::FitAdapter(taps.records, *words.mass_kg);
-  if (!fit) return cli::ReportError(kVerb, fit.error());
+  if (!fit) {
+    taps.left_out.push_back(fit.error());
+    if (json) fmt::print("{}", Json(Nothing(*words.mass_kg), taps.remarks, taps.left_out));
+    return cli::ReportError(kVerb, fit.error());
+  }
   for (const auto& error : fit->left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
     taps.left_out.push_back(error);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
@@ -207,6 +208,33 @@ int StatusOf(const ImpedanceFit& fit, const std::vector<std::string>& required) 
   return status;
 }
 
+// a sweep that says nothing; the document has the reason too
+int Refuse(const Error& error, const std::string& path, bool json) {
+  if (json) {
+    const auto nothing = [](const char* unit) {
+      fit::FittedValue value;
+      value.unit = unit;
+      return value;
+    };
+    ImpedanceFit none;
+    none.stiffness = nothing("N/m");
+    none.damping = nothing("N s/m");
+    none.force_constant = nothing("N/A");
+    none.stiffness_over_mass = nothing("1/s^2");
+    none.damping_over_mass = nothing("1/s");
+    none.coupling_over_mass = nothing("N^2/(A^2 kg)");
+    none.natural_frequency = nothing("Hz");
+    none.resistance = nothing("ohm");
+    none.inductance = nothing("H");
+    none.mass_symbol = "Mv";
+    none.correlation.assign(fit::kImpedanceParameters * fit::kImpedanceParameters,
+                            std::numeric_limits<double>::quiet_NaN());
+    none.undetermined.push_back(error.Text());
+    fmt::print("{}", Json(none, path));
+  }
+  return cli::ReportError(kVerb, error);
+}
+
 }  // namespace
 
 int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, bool json) {
@@ -214,10 +242,10 @@ int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, b
   const auto knowns = KnownsOf(options);
   if (!knowns) return cli::ReportError(kVerb, knowns.error());
   const auto points = ReadSweep(files.sweep);
-  if (!points) return cli::ReportError(kVerb, points.error());
+  if (!points) return Refuse(points.error(), files.sweep, json);
   const auto condition = options.is_free ? fit::CaseCondition::kFree : fit::CaseCondition::kHeld;
   auto fit = fit::FitImpedance(*points, *knowns, condition, files.sweep);
-  if (!fit) return cli::ReportError(kVerb, fit.error());
+  if (!fit) return Refuse(fit.error(), files.sweep, json);
   if (!options.held && !options.is_free) {
     fit->assumptions.emplace_back(
         "the case was held (neither --held nor --free is given); free, the ringing mass would be "

@@ -108,6 +108,8 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                  "Volts shown by the recorder over true ones: '1.00(2)'");
   options.Number("--time-scale", &wanted.time_scale, Dimension::kNone,
                  "Seconds shown over true ones: 1+-5e-5");
+  options.Text("--window", &wanted.window, "A:B",
+               "Fit this part of each record alone, from and to seconds on its time axis");
   options.Text("--actuator", &wanted.actuator, "NAME|FILE",
                "Takes masses, R and L from an actuator file or thesis-c10-100");
   options.Repeated("--require", &wanted.required, "Kv|Bv|Km",
@@ -191,12 +193,19 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
   for (const Error& error : input->left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
-  if (input->records.empty()) return DrawUnfitted(files, input->left_out_drops, status);
+  if (input->records.empty()) {
+    if (json)
+      fmt::print("{}", FitLraJson(NothingDetermined(), {}, input->remarks, input->left_out));
+    return DrawUnfitted(files, input->left_out_drops, status);
+  }
   for (const auto& remark : input->remarks) cli::Remark(kVerb, remark);
 
   const auto fit = fit::FitDropTest(input->prepared, input->knowns,
                                     wanted.is_robust ? fit::Loss::kHuber : fit::Loss::kSquares);
   if (!fit) {
+    auto left_out = input->left_out;
+    left_out.push_back(fit.error());
+    if (json) fmt::print("{}", FitLraJson(NothingDetermined(), {}, input->remarks, left_out));
     std::vector<LeftOutDrop> drops = input->left_out_drops;
     for (const auto& record : input->records) drops.push_back({record, fit.error()});
     return DrawUnfitted(files, drops, cli::ReportError(kVerb, fit.error()));

@@ -152,6 +152,59 @@ void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::st
   LayCondition(options, said, said_by, record, remarks);
 }
 
+// the seconds of "A:B"; either may be missing, "0.2s:" to the end
+struct Window {
+  double from_s = -std::numeric_limits<double>::infinity();
+  double to_s = std::numeric_limits<double>::infinity();
+};
+
+Result<Window> ParseWindow(const std::string& text) {
+  constexpr std::string_view kOption = "--window";
+  const auto colon = text.find(':');
+  Window window;
+  if (colon == std::string::npos) {
+    return Usage(std::string(kOption), fmt::format("{} has no colon", text), "write 0.2:0.8");
+  }
+  const auto read = [&](const std::string& word, double& seconds) -> Result<void> {
+    if (word.empty()) return {};
+    const auto quantity = ParseQuantity(word, Dimension::kTime, kOption);
+    if (!quantity) return std::unexpected(quantity.error());
+    seconds = quantity->value;
+    return {};
+  };
+  if (auto good = read(text.substr(0, colon), window.from_s); !good) {
+    return std::unexpected(good.error());
+  }
+  if (auto good = read(text.substr(colon + 1), window.to_s); !good) {
+    return std::unexpected(good.error());
+  }
+  if (!(window.from_s < window.to_s)) {
+    return Usage(std::string(kOption), fmt::format("{} ends before it begins", text),
+                 "write 0.2:0.8");
+  }
+  return window;
+}
+
+// the part of a record within a window; what is known of the blow holds for the whole alone
+Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
+  const auto size = static_cast<double>(record->voltage_v.size());
+  const auto position = [&](double time_s) {
+    const double steps = std::ceil((time_s - record->start_s) / record->step_s - 1e-6);
+    return static_cast<std::ptrdiff_t>(std::clamp(steps, 0.0, size));
+  };
+  const auto first = position(window.from_s);
+  const auto end = position(window.to_s);
+  if (first >= end) {
+    return CannotAnswer(record->name, "has no sample in the window",
+                        fmt::format("its samples are from {:g} to {:g} s", record->start_s,
+                                    record->start_s + (size - 1) * record->step_s));
+  }
+  const auto begin = record->voltage_v.begin();
+  record->voltage_v = std::vector<double>(begin + first, begin + end);
+  record->start_s += static_cast<double>(first) * record->step_s;
+  return {};
+}
+
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
                                     const FitLraOptions& options,
@@ -167,6 +220,10 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
     remarks->push_back(fmt::format("{}: {}", source.path, remark));
   }
   LayDrop(options, source, said_by, &file->record, remarks);
+  if (options.window.empty()) return *file;
+  const auto window = ParseWindow(options.window);
+  if (!window) return std::unexpected(window.error());
+  if (auto cut = CutTo(*window, &file->record); !cut) return std::unexpected(cut.error());
   return *file;
 }
 
@@ -186,6 +243,16 @@ Result<fit::PreparedRecord> Prepared(fit::ImpulseRecord* drop, std::vector<std::
   return fit::PrepareRecord(*drop);
 }
 
+// one error for a file, whatever number of its drops cannot be fitted
+Error Together(const std::string& name, std::size_t drops, const std::vector<Error>& errors) {
+  Error error = errors.front();
+  if (drops == 1) return error;
+  error.what = fmt::format("{} of its {} drops cannot be fitted; {}: {}", errors.size(), drops,
+                           error.where, error.what);
+  error.where = name;
+  return error;
+}
+
 // the drops of one file, what cannot be fitted of them left out
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
@@ -195,16 +262,25 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
         "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
         file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
   }
+  std::vector<Error> errors;
+  const std::size_t fitted_before = files->size();
   for (fit::ImpulseRecord& drop : drops) {
     auto prepared = Prepared(&drop, &input->remarks);
     if (prepared) {
       input->prepared.push_back(*std::move(prepared));
       files->push_back({std::move(drop), file.knowns, {}});
     } else {
-      input->left_out.push_back(prepared.error());
+      errors.push_back(prepared.error());
       input->left_out_drops.push_back({std::move(drop), prepared.error()});
     }
   }
+  if (errors.empty()) return;
+  // where most are none, the others are likely none either
+  if (2 * errors.size() > drops.size()) {
+    files->resize(fitted_before);
+    input->prepared.resize(fitted_before);
+  }
+  input->left_out.push_back(Together(file.record.name, drops.size(), errors));
 }
 
 // who says what about the actuator
@@ -322,6 +398,9 @@ Result<void> CheckFitLraOptions(const FitLraOptions& options) {
   if (!nearly_one(options.time_scale)) {
     return Usage("--time-scale", "is shown over true seconds, about 1",
                  "write it like 1+-5e-5; a column's unit goes by --scale");
+  }
+  if (!options.window.empty()) {
+    if (auto window = ParseWindow(options.window); !window) return std::unexpected(window.error());
   }
   if (options.rebound && !(options.rebound->value >= 0 && options.rebound->value <= 1)) {
     return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");

@@ -31,6 +31,7 @@ struct FitLraOptions {
   std::optional<Quantity> resistance_ohm;
   std::optional<Quantity> inductance_h;
   std::vector<std::string> required;  ///< constants without which the status is 3
+  std::string window;           ///< "A:B": the part of each record that is fitted, in s; empty: all
   std::string actuator;         ///< built-in or file; beats headers, is beaten by the options above
   trial::ImportOptions import;  ///< how to read tables of other programs
 };

@@ -118,6 +118,19 @@ ordered_json InfluenceJson(const fit::InputInfluence& influence) {
 
 }  // namespace
 
+fit::DropTestFit NothingDetermined() {
+  DropTestFit fit;
+  fit.stiffness.unit = "N/m";
+  fit.damping.unit = "N s/m";
+  fit.force_constant.unit = "N/A";
+  fit.moving_mass.unit = "kg";
+  fit.stiffness_over_mass.unit = "1/s^2";
+  fit.damping_over_mass.unit = "1/s";
+  fit.natural_frequency.unit = "Hz";
+  fit.mass_symbol = "Mv";
+  return fit;
+}
+
 std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& doubts,
                        const std::vector<std::string>& remarks,
                        const std::vector<Error>& left_out) {
@@ -152,7 +165,12 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& d
   document["inputs"] = ordered_json::array();
   for (const auto& input : fit.influences) document["inputs"].push_back(InfluenceJson(input));
   document["assumptions"] = fit.assumptions;
-  document["not_determined"] = fit.undetermined;
+  auto undetermined = fit.undetermined;
+  // where no record could be fitted, what is wrong with them is why
+  if (fit.records.empty()) {
+    for (const auto& error : left_out) undetermined.push_back(error.Text());
+  }
+  document["not_determined"] = undetermined;
   document["doubts"] = doubts;
   document["remarks"] = remarks;
   document["left_out"] = ordered_json::array();

@@ -15,4 +15,7 @@ namespace haptometer::tools {
                                      const std::vector<std::string>& remarks,
                                      const std::vector<Error>& left_out);
 
+/// What stands in a document where no record could be fitted: nothing determined.
+[[nodiscard]] fit::DropTestFit NothingDetermined();
+
 }  // namespace haptometer::tools

@@ -110,7 +110,10 @@ int RunFitSkin(int argc, const char* const* argv) {
   for (const auto& error : sweeps->left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
-  if (contacts.empty()) return status;
+  if (contacts.empty()) {
+    if (options.json()) fmt::print("{}", FitSkinJson({}, {}, actuator->name, sweeps->left_out));
+    return status;
+  }
   const auto areas = fit::FitSkinAreas(contacts);
   fmt::print("{}", options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
                                   : FitSkinText(contacts, areas, actuator->name));

@@ -14,6 +14,18 @@ namespace {
 // beyond this share an interval's halves differ enough to be told apart
 constexpr double kLopsided = 0.1;
 
+// A number to `decimals`, or to a digit's place before the point, as an uncertainty of two digits
+// wants it; at most 6 digits where that leaves fewer than the whole part has.
+std::string Rounded(double value, double uncertainty, int decimals) {
+  constexpr int kMostWhole = 6;
+  if (std::abs(value) < 1e6 || std::abs(uncertainty) < 100) {
+    if (std::abs(value) < 1e15) return fmt::format("{:.{}f}", value, decimals);
+  }
+  const double places = std::floor(std::log10(std::abs(value) / uncertainty));
+  const int digits = std::clamp(static_cast<int>(places) + 2, 2, kMostWhole);
+  return fmt::format("{:.{}g}", value, digits);
+}
+
 // decimals such that the uncertainty shows two digits
 int Decimals(double uncertainty) {
   if (!(uncertainty > 0)) return 6;
@@ -44,11 +56,13 @@ FittedCells CellsOf(const fit::FittedValue& value) {
   const int decimals = Decimals(half);
   const bool is_lopsided =
       std::abs(value.upper + value.lower - 2 * value.value) > 2 * kLopsided * half;
-  return {fmt::format("{:.{}f}", value.value, decimals),
-          is_lopsided
-              ? fmt::format("{:.{}f} to {:.{}f}", value.lower, decimals, value.upper, decimals)
-              : fmt::format("+- {:.{}f}", fit::kCoverage95 * value.combined_standard_uncertainty,
-                            decimals)};
+  const double spread = fit::kCoverage95 * value.combined_standard_uncertainty;
+  const auto rounded = [&](double number) { return Rounded(number, half, decimals); };
+  const std::string interval =
+      half >= 1e6 ? fmt::format("+- {:.2g}", spread) : fmt::format("+- {:.{}f}", spread, decimals);
+  return {
+      rounded(value.value),
+      is_lopsided ? fmt::format("{} to {}", rounded(value.lower), rounded(value.upper)) : interval};
 }
 
 std::string FittedLine(std::string_view name, const fit::FittedValue& value) {

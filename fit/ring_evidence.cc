@@ -1,0 +1,148 @@
+#include "fit/ring_evidence.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "fit/poles.h"
+#include "fit/rank.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr double kMostShare = 0.015;
+constexpr double kSurely = 5;  // deviations
+constexpr double kLeastDecays = 0.1;
+constexpr double kMostDamping = 0.7;  // of critical
+constexpr std::size_t kMostCuts = 2;
+
+// variance of white noise under an oscillation: of third differences, 1 + 9 + 9 + 1 of its own
+double NoiseSquare(const std::vector<double>& residuals) {
+  if (residuals.size() < 8) return 0;
+  double sum = 0;
+  for (std::size_t n = 3; n < residuals.size(); ++n) {
+    const double third =
+        residuals[n] - 3 * residuals[n - 1] + 3 * residuals[n - 2] - residuals[n - 3];
+    sum += third * third;
+  }
+  return sum / 20 / static_cast<double>(residuals.size() - 3);
+}
+
+double NaturalHz(const PolePair& poles) {
+  return std::sqrt(poles.stiffness_per_s2) / (2 * std::numbers::pi);
+}
+
+RingSamples Some(const RingSamples& samples, std::size_t first, std::size_t end) {
+  RingSamples some{
+      .step_s = samples.step_s, .signal = samples.signal, .times_s = {}, .values_v = {}};
+  const auto slice = [&](const std::vector<double>& all) {
+    return std::vector<double>(all.begin() + static_cast<std::ptrdiff_t>(first),
+                               all.begin() + static_cast<std::ptrdiff_t>(end));
+  };
+  some.times_s = slice(samples.times_s);
+  some.values_v = slice(samples.values_v);
+  return some;
+}
+
+// frequencies of the begin and of what follows, where they are surely not one
+std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
+  constexpr double kChange = 0.03;
+  const double energy_s =
+      std::min(1 / fit.poles.decay_per_s, samples.times_s.back() - samples.times_s.front());
+  const auto half = static_cast<std::size_t>(0.35 * energy_s / samples.step_s);
+  if (half < 32 || 2 * half > samples.times_s.size()) return {};
+  const RingFit early = FitRing(Some(samples, 0, half), fit.poles, {});
+  const RingFit late = FitRing(Some(samples, half, 2 * half), fit.poles, {});
+  if (!early.converged || !late.converged) return {};
+  const double first_hz = NaturalHz(early.poles);
+  const double then_hz = NaturalHz(late.poles);
+  if (std::abs(std::log(then_hz / first_hz)) < kChange) return {};
+  return fmt::format(": its frequency goes from {:.4g} to {:.4g} Hz (a chirp?)", first_hz, then_hz);
+}
+
+// the strongest oscillation in the residual, as far as the ringing lasts
+std::string Other(const RingSamples& samples, const RingFit& fit) {
+  std::vector<double> left = fit.jacobian.residuals;
+  for (std::size_t n = 0; n < left.size(); ++n) {
+    left[n] *= std::exp(-fit.poles.decay_per_s * (samples.times_s[n] - samples.times_s.front()));
+  }
+  const auto other_hz = StrongestFrequency(left, samples.step_s);
+  if (!other_hz) return {};
+  const double ratio = *other_hz / NaturalHz(fit.poles);
+  if (std::abs(ratio - std::round(ratio)) < 0.03 && ratio > 1.5) {
+    return fmt::format(": what is left has {:.0f} times its frequency (no sinusoid)", ratio);
+  }
+  return fmt::format(": what is left is strongest at {:.4g} Hz (a second mode, a beat, or noise?)",
+                     *other_hz);
+}
+
+}  // namespace
+
+RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double floor_v) {
+  const auto& residuals = fit.jacobian.residuals;
+  const auto rows = static_cast<double>(residuals.size());
+  const auto degrees = std::max(rows - static_cast<double>(fit.jacobian.columns), 1.0);
+  const double noise = std::max(NoiseSquare(residuals), floor_v * floor_v);
+  double misfit = 0;
+  double ringing = 0;
+  double weights = 0;
+  double squares = 0;
+  for (std::size_t n = 0; n < residuals.size(); ++n) {
+    const double since_s = samples.times_s[n] - samples.times_s.front();
+    const double weight = std::exp(-2 * fit.poles.decay_per_s * since_s);
+    const double envelope = fit.Envelope(since_s);
+    misfit += weight * residuals[n] * residuals[n];
+    ringing += 0.5 * weight * envelope * envelope;
+    weights += weight;
+    squares += weight * weight;
+  }
+  RingEvidence evidence;
+  if (!(ringing > 0)) return evidence;
+  evidence.misfit_share = (misfit - noise * weights * degrees / rows) / ringing;
+  // of the residuals' own squares, and of the third differences' (2 sum rho^2 = 4.62)
+  evidence.misfit_share_deviation =
+      noise * std::sqrt(2 * squares + 4.62 * weights * weights / rows) / ringing;
+  const double length_s = samples.times_s.back() - samples.times_s.front();
+  evidence.decays = fit.poles.decay_per_s * length_s;
+  evidence.damping_ratio = fit.poles.decay_per_s / std::sqrt(fit.poles.stiffness_per_s2);
+  const std::vector<bool> all(fit.jacobian.columns, true);
+  const std::vector<bool> none(fit.jacobian.columns, false);
+  const Identifiability seen = FindIdentifiability(fit.jacobian, all, none);
+  std::vector<double> decay(fit.jacobian.columns, 0.0);
+  decay[0] = 1;
+  double square = 0;
+  for (const double residual : residuals) square += residual * residual;
+  evidence.decays_deviation = evidence.decays * std::sqrt(square / degrees * Variance(seen, decay));
+  return evidence;
+}
+
+std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples, const RingFit& fit,
+                       bool is_stated_drop) {
+  if (evidence.damping_ratio > kMostDamping && !is_stated_drop) {
+    return "does not oscillate: it is a step or an aperiodic decay";
+  }
+  if (evidence.cuts > kMostCuts) {
+    return fmt::format("begins to ring {} times and more: no ring-down is left alone",
+                       evidence.cuts + 1);
+  }
+  if (evidence.decays + 2 * evidence.decays_deviation < kLeastDecays) {
+    return fmt::format("does not decay: a steady oscillation of {:.4g} Hz (hum?)",
+                       NaturalHz(fit.poles));
+  }
+  if (evidence.misfit_share > kMostShare &&
+      evidence.misfit_share > kSurely * evidence.misfit_share_deviation) {
+    std::string what = FrequencyChange(samples, fit);
+    if (what.empty()) what = Other(samples, fit);
+    return fmt::format(
+        "is no single decaying oscillation: {:.2g} % of the power at {:.4g} Hz is "
+        "not explained by one{}",
+        100 * evidence.misfit_share, NaturalHz(fit.poles), what);
+  }
+  return {};
+}
+
+}  // namespace haptometer::fit
