@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -32,6 +33,7 @@
 #include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/daemon/daemon_options.h"
 #include "tools/verbs.h"
@@ -173,8 +175,13 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
     return RecordShown(sensor, nothing, clock, limits, header, band, style,
                        [] { cli::InterruptAsBy(SIGPIPE); });
   }
-  auto writer = trial::TrialWriter::Create(file, header,
-                                           {.flush_interval_s = 1, .overwrite = overwrite}, clock);
+  // again: the sensor may have read further files by now
+  if (auto free = cli::CheckOutput(file, cli::kTrialOutput, overwrite); !free) {
+    return std::unexpected(free.error());
+  }
+  const bool is_device = std::filesystem::is_other(file);
+  auto writer = trial::TrialWriter::Create(
+      file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock);
   if (!writer) return std::unexpected(writer.error());
   acquire::SingleTrial sink(*writer);
   return RecordShown(sensor, sink, clock, limits, header, band, style);

@@ -20,6 +20,7 @@
 #include "tools/analyze/sweep_output.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/json.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/drive_off_floor.h"
 #include "tools/verbs.h"
@@ -182,9 +183,9 @@ Result<int> AnswerSweep(const std::string& path, const AnalyzeWords& words, cons
   if (trials == nullptr) PrintSweep(path, *answer);
   if (trials != nullptr) trials->push_back(SweepJson(path, *answer));
   if (!words.response.empty()) {
-    if (auto written = WriteSweepCsv(words.response, *answer); !written) {
-      return std::unexpected(written.error());
-    }
+    auto written = cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
+                                    SweepCsv(*answer));
+    if (!written) return std::unexpected(written.error());
   }
   if (!words.plot.empty() && !answer->points.empty()) {
     if (auto drawn = plot::DrawPanels(words.plot, SweepPanels(*answer)); !drawn) {

@@ -12,7 +12,6 @@
 
 #include "tools/cli/json.h"
 #include "tools/cli/uncertain_number.h"
-#include "tools/cli/whole_file.h"
 
 namespace haptometer::tools {
 namespace {
@@ -166,10 +165,6 @@ std::string SweepCsv(const dsp::SweepAnswer& answer) {
                    text_or_nothing(point.coherence));
   }
   return text;
-}
-
-Result<void> WriteSweepCsv(const std::string& path, const dsp::SweepAnswer& answer) {
-  return cli::WriteWholeFile(path, SweepCsv(answer));
 }
 
 std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer) {

@@ -7,7 +7,9 @@
 #include <charconv>
 #include <cstdio>
 
+#include "base/input_file.h"
 #include "base/nearest.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 
 namespace haptometer::cli {
@@ -44,6 +46,7 @@ struct Options::State {
   std::string verb;
   CLI::App app;
   std::vector<CLI::Option*> hidden;  // shown by --help-all only
+  std::vector<const CLI::Option*> outputs;
   bool help = false;
   bool help_all = false;
   bool version = false;
@@ -67,9 +70,38 @@ struct Options::State {
     }
     return names;
   }
+  bool IsOutput(const CLI::Option* option) const {
+    return std::ranges::find(outputs, option) != outputs.end();
+  }
+  void NoteInputs() const;
+  std::optional<Error> TwiceWritten() const;
   // our own sentence for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
+
+void Options::State::NoteInputs() const {
+  ForgetInputs();
+  for (const CLI::Option* option : app.get_options()) {
+    if (IsOutput(option)) continue;
+    for (const std::string& word : option->results()) NoteInput(word);
+  }
+}
+
+// two options that name one file
+std::optional<Error> Options::State::TwiceWritten() const {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (outputs[i]->empty() || outputs[j]->empty()) continue;
+      const std::string& path = outputs[i]->results().back();
+      if (!AreOneOutput(path, outputs[j]->results().back())) continue;
+      return Error{
+          Cause::kUsage, path,
+          fmt::format("is named by {} and by {}", outputs[j]->get_name(), outputs[i]->get_name()),
+          "give each a file of its own"};
+    }
+  }
+  return std::nullopt;
+}
 
 Error Options::State::Explain(const CLI::ParseError& error, int argc,
                               const char* const* argv) const {
@@ -130,6 +162,14 @@ void Options::Text(std::string_view name, std::string* value, std::string_view p
   state_->Show(
       state_->Add(name, placeholder, help, [value](const std::string& text) { *value = text; }),
       shown);
+}
+
+void Options::Output(std::string_view name, std::string* value, std::string_view placeholder,
+                     std::string_view help, Shown shown) {
+  auto* option =
+      state_->Add(name, placeholder, help, [value](const std::string& text) { *value = text; });
+  state_->outputs.push_back(option);
+  state_->Show(option, shown);
 }
 
 void Options::OptionalText(std::string_view name, bool* given, std::string* value,
@@ -213,7 +253,9 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     fmt::print("{}", state_->app.help());
     return 0;
   }
+  if (!error) error = state_->TwiceWritten();
   if (error) return ReportError(state_->verb, *error);
+  state_->NoteInputs();
   return std::nullopt;
 }
 

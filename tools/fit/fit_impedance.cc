@@ -226,7 +226,7 @@ int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, b
   fmt::print("{}", json ? Json(*fit, files.sweep) : Text(*fit));
   int status = StatusOf(*fit, options.required);
   if (!files.save.empty()) {
-    const auto saved = SaveActuator(files.save, FittedActuator(*fit, *knowns));
+    const auto saved = SaveActuator(files.save, files.overwrite, FittedActuator(*fit, *knowns));
     if (!saved) status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
   }
   if (!files.plot.empty()) {

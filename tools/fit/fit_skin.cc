@@ -84,7 +84,7 @@ int RunFitSkin(int argc, const char* const* argv) {
                       "columns (docs/commands.md)");
   options.Text("--actuator", &actuator_name, "NAME|FILE",
                "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
-  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
+  options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (!plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(plot); !drawable) {

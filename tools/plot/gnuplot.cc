@@ -10,6 +10,7 @@
 
 #include "base/check.h"
 #include "base/clock.h"
+#include "tools/cli/output_file.h"
 #include "tools/plot/envelope.h"
 #include "tools/plot/memory_file.h"
 #include "tools/plot/run_within.h"
@@ -236,8 +237,8 @@ std::string MapScript(const std::string& path, const Terminal& terminal, const M
                       Quoted(map.value_label), kPalette);
 }
 
-// Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
-// file it left, or did not, is the evidence.
+// Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; what
+// it drew, or did not, is the evidence.
 Result<bool> RunGnuplot(const std::string& script, const std::string& where,
                         MonotonicNs longest_ns) {
   const auto run = RunWithin({"gnuplot"}, script, longest_ns);
@@ -245,33 +246,35 @@ Result<bool> RunGnuplot(const std::string& script, const std::string& where,
   return Failed(where, run.error().what, "is it installed (apt-get install gnuplot-nox)?");
 }
 
-// drawn beside its place, so that a failure costs no older plot
+// what gnuplot draws by `script`, which is given the terminal and where to draw; in memory, because
+// gnuplot does not tell when a disk is full
+template <typename MakeScript>
+Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
+                          const MakeScript& script) {
+  const MemoryFile drawing;
+  const auto run = RunGnuplot(script(drawing.path(), terminal), where, kLongestPanelsNs);
+  if (!run) return std::unexpected(run.error());
+  std::string picture = drawing.Content();
+  if (*run && cli::IsWholePicture(picture)) return picture;
+  return Failed(where, "gnuplot drew no whole picture", "is there memory left?");
+}
+
 template <typename MakeScript>
 Result<void> DrawInto(const std::string& path, const MakeScript& script) {
   if (auto known = CheckPlotPath(path); !known) return known;
-  const std::string part = path + ".part";
-  const auto run = RunGnuplot(script(part, *TerminalOf(path)), path, kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
-  std::error_code failure;
-  if (*run) std::filesystem::rename(part, path, failure);
-  if (!*run || failure) {
-    std::filesystem::remove(part, failure);
-    return Failed(path, "the plot could not be written", "is there room, and may you write there?");
-  }
-  return {};
+  auto picture = Drawn(path, *TerminalOf(path), script);
+  if (!picture) return std::unexpected(picture.error());
+  return cli::WriteOutput(path, cli::kPictureOutput, false, cli::Marked(*std::move(picture)));
 }
 
 }  // namespace
 
 Result<std::string> DrawSvg(const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
-  const MemoryFile drawing;
-  const auto run =
-      RunGnuplot(Script(drawing.path(), *TerminalOf("plot.svg"), panels), "plot", kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
-  std::string svg = drawing.Content();
-  if (!*run || svg.empty()) return Failed("plot", "gnuplot drew nothing");
-  return svg;
+  return Drawn("plot", *TerminalOf("plot.svg"),
+               [&](const std::string& drawing, const Terminal& terminal) {
+                 return Script(drawing, terminal, panels);
+               });
 }
 
 Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
@@ -293,32 +296,23 @@ Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
 }
 
 Result<void> CheckPlotPath(const std::string& path) {
-  namespace fs = std::filesystem;
   if (TerminalOf(path) == nullptr) {
     return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
   }
-  std::error_code ignored;
-  const fs::path directory = fs::path(path).parent_path();
-  if (!directory.empty() && !fs::is_directory(directory, ignored)) {
-    return Usage(path, "lies in a directory that does not exist", "make it, or name another");
-  }
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
-    return Usage(path, "is there and is no file", "name another");
-  }
-  return {};
+  return cli::CheckOutput(path, cli::kPictureOutput, false);
 }
 
 Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
-  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
-    return Script(part, terminal, panels);
+  return DrawInto(path, [&](const std::string& drawing, const Terminal& terminal) {
+    return Script(drawing, terminal, panels);
   });
 }
 
 Result<void> DrawMap(const std::string& path, const Map& map) {
   HAPTOMETER_CHECK(!map.values.empty() && !map.values[0].empty(), "an empty map");
-  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
-    return MapScript(part, terminal, map);
+  return DrawInto(path, [&](const std::string& drawing, const Terminal& terminal) {
+    return MapScript(drawing, terminal, map);
   });
 }
 

@@ -51,10 +51,9 @@ inline constexpr std::string_view kGrey = "#b0b0b0";
 /// Draws `panels` one below the other into `path`, whose ending chooses SVG, PNG or PDF.
 ///
 /// A curve of more than 4000 points is drawn as the minimum and maximum of each of 2000 slices,
-/// which looks the same at this size. An older plot at
-/// `path` is replaced. Errors: as CheckPlotPath (Cause::kUsage); gnuplot absent or
-/// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
-/// for it, 120 s at most.
+/// which looks the same at this size. Written as a cli::OutputFile: an older plot of ours at `path`
+/// is replaced. Errors: as CheckPlotPath; gnuplot absent or failing, or a path that cannot be
+/// written (Cause::kFailed). Starts one gnuplot process and waits for it, 120 s at most.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
 /// A quantity over two axes, shown by colour.
@@ -82,8 +81,8 @@ struct Map {
 /// waits for it, some 30 ms and 5 s at most.
 [[nodiscard]] Result<std::string> DrawText(const Panel& panel, int columns, int lines);
 
-/// Whether DrawPanels can write `path`: its ending, its directory, and no directory or device in
-/// its place; to be asked before long work.
+/// Whether DrawPanels can write `path`; to be asked before long work. Errors: Cause::kUsage for
+/// another ending; as cli::CheckOutput.
 [[nodiscard]] Result<void> CheckPlotPath(const std::string& path);
 
 }  // namespace haptometer::plot

@@ -5,7 +5,7 @@
 #include <filesystem>
 
 #include "base/check.h"
-#include "tools/cli/whole_file.h"
+#include "tools/cli/output_file.h"
 
 namespace haptometer::report {
 namespace {
@@ -153,17 +153,14 @@ std::string HtmlPage::Html() const {
 }
 
 Result<void> WriteReport(const std::string& path, const HtmlPage& page) {
-  return cli::WriteWholeFile(path, page.Html());
+  return cli::WriteOutput(path, cli::kPageOutput, false, cli::Marked(page.Html()));
 }
 
 Result<void> CheckReportPath(const std::string& path) {
-  namespace fs = std::filesystem;
-  if (fs::path(path).extension() != ".html") {
+  if (std::filesystem::path(path).extension() != ".html") {
     return Usage(path, "is to be a report, which is a page", "give it the ending .html");
   }
-  const auto writable = cli::WholeFile::Begin(path, true);
-  if (!writable) return std::unexpected(writable.error());
-  return {};
+  return cli::CheckOutput(path, cli::kPageOutput, false);
 }
 
 }  // namespace haptometer::report

@@ -118,7 +118,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
                       "Trials that say their drive_amplitude_v, or CSV with drive_v,rms_m");
   options.Number("--floor", &wanted.floor_m, Dimension::kLength,
                  "RMS with the drive off, subtracted in power (default: the readings at 0 V)");
-  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf", "Draw RMS against drive");
+  options.Output("--plot", &wanted.plot, "FILE.svg|png|pdf", "Draw RMS against drive");
   cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &wanted.import);
   if (const auto status = options.Parse(argc, argv)) return *status;

@@ -47,7 +47,7 @@ int RunStudyMatching(int argc, const char* const* argv) {
   options.Repeated("--contrast", &words, "TREATMENT:CONTROL",
                    "A planned contrast; may be repeated (default: every condition against the "
                    "first)");
-  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw matched against reference voltage");
+  options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw matched against reference voltage");
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (!plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(plot); !drawable) {

@@ -3,6 +3,8 @@
 #include <charconv>
 #include <filesystem>
 
+#include "base/input_file.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -25,6 +27,7 @@ TableReader::TableReader(const std::string& path) : path_(path), file_(path, std
 Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
+  NoteInput(path);
   TableReader reader(path);
   if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
   return reader;

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
 #include "trial/hdf5_id.h"
 #include "trial/import/csv_column.h"
 #include "trial/trial_json.h"
@@ -261,6 +262,7 @@ Result<Recording> ReadGroup(const Group& group) {
 Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
   // errors are told by us, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  NoteInput(path);
   const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) {
     return CannotAnswer(path, "is a damaged HDF5 file, or is still being written", kRemedy);
