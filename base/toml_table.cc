@@ -9,6 +9,7 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/toml_shape.h"
 
 namespace haptometer {
 
@@ -88,12 +89,13 @@ TomlTable& TomlTable::operator=(TomlTable&&) noexcept = default;
 TomlTable::~TomlTable() = default;
 
 Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
-  auto text = ReadInputFile(path, 1ULL << 20);
+  auto text = ReadInputFile(path, kMostTomlBytes);
   if (!text) return std::unexpected(text.error());
   return ParseText(*text, path);
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
+  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
   auto state = std::make_unique<State>();
   try {
     state->root = toml::parse(text, where);
@@ -172,7 +174,7 @@ Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
     return Usage(std::string(where), "is not a finite number", "write an SI number");
   }
-  return Quantity{*number, 0};
+  return PossibleQuantity({*number, 0}, dimension, where);
 }
 
 }  // namespace
