@@ -366,11 +366,10 @@ def check_standard_output():
 
 def fill(directory):
     path = os.path.join(directory, "filler")
-    with open(path, "wb") as file:
+    with open(path, "wb", buffering=0) as file:
         try:
             while True:
                 file.write(bytes(4096))
-                file.flush()
         except OSError:
             pass
 

@@ -94,10 +94,10 @@ std::optional<Error> Options::State::TwiceWritten() const {
       if (outputs[i]->empty() || outputs[j]->empty()) continue;
       const std::string& path = outputs[i]->results().back();
       if (!AreOneOutput(path, outputs[j]->results().back())) continue;
-      return Error{
-          Cause::kUsage, path,
-          fmt::format("is named by {} and by {}", outputs[j]->get_name(), outputs[i]->get_name()),
-          "give each a file of its own"};
+      return Error{Cause::kUsage, path,
+                   fmt::format("is named by --{} and by --{}", outputs[j]->get_lnames().front(),
+                               outputs[i]->get_lnames().front()),
+                   "give each a file of its own"};
     }
   }
   return std::nullopt;
