@@ -82,7 +82,7 @@ int main(int argc, char** argv) {
   try {
     return haptometer::tools::Run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "haptometer: stopped: %s\n", error.what());
+    haptometer::cli::Remark("haptometer", fmt::format("stopped: {}", error.what()));
     return 1;
   }
 }

@@ -4,6 +4,8 @@
 
 #include <cstdio>
 
+#include "base/printable.h"
+
 namespace haptometer::cli {
 
 int ReportError(std::string_view verb, const Error& error) {
@@ -20,8 +22,10 @@ int WorseStatus(int a, int b) {
   return rank(b) > rank(a) ? b : a;
 }
 
+void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
+
 void Remark(std::string_view verb, std::string_view text) {
-  fmt::print(stderr, "{}: {}\n", verb, text);
+  fmt::print(stderr, "{}: {}\n", verb, Printable(text));
 }
 
 }  // namespace haptometer::cli

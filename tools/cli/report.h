@@ -14,7 +14,12 @@ namespace haptometer::cli {
 /// wrongly) before 3 (not answered) before 0. Any other status, an interruption, comes before all.
 [[nodiscard]] int WorseStatus(int a, int b);
 
-/// A remark on stderr: "VERB: TEXT".
+/// A result on stdout. All of a verb's text and JSON goes this way, so that no control character
+/// but line ends and tabs reaches a terminal; a name or a path in a line is made one line where the
+/// line is made (base/printable.h).
+void Print(std::string_view text);
+
+/// A remark on stderr, in one printable line: "VERB: TEXT".
 void Remark(std::string_view verb, std::string_view text);
 
 }  // namespace haptometer::cli

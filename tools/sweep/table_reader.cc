@@ -3,6 +3,8 @@
 #include <charconv>
 #include <filesystem>
 
+#include "tools/cli/csv_cell.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -48,7 +50,7 @@ Result<void> TableReader::ReadHeader() {
     header_.question.push_back(*std::move(line));
   }
   if (!line) return unknown();
-  header_.columns = CellsOf(*line);
+  header_.columns = cli::CellsOf(*line);
   const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 1 &&
                         header_.columns.front() == "point" && header_.columns.back() == "remark";
   if (!is_known) return unknown();

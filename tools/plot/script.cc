@@ -1,0 +1,43 @@
+#include "tools/plot/script.h"
+
+#include "base/printable.h"
+
+namespace haptometer::plot {
+namespace {
+
+constexpr std::size_t kMostCharacters = 1000;
+constexpr std::size_t kMostTickBytes = 49;  // gnuplot's MAX_ID_LEN, 50, with the end
+constexpr std::string_view kGoesOn = "…";
+
+// the beginning of printable `text`, of so many characters and bytes, and a mark where it goes on
+std::string Beginning(std::string_view text, std::size_t characters, std::size_t bytes) {
+  std::size_t end = 0;        // of what there is room for
+  std::size_t short_end = 0;  // of what there is room for beside the mark
+  for (std::size_t count = 0; end < text.size() && count < characters; ++count) {
+    const std::size_t next = end + Utf8CharacterBytes(text.substr(end));
+    if (next > bytes) break;
+    end = next;
+    if (end + kGoesOn.size() <= bytes && count + 1 < characters) short_end = end;
+  }
+  if (end == text.size()) return std::string(text);
+  return std::string(text.substr(0, short_end)) + std::string(kGoesOn);
+}
+
+// each `wanted` of `text` twice
+std::string Doubled(std::string_view text, char wanted) {
+  std::string doubled;
+  for (const char c : text) doubled.append(c == wanted ? 2 : 1, c);
+  return doubled;
+}
+
+}  // namespace
+
+Quoted::Quoted(std::string_view text)
+    : word_("'" + Doubled(Beginning(Printable(text), kMostCharacters, SIZE_MAX), '\'') + "'") {}
+
+Quoted Quoted::TickName(std::string_view text) {
+  if (text.find('%') == std::string_view::npos) return Quoted(text);
+  return Quoted(Doubled(Beginning(Printable(text), kMostCharacters, kMostTickBytes), '%'));
+}
+
+}  // namespace haptometer::plot
