@@ -1,5 +1,7 @@
 #include "tools/plot/script.h"
 
+#include <cstdint>
+
 #include "base/printable.h"
 
 namespace haptometer::plot {
@@ -23,21 +25,32 @@ std::string Beginning(std::string_view text, std::size_t characters, std::size_t
   return std::string(text.substr(0, short_end)) + std::string(kGoesOn);
 }
 
-// each `wanted` of `text` twice
-std::string Doubled(std::string_view text, char wanted) {
-  std::string doubled;
-  for (const char c : text) doubled.append(c == wanted ? 2 : 1, c);
-  return doubled;
+// `text` with `replacement` for each `wanted`
+std::string Replaced(std::string_view text, char wanted, std::string_view replacement) {
+  std::string replaced;
+  for (const char c : text) {
+    if (c == wanted) {
+      replaced += replacement;
+    } else {
+      replaced += c;
+    }
+  }
+  return replaced;
 }
+
+// ends the quote, adds a quote in other quotes, and goes on; a doubled quote, which gnuplot 5.4
+// knows too, it does not understand where a text begins with one
+constexpr std::string_view kQuote = R"('."'".')";
 
 }  // namespace
 
 Quoted::Quoted(std::string_view text)
-    : word_("'" + Doubled(Beginning(Printable(text), kMostCharacters, SIZE_MAX), '\'') + "'") {}
+    : word_("'" + Replaced(Beginning(Printable(text), kMostCharacters, SIZE_MAX), '\'', kQuote) +
+            "'") {}
 
 Quoted Quoted::TickName(std::string_view text) {
   if (text.find('%') == std::string_view::npos) return Quoted(text);
-  return Quoted(Doubled(Beginning(Printable(text), kMostCharacters, kMostTickBytes), '%'));
+  return Quoted(Replaced(Beginning(Printable(text), kMostCharacters, kMostTickBytes), '%', "%%"));
 }
 
 }  // namespace haptometer::plot

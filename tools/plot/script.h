@@ -29,7 +29,8 @@ class Words {
 ///
 /// What is not printable is escaped (base/printable.h), so that there is no line end in it; it
 /// stands in single quotes, in which gnuplot replaces nothing (no backquote, no backslash, no
-/// macro), and a quote in it is doubled. Of more than 1000 characters the first are shown.
+/// macro); a quote in it is added from double quotes, which hold nothing else. Of more than 1000
+/// characters the first are shown.
 class Quoted {
  public:
   explicit Quoted(std::string_view text);
