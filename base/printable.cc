@@ -35,7 +35,7 @@ void AppendEscaped(std::uint32_t code, std::string* text) {
     *text += "\\t";
   } else if (code == '\r') {
     *text += "\\r";
-  } else if (code < 0x80) {
+  } else if (code < 0x20) {
     fmt::format_to(out, "\\x{:02x}", code);
   } else {
     fmt::format_to(out, "\\u{:04x}", code);

@@ -22,12 +22,13 @@ namespace haptometer {
 
 [[nodiscard]] bool IsPrintable(std::string_view text);
 
-/// `text` with all that is not printable escaped: `\n`, `\t`, `\r`, `\x1b`, `\u2028`; bytes that
-/// are no UTF-8 as `\xff`. One line, which any terminal, XML or HTML takes. A backslash stays as it
-/// is, so the result of the result is the same. O(n).
+/// `text` with all that is not printable escaped: `\n`, `\t`, `\r`, `\x1b`, `\u007f`, `\u2028`;
+/// bytes that are no UTF-8 as `\xff`. One line, which any terminal, XML or HTML takes. A backslash
+/// stays as it is, so the result of the result is the same. O(n).
 [[nodiscard]] std::string Printable(std::string_view text);
 
-/// The same for a text of several lines: line ends and tabs stay.
+/// The same for a text of several lines: line ends and tabs stay. A JSON document, in which others
+/// than these cannot be below U+007F, stays one of the same content.
 [[nodiscard]] std::string PrintableLines(std::string_view text);
 
 /// Refuses a new text that is not printable (Cause::kUsage); `where` says what it is.

@@ -91,7 +91,7 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     const auto* const failed = dynamic_cast<const std::system_error*>(&error);
     if (std::ferror(stdout) != 0) return StatusWithOutput(0, failed ? failed->code().value() : 0);
-    std::fprintf(stderr, "haptometer: stopped: %s\n", error.what());
+    haptometer::cli::Remark("haptometer", fmt::format("stopped: {}", error.what()));
     return 1;
   }
 }

@@ -6,10 +6,12 @@
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/printable.h"
 #include "trial/block.h"
 #include "trial/import/csv.h"
 #include "trial/import/hdf5.h"
 #include "trial/import/lvm.h"
+#include "trial/metadata_texts.h"
 
 namespace haptometer::trial {
 namespace {
@@ -64,6 +66,26 @@ Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions
   return recording;
 }
 
+// Names, units, labels and notes of a foreign file, which anybody may have written: made printable
+// here, so that nothing behind this place meets a control character.
+void MakePrintable(Recording* recording) {
+  for (Channel& channel : recording->record.channels) {
+    channel.name = Printable(channel.name);
+    channel.unit = Printable(channel.unit);
+  }
+  Metadata& metadata = recording->record.metadata;
+  for (const auto& [key, member] : kMetadataTexts) {
+    metadata.*member = Printable(metadata.*member);
+  }
+  for (auto* texts : {&metadata.labels, &metadata.fields}) {
+    std::map<std::string, std::string> printable;
+    for (const auto& [key, value] : *texts) printable[Printable(key)] = Printable(value);
+    *texts = std::move(printable);
+  }
+  for (std::string& note : metadata.notes) note = Printable(note);
+  for (std::string& remark : recording->report.remarks) remark = Printable(remark);
+}
+
 }  // namespace
 
 Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptions& options) {
@@ -88,7 +110,9 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
   } else {
     recording = ReadTextRecording(path, options);
   }
-  if (recording) recording->report.file_bytes = file_bytes;
+  if (!recording) return recording;
+  MakePrintable(&*recording);
+  recording->report.file_bytes = file_bytes;
   return recording;
 }
 

@@ -132,6 +132,7 @@ TrialWriter::~TrialWriter() = default;
 
 Result<TrialWriter> TrialWriter::Create(const std::string& path, TrialHeader header,
                                         WriterOptions options, Clock& clock) {
+  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
   auto sink = CreateFileSink(path, options.overwrite ? IfExists::kReplace : IfExists::kRefuse);
   if (!sink) return std::unexpected(sink.error());
   return CreateIn(std::move(*sink), path, std::move(header), options, clock);
@@ -140,6 +141,7 @@ Result<TrialWriter> TrialWriter::Create(const std::string& path, TrialHeader hea
 Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::string name,
                                           TrialHeader header, WriterOptions options, Clock& clock) {
   CheckHeader(header);
+  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
   auto state = std::make_unique<State>();
   state->sink = std::move(sink);
   state->name = std::move(name);

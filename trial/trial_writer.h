@@ -49,7 +49,8 @@ class TrialWriter {
   ///
   /// Programmer's errors: no channel, more than kMaxChannels, a scale that is not finite, a uniform
   /// timing without a rate. Errors: Cause::kUsage when the file exists and options.overwrite is
-  /// false; Cause::kFailed when it cannot be made or written. `clock` must outlive the writer.
+  /// false, and for a text of the header that is not printable; Cause::kFailed when it cannot be
+  /// made or written. `clock` must outlive the writer.
   [[nodiscard]] static Result<TrialWriter> Create(const std::string& path, TrialHeader header,
                                                   WriterOptions options, Clock& clock);
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 #include "base/check.h"
+#include "base/printable.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -18,6 +18,7 @@ constexpr MonotonicNs kPatienceNs = 60 * kNsPerS;
 constexpr std::size_t kChunkBytes = 65'536;
 // a heading is longer than this nowhere
 constexpr std::uint64_t kMostHeadingLines = 100;
+constexpr std::size_t kMostShown = 24;  // characters of a line that is no row
 
 std::string FormName(const PipeSetup& setup) {
   return fmt::format("{} x {}", setup.channels.formats.size(), Name(setup.format));
@@ -58,7 +59,7 @@ Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
     }
     if (state == RowState::kBadRow) {
       ++heading_lines_;
-      heading_ = Printable(parser_.line());
+      heading_ = Printable(parser_.line().substr(0, kMostShown));
     } else if (has_ended_) {
       return std::unexpected(NoRow("ended before a whole row came"));
     }

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/latency_timer.h"
+#include "base/printable.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -18,6 +18,7 @@ using trial::SampleStatus;
 constexpr MonotonicNs kSliceNs = 100'000'000;
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 constexpr MonotonicNs kIdentityNs = 200'000'000;
+constexpr std::size_t kMostShown = 24;  // characters of a line that is no reading
 
 // longest line that is kept whole: a few lines run together are still shown and counted as one
 std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(format); }
@@ -56,7 +57,7 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
     } else if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
       has_line = true;
     } else {
-      example = Printable(line.text);
+      example = Printable(line.text.substr(0, kMostShown));
       link_.CountDiscarded(line.text.size());
     }
   }

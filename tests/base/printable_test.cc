@@ -33,7 +33,7 @@ TEST(Printable, EscapesWhatDoesNot) {
       {"a\tb\rc", "a\\tb\\rc"},
       {"\x1b[31mred", "\\x1b[31mred"},
       {"nul\0nul"s, "nul\\x00nul"},
-      {"\x7f", "\\x7f"},
+      {"\x7f", "\\u007f"},
       {"\u009b2J", "\\u009b2J"},
       {"\u0085", "\\u0085"},
       {"\u2028\u2029", "\\u2028\\u2029"},

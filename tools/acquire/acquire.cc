@@ -16,6 +16,7 @@
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
+#include "base/printable.h"
 #include "tools/acquire/check/sensor_check.h"
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"
@@ -137,9 +138,9 @@ int Report(const cli::Options& options, const std::string& file, const trial::Tr
     cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
   }
   if (options.json()) {
-    fmt::print("{}", SummaryJson(file, header.metadata, summary, time_base));
+    cli::Print(SummaryJson(file, header.metadata, summary, time_base));
   } else {
-    fmt::print("{}\n", SummaryLine(file, summary));
+    cli::Print(Printable(SummaryLine(file, summary)) + "\n");
   }
   if (summary.connection_lost) {
     const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
@@ -227,14 +228,14 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
 int ListPorts(const cli::Options& options) {
   const auto ports = acquire::ListPorts();
   if (!ports) return cli::ReportError(kVerb, ports.error());
-  fmt::print("{}", options.json() ? PortListJson(*ports) : PortListText(*ports));
+  cli::Print(options.json() ? PortListJson(*ports) : PortListText(*ports));
   return 0;
 }
 
 int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
   const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
   if (!question) return cli::ReportError(kVerb, question.error());
-  fmt::print("{}", options.json() ? SensorListJson(*question) : SensorListText(*question));
+  cli::Print(options.json() ? SensorListJson(*question) : SensorListText(*question));
   return 0;
 }
 

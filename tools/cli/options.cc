@@ -9,6 +9,7 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/printable.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 
@@ -45,8 +46,9 @@ std::string Joined(const std::vector<std::string>& words, std::string_view separ
 struct Options::State {
   std::string verb;
   CLI::App app;
-  std::vector<CLI::Option*> hidden;  // shown by --help-all only
-  std::vector<const CLI::Option*> outputs;
+  std::vector<CLI::Option*> hidden;         // shown by --help-all only
+  std::vector<const CLI::Option*> files;    // options whose words name files to read
+  std::vector<const CLI::Option*> outputs;  // options whose words name files to write
   bool help = false;
   bool help_all = false;
   bool version = false;
@@ -75,6 +77,8 @@ struct Options::State {
   }
   void NoteInputs() const;
   std::optional<Error> TwiceWritten() const;
+  // the first word that an option other than of files takes and that is not printable
+  std::optional<Error> NotPrintable() const;
   // our own sentence for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
@@ -98,6 +102,18 @@ std::optional<Error> Options::State::TwiceWritten() const {
                    fmt::format("is named by --{} and by --{}", outputs[j]->get_lnames().front(),
                                outputs[i]->get_lnames().front()),
                    "give each a file of its own"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Options::State::NotPrintable() const {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional() || std::ranges::find(files, option) != files.end()) continue;
+    for (const std::string& word : option->results()) {
+      if (auto printable = CheckPrintable(option->get_name(), word); !printable) {
+        return printable.error();
+      }
     }
   }
   return std::nullopt;
@@ -230,6 +246,7 @@ void Options::Groups(std::string_view name, std::vector<std::vector<std::string>
                      std::string_view placeholder, std::string_view help, Shown shown) {
   auto* option = state_->app.add_option(std::string(name), *groups, std::string(help));
   option->type_name(std::string(placeholder));
+  state_->files.push_back(option);
   state_->Show(option, shown);
 }
 
@@ -250,9 +267,10 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     if (state_->help_all) {
       for (CLI::Option* option : state_->hidden) option->group(kMoreOptions);
     }
-    fmt::print("{}", state_->app.help());
+    cli::Print(state_->app.help());
     return 0;
   }
+  if (!error) error = state_->NotPrintable();
   if (!error) error = state_->TwiceWritten();
   if (error) return ReportError(state_->verb, *error);
   state_->NoteInputs();

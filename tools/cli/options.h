@@ -67,9 +67,12 @@ class Options {
               std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
 
   /// Reads the command line. Returns the exit status to leave with (0 after --help or --version, 2
-  /// after a wrong option, which is reported on stderr in one line), or nothing to go on. Files
-  /// that other words than those of Output() name are noted as inputs (base/input_file.h); those
-  /// that the verb finds in folders, scenes and manifests are noted when they are opened.
+  /// after a wrong option, which is reported on stderr in one line), or nothing to go on. What an
+  /// option takes is refused where it is not printable (base/printable.h), because it may become a
+  /// label, a name or a path of a new file; names of files that are read are not, in Positionals()
+  /// and Groups(). Files that other words than those of Output() name are noted as inputs
+  /// (base/input_file.h); those that the verb finds in folders, scenes and manifests are noted when
+  /// they are opened.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text

@@ -10,6 +10,8 @@
 #include <cstring>
 #include <string>
 
+#include "base/printable.h"
+
 namespace haptometer::cli {
 
 int ReportError(std::string_view verb, const Error& error) {
@@ -25,6 +27,8 @@ int WorseStatus(int a, int b) {
   };
   return rank(b) > rank(a) ? b : a;
 }
+
+void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
 
 void HoldStandardStreams() {
   for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
@@ -51,7 +55,7 @@ int StatusWithOutput(int status, int failure) {
 }
 
 void Remark(std::string_view verb, std::string_view text) {
-  fmt::print(stderr, "{}: {}\n", verb, text);
+  fmt::print(stderr, "{}: {}\n", verb, Printable(text));
 }
 
 }  // namespace haptometer::cli

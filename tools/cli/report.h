@@ -30,7 +30,12 @@ inline constexpr int kUnreadStatus = 141;
 /// that failed, where it is known.
 [[nodiscard]] int StatusWithOutput(int status, int failure = 0);
 
-/// A remark on stderr: "VERB: TEXT".
+/// A result on stdout. All of a verb's text and JSON goes this way, so that no control character
+/// but line ends and tabs reaches a terminal; a name or a path in a line is made one line where the
+/// line is made (base/printable.h).
+void Print(std::string_view text);
+
+/// A remark on stderr, in one printable line: "VERB: TEXT".
 void Remark(std::string_view verb, std::string_view text);
 
 }  // namespace haptometer::cli

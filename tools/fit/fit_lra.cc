@@ -210,8 +210,8 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
     return DrawUnfitted(files, drops, cli::ReportError(kVerb, fit.error()));
   }
   const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
-  fmt::print("{}", json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
-                        : FitLraText(*fit, doubts));
+  cli::Print(json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
+                  : FitLraText(*fit, doubts));
   status = cli::WorseStatus(status, ReportRequired(*fit, wanted.required));
   if (!fit->contradictions.empty()) {
     status = cli::WorseStatus(

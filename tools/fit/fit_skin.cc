@@ -112,8 +112,8 @@ int RunFitSkin(int argc, const char* const* argv) {
   }
   if (contacts.empty()) return status;
   const auto areas = fit::FitSkinAreas(contacts);
-  fmt::print("{}", options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
-                                  : FitSkinText(contacts, areas, actuator->name));
+  cli::Print(options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
+                            : FitSkinText(contacts, areas, actuator->name));
   if (!std::ranges::all_of(contacts, IsAnswered)) {
     status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "tools/study/text_table.h"
 
 namespace haptometer::tools {
@@ -152,7 +153,8 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
     }
     fit::SkinSweep& sweep = sweeps[area_mm2];
     sweep.drive = columns->drive;
-    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", path, area_mm2) : path;
+    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
+                                    : Printable(path);
     if (columns->areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
     sweep.points.push_back(PointAt(*columns, row, is_rms ? kRms : 1));
   }

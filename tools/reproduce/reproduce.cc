@@ -90,8 +90,8 @@ int RunReproduce(int argc, const char* const* argv) {
   if (auto done = WriteFiles(wanted, *reproduction, cli::CommandLine(typed), written); !done) {
     return cli::ReportError(kVerb, done.error());
   }
-  fmt::print("{}", options.json() ? ReproductionJson(*reproduction, written)
-                                  : ReproductionText(*reproduction));
+  cli::Print(options.json() ? ReproductionJson(*reproduction, written)
+                            : ReproductionText(*reproduction));
   if (!reproduction->chain) return 0;
   return std::ranges::all_of(*reproduction->chain, &ChainRow::holds) ? 0 : 1;
 }

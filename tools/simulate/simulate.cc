@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/printable.h"
 #include "sim/output_rate.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
@@ -94,7 +95,7 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
                  fmt::format("give a --duration for 1 to {:g}", kMostRows));
   }
   trial::Record record = sim::SimulateRecord(scene, duration_s);
-  record.metadata.fields["scene"] = wanted.scene_path;
+  record.metadata.fields["scene"] = Printable(wanted.scene_path);
   return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
 }
 
@@ -290,7 +291,7 @@ int RunSimulate(int argc, const char* const* argv) {
   }
   const auto answer = Answer(wanted);
   if (!answer) return cli::ReportError(kVerb, answer.error());
-  fmt::print("{}", options.json() ? SimulateJson(*answer) : SimulateText(*answer));
+  cli::Print(options.json() ? SimulateJson(*answer) : SimulateText(*answer));
   return 0;
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/printable.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"
 #include "tools/simulate/drive_text.h"
@@ -258,7 +259,7 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
 
 std::string SimulateText(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text = fmt::format("{}: {}, {}\n", answer.scene_path, Bodies(solved.scene),
+  std::string text = fmt::format("{}: {}, {}\n", Printable(answer.scene_path), Bodies(solved.scene),
                                  DriveText(solved.scene.drive));
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (solved.steady) {
@@ -292,7 +293,7 @@ std::string SimulateText(const SimulateAnswer& answer) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
   for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
-    if (!path.empty()) text += fmt::format("  written: {}\n", path);
+    if (!path.empty()) text += fmt::format("  written: {}\n", Printable(path));
   }
   return text;
 }

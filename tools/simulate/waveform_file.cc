@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/printable.h"
 #include "tools/cli/output_file.h"
 #include "tools/simulated_trial.h"
 #include "trial/export/hdf5.h"
@@ -135,7 +136,7 @@ trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
   metadata.averages = 1;
   metadata.nominal_rate_hz = waves.rate_hz;
   metadata.laser_spot = Name(scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin);
-  metadata.fields["scene"] = scene_path;
+  metadata.fields["scene"] = Printable(scene_path);
   metadata.drive_amplitude_v = sim::LargestVoltageV(scene.drive);
   if (scene.drive.frequency_hz > 0) metadata.drive_frequency_hz = scene.drive.frequency_hz;
   return record;

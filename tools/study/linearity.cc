@@ -132,7 +132,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   if (taken->readings.empty()) return taken->status;
   const LinearityResult result = AnalyzeLinearity(
       taken->readings, wanted.floor_m ? std::optional(wanted.floor_m->value) : std::nullopt);
-  fmt::print("{}", options.json() ? LinearityJson(result) : LinearityText(result));
+  cli::Print(options.json() ? LinearityJson(result) : LinearityText(result));
   int status = taken->status;
   for (const DriveLine& line : result.lines) {
     if (!line.line) status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));

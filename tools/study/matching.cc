@@ -61,7 +61,7 @@ int RunStudyMatching(int argc, const char* const* argv) {
   if (!table) return cli::ReportError(kVerb, table.error());
   const auto result = AnalyzeMatching(*table, *contrasts);
   if (!result) return cli::ReportError(kVerb, result.error());
-  fmt::print("{}", options.json() ? MatchingJson(*result) : MatchingText(*result));
+  cli::Print(options.json() ? MatchingJson(*result) : MatchingText(*result));
   if (!plot.empty()) {
     if (auto drawn = plot::DrawPanels(plot, MatchingPanels(*result)); !drawn) {
       return cli::ReportError(kVerb, drawn.error());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/input_file.h"
+#include "base/printable.h"
 #include "tools/cli/band.h"
 #include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"
@@ -174,7 +175,7 @@ Result<Task> TaskOf(const Wanted& wanted) {
 
 Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   StudyResult study;
-  study.source = wanted.source;
+  study.source = Printable(wanted.source);
   study.question = task.question;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
@@ -251,7 +252,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
   for (const StudyTrial& trial : study->table.trials) {
     if (trial.error) static_cast<void>(cli::ReportError(kVerb, *trial.error));
   }
-  fmt::print("{}", options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
+  cli::Print(options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
   if (auto written = WriteFiles(wanted, *study); !written) {
     return cli::ReportError(kVerb, written.error());
   }

@@ -6,6 +6,7 @@
 #include <queue>
 #include <utility>
 
+#include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
@@ -51,7 +52,7 @@ Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads
   if (!row) return {};
   const auto point = PointOfRow(*row);
   if (!point || *point > reader.header().points ||
-      CellsOf(*row).size() != reader.header().columns.size()) {
+      cli::CellsOf(*row).size() != reader.header().columns.size()) {
     return CannotAnswer(reader.path(), fmt::format("holds a row that is none: '{:.40}'", *row),
                         "compute that shard again");
   }

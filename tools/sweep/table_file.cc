@@ -12,6 +12,7 @@
 #include <fstream>
 #include <utility>
 
+#include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
@@ -52,7 +53,7 @@ Result<std::uint64_t> CountRows(TableReader& reader, const SweepQuestion& questi
         row < rows &&
         line->starts_with(RowBegin(question.shard.PointOf(row),
                                    question.points.At(question.shard.PointOf(row)))) &&
-        CellsOf(*line).size() == reader.header().columns.size();
+        cli::CellsOf(*line).size() == reader.header().columns.size();
     if (is_ours) continue;
     return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", row + 1),
                  "was it edited? name another file, or say --overwrite");

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "base/input_file.h"
+#include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {
 namespace {
@@ -51,7 +52,7 @@ Result<void> TableReader::ReadHeader() {
     header_.question.push_back(*std::move(line));
   }
   if (!line) return unknown();
-  header_.columns = CellsOf(*line);
+  header_.columns = cli::CellsOf(*line);
   const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 1 &&
                         header_.columns.front() == "point" && header_.columns.back() == "remark";
   if (!is_known) return unknown();

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/printable.h"
 #include "sim/scene_file.h"
 #include "tools/simulate/drive_text.h"
 
@@ -129,7 +130,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   }
   const auto scene = sim::ReadSceneFile(words.scenes.front());
   if (!scene) return std::unexpected(scene.error());
-  question.name = words.scenes.front();
+  question.name = Printable(words.scenes.front());
   if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0) {
     return CannotAnswer(words.scenes.front(), "holds the case by a grip, which tune does not know",
                         "set [mounting] kind = \"free\"");

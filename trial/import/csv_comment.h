@@ -29,8 +29,8 @@ struct CsvComments {
 [[nodiscard]] Result<void> ReadCsvComment(std::string_view line, const std::string& where,
                                           CsvComments* comments);
 
-/// The `# key = value` lines that ReadCsvComment turns back into `metadata`. Line breaks within a
-/// value become blanks.
+/// The `# key = value` lines that ReadCsvComment turns back into `metadata`. What is not printable
+/// in a value is escaped (base/printable.h).
 [[nodiscard]] std::string CsvMetadataLines(const Metadata& metadata);
 
 /// One `# key = value` line; nothing for an empty value.
