@@ -23,8 +23,8 @@ namespace haptometer::acquire {
 /// the caller's to count. Memory is taken from the system as it is first used.
 class RowRing {
  public:
-  /// As many events may wait: 10 MB of text at most.
-  static constexpr std::size_t kMostEvents = 10'000;
+  /// As many events may wait: they are written within a fraction of a second.
+  static constexpr std::size_t kMostEvents = 1000;
 
   /// Room for as many rows of `channels` values as `bytes` hold, at least one.
   RowRing(std::size_t bytes, std::size_t channels);

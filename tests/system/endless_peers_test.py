@@ -179,7 +179,14 @@ def start(name, payload, replies, duration, trial):
                             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
     command = [program("haptometer"), "acquire", "-o", trial, *options]
     if transport == "pipe":
-        command += ["--sensor", "pipe", "--rate", "1kHz", "--channels", "displacement:m"]
+        command += ["--sensor", "pipe", "--rate", "1kHz"]
+        if protocol == "i16":
+            calibration = trial + ".toml"
+            with open(calibration, "w", encoding="utf-8") as file:
+                file.write("[displacement]\nscale_m_per_v = 1e-3\nv_per_count = 1e-4\n")
+            command += ["--channels", "displacement", "--calibration", calibration]
+        else:
+            command += ["--channels", "displacement:m"]
     else:
         command += ["--port", peer.stdout.readline().decode().strip()]
     if duration:
@@ -192,7 +199,7 @@ def start(name, payload, replies, duration, trial):
 def wait(acquire):
     """Status, peak memory in KiB, and how long it took."""
     begin = time.monotonic()
-    killer = threading.Timer(LONGEST_S, acquire.kill)
+    killer = threading.Timer(LONGEST_S, os.kill, (acquire.pid, signal.SIGKILL))
     killer.start()
     _, status, usage = os.wait4(acquire.pid, 0)
     killer.cancel()
@@ -210,7 +217,7 @@ def run_case(case, results):
         reader.start()
         if ending == "SIGTERM":
             time.sleep(1.2)
-            acquire.send_signal(signal.SIGTERM)
+            os.kill(acquire.pid, signal.SIGTERM)  # Popen's own way may collect its status
         status, memory_kib, took_s = wait(acquire)
         reader.join()
         peer.kill()
