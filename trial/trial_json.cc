@@ -190,6 +190,7 @@ Event EventFrom(const Json& json) {
   event.text = Text(json, "text");
   event.labels = Texts(json, "labels");
   if (json.contains("stretch")) event.stretch = StretchFrom(json.at("stretch"));
+  if (json.contains("missing")) event.missing = GetOptional<std::uint64_t>(json, "missing");
   const auto kind = GetEnum<EventKind>(json, "event", 5);
   if (kind) {
     event.kind = *kind;
@@ -251,6 +252,7 @@ std::string EventToJson(const Event& event) {
   if (!event.text.empty()) json["text"] = Printable(event.text);
   if (event.kind == EventKind::kLabels) json["labels"] = event.labels;
   if (event.stretch) json["stretch"] = ToJson(*event.stretch);
+  if (event.missing) json["missing"] = ValueOrNull(*event.missing);
   return Dumped(json);
 }
 

@@ -54,10 +54,12 @@ struct TrialWriter::State {
   std::optional<Error> error;  // the first one; sticky
 
   Result<void> Broken(const Error& cause) {
-    error =
-        Error{Cause::kFailed, name, "could not be written: " + cause.what,
-              fmt::format("{} of {} rows are kept; make room and record the rest to another file",
-                          totals.rows_kept, totals.rows)};
+    std::string remedy = cause.remedy;
+    if (remedy.empty()) {
+      remedy = fmt::format("{} of {} rows are kept; make room and record the rest to another file",
+                           totals.rows_kept, totals.rows);
+    }
+    error = Error{Cause::kFailed, name, "could not be written: " + cause.what, std::move(remedy)};
     return std::unexpected(*error);
   }
 
@@ -217,6 +219,7 @@ Result<TrialTotals> TrialWriter::Finish() {
   }
   if (auto done = state.Flush(); !done) return std::unexpected(done.error());
   state.finished = true;
+  state.totals.moved_to = state.sink->MovedTo();
   state.sink.reset();
   return state.totals;
 }

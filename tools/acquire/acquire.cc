@@ -185,7 +185,11 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
       file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock);
   if (!writer) return std::unexpected(writer.error());
   acquire::SingleTrial sink(*writer);
-  return RecordShown(sensor, sink, clock, limits, header, band, style);
+  auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
+  if (const std::string& moved_to = writer->totals().moved_to; summary && !moved_to.empty()) {
+    return Failed(file, "was moved while it was recorded", "it is whole, at " + moved_to);
+  }
+  return summary;
 }
 
 // everything between the command line and the report
