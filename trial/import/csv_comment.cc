@@ -80,7 +80,8 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
 bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comments) {
   if (key == "times") {
     if (value == "arrived") comments->timing = Timing::kArrival;
-    if (value == "polled") comments->timing = Timing::kPolled;
+    if (value == "polled" || value == "known") comments->timing = Timing::kPolled;
+    comments->times_are_known = value == "known";
     return true;
   }
   if (key == "stretch") {

@@ -15,8 +15,10 @@ namespace haptometer::trial {
 struct CsvComments {
   Metadata metadata{};
   std::vector<Stretch> stretches{};  ///< `# stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S`
-  /// `# times = grid | arrived | polled`; but for a grid the column holds times as they came.
+  /// `# times = grid | arrived | polled | known`: with the latter three arrival_s (or time_s, where
+  /// there is no arrival_s) holds times as they came.
   Timing timing = Timing::kUniform;
+  bool times_are_known = false;  ///< Record::times_are_known
   /// `# channel.2.name = CH2`: {"2.name": "CH2"}
   std::map<std::string, std::string> channel_keys{};
 };
