@@ -40,6 +40,7 @@ class Parser {
   Parser(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
 
   Result<Record> Parse() {
+    if (auto bounded = CheckLines(rest_, name_); !bounded) return std::unexpected(bounded.error());
     if (auto done = ReadFileHeader(); !done) return std::unexpected(done.error());
     while (NextLine()) {
       const bool begins_segment = LowerCase(Cells().front()) == "channels";
@@ -79,6 +80,7 @@ class Parser {
     do {
       const auto cells = Cells();
       if (cells.front() == kHeaderEnd) return {};
+      if (keys->size() == kMostHeaderLines) return Wrong("the header has too many lines");
       auto& values = (*keys)[std::string(cells.front())];
       values.assign(cells.begin() + 1, cells.end());
       while (!values.empty() && values.back().empty()) values.pop_back();
