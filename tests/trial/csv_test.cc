@@ -9,6 +9,7 @@
 
 #include "tests/residual.h"
 #include "trial/export/csv.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {
@@ -262,6 +263,56 @@ TEST(Csv, ArrivalTimesWithoutAWordOnTheirKindAreLeftOut) {
   EXPECT_TRUE(record.raw_times_s.empty());
   EXPECT_EQ(record.stretches.at(0).rate_hz, 2);
   EXPECT_EQ(record.channels.size(), 1);
+}
+
+// bounded before any of it is split, so that the memory is a small multiple of the text
+TEST(CsvBounds, LinesOfTooManyCellsOrBytesAreRefusedWithTheirPlace) {
+  const auto told = [](const std::string& text) {
+    const auto record = ParseCsv(text, "x.csv");
+    return record ? std::string() : record.error().Text();
+  };
+  const std::string rows = "time_s,displacement_m\n0,1\n1e-3,2\n";
+  for (const char separator : {',', ';', '\t'}) {
+    EXPECT_EQ(told(rows + std::string(kMostColumns, separator) + "\n"),
+              "x.csv: line 4: has more than 4096 columns; is it a table of measurements?");
+  }
+  EXPECT_EQ(told(std::string(kMostLineBytes + 1, 'a') + rows),
+            "x.csv: line 1: is longer than 1 MiB; is it a table of measurements?");
+  std::string comments;
+  for (std::size_t k = 0; k <= kMostHeaderLines; ++k) comments += "# a\n";
+  EXPECT_EQ(told(comments + rows),
+            "x.csv: line 100001: is the last of more than 100000 comments; is it a table of "
+            "measurements?");
+  EXPECT_EQ(told("# " + std::string(kMostLineBytes - 2, ',').substr(0, 4000) + "\n" + rows), "");
+}
+
+TEST(CsvBounds, AWideTableIsRead) {
+  std::string header = "time_s";
+  std::string first = "0";
+  std::string second = "1e-3";
+  for (int k = 0; k < 1000; ++k) {
+    header += fmt::format(",ch{}_v", k);
+    first += ",1";
+    second += ",2";
+  }
+  const auto record = ParseCsv(header + "\n" + first + "\n" + second + "\n", "x.csv");
+  ASSERT_TRUE(record) << record.error().Text();
+  EXPECT_EQ(record->channels.size(), 1000U);
+}
+
+// columns times blank lines would be far more memory than the text
+TEST(CsvBounds, BlankLinesReserveNoRows) {
+  const std::string blank(30'000'000, '\n');
+  std::string header = "time_s";
+  std::string row = "0";
+  for (int k = 0; k < 4000; ++k) {
+    header += fmt::format(",ch{}_v", k);
+    row += ",1";
+  }
+  const auto record =
+      ParseCsv(header + "\n" + row + "\n1e-3" + row.substr(1) + "\n" + blank, "x.csv");
+  ASSERT_TRUE(record) << record.error().Text();
+  EXPECT_EQ(record->rows, 2U);
 }
 
 }  // namespace

@@ -53,6 +53,7 @@ class Parser {
   }
 
   Result<Record> Parse() {
+    if (auto bounded = CheckLines(whole_, name_); !bounded) return std::unexpected(bounded.error());
     if (auto done = JoinBlocks(); !done) return std::unexpected(done.error());
     while (NextLine()) {
       const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
@@ -195,8 +196,11 @@ class Parser {
     }
     const auto time = std::ranges::find(layout.columns, CsvColumnKind::kTime, &CsvColumn::kind);
     time_column_ = static_cast<std::size_t>(time - layout.columns.begin()) + 1;
+    // a row takes a byte a column, its line end among them
+    const std::size_t most_rows = rest_.size() / layout.columns.size();
     rows_.Begin(std::move(layout));
-    rows_.Reserve(1 + static_cast<std::size_t>(std::ranges::count(rest_, '\n')));
+    const auto lines = static_cast<std::size_t>(std::ranges::count(rest_, '\n'));
+    rows_.Reserve(1 + std::min(lines, most_rows));
   }
 
   Result<Record> Complete() {

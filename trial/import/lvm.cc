@@ -57,6 +57,7 @@ class Parser {
       : rest_(text), name_(name), options_(options), remarks_(*remarks) {}
 
   Result<Record> Parse() {
+    if (auto bounded = CheckLines(rest_, name_); !bounded) return std::unexpected(bounded.error());
     if (auto done = ReadFileHeader(); !done) return std::unexpected(done.error());
     while (NextLine()) {
       const auto done = BeginsSegment() ? ReadSegmentHeader() : ReadDataLine();
@@ -99,6 +100,7 @@ class Parser {
     do {
       const auto cells = Cells();
       if (cells.front() == kHeaderEnd) return {};
+      if (keys->size() == kMostHeaderLines) return Wrong("the header has too many lines");
       auto& values = (*keys)[std::string(cells.front())];
       values.assign(cells.begin() + 1, cells.end());
       while (!values.empty() && values.back().empty()) values.pop_back();

@@ -1,5 +1,9 @@
 #include "trial/import/table_cells.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
+
 #include "trial/import/printed_number.h"
 
 namespace haptometer::trial {
@@ -56,7 +60,41 @@ void SplitAtBlanks(std::string_view line, std::vector<std::string_view>* cells) 
   } while (!line.empty());
 }
 
+// at most so many cells, whichever of the separators it is split at
+std::size_t MostCells(std::string_view line) {
+  if (line.size() < kMostColumns) return line.size() + 1;
+  std::size_t cells = 0;
+  for (const char separator : {',', ';', '\t'}) {
+    const auto separators = static_cast<std::size_t>(std::ranges::count(line, separator));
+    cells = std::max(cells, separators + 1);
+  }
+  return cells;
+}
+
 }  // namespace
+
+Result<void> CheckLines(std::string_view text, const std::string& name) {
+  std::size_t comments = 0;
+  for (std::size_t number = 1; !text.empty(); ++number) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view line = text.substr(0, end);
+    const auto refuse = [&](std::string what) -> Result<void> {
+      return CannotAnswer(fmt::format("{}: line {}", name, number), std::move(what),
+                          "is it a table of measurements?");
+    };
+    if (line.size() > kMostLineBytes) {
+      return refuse(fmt::format("is longer than {} MiB", kMostLineBytes >> 20));
+    }
+    if (MostCells(line) > kMostColumns) {
+      return refuse(fmt::format("has more than {} columns", kMostColumns));
+    }
+    if (line.starts_with('#') && ++comments > kMostHeaderLines) {
+      return refuse(fmt::format("is the last of more than {} comments", kMostHeaderLines));
+    }
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return {};
+}
 
 std::string_view LineWithTabs(std::string_view line) {
   constexpr std::string_view kBlanks = " \r";

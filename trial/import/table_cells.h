@@ -1,7 +1,11 @@
 #pragma once
 
+#include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
+
+#include "base/result.h"
 
 namespace haptometer::trial {
 
@@ -10,6 +14,17 @@ struct TableCells {
   char separator = ',';
   std::vector<std::string_view> cells{};
 };
+
+/// Bounds of a table, wide of what programs write. With them the memory for reading is a small
+/// multiple of the file's size, whatever it holds.
+inline constexpr std::size_t kMostColumns = 4096;
+inline constexpr std::size_t kMostLineBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMostHeaderLines = 100'000;  ///< that state something to be kept
+
+/// Refuses a text with a line of more than kMostLineBytes or kMostColumns, or with more # lines
+/// than kMostHeaderLines, before any of it is split. Errors (Cause::kCannotAnswer) name the line.
+/// Cost: one pass, no memory.
+[[nodiscard]] Result<void> CheckLines(std::string_view text, const std::string& name);
 
 /// `line` without blanks and a carriage return at its ends; tabs stay, because they separate empty
 /// cells there.
