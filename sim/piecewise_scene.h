@@ -26,8 +26,8 @@ struct PiecewiseEffects {
 [[nodiscard]] PiecewiseLinearSystem AssemblePiecewise(const Scene& scene,
                                                       const PiecewiseEffects& effects);
 
-/// Where the scene begins: at rest or in the steady motion of its linear part under a sine or
-/// tones, mode 0.
+/// Where the scene begins: at rest, in its stated initial state or in the steady motion of its
+/// linear part under a sine or tones, mode 0.
 [[nodiscard]] PiecewiseStart PiecewiseStartOf(const Scene& scene);
 
 }  // namespace haptometer::sim
