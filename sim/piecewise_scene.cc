@@ -232,6 +232,31 @@ PiecewiseLinearSystem AssemblePiecewise(const Scene& scene, const PiecewiseEffec
   return Assembly(scene, effects).Take();
 }
 
+void WatchTravelAndForce(const Scene& scene, const PiecewiseEffects& effects,
+                         PiecewiseLinearSystem& system) {
+  const LinearModel model = AssembleModel(scene);
+  const double Ks = scene.skin.stiffness_n_per_m, Bs = scene.skin.damping_n_s_per_m;
+  for (std::size_t k = 0; k < system.modes.size(); ++k) {
+    Mode& mode = system.modes[k];
+    const Eigen::Index n = mode.a.rows();
+    const Eigen::MatrixXd positions =
+        mode.positions.size() > 0 ? mode.positions : Eigen::MatrixXd::Identity(n, n);
+    WatchedNumber force{.row = Eigen::RowVectorXd::Zero(n)};
+    // contact and flight have as many modes each
+    if (effects.contact_loss && 2 * k >= system.modes.size()) {
+      force.offset = -effects.contact_loss->preload_n;
+    } else {
+      force.row = Ks * positions.row(model.skin()) + Bs * positions.row(model.skin_velocity());
+      if (!scene.finger.tones.empty()) {
+        force.feed = -Ks * Eigen::RowVectorXd::Unit(kInputs, kFinger) -
+                     Bs * Eigen::RowVectorXd::Unit(kInputs, kFingerRate);
+      }
+    }
+    mode.watched = {{.row = positions.row(LinearModel::kMover) - positions.row(LinearModel::kCase)},
+                    std::move(force)};
+  }
+}
+
 PiecewiseStart PiecewiseStartOf(const Scene& scene) {
   const LinearModel model = AssembleModel(scene);
   if (StartOf(scene) == Start::kRest) return {.x = StatedStart(scene.initial, model)};

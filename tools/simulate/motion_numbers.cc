@@ -37,7 +37,10 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
 }
 
 std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
-  if (played != nullptr && played->rows() > 0) return played->force_n.minCoeff();
+  if (const sim::SceneRun* run = RunOf(answer); run != nullptr && !IsSuperposed(answer)) {
+    return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
+  }
+  if (played != nullptr) return played->force_least_n;
   if (answer.scene.duration_s) return std::nullopt;
   const double resting_n = sim::RestingForceN(EffectiveOf(answer));
   // an offset shifts what swings

@@ -134,6 +134,10 @@ const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
   return settled ? &answer.effects->run : nullptr;
 }
 
+bool IsSuperposed(const SceneAnswer& answer) {
+  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic;
+}
+
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
   if (auto check = CheckRun(scene, where); !check) return std::unexpected(check.error());
   if (scene.drive.kind != sim::DriveKind::kSine && sim::StartOf(scene) == sim::Start::kSteady) {

@@ -23,11 +23,6 @@ std::string StartName(const sim::Scene& scene) {
   return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "steady state";
 }
 
-// a steady motion to which the finger's is added
-bool IsSuperposed(const SceneAnswer& solved) {
-  return !solved.steady && SettledRun(solved) != nullptr && !solved.effects->periodic;
-}
-
 std::string Method(const SceneAnswer& solved) {
   std::vector<std::string> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
