@@ -35,6 +35,7 @@ PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excita
   now_.tick = static_cast<std::uint64_t>(std::ldexp(passed, kFinestLevel));
   HAPTOMETER_CHECK(now_.x.size() == system_.modes[mode_].a.rows(), "{} states", now_.x.size());
   BeginPiece(0);
+  ForgetRanges();
   if (!with_energy_) return;
   flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
   flow_.squares.assign(system_.squared_rows.size(), 0);
@@ -101,8 +102,8 @@ bool PiecewiseMotion::PlainSine() const {
 Eigen::Index PiecewiseMotion::OutputsUnwatched() {
   const Mode& mode = Stepper().mode();
   const Eigen::Index n = now_.x.size();
-  const bool watched =
-      !mode.guards.empty() || with_energy_ || departure_ || now_.tick > 0 || PieceEndsWithin();
+  const bool watched = !mode.guards.empty() || !mode.watched.empty() || with_energy_ ||
+                       departure_ || now_.tick > 0 || PieceEndsWithin();
   if (watched || mode.positions.size() > 0 || n < 4 || n > LinearModel::kMostStates) return 0;
   if (!PlainSine() || piece_.terms[0].input != kVoltage) return 0;
   const std::uint64_t since = (index_ - anchor_index_) % kOutputsBetweenAnchors;
@@ -125,7 +126,7 @@ void PiecewiseMotion::Next() {
       !departure_ && now_.tick == 0 && Stepper().CoarsestLevel() == 0 && !PieceEndsWithin();
   if (may_clear) Step(now_, 0, next_);
   if (may_clear && ClearAtOnce(next_)) {
-    if (with_energy_) CountEnergy(now_, 0);
+    TakeStock(now_, 0, next_);
     std::swap(now_, next_);
   } else {
     Play();
@@ -166,7 +167,7 @@ void PiecewiseMotion::Play() {
       while ((kTicks >> level) >= ticks) ++level;
       continue;
     }
-    now_ = Travelled(now_, ahead.guard ? ahead.ticks : ticks, with_energy_);
+    now_ = Travelled(now_, ahead.guard ? ahead.ticks : ticks, true);
     if (ahead.guard) {
       Fire(*ahead.guard);
       level = Stepper().CoarsestLevel();
@@ -194,11 +195,11 @@ void PiecewiseMotion::Play() {
 void PiecewiseMotion::Pass() {
   while (PieceEndsWithin()) {
     if (now_.tick < piece_end_tick_) {
-      now_ = Travelled(now_, piece_end_tick_ - now_.tick, with_energy_);
+      now_ = Travelled(now_, piece_end_tick_ - now_.tick, true);
     }
     BeginPiece(place_ + 1);
   }
-  now_ = Travelled(now_, kTicks - now_.tick, with_energy_);
+  now_ = Travelled(now_, kTicks - now_.tick, true);
 }
 
 long double PiecewiseMotion::TimeAt(std::uint64_t tick) const {
@@ -227,13 +228,13 @@ void PiecewiseMotion::Step(const Point& from, int level, Point& to) {
 }
 
 PiecewiseMotion::Point PiecewiseMotion::Travelled(Point from, std::uint64_t ticks,
-                                                  bool count_energy) {
+                                                  bool take_stock) {
   for (int level = 0; level <= kFinestLevel && ticks > 0; ++level) {
     const std::uint64_t stride = kTicks >> level;
     if (ticks < stride) continue;
     ticks -= stride;
-    if (count_energy) CountEnergy(from, level);
     Step(from, level, next_);
+    if (take_stock) TakeStock(from, level, next_);
     std::swap(from, next_);
   }
   return from;

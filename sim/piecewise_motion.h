@@ -130,6 +130,12 @@ class PiecewiseMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
+  /// The ranges of the modes' watched numbers since the beginning or the last ForgetRanges(),
+  /// between outputs and on either side of events too: located, not sampled, to rounding. Where
+  /// something settles so fast that an output step is longer than what bounds hold for, one extreme
+  /// in a step is found. Cost: 0.1 us for a step, some 5 us for each that may hold an extreme.
+  [[nodiscard]] const std::vector<ValueRange>& Ranges() const { return flow_.ranges; }
+  void ForgetRanges();
   /// How many intervals may be judged one by one, each in some 1 us, until that output.
   [[nodiscard]] static double MostSteps(std::uint64_t output) {
     return 2e6 + 10 * static_cast<double>(output);
@@ -159,6 +165,7 @@ class PiecewiseMotion {
     long double impact_j = 0;
     std::vector<long double> dissipated_j;
     std::vector<long double> squares;
+    std::vector<ValueRange> ranges;  // no sums, but gathered in the same places
   };
 
   struct Shape {  // pieces that share their matrices
@@ -179,8 +186,13 @@ class PiecewiseMotion {
   void Pass();
   [[nodiscard]] long double TimeAt(std::uint64_t tick) const;
   void Step(const Point& from, int level, Point& to);  // not in place
-  [[nodiscard]] Point Travelled(Point from, std::uint64_t ticks, bool count_energy);
+  [[nodiscard]] Point Travelled(Point from, std::uint64_t ticks, bool take_stock);
+  void TakeStock(const Point& from, int level, const Point& to);
   void CountEnergy(const Point& from, int level);
+  void Watch(const Point& from, int level, const Point& to);
+  void LookForExtremes(GuardBound& number, const Point& from, int level, const Point& to,
+                       int deepest, ValueRange& range);
+  [[nodiscard]] double ValueAtExtreme(const GuardBound& number, const Point& from, int level);
   [[nodiscard]] bool ClearAtOnce(const Point& end);
   void Play();
   [[nodiscard]] Ahead LookAhead(const Point& end, std::uint64_t ticks);

@@ -9,7 +9,6 @@
 #include "base/check.h"
 #include "sim/excitation.h"
 #include "sim/guard_bound.h"
-#include "sim/hermite.h"
 #include "sim/linear_model.h"
 #include "sim/output_rate.h"
 #include "sim/piecewise_motion.h"
@@ -64,9 +63,11 @@ RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
   return grid;
 }
 
-// the squares of skin and case beside the energies
-void AskForSquares(const LinearModel& model, PiecewiseLinearSystem& system) {
+// the squares of skin and case beside the energies, and the peaks
+void AskForNumbers(const EffectiveScene& scene, PiecewiseLinearSystem& system) {
+  const LinearModel model = AssembleModel(scene.scene);
   const Eigen::Index n = model.states();
+  WatchTravelAndForce(scene.scene, scene.piecewise, system);
   system.squared_rows = {Eigen::RowVectorXd::Unit(n, model.skin()),
                          Eigen::RowVectorXd::Unit(n, LinearModel::kCase)};
 }
@@ -85,6 +86,8 @@ double CurrentSquares(const SmoothMotion& motion, double /*resistance_ohm*/) {
 
 double RiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
 double RiseOf(const SmoothMotion& motion) { return motion.temperature_rise_k(); }
+double PeakRiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
+double PeakRiseOf(const SmoothMotion& motion) { return motion.temperature_peak_k(); }
 
 // Plays a motion and gathers what its window shows.
 template <typename Motion>
@@ -103,13 +106,11 @@ class Playing {
   }
 
   SceneRun Play() {
-    MoverJet(before_);
     if (grid_.window_begin == 0) BeginWindow();
     const std::size_t most_events = kMostEvents + kMostEventsPerOutput * grid_.count;
     while (motion_.index() < grid_.count && !motion_.stalled_at_s()) {
       motion_.Next();
       if (motion_.events().size() > most_events) return GiveUp();
-      TakePeaks();
       if (motion_.index() == grid_.window_begin) BeginWindow();
       TakeSkin();
     }
@@ -122,42 +123,19 @@ class Playing {
     return grid_.outputs.origin_s + static_cast<double>(output) / grid_.outputs.rate_hz;
   }
 
-  // xv - xa, its rate and acceleration
-  void MoverJet(MotionJet& jet) const {
-    const Eigen::VectorXd x = motion_.Positions();
-    const Eigen::VectorXd rate = motion_.Rates();
-    jet.x = x(LinearModel::kMover) - x(LinearModel::kCase);
-    jet.v = x(LinearModel::kMoverVelocity) - x(LinearModel::kCaseVelocity);
-    jet.a = rate(LinearModel::kMoverVelocity) - rate(LinearModel::kCaseVelocity);
-  }
-
+  // what came before the window, or before its end
   void TakePeaks() {
-    MotionJet now;
-    MoverJet(now);
-    const double h_s = 1 / grid_.outputs.rate_hz;
-    const bool smooth = motion_.events().size() == events_seen_ && motion_.index() > 1;
-    double peak_m = smooth ? HermiteQuintic(before_, now, h_s).Peak() : std::abs(now.x);
-    for (; events_seen_ < motion_.events().size(); ++events_seen_) {
-      peak_m = std::max(peak_m, GapReached(motion_.events()[events_seen_]));
-    }
-    before_ = now;
-    run_.temperature_peak_k = std::max(run_.temperature_peak_k, RiseOf(motion_));
+    const std::vector<ValueRange>& ranges = motion_.Ranges();
+    const double peak_m = ranges[kWatchedTravel].LargestMagnitude();
+    run_.mover_peak_m = peak_m;
     run_.mover_peak_of_run_m = std::max(run_.mover_peak_of_run_m, peak_m);
-    if (motion_.index() > grid_.window_begin) {
-      run_.mover_peak_m = std::max(run_.mover_peak_m, peak_m);
-    }
-  }
-
-  // the gap that an event at a stop is about, else 0
-  double GapReached(const Event& event) const {
-    const std::string_view name = motion_.system().transitions[event.transition].name;
-    const std::optional<TravelStops>& stops = scene_.piecewise.stops;
-    if (name == "impact up" || name == "stop up") return stops->gap_up_m;
-    if (name == "impact down" || name == "stop down") return stops->gap_down_m;
-    return 0;
+    run_.skin_force_least_n = std::min(run_.skin_force_least_n, ranges[kWatchedForce].least);
+    run_.temperature_peak_k = std::max(run_.temperature_peak_k, PeakRiseOf(motion_));
   }
 
   void BeginWindow() {
+    TakePeaks();
+    motion_.ForgetRanges();
     const std::vector<double> squares = motion_.SquareIntegrals();
     skin_before_ = squares[0];
     case_before_ = squares[1];
@@ -180,6 +158,7 @@ class Playing {
   }
 
   void Finish() {
+    TakePeaks();
     run_.stalled_at_s = motion_.stalled_at_s();
     if (run_.stalled_at_s) run_.stall_reason = motion_.stall_reason();
     run_.temperature_rise_k = RiseOf(motion_);
@@ -213,8 +192,6 @@ class Playing {
   std::unique_ptr<Motion> motion_owner_;
   Motion& motion_;
   SceneRun run_;
-  MotionJet before_;
-  std::size_t events_seen_ = 0;
   double skin_before_ = 0, case_before_ = 0, current_before_ = 0, input_before_j_ = 0;
 };
 
@@ -236,7 +213,7 @@ bool CanLookForEvents(const PiecewiseLinearSystem& system, const RunGrid& grid) 
 SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseStart start) {
   const Scene& bodies = scene.scene;
   PiecewiseLinearSystem system = AssemblePiecewise(bodies, scene.piecewise);
-  AskForSquares(AssembleModel(bodies), system);
+  AskForNumbers(scene, system);
   const RunGrid grid = GridOf(scene, duration_s);
   if (!CanLookForEvents(system, grid)) {
     SceneRun run;
@@ -313,7 +290,7 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {
-  return RunScene(scene, duration_s, PiecewiseStartOf(scene.scene));
+  return RunScene(scene, duration_s, StartIn(scene));
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart start,
@@ -326,7 +303,7 @@ SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseSt
                      double temperature_rise_k, double tolerance) {
   const Scene& bodies = scene.scene;
   SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
-  AskForSquares(AssembleModel(bodies), system.linear);
+  AskForNumbers(scene, system.linear);
   const RunGrid grid = GridOf(scene, duration_s);
   const auto outputs = static_cast<std::int64_t>(grid.count);
   auto motion = std::make_unique<SmoothMotion>(

@@ -31,6 +31,8 @@ struct SceneRun {
   double power_w = 0;        ///< mean of v i, and of what a moving finger puts in
   double mover_peak_m = 0;   ///< largest abs(xv - xa) in the window
   double mover_peak_of_run_m = 0;  ///< in the whole run, transients included
+  /// Least of what presses on the skin beyond what does at rest (RestingForceN), in the whole run.
+  double skin_force_least_n = 0;
   double outputs_rate_hz = 0;
   Eigen::VectorXd skin_m;            ///< xs at the window's outputs, begin_s + i / outputs_rate_hz
   EnergyLedger ledger;               ///< of the whole run
@@ -38,7 +40,7 @@ struct SceneRun {
   std::optional<double> stalled_at_s{};  ///< nothing behind it is known
   std::string_view stall_reason{};       ///< "events without end", "the solver cannot go on"
   double temperature_rise_k = 0;         ///< of the coil that heats, at the end of the run
-  double temperature_peak_k = 0;         ///< the largest at the run's outputs
+  double temperature_peak_k = 0;         ///< the largest in the run
   std::optional<OdeMethod> solver{};     ///< of smooth effects; absent: exact
   OdeWork work{};                        ///< of the solver, over all runs that led to this one
   /// Relative, of any asked quantity, what the solver is wrong by; 0 of an exact run. Infinite
@@ -72,9 +74,9 @@ inline constexpr std::size_t kMostEventsPerOutput = 50;
 ///
 /// Outputs come as output_rate.h says.
 ///
-/// **Without smooth effects** by PiecewiseMotion, exact but for the peaks: between outputs they
-/// follow the quintic through position, velocity and acceleration at both (6th order); where an
-/// event lies between, the outputs and a rigid stop's gap alone.
+/// Peaks and the least force are located between outputs and on both sides of each event.
+///
+/// **Without smooth effects** by PiecewiseMotion, exact.
 ///
 /// **With them** by SmoothMotion, with one tolerance of solver_ladder.h after the other until
 /// ErrorOf the last two runs is a quarter of scene.tolerance, or no longer falls (a chaotic

@@ -213,7 +213,7 @@ std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
   if (!(duration_s * rate_hz >= 1 && duration_s * rate_hz <= kMostWaveformRows)) {
     return std::nullopt;
   }
-  return sim::PlayWaveforms(effective, StartOf(solved, effective), duration_s, rate_hz);
+  return sim::PlayWaveforms(effective, StartOf(solved, effective), duration_s, rate_hz, true);
 }
 
 // what is asked for must be possible before the work

@@ -131,8 +131,8 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   const auto scene = sim::ReadSceneFile(words.scenes.front());
   if (!scene) return std::unexpected(scene.error());
   question.name = Printable(words.scenes.front());
-  if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0) {
-    return CannotAnswer(words.scenes.front(), "holds the case by a grip, which tune does not know",
+  if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0 || scene->grip.holds) {
+    return CannotAnswer(words.scenes.front(), "holds the case, which tune does not know",
                         "set [mounting] kind = \"free\"");
   }
   if (scene->drive.kind != sim::DriveKind::kSine) {
@@ -140,6 +140,10 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
         words.scenes.front(),
         fmt::format("drives with {}, and tune knows a sine alone", KindText(scene->drive.kind)),
         "set [drive] kind = \"sine\"");
+  }
+  if (scene->drive.offset_v != 0) {
+    return CannotAnswer(words.scenes.front(), "drives with an offset, which tune does not know",
+                        "remove offset_v: it adds a constant to the motion");
   }
   question.problem.actuator = scene->actuator;
   question.problem.actuator.resistance_ohm += scene->drive.source_resistance_ohm;
