@@ -52,13 +52,15 @@ double MedianInterval(const Rows& rows) {
 // empty, and all that waited comes in the one behind them: only windows between two others with
 // rows count. Nothing where there are too few.
 std::optional<double> PeriodByCounts(const Rows& rows) {
-  const double span_ns = rows.times.back() - rows.times.front();
+  // a damaged file may hold any times
+  const auto [first, last] = std::ranges::minmax(rows.times);
+  const double span_ns = last - first;
   if (span_ns <= 0) return std::nullopt;
   const double mean_ns = span_ns / AsDouble(rows.size());
   const double window_ns = std::max(kWindowNs, AsDouble(kLeastWindowRows) * mean_ns);
   std::vector<double> counts(static_cast<std::size_t>(span_ns / window_ns) + 1);
   for (const double time_ns : rows.times) {
-    ++counts[static_cast<std::size_t>((time_ns - rows.times.front()) / window_ns)];
+    ++counts[static_cast<std::size_t>((time_ns - first) / window_ns)];
   }
   std::vector<double> usual;
   for (std::size_t k = 1; k + 1 < counts.size(); ++k) {

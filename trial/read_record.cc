@@ -63,7 +63,10 @@ std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& rep
   if (report.losses.empty()) {
     for (const Event& event : report.events) {
       if (!event.BeginsStretch() || event.row >= report.rows) continue;
-      missing.push_back({event.row, event.missing.value_or(std::nullopt)});
+      // beyond any recording a number is damage, and would cost the places their digits
+      constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+      const auto count = event.missing.value_or(std::nullopt);
+      missing.push_back({event.row, count.value_or(0) <= kMost ? count : std::nullopt});
     }
   }
   std::ranges::sort(missing, {}, &MissingRows::row);
