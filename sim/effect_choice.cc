@@ -97,7 +97,8 @@ class Decision {
   void LeaveOutWhatIsNeverReached() {
     for (const Effect effect : {Effect::kTravelStops, Effect::kContactLoss}) {
       if (!Asked(effect)) continue;
-      if (MaySettleElsewhere() || Reached(effect, everything_)) {
+      const bool rests = effect == Effect::kTravelStops && RestsOnStop(WithEffects(scene_, all_));
+      if (rests || MaySettleElsewhere() || Reached(effect, everything_)) {
         VerdictOf(effect).ground = Ground::kCompared;
       } else {
         LeaveOut(effect, Ground::kNeverReached);
@@ -207,7 +208,7 @@ PlayedScene PlayWith(const Scene& scene, EffectSet on) {
     played.problem = std::move(steady.tried);
     if (!steady.run) return played;
   } else {
-    steady.start = PiecewiseStartOf(effective.scene);
+    steady.start = StartIn(effective);
   }
   if (scene.duration_s) {
     const double start_error = steady.run ? steady.run->error_estimate : 0;

@@ -1,6 +1,7 @@
 #include "sim/linear_model.h"
 
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -49,6 +50,7 @@ Scalar As(double value) {
 // Mc1
 template <typename Scalar>
 Scalar CaseSide(const Bodies& bodies) {
+  if (bodies.grip.holds) return std::numeric_limits<Scalar>::infinity();
   return As<Scalar>(bodies.actuator.case_mass_kg) +
          As<Scalar>(bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0);
 }
@@ -70,6 +72,14 @@ template <typename Scalar>
 void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
              Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
+  if (bodies.grip.holds) {
+    // the case stays at 0 whatever this is; it keeps the matrix regular and is no slower than the
+    // mover
+    const double pace =
+        std::sqrt(bodies.actuator.stiffness_n_per_m / bodies.actuator.moving_mass_kg);
+    rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-pace);
+    return;
+  }
   rows.a(3, 2) -= As<Scalar>(bodies.grip.stiffness_n_per_m) / Mc1;
   rows.a(3, 3) -= As<Scalar>(bodies.grip.damping_n_s_per_m) / Mc1;
   if (!bodies.adapter) {
@@ -164,6 +174,7 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
                           const Skin& skin, const Grip& grip) {
   CheckActuator(actuator);
   const Bodies bodies{.actuator = actuator, .adapter = adapter, .skin = skin, .grip = grip};
+  HAPTOMETER_CHECK(!(adapter && grip.holds), "an adapter on a case that is held");
   HAPTOMETER_CHECK(!adapter || (adapter->skin_side_mass_kg > 0 && CaseSide<double>(bodies) > 0),
                    "skin side {} kg, case side {} kg", adapter->skin_side_mass_kg,
                    CaseSide<double>(bodies));

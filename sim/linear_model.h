@@ -57,7 +57,8 @@ struct LinearModel {
 [[nodiscard]] LinearModel AssembleModel(const Actuator& actuator,
                                         const std::optional<Adapter>& adapter, const Skin& skin);
 
-/// The same with the case held by a grip.
+/// The same with the case held by a grip. Where it holds rigidly, without an adapter, the case
+/// weighs infinitely much: its states are 0 and stay there.
 [[nodiscard]] LinearModel AssembleModel(const Actuator& actuator,
                                         const std::optional<Adapter>& adapter, const Skin& skin,
                                         const Grip& grip);

@@ -35,8 +35,8 @@ inline constexpr std::size_t kWatchedForce = 1;
 void WatchTravelAndForce(const Scene& scene, const PiecewiseEffects& effects,
                          PiecewiseLinearSystem& system);
 
-/// Where the scene begins: at rest or in the steady motion of its linear part under a sine or
-/// tones, mode 0.
+/// Where the scene begins: at rest, in its stated initial state or in the steady motion of its
+/// linear part under a sine or tones, mode 0.
 [[nodiscard]] PiecewiseStart PiecewiseStartOf(const Scene& scene);
 
 }  // namespace haptometer::sim

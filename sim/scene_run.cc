@@ -396,7 +396,7 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {
-  return RunScene(scene, duration_s, PiecewiseStartOf(scene.scene));
+  return RunScene(scene, duration_s, StartIn(scene));
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s, PiecewiseStart start,

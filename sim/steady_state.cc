@@ -138,14 +138,25 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   const double omega = 2 * std::numbers::pi * drive.frequency_hz;
   steady.current_a =
       (model.current_row.cast<Complex>() * x).value() + model.current_per_volt * drive.amplitude_v;
-  steady.skin_rms_m = std::abs(x(model.skin())) / std::numbers::sqrt2;
-  steady.case_rms_m = std::abs(x(LinearModel::kCase)) / std::numbers::sqrt2;
-  steady.mover_peak_m = std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
-  steady.current_rms_a = std::abs(steady.current_a) / std::numbers::sqrt2;
-  steady.power_w = (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
+  const Eigen::VectorXd& mean = steady.mean;
+  steady.mean_current_a = model.current_row.dot(mean) + model.current_per_volt * drive.offset_v;
+  steady.mean_travel_m = mean(LinearModel::kMover) - mean(LinearModel::kCase);
+  steady.mean_skin_force_n = skin.stiffness_n_per_m * mean(model.skin());
+  const auto rms = [](double constant, const Complex& peak) {
+    return constant == 0 ? std::abs(peak) / std::numbers::sqrt2
+                         : std::hypot(constant, std::abs(peak) / std::numbers::sqrt2);
+  };
+  steady.skin_rms_m = rms(mean(model.skin()), x(model.skin()));
+  steady.case_rms_m = rms(mean(LinearModel::kCase), x(LinearModel::kCase));
+  steady.mover_peak_m =
+      std::abs(steady.mean_travel_m) + std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
+  steady.current_rms_a = rms(steady.mean_current_a, steady.current_a);
+  steady.power_w = drive.offset_v * steady.mean_current_a +
+                   (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
   steady.phase_rad =
       drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
   steady.skin_force_peak_n =
+      std::abs(steady.mean_skin_force_n) +
       std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
 }
 
@@ -164,6 +175,7 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
 
   SteadyState steady;
   steady.phasors = balanced.scale.asDiagonal() * x;
+  steady.mean = StaticState(model, drive.offset_v);
   Summarise(model, drive, skin, steady);
 
   // a singular matrix gives no number to compare with
@@ -175,13 +187,30 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
                 bounds.Relative(unit(LinearModel::kMover) - unit(LinearModel::kCase)),
                 bounds.Relative(model.current_row, model.current_per_volt * drive.amplitude_v),
                 bounds.RelativeOfPower(model.power_rows, drive.amplitude_v)});
+  // nothing drives it, or it is held
   const bool silent = drive.amplitude_v == 0;
   steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
   return steady;
 }
 
 SteadyState SolveSteadyState(const Scene& scene) {
-  return SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+  SteadyState steady = SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+  if (scene.drive.offset_v != 0 && !IsHeldInPlace(scene)) steady.error_estimate = HUGE_VAL;
+  return steady;
+}
+
+bool IsHeldInPlace(const Scene& scene) {
+  return scene.skin.stiffness_n_per_m > 0 || scene.grip.stiffness_n_per_m > 0 || scene.grip.holds;
+}
+
+Eigen::VectorXd StaticState(const LinearModel& model, double voltage_v) {
+  if (voltage_v == 0) return Eigen::VectorXd::Zero(model.states());
+  const BalancedMatrix balanced = Balance(model.a);
+  const Eigen::VectorXd push = -voltage_v * model.b.cwiseQuotient(balanced.scale);
+  const Eigen::PartialPivLU<Eigen::MatrixXd> factors(balanced.matrix);
+  Eigen::VectorXd x = factors.solve(push);
+  x += factors.solve(push - balanced.matrix * x);
+  return balanced.scale.cwiseProduct(x);
 }
 
 double SkinRmsUncertainty(const Scene& scene) {

@@ -131,8 +131,8 @@ class Recording {
 double RestingForceN(const EffectiveScene& scene) {
   if (scene.piecewise.contact_loss) return scene.piecewise.contact_loss->preload_n;
   const Effects& effects = scene.scene.effects;
-  const double weight_n = effects[Effect::kGravity] == Wish::kOff ? 0 : Weight(scene.scene);
-  return weight_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
+  const double press_n = PressOnSkin(scene.scene, effects[Effect::kGravity] != Wish::kOff);
+  return press_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
 }
 
 Beginning BeginningOf(const EffectiveScene& scene) {
@@ -146,9 +146,9 @@ Beginning BeginningOf(const EffectiveScene& scene) {
       return {.start = std::move(settled.start), .temperature_rise_k = settled.temperature_rise_k};
     }
   }
-  Scene resting = body;
-  resting.start = Start::kRest;
-  return {.start = PiecewiseStartOf(resting)};
+  EffectiveScene resting = scene;
+  resting.scene.start = Start::kRest;
+  return {.start = StartIn(resting)};
 }
 
 Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning, double duration_s,

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/printable.h"
+#include "sim/linear_model.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"
 #include "tools/simulate/drive_text.h"
@@ -19,6 +21,7 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string StartName(const sim::Scene& scene) {
+  if (scene.initial.Any()) return "the stated start";
   return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "steady state";
 }
 
@@ -76,7 +79,11 @@ std::string SteadyText(const SceneAnswer& solved) {
                       steady.phase_rad * 180 / std::numbers::pi);
   text += fmt::format("  electrical power   {:12.5f} mW\n", steady.power_w * 1e3);
   text += fmt::format("  skin force      +- {:12.5f} N\n", steady.skin_force_peak_n);
-  return text;
+  if (solved.scene.drive.offset_v == 0) return text;
+  return text +
+         fmt::format("  of it constant: skin {:.5f} um, mover {:.5f} um in its case, {:.5f} mA\n",
+                     steady.mean(sim::AssembleModel(solved.scene).skin()) * 1e6,
+                     steady.mean_travel_m * 1e6, steady.mean_current_a * 1e3);
 }
 
 std::string TonesText(const sim::SteadyTones& tones) {
@@ -258,6 +265,16 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
         "and skin together",
         solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n));
   }
+  if (const double preload_n = solved.scene.mover_preload_n; preload_n != 0) {
+    const sim::EffectiveScene effective = EffectiveOf(solved);
+    const double sag_m = sim::MoverSag(solved.scene, Limited(solved, sim::Effect::kGravity),
+                                       effective.smooth.spring.has_value());
+    assumptions.push_back(fmt::format(
+        "{:g} N act on the mover, towards the skin positive; positions count from static "
+        "equilibrium, where they hold it {:.5f} um from where its spring is at ease{}",
+        preload_n, sag_m * 1e6,
+        sim::RestsOnStop(effective) ? ", beyond the stop that it therefore rests on" : ""));
+  }
   assumptions.push_back(
       SourceAssumption(solved.scene.drive, Limited(solved, sim::Effect::kCoilHeating)));
   return assumptions;
@@ -265,7 +282,7 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
 
 std::string SimulateText(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text = fmt::format("{}: {}, {}\n", answer.scene_path, Bodies(solved.scene),
+  std::string text = fmt::format("{}: {}, {}\n", Printable(answer.scene_path), Bodies(solved.scene),
                                  DriveText(solved.scene.drive));
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (solved.steady) {
@@ -295,7 +312,7 @@ std::string SimulateText(const SimulateAnswer& answer) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
   for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
-    if (!path.empty()) text += fmt::format("  written: {}\n", path);
+    if (!path.empty()) text += fmt::format("  written: {}\n", Printable(path));
   }
   return text;
 }
