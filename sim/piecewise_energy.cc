@@ -24,6 +24,8 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
 void PiecewiseMotion::TakeStock(const Point& from, int level, const Point& to) {
   if (with_energy_) CountEnergy(from, level);
   if (!flow_.ranges.empty()) Watch(from, level, to);
+  // before anything happens: in long steps (CarryErrorFar)
+  if (flow_.error && !events_.empty()) CarryError(from, level, to);
 }
 
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {

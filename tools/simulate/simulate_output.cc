@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
@@ -165,12 +166,22 @@ std::string RunText(const SceneAnswer& solved) {
     text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
                         run.temperature_rise_k, run.temperature_peak_k);
   }
-  if (run.solver) {
-    text += fmt::format("  solver: {} steps, relative error of the run below {:.1e}\n",
-                        run.work.steps, run.error_estimate);
+  if (run.solver) text += fmt::format("  solver: {} steps\n", run.work.steps);
+  if (run.known_until_s) {
+    text += fmt::format("  known to {:g} until {:.6g} s: small errors grow in this motion\n",
+                        solved.scene.tolerance, *run.known_until_s);
   }
   text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
   return text;
+}
+
+// of all that is answered
+double ErrorEstimate(const SceneAnswer& solved) {
+  double largest = 0;
+  if (solved.steady) largest = solved.steady->error_estimate;
+  if (solved.tones) largest = std::max(largest, solved.tones->error_estimate);
+  if (const sim::SceneRun* run = RunOf(solved)) largest = std::max(largest, run->error_estimate);
+  return largest;
 }
 
 ordered_json EffectsJson(const SceneAnswer& solved) {
@@ -229,6 +240,7 @@ ordered_json RunJson(const SceneAnswer& solved) {
           {"temperature_rise_k", run.temperature_rise_k},
           {"temperature_peak_k", run.temperature_peak_k},
           {"error_estimate", run.error_estimate},
+          {"known_until_s", cli::NumberOrNull(run.known_until_s)},
           {"solver_steps", run.work.steps},
           {"events", events},
           {"energy_imbalance", run.ledger.Imbalance()}};
@@ -294,11 +306,7 @@ std::string SimulateText(const SimulateAnswer& answer) {
     }
   }
   text += fmt::format("  method: {}", Method(solved));
-  if (solved.steady) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.steady->error_estimate);
-  } else if (solved.tones) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.tones->error_estimate);
-  }
+  text += fmt::format("; relative error of all numbers below {:.1e}", ErrorEstimate(solved));
   text += "\n" + answer.explanation;
   for (const std::string& assumption : SimulateAssumptions(answer)) {
     text += fmt::format("  assumed: {}\n", assumption);
@@ -346,7 +354,7 @@ std::string SimulateJson(const SimulateAnswer& answer) {
       {"period_s",
        tones && tones->period_s > 0 ? cli::NumberOrNull(tones->period_s) : ordered_json(nullptr)},
       {"method", Method(solved)},
-      {"error_estimate", number(&State::error_estimate, &Tones::error_estimate)},
+      {"error_estimate", cli::NumberOrNull(ErrorEstimate(solved))},
       {"window_rms_m", nullptr},
       {"window_s", nullptr},
       {"effects", EffectsJson(solved)},
