@@ -45,7 +45,8 @@ TEST(TomlTemplate, FillsOpenKeysAndKeepsTheRest) {
 // 17 digits give back every double; the extremes, and numbers that 15 or 16 digits would change
 TEST(TomlTemplate, KeepsEveryBitOfNumbers) {
   const std::string text =
-      "a = 0.1\nb = 1.0000000000000002e-30\nc = 9.9999999999999988e29\nd = 0.30000000000000004\ne = inf\n"
+      "a = 0.1\nb = 1.0000000000000002e-30\nc = 9.9999999999999988e29\nd = 0.30000000000000004\ne "
+      "= inf\n"
       "f = 9007199254740993\ng = 123456789.12345679\n";
   TomlTable table = Filled(Opened(text, {"open"}), {"1"});
   EXPECT_EQ(table.Number("a", Dimension::kNone), 0.1);
