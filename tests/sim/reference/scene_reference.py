@@ -215,13 +215,13 @@ def known_numbers(program):
              "drive": {"kind": "sine", "amplitude_v": 5.0, "frequency_hz": 225.0}, "effects": {}, "run": {"duration_s": 0.1}}
     linear = run_reference(program, [reference_lines(scene)])[0]["skin_rms_m"]
     yield "linear scene against linear_reference.py (mpmath)", linear, 1.9117910472254904510e-4, 1e-14
-    # a heavy body at rest on a rigid stop is the limit of stiff, well damped pads
+    # rest on a rigid stop is the limit of stiff pads that let nothing bounce (4e-7 at 1e10 N/m)
     resting = {"actuator": thesis, "skin": scene["skin"], "effects": {"travel_stops": True, "stiffening": True},
                "drive": {"kind": "sine", "amplitude_v": 5.0, "frequency_hz": 60.0}, "run": {"duration_s": 0.05},
                "stiffening": {"cubic_n_per_m3": 4e12}, "travel_stops": {"gap_m": 3e-5, "restitution": 0.0}}
-    pads = resting | {"travel_stops": {"gap_m": 3e-5, "stiffness_n_per_m": 1e10, "damping_n_s_per_m": 4000.0}}
+    pads = resting | {"travel_stops": {"gap_m": 3e-5, "stiffness_n_per_m": 1e10, "damping_n_s_per_m": 1e5}}
     rigid, stiff = (one["skin_rms_m"] for one in run_reference(program, [reference_lines(resting), reference_lines(pads)]))
-    yield "rest on a rigid stop against pads of 1e10 N/m", stiff, rigid, 1e-4
+    yield "rest on a rigid stop against pads of 1e10 N/m", stiff, rigid, 1e-6
 
 
 def check(program, every):
