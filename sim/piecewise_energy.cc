@@ -82,8 +82,8 @@ void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int
     // the bound by magnitudes is far too large)
     const double ends = std::max(std::abs(begin[2]), std::abs(end[2]));
     const double m2 = std::min(bound, ends + m4 * h_s * h_s / 8);
-    // and 1e-13 of the range is the state's rounding
-    const double bulge = m2 * h_s * h_s / 8 - 1e-13 * std::max(range.largest, -range.least);
+    // and 1e-15 of the range is the state's rounding
+    const double bulge = m2 * h_s * h_s / 8 - 1e-15 * std::max(range.largest, -range.least);
     const bool inside = std::max(begin[0], end[0]) + bulge <= range.largest &&
                         std::min(begin[0], end[0]) - bulge >= range.least;
     if (inside || std::min(std::abs(begin[1]), std::abs(end[1])) > m2 * h_s) return;

@@ -14,8 +14,9 @@ constexpr std::string_view kBlanks = " \t\r";
 bool IsNumber(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   double number = 0;
-  const char* end = text.data() + text.size();
-  const auto [stop, failure] = std::from_chars(text.data(), end, number);
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const auto [stop, failure] = std::from_chars(begin, end, number);
   return failure == std::errc{} && stop == end;
 }
 
