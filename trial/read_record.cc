@@ -59,6 +59,7 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
 // where rows are missing: damaged in the file, or as the recorder knew
 std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& report) {
   std::vector<MissingRows> missing;
+  missing.reserve(gathered.breaks.size());
   for (const std::size_t row : gathered.breaks) missing.push_back({row, std::nullopt});
   if (report.losses.empty()) {
     for (const Event& event : report.events) {
@@ -94,6 +95,7 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
   const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
   if (header.timing == Timing::kPolled) {
     std::vector<std::size_t> breaks;
+    breaks.reserve(missing.size());
     for (const MissingRows& at : missing) breaks.push_back(at.row);
     record->stretches =
         FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks);

@@ -256,7 +256,7 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
     table->columns[i] = {.name = std::string(title), .printed = std::string(title)};
     SetPrintedUnit(unit, &table->columns[i]);
   }
-  table->clock = StatedClock{*head.increment_s, *head.start_s, "Increment"};
+  table->clock = StatedClock{*head.increment_s, head.start_s, "Increment"};
   if (!head.has_numbers) return head.lines;
   table->columns[0] = {.kind = CsvColumnKind::kTime,
                        .name = "time",
