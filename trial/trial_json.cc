@@ -162,7 +162,7 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
 Result<void> CheckTexts(const std::string& what, const std::map<std::string, std::string>& texts) {
   for (const auto& [key, value] : texts) {
     if (auto fit = CheckPrintable("the name of a " + what, key); !fit) return fit;
-    if (auto fit = CheckPrintable(what + " " + key, value); !fit) return fit;
+    if (auto fit = CheckPrintable(fmt::format("{} {}", what, key), value); !fit) return fit;
   }
   return {};
 }

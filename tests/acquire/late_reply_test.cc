@@ -281,7 +281,7 @@ TEST(ReplyRate, IsThatOfTheWireAndSaidWhereItIsAboveIt) {
   int rows = 0;
   while (clock.Now() - begin_ns < 10 * kNsPerS) rows += sensor->Next(reading) == Outcome::kReading;
   // M0 CR LF and M0,+00.000 CR LF: 16 characters of 10 bits at 9600 baud
-  EXPECT_NEAR(rows, 10 * 9600 / 160, 1);
+  EXPECT_NEAR(rows, 10 * 9600.0 / 160, 1);
   EXPECT_LT(reading.reply_ns - reading.time_ns, kMs) << "the time at which it came";
   const std::vector<std::string> remarks = sensor->Remarks();
   EXPECT_TRUE(std::ranges::any_of(remarks, [](const std::string& remark) {
