@@ -1,5 +1,7 @@
 #include "trial/trial_json.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
