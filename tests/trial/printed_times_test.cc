@@ -210,7 +210,10 @@ TEST(PrintedTimes, OurOwnColumnsAreTreatedAlike) {
 
 TEST(PrintedTimes, ManyRowsThatRepeatATimeAreRefusedWithTheFirstLine) {
   std::string text = "time_s,voltage_v\n";
-  for (int i = 0; i < 300; ++i) text += fmt::format("{},0\n", (i - i / 37) * 0.01);
+  for (int i = 0; i < 300; ++i) {
+    const int place = i - i / 37;
+    text += fmt::format("{},0\n", place * 0.01);
+  }
   const auto record = ParseCsv(text, "f.csv");
   ASSERT_FALSE(record);
   EXPECT_THAT(record.error().Text(),
