@@ -126,7 +126,8 @@ std::optional<TableBeginning> FindSideTable(std::string_view text, std::size_t f
     if (!is_row || cells.cells[0].empty() || cells.cells[1].empty()) continue;
     found.keys.push_back({cells.cells[0], {cells.cells[1]}, line->number + 1});
   }
-  if (found.rows[1].cells.size() != found.width()) return std::nullopt;
+  // a text without lines has no table
+  if (found.width() == 0 || found.rows[1].cells.size() != found.width()) return std::nullopt;
   return found;
 }
 
