@@ -21,7 +21,9 @@ constexpr double kSamplesPerPeriod = 16;
 constexpr std::size_t kLeastBlocks = 64;
 constexpr double kMostDamping = 0.3;  // of critical
 constexpr double kSignificance = 0.01;
-constexpr double kDeviations = 4;  // of a difference that is worth a word
+constexpr double kDeviations = 4;      // of a difference that is worth a word
+constexpr double kMostFriction = 0.1;  // of the spring's force, of a part that is compared
+constexpr double kLeastKnown = 0.25;   // of a decay rate
 
 // a logarithm and its standard uncertainty
 struct Estimate {
@@ -32,12 +34,52 @@ struct Estimate {
 struct Rates {
   Estimate frequency;  // natural
   Estimate decay;
-  double frequency_widening = 1;  // by what dry friction leaves open
+  double frequency_widening = 1;
   double decay_widening = 1;
-  double noise_v = 0;      // of one sample, if it were white
-  double amplitude_v = 0;  // of the ringing at its begin
+  double noise_v = 0;         // of one sample, if it were white
+  double amplitude_v = 0;     // of the ringing at its begin
+  double friction_share = 0;  // of the spring's force there
   double blocks = 0;
 };
+
+// standard uncertainty of one of a fit's parameters, for residuals of this variance
+double DeviationOf(const RingFit& fit, std::size_t column, double variance) {
+  const std::vector<bool> every(fit.jacobian.columns, true);
+  const std::vector<bool> none(fit.jacobian.columns, false);
+  std::vector<double> weights(fit.jacobian.columns, 0.0);
+  weights[column] = 1;
+  return std::sqrt(variance * Variance(FindIdentifiability(fit.jacobian, every, none), weights));
+}
+
+// the part's record as it would be without dry friction
+ImpulseRecord WithoutFriction(const PreparedRecord& drop) {
+  ImpulseRecord linear = drop.record;
+  const auto& more_v = drop.part.linear_less_friction_v;
+  for (std::size_t n = 0; n < more_v.size(); ++n) {
+    linear.voltage_v[drop.part.first_sample + n] += more_v[n];
+  }
+  return linear;
+}
+
+// By how much the poles are less known than the fit without friction says, of the record that its
+// friction is taken from: the friction is not known exactly and ends the motion; and it is not
+// exactly one force. A fiftieth of what it takes, as viscous damping of the first swing (2 f/(pi
+// zeta) of the decay), is left open in the decay, 1e-4 of it in the frequency.
+void WidenForFriction(const PreparedRecord& drop, const RingFit& fit, std::size_t block,
+                      double variance, Rates* rates) {
+  RingBackground background = drop.part.background;
+  background.has_friction = false;
+  const auto samples =
+      BlocksOf(WithoutFriction(drop), drop.part.first_sample, drop.part.end_sample, block);
+  const RingFit linear = FitRing(samples, fit.poles, background);
+  const double taken = 2 * drop.part.friction_share / std::numbers::pi *
+                       std::sqrt(fit.poles.stiffness_per_s2) / fit.poles.decay_per_s;
+  rates->decay_widening = std::max(
+      std::hypot(rates->decay.deviation, 0.02 * taken) / DeviationOf(linear, 0, variance), 1.0);
+  rates->frequency_widening = std::max(std::hypot(rates->frequency.deviation, 1e-4 * taken) /
+                                           (0.5 * DeviationOf(linear, 1, variance)),
+                                       1.0);
+}
 
 // `poles` of the blocks from `first` on, with uncertainties from the residuals' density
 std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start,
@@ -50,9 +92,6 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   if (samples.values_v.size() < kLeastBlocks) return std::nullopt;
   const RingFit fit = FitRing(samples, start, drop.part.background);
   if (!fit.converged) return std::nullopt;
-  const std::vector<bool> every(fit.jacobian.columns, true);
-  const std::vector<bool> none(fit.jacobian.columns, false);
-  const Identifiability seen = FindIdentifiability(fit.jacobian, every, none);
   double square = 0;
   for (const double residual : fit.jacobian.residuals) square += residual * residual;
   const auto rows = static_cast<double>(fit.jacobian.rows);
@@ -60,36 +99,19 @@ std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start
   const ResidualDensity density =
       DensityAt(fit.jacobian.residuals, samples.step_s, natural / (2 * std::numbers::pi));
   if (density.is_coloured) square *= density.ratio;
-  const auto deviation = [&](std::size_t column) {
-    std::vector<double> weights(fit.jacobian.columns, 0.0);
-    weights[column] = 1;
-    return std::sqrt(square * Variance(seen, weights));
-  };
-  std::vector<bool> without_friction = every;
-  without_friction.back() = !drop.part.background.has_friction;
-  const Identifiability alone = FindIdentifiability(fit.jacobian, without_friction, none);
-  const auto widening = [&](std::size_t column) {
-    std::vector<double> weights(fit.jacobian.columns, 0.0);
-    weights[column] = 1;
-    return std::sqrt(std::max(Variance(seen, weights) / Variance(alone, weights), 1.0));
-  };
-  // Friction is not exactly one force: a fiftieth of what it takes, as viscous damping of the first
-  // swing (2 f/(pi zeta) of the decay), is left open in the decay, 1e-4 of it in the frequency.
-  const bool rubs = drop.part.background.has_friction && fit.friction > 0;
   const double motion =
       fit.Envelope(0) / (samples.signal == RecordedSignal::kVoltage ? natural : 1);
-  const double taken =
-      rubs ? 2 * fit.friction / motion / std::numbers::pi * natural / fit.poles.decay_per_s : 0;
-  const auto left_open = [&](double share, double one_deviation) {
-    return one_deviation > 0 ? share * taken / one_deviation : 0;
-  };
-  return Rates{{0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * deviation(1)},
-               {std::log(fit.poles.decay_per_s), deviation(0)},
-               rubs ? std::hypot(widening(1), left_open(1e-4, 0.5 * deviation(1))) : 1,
-               rubs ? std::hypot(widening(0), left_open(0.02, deviation(0))) : 1,
-               std::sqrt(square * static_cast<double>(block)),
-               fit.Envelope(0),
-               rows};
+  Rates rates{
+      .frequency = {0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * DeviationOf(fit, 1, square)},
+      .decay = {std::log(fit.poles.decay_per_s), DeviationOf(fit, 0, square)},
+      .noise_v = std::sqrt(square * static_cast<double>(block)),
+      .amplitude_v = fit.Envelope(0),
+      .friction_share = fit.friction / motion,
+      .blocks = rows};
+  if (first == drop.part.first_sample && !drop.part.linear_less_friction_v.empty()) {
+    WidenForFriction(drop, fit, block, square, &rates);
+  }
+  return rates;
 }
 
 // sqrt(chi^2 / (n - 1)) where that is significant, else 1
@@ -134,6 +156,8 @@ void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::s
   const std::size_t later_first = drop.part.first_sample + static_cast<std::size_t>(decay_samples);
   const auto later = RatesFrom(drop, poles, later_first);
   if (!later) return;
+  // of a motion that friction soon ends, or of noise, its poles say nothing
+  if (later->friction_share > kMostFriction || later->decay.deviation > kLeastKnown) return;
   const double noise_ratio = later->noise_v / whole.noise_v;
   const Shift frequency = ShiftOf(whole.frequency, later->frequency, noise_ratio);
   if (frequency.deviations > kDeviations) {

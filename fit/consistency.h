@@ -18,7 +18,8 @@ struct Consistency {
   double decay_ratio = 1;      ///< of the decay rate, over the same
   /// By which the uncertainties of the fit of all drops together are too small: as the ratios, but
   /// against the noise of that fit, which has taken in part of the scatter already; and as much as
-  /// dry friction that is fitted along, or what a later begin of a drop says, leaves open. At least 1.
+  /// dry friction that is fitted along, or what a later begin of a drop says, leaves open. At
+  /// least 1.
   double frequency_widening = 1;
   double decay_widening = 1;
   std::vector<std::string> doubts;          ///< sentences

@@ -406,9 +406,10 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
   part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
   const double per_motion =
       record.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  part->friction_share = fit.friction * per_motion / fit.Envelope(0);
   part->found.push_back(
       fmt::format("dry friction of {:.2g} % of the spring's force at the first swing: fitted along",
-                  100 * fit.friction * per_motion / fit.Envelope(0)));
+                  100 * part->friction_share));
 }
 
 }  // namespace
@@ -469,6 +470,7 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
           std::sqrt(static_cast<double>(block));
       part.evidence = EvidenceOf(samples, fit, floor_v);
       part.evidence.cuts = cuts;
+      part.evidence.begins = start.quiet_samples > 0;
       part.no_ring_down = NoRingDown(part.evidence, samples, fit, is_stated_drop);
       CutQuantisedTail(record, fit,
                        start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, &part);

@@ -23,6 +23,7 @@ struct Disturbances {
   /// (part's samples, missing ones too) to be added, where dry friction was found: what makes them
   /// those of a motion without it (dry_friction.h). Else empty.
   std::vector<double> linear_less_friction_v;
+  double friction_share = 0;  ///< of the spring's force at the part's begin; 0: none found
   RingEvidence evidence;
   std::string no_ring_down;        ///< why it is none (ring_evidence.h); empty: it is one
   std::vector<std::string> found;  ///< sentences: what was found, how large, what is done

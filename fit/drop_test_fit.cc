@@ -42,19 +42,42 @@ DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_load
   return std::move(*by_heights);
 }
 
+// what the contact may take of a drop's amplitude
+std::string DescribeContact(const PreparedRecord& prepared, const DropTestInput* input) {
+  const RingStart& start = prepared.start;
+  const std::string& name = prepared.record.name;
+  if (input == nullptr) {
+    const double angle =
+        std::sqrt(prepared.part.poles.stiffness_per_s2) * 0.5e-3;  // of a contact of 0.5 ms
+    return fmt::format(
+        "{}: the blow is short, since nothing quiet before it shows how long it lasts: a contact "
+        "of "
+        "0.5 ms makes Km by the height {:.2g} % too small",
+        name, 100 * (0.125 - 1 / std::pow(std::numbers::pi, 2)) * angle * angle);
+  }
+  if (start.shortest_contact_s == 0) {
+    return fmt::format(
+        "{}: the blow may last up to {:.2g} ms, which makes Km by the height up to {:.2g} % too "
+        "small; its interval holds that",
+        name, 1e3 * start.longest_contact_s, 200 * input->quantity.standard_uncertainty);
+  }
+  return fmt::format(
+      "{}: the blow lasts {:.2g} to {:.2g} ms, as a half sine of force; Km by the height is "
+      "corrected for it, by {:.2g} %",
+      name, 1e3 * start.shortest_contact_s, 1e3 * start.longest_contact_s,
+      100 * (1 / input->quantity.value - 1));
+}
+
 void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assumptions) {
-  const bool sees_contact = std::ranges::any_of(
-      model.inputs, [](const DropTestInput& input) { return input.kind == Kind::kContact; });
-  const double angular = std::sqrt(model.records[0].start.poles.stiffness_per_s2);
-  const double step_s = model.records[0].record.step_s;
-  const double lost =
-      (0.125 - 1 / (std::numbers::pi * std::numbers::pi)) * std::pow(angular * step_s, 2);
-  assumptions.push_back(
-      sees_contact
-          ? "the blow is half a sine of force, as long as the signal's rise says; corrected for"
-          : fmt::format("the blow is short: a contact as long as one sample's step, {:.2g} ms, "
-                        "makes Km by the height {:.2g} % too small",
-                        1e3 * step_s, 100 * lost));
+  for (std::size_t r = 0; r < model.records.size(); ++r) {
+    const auto& record = model.records[r].record;
+    if (!record.drop_height_m || record.signal == RecordedSignal::kDisplacement) continue;
+    const auto input = std::ranges::find_if(model.inputs, [r](const DropTestInput& one) {
+      return one.kind == Kind::kContact && std::ranges::count(one.records, r) > 0;
+    });
+    assumptions.push_back(
+        DescribeContact(model.records[r], input == model.inputs.end() ? nullptr : &*input));
+  }
   for (const auto& input : model.inputs) {
     if (input.kind != Kind::kRebound) continue;
     assumptions.push_back(

@@ -29,8 +29,29 @@ void AddInput(std::vector<DropTestInput>& inputs, Kind kind, std::string name, s
   inputs.push_back({kind, std::move(name), std::move(unit), quantity, {record}});
 }
 
-void AddRecordInputs(const ImpulseRecord& record, const RingStart& start, std::size_t index,
-                     DropTestModel& model) {
+// What a contact of half a sine, T long, leaves of the ringing's amplitude: cos(w T/2)/(1 - (w
+// T/pi)^2)
+double LeftByContact(double angle) {
+  constexpr double kMostAngle = 2.8;  // 0.87 of a half period, of what RingStart looks for
+  const double x = std::min(angle, kMostAngle);
+  return std::cos(x / 2) / (1 - std::pow(x / std::numbers::pi, 2));
+}
+
+// What the contact leaves of the impact's speed, from the lengths that it may have. Dry friction
+// brakes from its begin on, half of it before the middle, where the ring-down is taken to begin.
+Quantity ContactShare(const PreparedRecord& prepared) {
+  const RingStart& start = prepared.start;
+  const double angular = std::sqrt(prepared.part.poles.stiffness_per_s2);
+  const double shortest = LeftByContact(angular * start.shortest_contact_s);
+  const double longest = LeftByContact(angular * start.longest_contact_s);
+  const bool is_seen = start.shortest_contact_s > 0;
+  const double braked = prepared.part.friction_share * angular * start.longest_contact_s / 4;
+  return {(is_seen ? (shortest + longest) / 2 : 1) - braked,
+          std::hypot(is_seen ? (shortest - longest) / 4 : (1 - longest) / 2, braked / 2)};
+}
+
+void AddRecordInputs(const PreparedRecord& prepared, std::size_t index, DropTestModel& model) {
+  const ImpulseRecord& record = prepared.record;
   const Quantity load = record.load_ohm.value_or(Quantity{kOpen, 0});
   if (!record.load_ohm) {
     model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
@@ -56,17 +77,10 @@ void AddRecordInputs(const ImpulseRecord& record, const RingStart& start, std::s
   const Quantity rebound = record.rebound.value_or(Quantity{0, kUnknownReboundUncertainty});
   AddInput(model.inputs, Kind::kRebound, record.rebound ? "rebound" : "rebound (not stated)", "",
            rebound, index);
-  if (start.contact_s.value > 0) {
-    AddInput(model.inputs, Kind::kContact, "contact (seen)", "s", start.contact_s, index);
+  if (prepared.start.longest_contact_s > 0) {
+    AddInput(model.inputs, Kind::kContact, "share of the speed that the contact leaves", "",
+             ContactShare(prepared), index);
   }
-}
-
-// A contact of half a sine, T long, takes 1 - k (w T)^2 of the amplitude, k = 1/8 - 1/pi^2, from
-// cos(w T/2)/(1 - (w T/pi)^2); kept above a half, beyond which no blow is short.
-double ContactShare(double angular_per_s, double contact_s) {
-  const double x = angular_per_s * contact_s;
-  const double lost = (0.125 - 1 / (std::numbers::pi * std::numbers::pi)) * x * x;
-  return std::max(1 - lost, 0.5);
 }
 
 void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& model) {
@@ -269,7 +283,7 @@ Result<DropTestModel> MakeDropTestModel(std::vector<PreparedRecord> records,
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const ImpulseRecord& record = model.records[r].record;
     if (auto good = CheckKind(record); !good) return std::unexpected(good.error());
-    AddRecordInputs(record, model.records[r].start, r, model);
+    AddRecordInputs(model.records[r], r, model);
     some_loaded = some_loaded || (record.load_ohm && std::isfinite(record.load_ohm->value));
   }
   AddConditions(knowns, model);
@@ -348,10 +362,7 @@ void ApplyInputs(const std::vector<DropTestInput>& inputs, const DropTestModel& 
     for (const std::size_t r : input.records) {
       auto& record = problem->records()[r];
       if (input.kind == Kind::kRebound) record.speed_m_per_s *= 1 + input.quantity.value;
-      if (input.kind == Kind::kContact) {
-        record.speed_m_per_s *= ContactShare(
-            std::sqrt(model.records[r].part.poles.stiffness_per_s2), input.quantity.value);
-      }
+      if (input.kind == Kind::kContact) record.speed_m_per_s *= input.quantity.value;
       if (input.kind != Kind::kVoltageScale) continue;
       // a larger voltage is shown where the scale is larger, as after a faster impact
       record.speed_m_per_s *= input.quantity.value;

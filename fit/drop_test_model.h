@@ -27,7 +27,7 @@ struct DropTestInput {
     kLoad,
     kHeight,
     kRebound,
-    kContact,  ///< how long the blow lasts
+    kContact,  ///< what the blow's length leaves of the speed
     kReleaseCurrent,
     kAddedMass,
     kVoltageScale,

@@ -129,7 +129,7 @@ std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
     return fmt::format("begins to ring {} times and more: no ring-down is left alone",
                        evidence.cuts + 1);
   }
-  if (evidence.decays + 2 * evidence.decays_deviation < kLeastDecays) {
+  if (!evidence.begins && evidence.decays + 2 * evidence.decays_deviation < kLeastDecays) {
     return fmt::format("does not decay: a steady oscillation of {:.4g} Hz (hum?)",
                        NaturalHz(fit.poles));
   }

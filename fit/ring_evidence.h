@@ -26,6 +26,7 @@ struct RingEvidence {
   double decays_deviation = 0;  ///< its standard uncertainty, for white noise
   double damping_ratio = 0;     ///< of critical
   std::size_t cuts = 0;         ///< later blows at which the record was cut
+  bool begins = false;          ///< something quiet precedes the oscillation
 };
 
 /// `floor_v`: of the noise of one of the samples, where something is known of it.
@@ -37,8 +38,9 @@ struct RingEvidence {
 ///
 /// - "does not oscillate": a damping beyond 0.7 of critical. Not asked where `is_stated_drop`: a
 ///   drop height or a released current says what began the motion.
-/// - "does not decay": d T surely (by two deviations) below 0.1. Of true ring-downs of one decay
-///   time none is so refused.
+/// - "does not decay": d T surely (by two deviations) below 0.1, and the oscillation does not
+///   `begin` in the record: one that does has been struck, however little of its decay is seen. Of
+///   true ring-downs of one decay time none is so refused.
 /// - the misfit is above 1.5 % of the ringing's power (12 % of its amplitude) and beyond five of
 /// its
 ///   deviations (one record of white noise in 10^6). What it is, if it can be told: another

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/quantity.h"
 #include "base/result.h"
 #include "fit/impulse_record.h"
 #include "fit/poles.h"
@@ -21,11 +20,10 @@ struct RingStart {
   double impact_voltage_v = 0;  ///< the ring-down's voltage at that instant, signed, without offset
   double release_s = 0;         ///< the ring-down's zero that is nearest to the blow
   double release_slope_v_per_s = 0;  ///< its slope there
-  /// How long the blow lasts, as a half sine of force, with its standard uncertainty: three times
-  /// what the signal takes from a quarter to three quarters of impact_voltage_v (the speed goes as
-  /// (1 - cos(pi t/T))/2). 0: nothing precedes the blow, or the rise is over within a sample's
-  /// step.
-  Quantity contact_s;
+  /// How long the blow may last (95 %), as a half sine of force: see ContactOf in ring_start.cc.
+  /// Both 0: not looked for, because no drop height is stated or nothing quiet precedes the blow.
+  double shortest_contact_s = 0;  ///< 0: no sample shows that the blow lasts
+  double longest_contact_s = 0;
   double offset_v = 0;
   double residual_rms_v = 0;  ///< of the fit by this pole pair, from first_sample on
 };
