@@ -20,16 +20,19 @@ constexpr double kLeastDecays = 0.1;
 constexpr double kMostDamping = 0.7;  // of critical
 constexpr std::size_t kMostCuts = 2;
 
-// variance of white noise under an oscillation: of third differences, 1 + 9 + 9 + 1 of its own
-double NoiseSquare(const std::vector<double>& residuals) {
-  if (residuals.size() < 8) return 0;
+// Variance of white noise under an oscillation, weighted: of third differences, whose power is that
+// of 1 + 9 + 9 + 1 samples. A sample far off counts here as much as in the weighted power itself.
+double NoiseSquare(const std::vector<double>& residuals, const std::vector<double>& weights) {
   double sum = 0;
+  double all = 0;
   for (std::size_t n = 3; n < residuals.size(); ++n) {
     const double third =
         residuals[n] - 3 * residuals[n - 1] + 3 * residuals[n - 2] - residuals[n - 3];
-    sum += third * third;
+    const double weight = (weights[n - 1] + weights[n - 2]) / 2;
+    sum += weight * third * third;
+    all += weight;
   }
-  return sum / 20 / static_cast<double>(residuals.size() - 3);
+  return all > 0 ? sum / 20 / all : 0;
 }
 
 double NaturalHz(const PolePair& poles) {
@@ -86,26 +89,27 @@ RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double f
   const auto& residuals = fit.jacobian.residuals;
   const auto rows = static_cast<double>(residuals.size());
   const auto degrees = std::max(rows - static_cast<double>(fit.jacobian.columns), 1.0);
-  const double noise = std::max(NoiseSquare(residuals), floor_v * floor_v);
+  std::vector<double> weights(residuals.size());
   double misfit = 0;
   double ringing = 0;
-  double weights = 0;
-  double squares = 0;
+  double weight_sum = 0;
+  double weight_squares = 0;
   for (std::size_t n = 0; n < residuals.size(); ++n) {
     const double since_s = samples.times_s[n] - samples.times_s.front();
-    const double weight = std::exp(-2 * fit.poles.decay_per_s * since_s);
+    weights[n] = std::exp(-2 * fit.poles.decay_per_s * since_s);
     const double envelope = fit.Envelope(since_s);
-    misfit += weight * residuals[n] * residuals[n];
-    ringing += 0.5 * weight * envelope * envelope;
-    weights += weight;
-    squares += weight * weight;
+    misfit += weights[n] * residuals[n] * residuals[n];
+    ringing += 0.5 * weights[n] * envelope * envelope;
+    weight_sum += weights[n];
+    weight_squares += weights[n] * weights[n];
   }
   RingEvidence evidence;
   if (!(ringing > 0)) return evidence;
-  evidence.misfit_share = (misfit - noise * weights * degrees / rows) / ringing;
-  // of the residuals' own squares, and of the third differences' (2 sum rho^2 = 4.62)
-  evidence.misfit_share_deviation =
-      noise * std::sqrt(2 * squares + 4.62 * weights * weights / rows) / ringing;
+  const double noise = std::max(NoiseSquare(residuals, weights), floor_v * floor_v);
+  evidence.misfit_share = (misfit - noise * weight_sum * degrees / rows) / ringing;
+  // of the residuals' squares (2), of the third differences' (2 sum rho^2 = 4.62), less twice their
+  // covariance (2)
+  evidence.misfit_share_deviation = noise * std::sqrt(2.62 * weight_squares) / ringing;
   const double length_s = samples.times_s.back() - samples.times_s.front();
   evidence.decays = fit.poles.decay_per_s * length_s;
   evidence.damping_ratio = fit.poles.decay_per_s / std::sqrt(fit.poles.stiffness_per_s2);

@@ -12,8 +12,9 @@ namespace haptometer::fit {
 /// The noise is estimated without the model: from third differences of the residuals of blocks of a
 /// sixteenth of a period (their power over 20; an oscillation up to three times the ringing's
 /// frequency leaves less than a tenth of its own there), at least the converter's rounding and,
-/// where something quiet precedes the blow, that. Both powers are weighted by the square of the
-/// ringing's envelope, so that what matters is what is there while it rings:
+/// where something quiet precedes the blow, that. All powers are weighted by the square of the
+/// ringing's envelope, so that what matters is what is there while it rings; a spark counts as much
+/// in the noise as in the residuals' power:
 ///
 ///     misfit_share = (sum g r^2 - s^2 sum g) / sum g m^2,    g = e^(-2 d t),
 ///

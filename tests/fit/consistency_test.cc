@@ -104,7 +104,22 @@ TEST(Consistency, ASpringThatStiffensAndFrictionAreNamed) {
   // travel is 0.31 mm: 1 % more stiffness there
   EXPECT_THAT(Fit({Nonlinear(1e5, 0)}).doubts, Contains(HasSubstr("spring stiffens")));
   EXPECT_THAT(Fit({Nonlinear(-1e5, 0)}).doubts, Contains(HasSubstr("spring softens")));
-  EXPECT_THAT(Fit({Nonlinear(0, 1)}).doubts, Contains(HasSubstr("dry friction")));
+}
+
+TEST(Consistency, FrictionIsFittedAlongAndItsIntervalsHold) {
+  // 1 m/s^2 is 0.16 % of the spring's force at the first peak: part of the model, so no doubt
+  for (const double friction_m_per_s2 : {0.4, 1.0, 6.0}) {
+    const auto fit = Fit({Nonlinear(0, friction_m_per_s2)});
+    ASSERT_FALSE(fit.records.empty());
+    EXPECT_THAT(fit.records[0].found, Contains(HasSubstr("dry friction")));
+    EXPECT_THAT(fit.doubts, IsEmpty());
+    EXPECT_LE(fit.damping.lower, 0.0322) << friction_m_per_s2;
+    EXPECT_GE(fit.damping.upper, 0.0322) << friction_m_per_s2;
+    EXPECT_LE(fit.stiffness.lower, 2800) << friction_m_per_s2;
+    EXPECT_GE(fit.stiffness.upper, 2800) << friction_m_per_s2;
+    // not by an interval that holds everything: friction taken as damping is 5 to 75 % off
+    EXPECT_LT(fit.damping.upper - fit.damping.lower, 0.1 * 0.0322) << friction_m_per_s2;
+  }
 }
 
 }  // namespace

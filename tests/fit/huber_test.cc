@@ -91,7 +91,7 @@ TEST(Huber, SpikesHardlyMoveTheFitAndAreCovered) {
     const auto loaded = NoisyDrop(2 * k + 2, 33);
     const auto fit_of = [&](auto make, Loss loss) {
       auto fit = FitDropTest({make(open), make(loaded)}, tests::ThesisKnowns(), loss);
-      EXPECT_TRUE(fit && fit->converged);
+      EXPECT_TRUE(fit && fit->converged) << (fit ? "" : fit.error().Text());
       return fit ? *fit : DropTestFit{};
     };
     const auto plain = fit_of(tests::MakeRecord, Loss::kSquares).damping;
@@ -102,6 +102,7 @@ TEST(Huber, SpikesHardlyMoveTheFitAndAreCovered) {
     stiffness.Add(fit.stiffness.value, 2800, fit.stiffness.standard_uncertainty);
     damping.Add(fit.damping.value, 0.0322, fit.damping.standard_uncertainty);
     force.Add(fit.force_constant.value, 1, fit.force_constant.standard_uncertainty);
+    ASSERT_FALSE(fit.records.empty());
     EXPECT_GT(fit.records[0].drawn_samples, 10U);
   }
   if (tests::kIsSanitized) return;
