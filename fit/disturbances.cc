@@ -25,6 +25,7 @@ constexpr double kLeastGain = 30;          // in units of the residual's mean sq
 constexpr double kLeastFrictionGain = 12;  // of one column whose sign is known: 1 in 4000
 constexpr double kLeastBlowShare = 5e-3;   // of the ringing's first amplitude
 constexpr double kLeastBackgroundShare = 5e-4;
+constexpr double kQuietShare = 0.2;  // of the ringing's first amplitude
 constexpr int kMostRounds = 12;
 
 // A disturbance that the residual was tried for.
@@ -470,7 +471,10 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
           std::sqrt(static_cast<double>(block));
       part.evidence = EvidenceOf(samples, fit, floor_v);
       part.evidence.cuts = cuts;
-      part.evidence.begins = start.quiet_samples > 0;
+      // quiet: nothing but the noise that the ringing leaves, too
+      part.evidence.begins =
+          start.quiet_samples > 0 &&
+          quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
       part.no_ring_down = NoRingDown(part.evidence, samples, fit, is_stated_drop);
       CutQuantisedTail(record, fit,
                        start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, &part);

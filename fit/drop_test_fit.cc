@@ -124,9 +124,15 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
   const auto& samples = road.problem.records();
   const auto voltage =
       std::ranges::find(samples, RingingSignal::kBlowVoltage, &RingDownSamples::signal);
-  if (voltage == samples.end()) {
+  const bool shows_motion_alone = std::ranges::all_of(samples, [](const RingDownSamples& record) {
+    return record.signal == RingingSignal::kBlowDisplacement;
+  });
+  if (shows_motion_alone) {
     fit.undetermined.emplace_back(
         "Km: a displacement shows none; record the voltage, with and without a load");
+  } else if (voltage == samples.end()) {
+    fit.undetermined.emplace_back(
+        "Km: a voltage after a released current shows only Km^2/M; state the moving mass");
   } else if (!some_loaded) {
     const auto r = static_cast<std::size_t>(voltage - samples.begin());
     fit.undetermined.push_back(

@@ -42,10 +42,10 @@ struct RingEvidence {
 /// - "does not decay": d T surely (by two deviations) below 0.1, and the oscillation does not
 ///   `begin` in the record: one that does has been struck, however little of its decay is seen. Of
 ///   true ring-downs of one decay time none is so refused.
+/// - its frequency changes behind its begin, surely (by six deviations) and by more than 5 %.
 /// - the misfit is above 1.5 % of the ringing's power (12 % of its amplitude) and beyond five of
 /// its
-///   deviations (one record of white noise in 10^6). What it is, if it can be told: another
-///   oscillation, a frequency that changes.
+///   deviations (one record of white noise in 10^6). What is left is said, if it can be told.
 /// - more than two later blows.
 [[nodiscard]] std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
                                      const RingFit& fit, bool is_stated_drop);

@@ -37,7 +37,8 @@ TEST_F(FitLraJson, HoldsTheBudgetThatTheTextPrints) {
   const json document = Document(kWords);
   const std::string text = FitLra(kWords).out;
   const json& budget = document.at("budget");
-  ASSERT_EQ(budget.size(), 4U) << "noise, two given numbers, combined";
+  // the drop heights bring a blow each, whose length is not exactly known
+  ASSERT_EQ(budget.size(), 6U) << "noise, two given numbers, two contacts, combined";
   for (const json& row : budget) {
     EXPECT_THAT(text, HasSubstr(row.at("cause").get<std::string>()));
     // the cell of Bv as it is printed
@@ -45,14 +46,15 @@ TEST_F(FitLraJson, HoldsTheBudgetThatTheTextPrints) {
   }
   EXPECT_EQ(budget[0].at("type"), "A");
   EXPECT_EQ(budget[1].at("type"), "B");
-  EXPECT_TRUE(budget[3].at("type").is_null());
+  const json& combined = budget.back();
+  EXPECT_TRUE(combined.at("type").is_null());
   double square = 0;
-  for (std::size_t k = 0; k < 3; ++k)
+  for (std::size_t k = 0; k + 1 < budget.size(); ++k)
     square += std::pow(budget[k].at("kv_percent").get<double>(), 2);
-  EXPECT_REL(std::sqrt(square), budget[3].at("kv_percent").get<double>(), 1e-9,
+  EXPECT_REL(std::sqrt(square), combined.at("kv_percent").get<double>(), 1e-9,
              "parts add in squares");
   const json& kv = document.at("parameters").at("Kv");
-  EXPECT_REL(budget[3].at("kv_percent").get<double>() / 100,
+  EXPECT_REL(combined.at("kv_percent").get<double>() / 100,
              kv.at("combined_standard_uncertainty").get<double>() / kv.at("value").get<double>(),
              1e-12, "the same");
 }
