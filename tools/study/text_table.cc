@@ -9,6 +9,7 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/quantity.h"
 
 namespace haptometer::tools {
 namespace {
@@ -18,6 +19,9 @@ std::string_view Trimmed(std::string_view text) {
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
+
+constexpr std::uint64_t kMostBytes = 1ULL << 24;
+constexpr std::size_t kMostNames = 4096;
 
 std::vector<std::string> CellsOf(std::string_view line) {
   std::vector<std::string> cells(1);
@@ -39,6 +43,10 @@ std::vector<std::string> CellsOf(std::string_view line) {
 }
 
 Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) {
+  if (names.size() > kMostNames) {
+    return CannotAnswer(table->name, fmt::format("has more than {} columns", kMostNames),
+                        "is it a table with names in its first line?");
+  }
   for (const std::string& name : names) {
     if (!table->columns.emplace(name, std::vector<std::string>{}).second) {
       return CannotAnswer(table->name, fmt::format("has two columns {}", name), "rename one");
@@ -78,7 +86,7 @@ Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>
 }  // namespace
 
 Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::string>& required) {
-  const auto text = ReadInputFile(path, 1ULL << 28);
+  const auto text = ReadInputFile(path, kMostBytes);
   if (!text) return std::unexpected(text.error());
   TextTable table;
   table.name = path;
@@ -115,6 +123,11 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
                           fmt::format("{} '{}' is no number", column, cells[i]), "mend that cell");
+    }
+    if (!PossibleQuantity({numbers[i], 0}, Dimension::kNone, column)) {
+      return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
+                          fmt::format("{} '{}' is beyond any measurement", column, cells[i]),
+                          "mend that cell");
     }
   }
   return numbers;

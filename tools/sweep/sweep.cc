@@ -34,20 +34,41 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
                                const std::string& path) {
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   cli::Progress progress(path);
-  auto made = MakeRowsInOrder(
-      {.first = file.rows(),
-       .count = rows,
-       .threads = threads,
-       .make = [&](std::uint64_t row) { return RowOf(question, question.shard.PointOf(row)); },
-       .write =
-           [&](std::string_view text, std::uint64_t done) {
-             progress.Update(static_cast<double>(done) / static_cast<double>(rows));
-             return file.Append(text);
-           },
-       .stop = &cli::Interrupted()});
+  auto made =
+      MakeRowsInOrder({.first = file.rows(),
+                       .count = rows,
+                       .threads = threads,
+                       .make =
+                           [&](std::uint64_t row) {
+                             const std::uint64_t point = question.shard.PointOf(row);
+                             return file.has_checksums() ? RowOf(question, point)
+                                                         : RowWithoutChecksum(question, point);
+                           },
+                       .write =
+                           [&](std::string_view text, std::uint64_t done) {
+                             progress.Update(static_cast<double>(done) / static_cast<double>(rows));
+                             return file.Append(text);
+                           },
+                       .stop = &cli::Interrupted()});
   if (!made) return made;
   if (auto synced = file.Finish(); !synced) return std::unexpected(synced.error());
   return made;
+}
+
+void TellWithoutChecksums(const std::string& table) {
+  cli::Remark(kVerb, fmt::format("{}: an older version wrote it, without checksums of its rows: a "
+                                 "digit that changed since is not found",
+                                 table));
+}
+
+// what was found in a table that is gone on with
+void TellOldRows(const TableFile& file, const std::string& table) {
+  if (!file.has_checksums()) TellWithoutChecksums(table);
+  if (file.mended_rows() == 0) return;
+  const bool is_one = file.mended_rows() == 1;
+  cli::Remark(kVerb, fmt::format("{}: {} row{} did not match {} checksum and {} computed again",
+                                 table, file.mended_rows(), is_one ? "" : "s",
+                                 is_one ? "its" : "their", is_one ? "was" : "were"));
 }
 
 // The table, drawn where that is asked for, and what it comes to.
@@ -70,6 +91,7 @@ Result<bool> Compute(const SweepWords& words) {
   auto file = words.resume ? TableFile::Resume(words.output, header, *question)
                            : TableFile::Begin(words.output, header, words.overwrite);
   if (!file) return std::unexpected(file.error());
+  TellOldRows(*file, words.output);
   cli::CatchInterrupts();
   const auto made = MakeRows(*question, ThreadsOf(words), *file, words.output);
   if (!made) return std::unexpected(made.error());
@@ -87,6 +109,7 @@ Result<bool> Merge(const SweepWords& words) {
   if (!first) return std::unexpected(first.error());
   TableHeader whole = first->header();
   whole.shard.clear();
+  if (!whole.has_checksums()) TellWithoutChecksums(tables->front());
   if (auto fit = CheckPicture(words.plot, whole); !fit) return std::unexpected(fit.error());
   if (auto done = MergeTables(*tables, words.output, words.overwrite); !done) {
     return std::unexpected(done.error());

@@ -6,9 +6,11 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include "tools/sweep/answer_columns.h"
+#include "trial/crc32.h"
 
 namespace haptometer::tools {
 namespace {
@@ -17,6 +19,10 @@ std::string SamplingOf(const sim::SweepPoints& points) {
   if (!points.sampling()) return "grid";
   return fmt::format("latin hypercube, {} samples, seed {}", points.sampling()->samples,
                      points.sampling()->seed);
+}
+
+std::uint32_t ChecksumOf(std::string_view row) {
+  return trial::Crc32(std::as_bytes(std::span(row)));
 }
 
 // the texts that an axis may give the scene: files, perhaps
@@ -60,6 +66,14 @@ std::string TableHeader::Text() const {
   return text + fmt::format("{}\n", fmt::join(cells, ","));
 }
 
+bool TableHeader::has_checksums() const {
+  return !columns.empty() && columns.back() == kChecksumColumn;
+}
+
+std::size_t TableHeader::remark_column() const {
+  return columns.size() - (has_checksums() ? 2 : 1);
+}
+
 TableHeader HeaderOf(const SweepQuestion& question) {
   const std::vector<sim::SweepAxis>& axes = question.points.axes();
   const std::string name = std::filesystem::path(question.scene.path()).filename().string();
@@ -78,6 +92,7 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
   for (const AnswerColumn& column : AnswerColumns()) header.columns.emplace_back(column.name);
   header.columns.emplace_back("remark");
+  header.columns.emplace_back(kChecksumColumn);
   header.varied = axes.size();
   header.points = question.points.size();
   if (question.shard.count > 1) {
@@ -111,6 +126,18 @@ std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& va
 }
 
 std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
+  std::string row = RowWithoutChecksum(question, point);
+  row.pop_back();
+  return fmt::format("{},{}\n", row, ChecksumOf(row));
+}
+
+bool MatchesChecksum(std::string_view row) {
+  const std::size_t comma = row.rfind(',');
+  return comma != std::string_view::npos &&
+         row.substr(comma + 1) == fmt::format("{}", ChecksumOf(row.substr(0, comma)));
+}
+
+std::string RowWithoutChecksum(const SweepQuestion& question, std::uint64_t point) {
   const std::vector<sim::SweepValue> values = question.points.At(point);
   std::string row = RowBegin(point, values);
   AppendAnswer(row, AnswerOf(question, values), question.scene.path());

@@ -11,8 +11,12 @@
 
 namespace haptometer::tools {
 
+/// The last column: CRC-32 of what stands before it in its row, without the comma between.
+inline constexpr std::string_view kChecksumColumn = "row_crc32";
+
 /// What stands above a table's rows: `# key = value` lines that name the question, and a line of
-/// column names: point (from 1), the varied keys, the answer's numbers, remark.
+/// column names: point (from 1), the varied keys, the answer's numbers, remark, row_crc32. A table
+/// of an older version has no checksums.
 struct TableHeader {
   std::vector<std::string> question;  ///< the lines without the shard's, in order
   std::string shard;                  ///< "2/7"; empty: the whole
@@ -21,6 +25,9 @@ struct TableHeader {
   std::uint64_t points = 0;  ///< of the whole sweep
 
   [[nodiscard]] std::string Text() const;
+  [[nodiscard]] bool has_checksums() const;
+  /// The place of the column remark.
+  [[nodiscard]] std::size_t remark_column() const;
 };
 
 /// The header of the table that answers `question`. Equal for equal questions, whatever the
@@ -34,8 +41,15 @@ struct TableHeader {
 /// The beginning of a row, with the comma behind it: the point and its values.
 [[nodiscard]] std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values);
 
-/// A whole row, with its line end. A point that cannot be answered has empty cells and a remark.
+/// A whole row with its checksum and line end. A point that cannot be answered has empty cells and
+/// a remark.
 [[nodiscard]] std::string RowOf(const SweepQuestion& question, std::uint64_t point);
+
+/// The same without the checksum, for a table of an older version.
+[[nodiscard]] std::string RowWithoutChecksum(const SweepQuestion& question, std::uint64_t point);
+
+/// Whether the last cell of a row, without its line end, is the checksum of what stands before it.
+[[nodiscard]] bool MatchesChecksum(std::string_view row);
 
 /// `text` as a cell: in quotes where it holds a comma, a quote or a line's end, which becomes a
 /// blank.

@@ -11,6 +11,8 @@ constexpr std::string_view kVary = "# vary = ";
 constexpr std::string_view kPoints = "# points = ";
 constexpr std::string_view kShard = "# shard = ";
 
+constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
+
 std::optional<std::uint64_t> LeadingCount(std::string_view text) {
   std::uint64_t count = 0;
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
@@ -49,21 +51,30 @@ Result<void> TableReader::ReadHeader() {
   }
   if (!line) return unknown();
   header_.columns = CellsOf(*line);
-  const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 1 &&
-                        header_.columns.front() == "point" && header_.columns.back() == "remark";
+  const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 2 &&
+                        header_.columns.front() == "point" &&
+                        header_.columns[header_.remark_column()] == "remark";
   if (!is_known) return unknown();
   return {};
 }
 
 std::optional<std::string> TableReader::Next() {
   std::string line;
-  if (!std::getline(file_, line)) return std::nullopt;
-  if (file_.eof()) {  // without a line end
-    ends_amid_row_ = true;
-    return std::nullopt;
+  for (int c = file_.get(); c != std::ifstream::traits_type::eof(); c = file_.get()) {
+    if (c == '\n') {
+      read_bytes_ += line.size() + 1;
+      return line;
+    }
+    if (line.size() == kMostRowBytes) break;
+    line += static_cast<char>(c);
   }
-  read_bytes_ += line.size() + 1;
-  return line;
+  ends_amid_row_ = !line.empty();
+  return std::nullopt;
+}
+
+bool TableReader::IsRow(const std::string& row) const {
+  return CellsOf(row).size() == header_.columns.size() &&
+         (!header_.has_checksums() || MatchesChecksum(row));
 }
 
 std::optional<std::uint64_t> PointOfRow(std::string_view row) {
