@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "base/printable.h"
+
 namespace haptometer::internal {
 namespace {
 
@@ -20,7 +22,7 @@ const char* BelowRoot(const char* file) {
 
 void CheckFailed(const char* file, int line, const char* expression, const std::string& detail) {
   std::fprintf(stderr, "%s:%d: check failed: %s (%s)\n", BelowRoot(file), line, expression,
-               detail.c_str());
+               Printable(detail).c_str());
   std::abort();
 }
 

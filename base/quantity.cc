@@ -46,26 +46,31 @@ constexpr std::array<DimensionRow, 12> kDimensions{{
      "130uH",
      false,
      {1e-12, 1e6},
-     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}}}},
+     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}, {"nH", 1e-9}}}},
     {Dimension::kTime,
      "a time",
      "3s",
      true,
      {1e-12, 1e12},
-     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}}},
+     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"min", 60}, {"h", 3600}}}},
     {Dimension::kFrequency,
      "a frequency",
      "225Hz",
      true,
      {1e-9, 1e12},
-     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}}}},
+     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}}}},
     {Dimension::kVoltage,
      "a voltage",
      "5V",
      true,
      {1e-15, 1e9},
-     {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}}}},
-    {Dimension::kCurrent, "a current", "0.13A", true, {1e-15, 1e9}, {{{"A", 1}, {"mA", 1e-3}}}},
+     {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}, {"kV", 1e3}}}},
+    {Dimension::kCurrent,
+     "a current",
+     "0.13A",
+     true,
+     {1e-15, 1e9},
+     {{{"A", 1}, {"mA", 1e-3}, {"uA", 1e-6}}}},
     {Dimension::kResistance,
      "a resistance",
      "27ohm",
@@ -104,6 +109,7 @@ std::string Normalised(std::string_view raw) {
   ReplaceAll(text, "\u03bc", "u");
   ReplaceAll(text, "\u03a9", "ohm");
   ReplaceAll(text, "\u2126", "ohm");
+  for (const char* spelling : {"Ohms", "ohms", "Ohm", "OHM"}) ReplaceAll(text, spelling, "ohm");
   ReplaceAll(text, "\u00b1", "+-");
   ReplaceAll(text, "+/-", "+-");
   const auto first = text.find_first_not_of(' ');

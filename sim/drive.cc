@@ -12,7 +12,7 @@ namespace haptometer::sim {
 
 Drive::operator SineDrive() const {
   HAPTOMETER_CHECK(kind == DriveKind::kSine, "a drive of kind {} is no sine", Name(kind));
-  return {.amplitude_v = amplitude_v, .frequency_hz = frequency_hz};
+  return {.amplitude_v = amplitude_v, .frequency_hz = frequency_hz, .offset_v = offset_v};
 }
 
 std::string_view Name(DriveKind kind) {
@@ -64,13 +64,14 @@ double LargestVoltageV(const Drive& drive) {
   double largest_v = 0;
   if (drive.kind == DriveKind::kTones) {
     for (const Tone& tone : drive.tones) largest_v += std::abs(tone.amplitude);
-    return largest_v;
+  } else if (drive.kind == DriveKind::kSamples) {
+    for (const double voltage_v : drive.samples->voltages_v) {
+      largest_v = std::max(largest_v, std::abs(voltage_v));
+    }
+  } else {
+    largest_v = std::abs(drive.amplitude_v);
   }
-  if (drive.kind != DriveKind::kSamples) return std::abs(drive.amplitude_v);
-  for (const double voltage_v : drive.samples->voltages_v) {
-    largest_v = std::max(largest_v, std::abs(voltage_v));
-  }
-  return largest_v;
+  return largest_v + std::abs(drive.offset_v);
 }
 
 }  // namespace haptometer::sim

@@ -7,10 +7,11 @@
 
 namespace haptometer::sim {
 
-/// v(t) = amplitude_v sin(2 pi frequency_hz t), from t = 0 on.
+/// v(t) = offset_v + amplitude_v sin(2 pi frequency_hz t), from t = 0 on.
 struct SineDrive {
   double amplitude_v = 0;
   double frequency_hz = 0;  ///< > 0
+  double offset_v = 0;
 };
 
 /// amplitude sin(2 pi frequency_hz t + phase_rad), from t = 0 on; V, or m of a finger.
@@ -32,7 +33,8 @@ struct VoltageSamples {
   std::vector<double> voltages_v;
 };
 
-/// The terminal voltage over time, by its kind; what belongs to other kinds is not looked at.
+/// The terminal voltage over time: offset_v from t = 0 on, and on top of it what the kind plays.
+/// What belongs to other kinds is not looked at.
 ///
 ///   sine     amplitude_v sin(2 pi frequency_hz t)
 ///   tones    the sum of `tones`
@@ -57,6 +59,7 @@ struct Drive {
   double duration_s = 0;
   double hold_tolerance = 1e-8;
   std::shared_ptr<const VoltageSamples> samples{};
+  double offset_v = 0;  ///< constant, from t = 0 on for good
 
   /// The drive as a sine, which it must be: most of what is said of a steady state asks for one.
   operator SineDrive() const;  // NOLINT(google-explicit-constructor): scenes mostly have one
@@ -70,10 +73,11 @@ struct Drive {
 /// sine and of tones.
 [[nodiscard]] bool IsLasting(const Drive& drive);
 
-/// When the voltage is 0 for good; infinite where the drive lasts.
+/// When the voltage is constant for good, at its offset; infinite where the drive lasts.
 [[nodiscard]] double EndOfDriveS(const Drive& drive);
 
-/// The largest voltage that the drive may come to: amplitude, sum of the tones', largest sample.
+/// The largest voltage that the drive may come to: amplitude, sum of the tones', largest sample;
+/// with the offset's magnitude.
 [[nodiscard]] double LargestVoltageV(const Drive& drive);
 
 /// The finger's own motion under the skin: the sum of tones in m, towards the skin's far side
@@ -86,6 +90,7 @@ struct FingerMotion {
 struct Grip {
   double stiffness_n_per_m = 0;  ///< >= 0
   double damping_n_s_per_m = 0;  ///< >= 0
+  bool holds = false;            ///< rigidly: the case does not move; without an adapter
 };
 
 }  // namespace haptometer::sim

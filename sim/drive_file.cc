@@ -158,6 +158,7 @@ void ReadSamples(TomlTable& table, const std::string& scene_path, Drive& drive) 
 
 Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   Drive drive;
+  drive.offset_v = Signed(table, "offset_v", Dimension::kVoltage);
   drive.source_resistance_ohm =
       NotNegativeOr(table, "source_resistance_ohm", Dimension::kResistance, 0);
   std::vector<std::string> names;
@@ -179,10 +180,8 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
     return drive;
   }
   if (drive.kind == DriveKind::kPulse) {
-    drive.amplitude_v = table.Require("amplitude_v", Dimension::kVoltage);
-    if (drive.amplitude_v != 0) {
-      RefuseUnlessReal(table, "amplitude_v", std::abs(drive.amplitude_v));
-    }
+    if (!table.Has("amplitude_v")) table.Refuse("amplitude_v", "is missing", "add it, in V");
+    drive.amplitude_v = Signed(table, "amplitude_v", Dimension::kVoltage);
     drive.start_s = NotNegativeOr(table, "start_s", Dimension::kTime, 0);
     drive.hold_s = Positive(table, "hold_s", Dimension::kTime);
     return drive;
@@ -194,13 +193,24 @@ Drive ReadDrive(TomlTable& table, const std::string& scene_path) {
   return drive;
 }
 
-Grip ReadMounting(TomlTable* table) {
+Mounting ReadMounting(TomlTable* table) {
+  constexpr double kStandardGravity = 9.80665;  // m/s^2
   if (table == nullptr) return {};
-  const auto kind = table->Choice("kind", {"free", "grip"});
-  if (!table->Has("kind")) table->Refuse("kind", "is missing", "\"free\" or \"grip\"");
-  if (kind != "grip") return {};
-  return {.stiffness_n_per_m = NotNegative(*table, "stiffness_n_per_m", Dimension::kStiffness),
-          .damping_n_s_per_m = NotNegative(*table, "damping_n_s_per_m", Dimension::kDamping)};
+  const auto kind = table->Choice("kind", {"free", "grip", "held", "drop"});
+  if (!table->Has("kind")) {
+    table->Refuse("kind", "is missing", "\"free\", \"grip\", \"held\" or \"drop\"");
+  }
+  Mounting mounting;
+  mounting.grip.holds = kind == "held" || kind == "drop";
+  if (kind == "drop") {
+    const double height_m = Positive(*table, "height_m", Dimension::kLength);
+    mounting.blow_m_per_s = std::sqrt(2 * kStandardGravity * std::max(height_m, 0.0));
+  }
+  if (kind != "grip") return mounting;
+  mounting.grip = {
+      .stiffness_n_per_m = NotNegative(*table, "stiffness_n_per_m", Dimension::kStiffness),
+      .damping_n_s_per_m = NotNegative(*table, "damping_n_s_per_m", Dimension::kDamping)};
+  return mounting;
 }
 
 FingerMotion ReadFingerMotion(TomlTable& table) {

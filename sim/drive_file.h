@@ -14,8 +14,15 @@ namespace haptometer::sim {
 /// with its own line. Errors show in the table's Finish().
 [[nodiscard]] Drive ReadDrive(TomlTable& table, const std::string& scene_path);
 
-/// Reads [mounting] kind = "free" or "grip"; absent: free.
-[[nodiscard]] Grip ReadMounting(TomlTable* table);
+/// What [mounting] says.
+struct Mounting {
+  Grip grip;
+  double blow_m_per_s =
+      0;  ///< the mover's speed at t = 0: of a case that fell and was stopped dead
+};
+
+/// Reads [mounting] kind = "free", "grip", "held" or "drop"; absent: free.
+[[nodiscard]] Mounting ReadMounting(TomlTable* table);
 
 /// Reads the finger's motion out of a table: amplitude_m, frequency_hz and phase_rad of one tone,
 /// or several of those as [[...tone]].

@@ -1,20 +1,32 @@
 #include "sim/effective_scene.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
 
 #include "base/check.h"
+#include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 
 namespace haptometer::sim {
 
-double MoverSag(const Scene& scene, bool stiffening) {
-  const double weight_n = scene.actuator.moving_mass_kg * scene.effects.gravity_m_per_s2;
+double MoverSag(const Scene& scene, bool gravity, bool stiffening) {
+  const double weight_n =
+      scene.mover_preload_n +
+      (gravity ? scene.actuator.moving_mass_kg * scene.effects.gravity_m_per_s2 : 0);
   const bool hardens = stiffening && scene.effects.stiffening;
   return SagUnder(weight_n, scene.actuator.stiffness_n_per_m,
                   hardens ? scene.effects.stiffening->cubic_n_per_m3 : 0);
 }
 
+double PressOnSkin(const Scene& scene, bool gravity) {
+  if (scene.grip.holds) return 0;
+  return scene.mover_preload_n + (gravity ? Weight(scene) : 0);
+}
+
 double Weight(const Scene& scene) {
+  if (scene.grip.holds) return 0;
   const double adapter_kg = scene.adapter ? scene.adapter->skin_side_mass_kg : 0;
   return scene.effects.gravity_m_per_s2 *
          (scene.actuator.moving_mass_kg + CaseSideMass(scene) + adapter_kg);
@@ -27,7 +39,7 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
   if (!on[PlaceOf(Effect::kTremor)]) effective.scene.finger.tones.clear();
   const bool gravity = on[PlaceOf(Effect::kGravity)];
   const bool stiffening = on[PlaceOf(Effect::kStiffening)];
-  const double sag_m = gravity ? MoverSag(scene, stiffening) : 0;
+  const double sag_m = MoverSag(scene, gravity, stiffening);
   if (stiffening) {
     HAPTOMETER_CHECK(effects.stiffening.has_value(), "no spring");
     effective.smooth.spring.emplace(*effects.stiffening).sag_m = sag_m;
@@ -45,14 +57,63 @@ EffectiveScene WithEffects(const Scene& scene, EffectSet on) {
   if (on[PlaceOf(Effect::kContactLoss)]) {
     HAPTOMETER_CHECK(effects.contact_loss.has_value(), "no preload");
     ContactLoss& loss = effective.piecewise.contact_loss.emplace(*effects.contact_loss);
-    if (gravity) loss.preload_n += Weight(scene);
+    loss.preload_n += PressOnSkin(scene, gravity);
   }
   return effective;
 }
 
+namespace {
+
+// How deep the pad is pressed that holds the mover at `gap_m` < 0 from equilibrium: its k p against
+// the spring's force there. Newton falls on it from the side on which the spring stiffens least.
+double DepthAtRest(const EffectiveScene& scene, const TravelStops& stops, int side, double gap_m) {
+  constexpr int kMostSteps = 100;
+  const double Kv = scene.scene.actuator.stiffness_n_per_m;
+  const StiffeningSpring spring = scene.smooth.spring.value_or(StiffeningSpring{});
+  double depth_m = -Kv * gap_m / (stops.stiffness_n_per_m + Kv);
+  for (int k = 0; k < kMostSteps; ++k) {
+    const double travel_m = side * (gap_m + depth_m);
+    const double over_n =
+        stops.stiffness_n_per_m * depth_m + side * (Kv * travel_m + spring.Force(travel_m));
+    const double step_m = over_n / (stops.stiffness_n_per_m + Kv + spring.Stiffness(travel_m));
+    depth_m -= step_m;
+    if (!(std::abs(step_m) > 1e-16 * std::abs(depth_m))) break;
+  }
+  return depth_m;
+}
+
+// a start in mode 0 that lies at a stop, in the mode in which that stop holds it
+PiecewiseStart HeldAt(const EffectiveScene& scene, int side, PiecewiseStart start) {
+  const TravelStops& stops = *scene.piecewise.stops;
+  const double gap_m = side > 0 ? stops.gap_up_m : stops.gap_down_m;
+  const PiecewiseLinearSystem system = AssemblePiecewise(scene.scene, scene.piecewise);
+  const std::string_view name =
+      stops.rigid() ? (side > 0 ? "rest up" : "rest down") : (side > 0 ? "stop up" : "stop down");
+  const auto way = std::ranges::find(system.transitions, name, &Transition::name);
+  HAPTOMETER_CHECK(way != system.transitions.end(), "no transition {}", name);
+  start.x(LinearModel::kMover) = start.x(LinearModel::kCase) + side * gap_m;
+  start.x = (way->map * start.x + way->shift).eval();
+  start.mode = way->mode;
+  if (!stops.rigid()) start.x(LinearModel::kMover) = DepthAtRest(scene, stops, side, gap_m);
+  return start;
+}
+
+}  // namespace
+
+bool RestsOnStop(const EffectiveScene& scene) {
+  const auto& stops = scene.piecewise.stops;
+  return stops && std::min(stops->gap_up_m, stops->gap_down_m) <= 0;
+}
+
+PiecewiseStart StartIn(const EffectiveScene& scene) {
+  PiecewiseStart start = PiecewiseStartOf(scene.scene);
+  const bool stated = scene.scene.initial.mover_m != 0 || scene.scene.initial.case_m != 0;
+  if (StartOf(scene.scene) != Start::kRest || stated || !RestsOnStop(scene)) return start;
+  return HeldAt(scene, scene.piecewise.stops->gap_up_m <= 0 ? 1 : -1, std::move(start));
+}
+
 bool CanRest(const EffectiveScene& scene) {
-  const auto& [stops, loss] = scene.piecewise;
-  if (stops && !(std::min(stops->gap_up_m, stops->gap_down_m) > 0)) return false;
+  const auto& loss = scene.piecewise.contact_loss;
   const Skin& skin = scene.scene.skin;
   return !loss ||
          (loss->preload_n > 0 && (skin.stiffness_n_per_m > 0 || skin.damping_n_s_per_m > 0));
@@ -60,22 +121,39 @@ bool CanRest(const EffectiveScene& scene) {
 
 namespace {
 
-bool IsFree(const EffectiveScene& scene, double travel_m, double skin_force_n, double error) {
+// `travel_m` and `skin_force_n` either way around their constant parts
+struct Reach {
+  double travel_m = 0, mean_travel_m = 0;
+  double skin_force_n = 0, mean_skin_force_n = 0;
+};
+
+bool IsFree(const EffectiveScene& scene, const Reach& reach, double error) {
   const auto& [stops, loss] = scene.piecewise;
   const double room = 1 - error;
-  const bool clear = !stops || travel_m < room * std::min(stops->gap_up_m, stops->gap_down_m);
-  return scene.IsLinear() && clear && (!loss || skin_force_n < room * loss->preload_n);
+  const double up_m = reach.travel_m + reach.mean_travel_m;
+  const double down_m = reach.travel_m - reach.mean_travel_m;
+  const bool clear = !stops || (up_m < room * stops->gap_up_m && down_m < room * stops->gap_down_m);
+  const bool touches =
+      !loss || reach.skin_force_n - reach.mean_skin_force_n < room * loss->preload_n;
+  return scene.IsLinear() && clear && touches;
+}
+
+template <typename Steady>
+Reach ReachOf(const Steady& steady) {
+  return {.travel_m = steady.mover_peak_m - std::abs(steady.mean_travel_m),
+          .mean_travel_m = steady.mean_travel_m,
+          .skin_force_n = steady.skin_force_peak_n - std::abs(steady.mean_skin_force_n),
+          .mean_skin_force_n = steady.mean_skin_force_n};
 }
 
 }  // namespace
 
 bool SteadyMotionIsFree(const EffectiveScene& scene, const SteadyState& steady) {
-  return scene.scene.finger.tones.empty() &&
-         IsFree(scene, steady.mover_peak_m, steady.skin_force_peak_n, steady.error_estimate);
+  return scene.scene.finger.tones.empty() && IsFree(scene, ReachOf(steady), steady.error_estimate);
 }
 
 bool SteadyMotionIsFree(const EffectiveScene& scene, const Superposition& steady) {
-  return IsFree(scene, steady.mover_peak_m, steady.skin_force_peak_n, steady.error_estimate);
+  return IsFree(scene, ReachOf(steady), steady.error_estimate);
 }
 
 }  // namespace haptometer::sim

@@ -28,20 +28,33 @@ struct EffectiveScene {
   [[nodiscard]] bool IsLinear() const { return !smooth.Any(); }
 };
 
-/// How far gravity moves the mover in its case, towards the skin positive: s = Mv g / Kv, or of the
-/// stiffening spring Kv s + K3 s^3 = Mv g.
-[[nodiscard]] double MoverSag(const Scene& scene, bool stiffening = false);
+/// How far the mover's preload F, and with gravity its weight, move it in its case, towards the
+/// skin positive: s = (F + Mv g) / Kv, or of the stiffening spring Kv s + K3 s^3 = F + Mv g.
+[[nodiscard]] double MoverSag(const Scene& scene, bool gravity, bool stiffening = false);
 
-/// The weight of all bodies, which adds to the preload: g (Mv + Mc + Ma1 + Ma2).
+/// The weight of all bodies, which adds to the preload: g (Mv + Mc + Ma1 + Ma2); 0 where the case
+/// is held, which carries it.
 [[nodiscard]] double Weight(const Scene& scene);
+
+/// What presses on the skin at rest besides its own preload: the mover's preload, with gravity the
+/// weight; 0 where the case is held.
+[[nodiscard]] double PressOnSkin(const Scene& scene, bool gravity);
 
 /// The scene under a choice. Positions count from static equilibrium, so gravity leaves the motion
 /// as it is and moves what limits it: gap_up - s, gap_down + s, preload + weight. The constants of
 /// every chosen effect must be there, gaps and preload positive with gravity in them.
 [[nodiscard]] EffectiveScene WithEffects(const Scene& scene, EffectSet on);
 
-/// Whether the scene can rest before anything moves: room to every stop, a preload that presses, a
-/// skin that carries it.
+/// Where a motion from t = 0 begins, with the effects that limit it: as PiecewiseStartOf, and where
+/// weight or the mover's preload hold it at a stop, resting there: against a rigid stop in contact,
+/// in a compliant one as deep as carries the force.
+[[nodiscard]] PiecewiseStart StartIn(const EffectiveScene& scene);
+
+/// Whether weight or a preload hold the mover at one of its stops.
+[[nodiscard]] bool RestsOnStop(const EffectiveScene& scene);
+
+/// Whether the scene can rest before anything moves: a preload that presses, a skin that carries
+/// it.
 [[nodiscard]] bool CanRest(const EffectiveScene& scene);
 
 /// Whether the steady motion of the linear scene under drive and tremor is one of the scene:

@@ -157,12 +157,10 @@ Eigen::VectorXd LargestSignals(const ExcitationPiece& piece) {
 Excitation::Excitation(const SineDrive& drive) {
   before_.push_back(
       {.terms = {{.amplitude = drive.amplitude_v, .frequency_hz = drive.frequency_hz}}});
+  AddOffset(drive.offset_v);
 }
 
 Excitation::Excitation(const Drive& drive, const std::vector<Tone>& finger) {
-  ExcitationPiece moving;
-  AddTones(finger, kFinger, moving);
-  finger_ = moving.terms;
   switch (drive.kind) {
     case DriveKind::kSine:
       before_ = Excitation(SineDrive(drive)).before_;
@@ -183,6 +181,18 @@ Excitation::Excitation(const Drive& drive, const std::vector<Tone>& finger) {
       HoldSamples(drive);
       break;
   }
+  AddOffset(drive.offset_v);
+  ExcitationPiece moving;
+  AddTones(finger, kFinger, moving);
+  lasting_.insert(lasting_.end(), moving.terms.begin(), moving.terms.end());
+}
+
+// none where there is none: a sine alone is played in fewer operations
+void Excitation::AddOffset(double offset_v) {
+  if (offset_v == 0) return;
+  ExcitationTerm constant = Silence();
+  constant.derivatives[0] = offset_v;
+  lasting_.push_back(constant);
 }
 
 ExcitationPiece Excitation::Piece(std::size_t place) const {
@@ -213,7 +223,7 @@ ExcitationPiece Excitation::Piece(std::size_t place) const {
     }
     piece.terms = {term};
   }
-  piece.terms.insert(piece.terms.end(), finger_.begin(), finger_.end());
+  piece.terms.insert(piece.terms.end(), lasting_.begin(), lasting_.end());
   return piece;
 }
 

@@ -60,6 +60,7 @@ class Excitation {
     double slope = 0;
   };
   void AddTones(const std::vector<Tone>& tones, Eigen::Index input, ExcitationPiece& piece) const;
+  void AddOffset(double offset_v);
   void AddSilence(long double begin_s, long double end_s);
   void AddBurst(const Drive& drive);
   void AddPulse(const Drive& drive);
@@ -67,7 +68,7 @@ class Excitation {
   void HoldSamples(const Drive& drive);
 
   std::vector<ExcitationPiece> before_;  // what is not held
-  std::vector<ExcitationTerm> finger_;   // in every piece
+  std::vector<ExcitationTerm> lasting_;  // in every piece: the offset and the finger's motion
   // the intervals between knots at held_from_s_ + k / held_rate_hz_, then silence
   std::size_t knots_ = 0;
   double held_from_s_ = 0;

@@ -11,12 +11,6 @@ namespace {
 
 constexpr double kFinest = 0x1p-52;
 
-double ValueAt(const Eigen::VectorXd& coefficients, double u) {
-  double value = 0;
-  for (Eigen::Index k = coefficients.size(); k-- > 0;) value = value * u + coefficients[k];
-  return value;
-}
-
 // the coefficients in w, u = from + w (to - from): Horner's rule, again and again
 Eigen::VectorXd Seen(Eigen::VectorXd coefficients, double from, double to) {
   const Eigen::Index n = coefficients.size();
@@ -49,7 +43,7 @@ Eigen::VectorXd Bernstein(const Eigen::VectorXd& coefficients, double from, doub
 double BeforeCrossing(const Eigen::VectorXd& coefficients, double above, double below) {
   while (below - above > kFinest) {
     const double middle = (above + below) / 2;
-    (ValueAt(coefficients, middle) >= 0 ? above : below) = middle;
+    (PolynomialValue(coefficients, middle) >= 0 ? above : below) = middle;
   }
   return above;
 }
@@ -62,7 +56,37 @@ Eigen::Index SignChanges(const Eigen::VectorXd& values) {
   return changes;
 }
 
+// whether values only rise or only fall
+bool IsMonotone(const Eigen::VectorXd& values) {
+  const Eigen::Index n = values.size() - 1;
+  const Eigen::VectorXd steps = values.tail(n) - values.head(n);
+  return steps.size() == 0 || steps.minCoeff() >= 0 || steps.maxCoeff() <= 0;
+}
+
 }  // namespace
+
+double PolynomialValue(const Eigen::VectorXd& coefficients, double u) {
+  double value = 0;
+  for (Eigen::Index k = coefficients.size(); k-- > 0;) value = value * u + coefficients[k];
+  return value;
+}
+
+void ExtendRange(const Eigen::VectorXd& coefficients, double from, double to, ValueRange& range) {
+  constexpr double kFlat = 0x1p-26;
+  if (!coefficients.allFinite()) return;
+  std::vector<std::array<double, 2>> open{{from, to}};
+  while (!open.empty()) {
+    const auto [left, right] = open.back();
+    open.pop_back();
+    const Eigen::VectorXd values = Bernstein(coefficients, left, right);
+    const bool inside = values.maxCoeff() <= range.largest && values.minCoeff() >= range.least;
+    if (inside || IsMonotone(values) || right - left <= kFlat) continue;
+    const double middle = (left + right) / 2;
+    range.Include(PolynomialValue(coefficients, middle));
+    open.push_back({middle, right});
+    open.push_back({left, middle});
+  }
+}
 
 std::optional<double> FirstFall(const Eigen::VectorXd& coefficients, double from) {
   if (!coefficients.allFinite()) return {};

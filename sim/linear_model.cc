@@ -1,5 +1,7 @@
 #include "sim/linear_model.h"
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/check.h"
@@ -48,6 +50,7 @@ Scalar As(double value) {
 // Mc1
 template <typename Scalar>
 Scalar CaseSide(const Bodies& bodies) {
+  if (bodies.grip.holds) return std::numeric_limits<Scalar>::infinity();
   return As<Scalar>(bodies.actuator.case_mass_kg) +
          As<Scalar>(bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0);
 }
@@ -69,6 +72,14 @@ template <typename Scalar>
 void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
   const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
              Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
+  if (bodies.grip.holds) {
+    // the case stays at 0 whatever this is; it keeps the matrix regular and is no slower than the
+    // mover
+    const double pace =
+        std::sqrt(bodies.actuator.stiffness_n_per_m / bodies.actuator.moving_mass_kg);
+    rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-pace);
+    return;
+  }
   rows.a(3, 2) -= As<Scalar>(bodies.grip.stiffness_n_per_m) / Mc1;
   rows.a(3, 3) -= As<Scalar>(bodies.grip.damping_n_s_per_m) / Mc1;
   if (!bodies.adapter) {
@@ -121,6 +132,25 @@ Rows<Scalar> RowsOf(const Bodies& bodies) {
   return rows;
 }
 
+// sqrt(R) i, sqrt(B) times each damper's speed
+Eigen::MatrixXd PowerRows(const Bodies& bodies, const LinearModel& model) {
+  const Eigen::Index n = model.states();
+  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n + 1, place); };
+  const Eigen::RowVectorXd motor = unit(LinearModel::kCaseVelocity);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(5, n + 1);
+  rows.row(0) << model.current_row, model.current_per_volt;
+  rows.row(0) *= std::sqrt(bodies.actuator.resistance_ohm);
+  rows.row(1) =
+      std::sqrt(bodies.actuator.damping_n_s_per_m) * (unit(LinearModel::kMoverVelocity) - motor);
+  rows.row(2) = std::sqrt(bodies.grip.damping_n_s_per_m) * motor;
+  rows.row(3) = std::sqrt(bodies.skin.damping_n_s_per_m) * unit(model.skin_velocity());
+  if (bodies.adapter) {
+    rows.row(4) =
+        std::sqrt(bodies.adapter->damping_n_s_per_m) * (motor - unit(model.skin_velocity()));
+  }
+  return rows;
+}
+
 bool AllButOneBody(const Bodies& bodies) {
   const double inverse_mass = 1 / bodies.actuator.moving_mass_kg + 1 / CaseSide<double>(bodies);
   const double square = bodies.actuator.stiffness_n_per_m * inverse_mass;
@@ -144,6 +174,7 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
                           const Skin& skin, const Grip& grip) {
   CheckActuator(actuator);
   const Bodies bodies{.actuator = actuator, .adapter = adapter, .skin = skin, .grip = grip};
+  HAPTOMETER_CHECK(!(adapter && grip.holds), "an adapter on a case that is held");
   HAPTOMETER_CHECK(!adapter || (adapter->skin_side_mass_kg > 0 && CaseSide<double>(bodies) > 0),
                    "skin side {} kg, case side {} kg", adapter->skin_side_mass_kg,
                    CaseSide<double>(bodies));
@@ -151,6 +182,7 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
   LinearModel model{
       .a = std::move(rows.a), .b = std::move(rows.b), .current_row = std::move(rows.current)};
   if (actuator.inductance_h == 0) model.current_per_volt = 1 / actuator.resistance_ohm;
+  model.power_rows = PowerRows(bodies, model);
   if (AllButOneBody(bodies)) AddRest(bodies, model);
   return model;
 }

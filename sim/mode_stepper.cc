@@ -25,11 +25,12 @@ ModeStepper::ModeStepper(const PiecewiseLinearSystem& system, const Mode& mode,
       step_s_(1 / rate_hz),
       generator_(DrivenGenerator(mode.a, mode.Inputs(), shape)) {
   if (mode.a_rest.size() > 0) long_generator_ = LongDrivenGenerator(mode, shape);
-  if (mode.guards.empty()) return;
+  if (mode.guards.empty() && mode.watched.empty()) return;
   const double longest_s = GuardBound::LongestHorizon(generator_);
-  while (coarsest_level_ < kFinestLevel && std::ldexp(step_s_, -coarsest_level_) > longest_s) {
-    ++coarsest_level_;
+  while (watch_level_ < kFinestLevel && std::ldexp(step_s_, -watch_level_) > longest_s) {
+    ++watch_level_;
   }
+  if (!mode.guards.empty()) coarsest_level_ = watch_level_;
 }
 
 const Eigen::MatrixXd& ModeStepper::Step(int level) {
@@ -66,19 +67,31 @@ const StepEnergy& ModeStepper::Energy(int level) {
   return energy;
 }
 
+GuardBound ModeStepper::BoundOf(const Eigen::RowVectorXd& row, double offset,
+                                const Eigen::RowVectorXd& feed, int level) const {
+  const Eigen::Index n = mode_->a.rows(), m = shape_->generator.rows();
+  Eigen::RowVectorXd whole = Eigen::RowVectorXd::Zero(n + m);
+  whole.head(n) = row;
+  if (feed.size() > 0) whole.tail(m) = feed * shape_->rows;
+  return {generator_, whole, offset, *shape_, std::ldexp(step_s_, -level)};
+}
+
 std::vector<GuardBound>& ModeStepper::Guards() {
   if (guards_.size() == mode_->guards.size()) return guards_;
   guards_.reserve(mode_->guards.size());
-  const Eigen::Index n = mode_->a.rows();
   for (const Guard& guard : mode_->guards) {
-    const Eigen::Index m = shape_->generator.rows();
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(n + m);
-    row.head(n) = guard.row;
-    if (guard.feed.size() > 0) row.tail(m) = guard.feed * shape_->rows;
-    guards_.emplace_back(generator_, row, guard.offset, *shape_,
-                         std::ldexp(step_s_, -coarsest_level_));
+    guards_.push_back(BoundOf(guard.row, guard.offset, guard.feed, coarsest_level_));
   }
   return guards_;
+}
+
+std::vector<GuardBound>& ModeStepper::Watched() {
+  if (watched_.size() == mode_->watched.size()) return watched_;
+  watched_.reserve(mode_->watched.size());
+  for (const WatchedNumber& number : mode_->watched) {
+    watched_.push_back(BoundOf(number.row, number.offset, number.feed, watch_level_));
+  }
+  return watched_;
 }
 
 }  // namespace haptometer::sim

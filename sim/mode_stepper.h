@@ -40,8 +40,14 @@ class ModeStepper {
   /// The bounds of the mode's guards hold over 2^-CoarsestLevel() of an output step.
   [[nodiscard]] std::vector<GuardBound>& Guards();
   [[nodiscard]] int CoarsestLevel() const { return coarsest_level_; }
+  /// The bounds of the mode's watched numbers, which hold over 2^-WatchLevel() of an output step.
+  [[nodiscard]] std::vector<GuardBound>& Watched();
+  [[nodiscard]] int WatchLevel() const { return watch_level_; }
 
  private:
+  [[nodiscard]] GuardBound BoundOf(const Eigen::RowVectorXd& row, double offset,
+                                   const Eigen::RowVectorXd& feed, int level) const;
+
   static constexpr std::size_t kLevels = kFinestLevel + 1;
   const PiecewiseLinearSystem* system_;
   const Mode* mode_;
@@ -52,6 +58,8 @@ class ModeStepper {
   LongMatrix long_generator_;  // where the mode has a rest; else empty
   int coarsest_level_ = 0;
   std::vector<GuardBound> guards_;
+  int watch_level_ = 0;
+  std::vector<GuardBound> watched_;
   std::array<Eigen::MatrixXd, kLevels> steps_;
   std::array<StepEnergy, kLevels> energies_;
   std::array<LongMatrix, kLongPowers> long_steps_;

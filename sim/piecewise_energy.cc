@@ -1,4 +1,7 @@
-// The energies that a piecewise motion keeps.
+// What a piecewise motion gathers on its way: energies, and the ranges of the numbers watched.
+#include <algorithm>
+#include <cmath>
+
 #include "base/check.h"
 #include "sim/piecewise_motion.h"
 
@@ -18,6 +21,13 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
 
 }  // namespace
 
+void PiecewiseMotion::TakeStock(const Point& from, int level, const Point& to) {
+  if (with_energy_) CountEnergy(from, level);
+  if (!flow_.ranges.empty()) Watch(from, level, to);
+  // before anything happens: in long steps (CarryErrorFar)
+  if (flow_.error && !events_.empty()) CarryError(from, level, to);
+}
+
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {
   const StepEnergy& energy = Stepper().Energy(level);
   Eigen::VectorXd z(from.x.size() + from.drive.size());
@@ -30,6 +40,76 @@ void PiecewiseMotion::CountEnergy(const Point& from, int level) {
   for (std::size_t k = 0; k < energy.squares.size(); ++k) {
     flow_.squares[k] += static_cast<long double>(Quadratic(energy.squares[k], z));
   }
+}
+
+void PiecewiseMotion::ForgetRanges() {
+  flow_.ranges.assign(system_.modes[mode_].watched.size(), {});
+  for (std::size_t k = 0; k < flow_.ranges.size(); ++k) {
+    flow_.ranges[k].Include(Stepper().Watched()[k].Value(now_.x, now_.drive));
+  }
+}
+
+// A step in which nothing can lie beyond what is known costs no more than its ends.
+void PiecewiseMotion::Watch(const Point& from, int level, const Point& to) {
+  constexpr int kHalvings = 24;  // a bulge of 2^-48 of the first one
+  const double h_s = std::ldexp(1 / rate_hz_, -level);
+  std::vector<GuardBound>& watched = Stepper().Watched();
+  for (std::size_t k = 0; k < watched.size(); ++k) {
+    ValueRange& range = flow_.ranges[k];
+    const double begin = watched[k].Value(from.x, from.drive);
+    const double end = watched[k].Value(to.x, to.drive);
+    range.Include(begin);
+    range.Include(end);
+    const double bulge = watched[k].SecondBound(from.x, largest_signals_) * h_s * h_s / 8;
+    const bool inside = std::max(begin, end) + bulge <= range.largest &&
+                        std::min(begin, end) - bulge >= range.least;
+    if (inside) continue;
+    LookForExtremes(watched[k], from, level, to, level + kHalvings, range);
+  }
+}
+
+void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int level,
+                                      const Point& to, int deepest, ValueRange& range) {
+  const double h_s = std::ldexp(1 / rate_hz_, -level);
+  const GuardJet begin = number.Jet(from.x, from.drive), end = number.Jet(to.x, to.drive);
+  range.Include(begin[0]);
+  range.Include(end[0]);
+  const bool bounded = level >= Stepper().WatchLevel();
+  if (bounded) {
+    // nothing can lie beyond
+    const auto [bound, m3, m4] = number.Bounds(from.x, largest_signals_);
+    // |g''| is also at most what lies between its values at both ends and m4 h^2/8 (at rest, where
+    // the bound by magnitudes is far too large)
+    const double ends = std::max(std::abs(begin[2]), std::abs(end[2]));
+    const double m2 = std::min(bound, ends + m4 * h_s * h_s / 8);
+    // and 1e-15 of the range is the state's rounding
+    const double bulge = m2 * h_s * h_s / 8 - 1e-15 * std::max(range.largest, -range.least);
+    const bool inside = std::max(begin[0], end[0]) + bulge <= range.largest &&
+                        std::min(begin[0], end[0]) - bulge >= range.least;
+    if (inside || std::min(std::abs(begin[1]), std::abs(end[1])) > m2 * h_s) return;
+    // the slope may turn more than once: halves
+    if (std::abs(begin[2]) <= m3 * h_s) {
+      if (level >= std::min(deepest, kFinestLevel)) return;
+      Point middle;
+      Step(from, level + 1, middle);
+      LookForExtremes(number, from, level + 1, middle, deepest, range);
+      LookForExtremes(number, middle, level + 1, to, deepest, range);
+      return;
+    }
+  }
+  if ((begin[1] > 0) != (end[1] > 0)) range.Include(ValueAtExtreme(number, from, level));
+}
+
+// where the slope, which turns once, does
+double PiecewiseMotion::ValueAtExtreme(const GuardBound& number, const Point& from, int level) {
+  constexpr int kHalvings = 28;  // an extreme is flat
+  Point point = from, next;
+  const bool rises = number.Jet(from.x, from.drive)[1] > 0;
+  for (int finer = level + 1; finer <= std::min(level + kHalvings, kFinestLevel); ++finer) {
+    Step(point, finer, next);
+    if ((number.Jet(next.x, next.drive)[1] > 0) == rises) std::swap(point, next);
+  }
+  return number.Value(point.x, point.drive);
 }
 
 double PiecewiseMotion::StoredNow() const {

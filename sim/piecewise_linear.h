@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -49,6 +50,32 @@ struct Guard {
   Eigen::RowVectorXd feed{};  ///< (kInputs); empty: none
 };
 
+/// A number whose largest and least values are wanted, between outputs too: row x + feed u +
+/// offset.
+struct WatchedNumber {
+  Eigen::RowVectorXd row;  ///< (n)
+  double offset = 0;
+  Eigen::RowVectorXd feed{};  ///< (kInputs); empty: none
+};
+
+/// The least and the largest value of a number.
+struct ValueRange {
+  double least = HUGE_VAL;
+  double largest = -HUGE_VAL;
+
+  void Include(double value) {
+    if (value < least) least = value;
+    if (value > largest) largest = value;
+  }
+  void Include(const ValueRange& other) {
+    Include(other.least);
+    Include(other.largest);
+  }
+  [[nodiscard]] double LargestMagnitude() const {
+    return std::abs(largest) > std::abs(least) ? std::abs(largest) : std::abs(least);
+  }
+};
+
 /// x' = A x + b v + finger [xg, vg]; a constant force is a state that stays 1.
 ///
 /// Modes may have coordinates of their own (and their own n): a stiff contact is described by its
@@ -59,6 +86,7 @@ struct Mode {
   Eigen::VectorXd b;          ///< (n)
   Eigen::MatrixXd positions;  ///< (outputs, n): what is handed out; empty: x itself
   std::vector<Guard> guards{};
+  std::vector<WatchedNumber> watched{};  ///< in all modes of a system the same ones, or none
   /// (n, n) symmetric: stored energy x' S x in J; or of [x, u], as below.
   Eigen::MatrixXd stored_j;
   /// (n): the current in A is current_row x + current_per_volt v, and v times it the power in

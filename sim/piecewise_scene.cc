@@ -158,9 +158,15 @@ class Assembly {
              Departure{.guard = GapGuard(side), .order = e > 0 ? std::size_t{1} : 2});
     system_.transitions[impact].bounce =
         Bounce{.restitution = e,
-               .rest_height = kRestPart * GapOn(*effects_.stops, side),
+               .rest_height = kRestPart * RoomFor(*effects_.stops, side),
                .rest_via = rest};
     return impact;
+  }
+
+  // the travel's size: the gap, or where the mover rests at this stop the room on its other side
+  static double RoomFor(const TravelStops& stops, int side) {
+    const double room_m = stops.gap_up_m + stops.gap_down_m;
+    return std::isfinite(room_m) ? room_m / 2 : std::abs(GapOn(stops, side));
   }
 
   std::size_t LinkPress(std::size_t base, int side) {
@@ -205,15 +211,58 @@ class Assembly {
 
 }  // namespace
 
+namespace {
+
+Eigen::VectorXd StatedStart(const InitialState& stated, const LinearModel& model) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(model.states());
+  if (!stated.Any()) return x;
+  x.head(4) << stated.mover_m, stated.mover_m_per_s, stated.case_m, stated.case_m_per_s;
+  if (model.skin() != LinearModel::kCase) {
+    x(model.skin()) = stated.skin_m;
+    x(model.skin_velocity()) = stated.skin_m_per_s;
+  }
+  // without inductance the current is no state
+  if (model.current_per_volt == 0) x(model.states() - 1) = stated.current_a;
+  return x;
+}
+
+}  // namespace
+
 PiecewiseLinearSystem AssemblePiecewise(const Scene& scene, const PiecewiseEffects& effects) {
   return Assembly(scene, effects).Take();
 }
 
+void WatchTravelAndForce(const Scene& scene, const PiecewiseEffects& effects,
+                         PiecewiseLinearSystem& system) {
+  const LinearModel model = AssembleModel(scene);
+  const double Ks = scene.skin.stiffness_n_per_m, Bs = scene.skin.damping_n_s_per_m;
+  for (std::size_t k = 0; k < system.modes.size(); ++k) {
+    Mode& mode = system.modes[k];
+    const Eigen::Index n = mode.a.rows();
+    const Eigen::MatrixXd positions =
+        mode.positions.size() > 0 ? mode.positions : Eigen::MatrixXd::Identity(n, n);
+    WatchedNumber force{.row = Eigen::RowVectorXd::Zero(n)};
+    // contact and flight have as many modes each
+    if (effects.contact_loss && 2 * k >= system.modes.size()) {
+      force.offset = -effects.contact_loss->preload_n;
+    } else {
+      force.row = Ks * positions.row(model.skin()) + Bs * positions.row(model.skin_velocity());
+      if (!scene.finger.tones.empty()) {
+        force.feed = -Ks * Eigen::RowVectorXd::Unit(kInputs, kFinger) -
+                     Bs * Eigen::RowVectorXd::Unit(kInputs, kFingerRate);
+      }
+    }
+    mode.watched = {{.row = positions.row(LinearModel::kMover) - positions.row(LinearModel::kCase)},
+                    std::move(force)};
+  }
+}
+
 PiecewiseStart PiecewiseStartOf(const Scene& scene) {
   const LinearModel model = AssembleModel(scene);
-  if (StartOf(scene) == Start::kRest) return {.x = Eigen::VectorXd::Zero(model.states())};
+  if (StartOf(scene) == Start::kRest) return {.x = StatedStart(scene.initial, model)};
   if (scene.drive.kind == DriveKind::kTones) return {.x = SolveSteadyTones(scene).start};
-  return {.x = SolveSteadyState(model, scene.drive, Skin{}).phasors.imag()};
+  const SteadyState steady = SolveSteadyState(model, scene.drive, Skin{});
+  return {.x = steady.mean + steady.phasors.imag()};
 }
 
 }  // namespace haptometer::sim

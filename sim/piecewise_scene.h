@@ -26,8 +26,17 @@ struct PiecewiseEffects {
 [[nodiscard]] PiecewiseLinearSystem AssemblePiecewise(const Scene& scene,
                                                       const PiecewiseEffects& effects);
 
-/// Where the scene begins: at rest or in the steady motion of its linear part under a sine or
-/// tones, mode 0.
+/// What WatchTravelAndForce() adds to each mode, by place.
+inline constexpr std::size_t kWatchedTravel = 0;
+inline constexpr std::size_t kWatchedForce = 1;
+
+/// Has a motion of the system watch xv - xa, and what presses on the skin beyond what does at rest:
+/// Ks (xs - xg) + Bs (vs - vg), in flight less the preload.
+void WatchTravelAndForce(const Scene& scene, const PiecewiseEffects& effects,
+                         PiecewiseLinearSystem& system);
+
+/// Where the scene begins: at rest, in its stated initial state or in the steady motion of its
+/// linear part under a sine or tones, mode 0.
 [[nodiscard]] PiecewiseStart PiecewiseStartOf(const Scene& scene);
 
 }  // namespace haptometer::sim

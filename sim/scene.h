@@ -24,8 +24,22 @@ struct Adapter {
 
 /// What the bodies do at t = 0.
 enum class Start : std::uint8_t {
-  kRest,    ///< all states zero
+  kRest,    ///< static equilibrium without voltage, or the stated InitialState
   kSteady,  ///< as if the drive had been on forever
+};
+
+/// What the states are at t = 0, from where the bodies rest; 0 where nothing is stated.
+struct InitialState {
+  double mover_m = 0, mover_m_per_s = 0;
+  double case_m = 0, case_m_per_s = 0;
+  double skin_m = 0, skin_m_per_s = 0;  ///< with an adapter; without one the case's
+  double current_a = 0;                 ///< of a coil with inductance
+
+  /// Whether anything but rest is stated.
+  [[nodiscard]] bool Any() const {
+    return mover_m != 0 || mover_m_per_s != 0 || case_m != 0 || case_m_per_s != 0 || skin_m != 0 ||
+           skin_m_per_s != 0 || current_a != 0;
+  }
 };
 
 /// The body that the laser's spot lies on; positions are absolute, towards the skin positive.
@@ -77,8 +91,13 @@ struct Scene {
   std::optional<Start> start;        ///< as stated; StartOf() gives the default
   std::optional<Sensor> sensor;
   Effects effects{};
-  Grip grip{};               ///< of the case to ground; 0: free
-  FingerMotion finger{};     ///< where tremor is on; no tones: it rests
+  Grip grip{};             ///< of the case to ground; 0: free
+  FingerMotion finger{};   ///< where tremor is on; no tones: it rests
+  InitialState initial{};  ///< of a start from rest
+  /// A constant force on the moving mass, towards the skin positive, as its weight is: it moves the
+  /// mover by Kv s + K3 s^3 = F in its case and adds to what presses on the skin. Positions count
+  /// from static equilibrium, so linear motions do not feel it.
+  double mover_preload_n = 0;
   double tolerance = 1e-10;  ///< of the quantity: what effects = "auto" may neglect
   AskedQuantity quantity = AskedQuantity::kSkinRms;
 };

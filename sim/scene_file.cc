@@ -101,6 +101,61 @@ Skin ReadSkin(TomlTable& table) {
           .damping_n_s_per_m = NotNegative(table, "damping_n_s_per_m", Dimension::kDamping)};
 }
 
+// what the bodies do at t = 0, of which a case that is held does nothing
+void ReadStart(TomlTable& table, Scene& scene) {
+  InitialState& initial = scene.initial;
+  const auto length = [&](std::string_view key) { return Signed(table, key, Dimension::kLength); };
+  const auto speed = [&](std::string_view key) { return Signed(table, key, Dimension::kNone); };
+  initial.mover_m = length("mover_m");
+  initial.mover_m_per_s += speed("mover_m_per_s");
+  initial.case_m = length("case_m");
+  initial.case_m_per_s = speed("case_m_per_s");
+  initial.skin_m = length("skin_m");
+  initial.skin_m_per_s = speed("skin_m_per_s");
+  initial.current_a = Signed(table, "current_a", Dimension::kNone);
+  for (const std::string_view key : {"case_m", "case_m_per_s"}) {
+    if (!scene.grip.holds || !table.Has(key)) continue;
+    table.Refuse(key, "is of a case that moves, and [mounting] holds it", "remove one of the two");
+  }
+  for (const std::string_view key : {"skin_m", "skin_m_per_s"}) {
+    if (scene.adapter || !table.Has(key)) continue;
+    table.Refuse(key, "needs an [adapter]: without one the case is on the skin",
+                 "give case_m and case_m_per_s");
+  }
+  if (scene.start != Start::kSteady) return;
+  table.Refuse("mover_m", "stands beside start = \"steady\" in [run]", "remove one of the two");
+}
+
+// beyond a stop nothing can begin
+void RefuseStartBeyondStops(TomlTable& root, const Scene& scene) {
+  TomlTable* table = root.Table("start");
+  if (table == nullptr || scene.effects[Effect::kTravelStops] == Wish::kOff) return;
+  const TravelStops& stops = *scene.effects.travel_stops;
+  const bool gravity = scene.effects[Effect::kGravity] != Wish::kOff;
+  const double sag_m = MoverSag(scene, gravity, scene.effects[Effect::kStiffening] != Wish::kOff);
+  const double travel_m = scene.initial.mover_m - scene.initial.case_m + sag_m;
+  if (travel_m <= stops.gap_up_m && -travel_m <= stops.gap_down_m) return;
+  table->Refuse("mover_m",
+                fmt::format("puts the mover {:.4g} um from where its spring is at ease, "
+                            "beyond a stop",
+                            travel_m * 1e6),
+                "it counts from where the mover rests");
+}
+
+// a held case leaves nothing to what would move it or press on it
+void RefuseBesideHeldCase(TomlTable& root, TomlTable& skin, const Scene& scene) {
+  if (!scene.grip.holds) return;
+  if (scene.adapter) {
+    root.Table("mounting")
+        ->Refuse("kind", "holds the case, and an adapter would not move",
+                 "remove [adapter], or hold the case by a grip");
+  }
+  if (scene.effects[Effect::kContactLoss] != Wish::kOff) {
+    skin.Refuse("preload_n", "presses on a skin that a held case does not move",
+                "leave contact_loss out");
+  }
+}
+
 void ReadDemand(TomlTable& table, Scene& scene) {
   if (table.Has("tolerance")) {
     scene.tolerance = table.Require("tolerance", Dimension::kNone);
@@ -197,34 +252,32 @@ std::optional<Sensor> ReadSensor(TomlTable* table) {
   return sensor;
 }
 
-// gravity may take the mover onto its stop or the bodies off the skin before anything moves
-void RefuseImpossibleRest(TomlTable& root, TomlTable& skin, const Scene& scene) {
+// weight or a preload may take the bodies off the skin before anything moves
+void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& scene) {
+  if (scene.mover_preload_n != 0 && !IsHeldInPlace(scene)) {
+    actuator.Refuse("preload_n", "pushes bodies that nothing holds in their place",
+                    "give [skin] a stiffness, or hold the case in [mounting]");
+  }
   const bool breaks = scene.effects[Effect::kContactLoss] != Wish::kOff;
   if (breaks && scene.skin.stiffness_n_per_m == 0 && scene.skin.damping_n_s_per_m == 0) {
     skin.Refuse("preload_n", "presses on a skin without stiffness and damping",
                 "give it one of them");
   }
-  if (scene.effects[Effect::kGravity] == Wish::kOff) return;
-  if (breaks && scene.grip.stiffness_n_per_m > 0) {
-    skin.Refuse("preload_n", "stands with gravity and a grip, which carries part of the weight",
-                "leave gravity out and give the whole preload");
+  const bool gravity = scene.effects[Effect::kGravity] != Wish::kOff;
+  if (!breaks || !(gravity || scene.mover_preload_n != 0)) return;
+  if (scene.grip.stiffness_n_per_m > 0) {
+    skin.Refuse(
+        "preload_n",
+        fmt::format("stands with {} and a grip, which carries part of {}",
+                    gravity ? "gravity" : "the mover's preload", gravity ? "the weight" : "it"),
+        gravity ? "leave gravity out and give the whole preload" : "leave one of the two out");
   }
-  const double sag_m = MoverSag(scene, scene.effects[Effect::kStiffening] != Wish::kOff);
-  if (scene.effects[Effect::kTravelStops] != Wish::kOff) {
-    const TravelStops& stops = *scene.effects.travel_stops;
-    TomlTable& table = *root.Table("travel_stops");
-    if (!(std::min(stops.gap_up_m - sag_m, stops.gap_down_m + sag_m) > 0)) {
-      const std::string_view way = sag_m > 0 ? "gap_up_m" : "gap_down_m";
-      table.Refuse(table.Has("gap_m") ? "gap_m" : way,
-                   fmt::format("is no more than the {:.3g} um that gravity moves the mover",
-                               std::abs(sag_m) * 1e6),
-                   "the motion would begin on the stop");
-    }
-  }
-  if (!breaks) return;
-  if (!(scene.effects.contact_loss->preload_n + Weight(scene) > 0)) {
+  const double press_n = PressOnSkin(scene, gravity);
+  if (!(scene.effects.contact_loss->preload_n + press_n > 0)) {
     skin.Refuse("preload_n",
-                fmt::format("does not carry the bodies' {:.3g} N of weight", -Weight(scene)),
+                scene.mover_preload_n == 0
+                    ? fmt::format("does not carry the bodies' {:.3g} N of weight", -press_n)
+                    : fmt::format("does not carry the {:.3g} N that pull the bodies", -press_n),
                 "they would fall off the skin");
   }
 }
@@ -240,14 +293,20 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
 
   Scene scene;
   Result<StatedActuator> stated = StatedActuator{};
-  if (actuator_table != nullptr) stated = ReadActuatorTable(*actuator_table, where);
+  if (actuator_table != nullptr) {
+    scene.mover_preload_n = Signed(*actuator_table, "preload_n", Dimension::kNone);
+    stated = ReadActuatorTable(*actuator_table, where);
+  }
   scene.adapter = ReadAdapter(root->Table("adapter"));
   scene.effects = ReadEffects(*root, skin_table);
   if (skin_table != nullptr) scene.skin = ReadSkin(*skin_table);
   if (drive_table != nullptr) scene.drive = ReadDrive(*drive_table, where);
   ReadRun(root->Table("run"), scene);
   scene.sensor = ReadSensor(root->Table("sensor"));
-  scene.grip = ReadMounting(root->Table("mounting"));
+  const Mounting mounting = ReadMounting(root->Table("mounting"));
+  scene.grip = mounting.grip;
+  scene.initial.mover_m_per_s = mounting.blow_m_per_s;
+  if (TomlTable* start = root->Table("start")) ReadStart(*start, scene);
   if (TomlTable* tremor = root->Table("tremor")) scene.finger = ReadFingerMotion(*tremor);
 
   // a misspelt key explains a missing table, so missing ones are told last
@@ -265,7 +324,9 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   scene.actuator = *actuator;
   scene.actuator_covariance = RelativeCovariance(*stated);
   RefuseUnrealActuator(*actuator_table, scene.actuator);
-  RefuseImpossibleRest(*root, *skin_table, scene);
+  RefuseBesideHeldCase(*root, *skin_table, scene);
+  RefuseImpossibleRest(*actuator_table, *skin_table, scene);
+  RefuseStartBeyondStops(*root, scene);
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   return scene;
 }

@@ -1,5 +1,7 @@
 #include "sim/scene_mode.h"
 
+#include <limits>
+
 #include "sim/linear_model.h"
 
 namespace haptometer::sim {
@@ -36,7 +38,8 @@ void AddStored(const Scene& scene, const LinearModel& model, Mode& mode) {
   mode.stored_j =
       Square(motor_data.inductance_h / 2, current) +
       Square(motor_data.moving_mass_kg / 2, Unit(m, LinearModel::kMoverVelocity)) +
-      Square(CaseSideMass(scene) / 2, Unit(m, LinearModel::kCaseVelocity)) +
+      // a case that is held has none
+      Square(scene.grip.holds ? 0 : CaseSideMass(scene) / 2, Unit(m, LinearModel::kCaseVelocity)) +
       Square(motor_data.stiffness_n_per_m / 2, mover - motor) +
       Square(scene.skin.stiffness_n_per_m / 2, FromFinger(scene, model, model.skin(), kFinger)) +
       Square(scene.grip.stiffness_n_per_m / 2, motor);
@@ -95,6 +98,7 @@ Eigen::MatrixXd WithInputs(const Eigen::MatrixXd& from, Eigen::Index size) {
 }  // namespace
 
 double CaseSideMass(const Scene& scene) {
+  if (scene.grip.holds) return std::numeric_limits<double>::infinity();
   return scene.actuator.case_mass_kg + (scene.adapter ? scene.adapter->motor_side_mass_kg : 0);
 }
 

@@ -27,7 +27,7 @@ inline constexpr std::array<std::string_view, 7> kSceneElements{
 /// equilibrium, where gravity and preload are balanced and do not appear.
 [[nodiscard]] Mode SceneMode(const Scene& scene);
 
-/// The mass that moves with the case: Mc + Ma1, Mc without an adapter.
+/// The mass that moves with the case: Mc + Ma1, Mc without an adapter; infinite where it is held.
 [[nodiscard]] double CaseSideMass(const Scene& scene);
 
 /// The mass that the skin carries: Ma2, or the case's without an adapter.

@@ -2,6 +2,8 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
+
 namespace haptometer::sim {
 
 namespace {
@@ -31,6 +33,12 @@ double NotNegative(TomlTable& table, std::string_view key, Dimension dimension) 
   const double value = table.Require(key, dimension);
   if (value < 0) table.Refuse(key, "must not be negative", "check its sign");
   if (value != 0) RefuseUnlessReal(table, key, value);
+  return value;
+}
+
+double Signed(TomlTable& table, std::string_view key, Dimension dimension) {
+  const double value = table.Number(key, dimension).value_or(0);
+  if (value != 0) RefuseUnlessReal(table, key, std::abs(value));
   return value;
 }
 

@@ -17,6 +17,9 @@ void RefuseUnlessReal(TomlTable& table, std::string_view key, double value);
 /// The same where 0 is a value too.
 [[nodiscard]] double NotNegative(TomlTable& table, std::string_view key, Dimension dimension);
 
+/// The number of either sign under a key that may be absent, which is 0.
+[[nodiscard]] double Signed(TomlTable& table, std::string_view key, Dimension dimension);
+
 /// NotNegative where the key is present, `absent` where it is not.
 [[nodiscard]] double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension,
                                    double absent);

@@ -28,7 +28,9 @@ trial::Displacement MotionOf(const Scene& stated, SensorTarget target) {
   const EffectiveScene effective = WithEffects(stated, on);
   const bool is_sine = effective.scene.drive.kind == DriveKind::kSine;
   const bool limited = effective.piecewise.stops || effective.piecewise.contact_loss;
-  if (!is_sine || limited || !effective.IsLinear() || !effective.scene.finger.tones.empty()) {
+  const bool is_plain = effective.scene.drive.offset_v == 0 && !effective.scene.initial.Any();
+  if (!is_sine || !is_plain || limited || !effective.IsLinear() ||
+      !effective.scene.finger.tones.empty()) {
     Beginning beginning = BeginningOf(effective);
     return PlayedMotion(effective, std::move(beginning.start), target,
                         beginning.temperature_rise_k);

@@ -204,6 +204,11 @@ double SmoothMode::Value(std::size_t guard, double t_s, const Eigen::VectorXd& y
   return value;
 }
 
+double SmoothMode::Value(const WatchedNumber& number, double t_s, const Eigen::VectorXd& y) const {
+  const double value = number.row.dot(y.head(n())) + number.offset;
+  return number.feed.size() > 0 ? value + number.feed.dot(InputsThen(t_s)) : value;
+}
+
 // x and its derivatives by differentiating the equations of motion
 GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const {
   const Mode& m = mode();

@@ -38,6 +38,9 @@ class SmoothMode final : public OdeProblem {
   [[nodiscard]] GuardJet Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
   /// g alone.
   [[nodiscard]] double Value(std::size_t guard, double t_s, const Eigen::VectorXd& y) const;
+  /// A watched number.
+  [[nodiscard]] double Value(const WatchedNumber& number, double t_s,
+                             const Eigen::VectorXd& y) const;
   /// The coil's current in A.
   [[nodiscard]] double Current(double t_s, const Eigen::VectorXd& y) const;
   /// The mode's quadratic form and the spring's energy.

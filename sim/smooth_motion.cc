@@ -44,6 +44,22 @@ double LocalTolerance(double tolerance, OdeMethod method) {
   return std::max(part * tolerance, kLeastRelative);
 }
 
+// A function over a step that is so smooth over an eighth of a period that the polynomial through
+// Chebyshev's points is as good: to 1e-15 of what a sine adds.
+template <typename Function>
+Eigen::VectorXd ThroughPoints(const Function& value) {
+  constexpr Eigen::Index kPoints = 13;
+  Eigen::MatrixXd powers(kPoints, kPoints);
+  Eigen::VectorXd values(kPoints);
+  for (Eigen::Index k = 0; k < kPoints; ++k) {
+    const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
+    const double u = (1 - std::cos(angle)) / 2;
+    values[k] = value(u);
+    for (Eigen::Index j = 0; j < kPoints; ++j) powers(k, j) = j == 0 ? 1 : powers(k, j - 1) * u;
+  }
+  return powers.partialPivLu().solve(values);
+}
+
 // Where a guard falls below zero; one that may be wrong by `noise` only where it falls that far.
 std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noise) {
   Eigen::VectorXd raised = coefficients;
@@ -112,6 +128,7 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
         .difference = Eigen::VectorXd::Zero(Positions().size())});
   }
   Enter(Whole());
+  ForgetRanges();
   if (!settings_.with_energy) return;
   flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
   initial_j_ = Run().problem.StoredEnergy(0, x_);
@@ -135,6 +152,8 @@ void SmoothMotion::Enter(Eigen::VectorXd y) {
                      .longest_step_s = LongestStepS()});
   run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
   fall_.reset();
+  terms_.resize(0, 0);
+  watched_until_s_ = 0;
   Arm();
 }
 
@@ -155,6 +174,7 @@ double SmoothMotion::TauOfPieceEnd() const {
 
 void SmoothMotion::NextPiece() {
   const double tau_s = std::min(TauOfPieceEnd(), Run().solver.end_s());
+  Watch(tau_s);
   Eigen::VectorXd y = Run().solver.At(tau_s);
   Pass(tau_s);
   origin_s_ = piece_.end_s;
@@ -196,13 +216,46 @@ void SmoothMotion::Next() {
 }
 
 void SmoothMotion::TakeOutput(double tau_s) {
+  Watch(tau_s);
   const Eigen::VectorXd y = Run().solver.At(tau_s);
   const Eigen::Index n = system_.linear.modes[mode_].a.rows();
   x_ = y.head(n);
-  if (system_.heating) temperature_rise_k_ = y(n);
+  if (!system_.heating) return;
+  temperature_rise_k_ = y(n);
+  if (!ranges_.empty()) temperature_peak_k_.Include(temperature_rise_k_);
+}
+
+void SmoothMotion::ForgetRanges() {
+  const Mode& mode = system_.linear.modes[mode_];
+  ranges_.assign(mode.watched.size(), {});
+  for (std::size_t k = 0; k < ranges_.size(); ++k) {
+    ranges_[k].Include(Run().problem.Value(mode.watched[k], TauOfOutput(), x_));
+  }
+  if (!ranges_.empty()) temperature_peak_k_ = {temperature_rise_k_, temperature_rise_k_};
+}
+
+// What the numbers come to from where they were watched last.
+void SmoothMotion::Watch(double tau_s) {
+  const OdeSolver& solver = Run().solver;
+  const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
+  if (ranges_.empty() || !(step_s > 0 && tau_s > watched_until_s_)) return;
+  const double from = std::max(0.0, (watched_until_s_ - begin_s) / step_s);
+  const double to = std::min(1.0, (tau_s - begin_s) / step_s);
+  for (std::size_t k = 0; k < ranges_.size(); ++k) {
+    const Eigen::VectorXd polynomial = PolynomialOfNumber(k);
+    ranges_[k].Include(PolynomialValue(polynomial, from));
+    ranges_[k].Include(PolynomialValue(polynomial, to));
+    ExtendRange(polynomial, from, to, ranges_[k]);
+  }
+  if (system_.heating) {
+    ExtendRange(StepTerms().bottomRows(1).transpose(), from, to, temperature_peak_k_);
+  }
+  watched_until_s_ = tau_s;
 }
 
 void SmoothMotion::Advance() {
+  Watch(Run().solver.end_s());
+  terms_.resize(0, 0);
   if (!Run().solver.Step()) {
     Stall("the solver cannot go on");
     return;
@@ -229,53 +282,67 @@ void SmoothMotion::Arm() {
   }
 }
 
+// The step's polynomial in u, t = begin + u step, one row a state.
+const Eigen::MatrixXd& SmoothMotion::StepTerms() {
+  if (terms_.size() > 0) return terms_;
+  ModeRun& run = Run();
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  terms_.resize(run.problem.states(), run.solver.order() + 1);
+  double factor = 1;  // step^k / k!
+  for (Eigen::Index k = 0; k < terms_.cols(); ++k) {
+    terms_.col(k) = factor * run.solver.At(begin_s, static_cast<int>(k));
+    factor *= step_s / static_cast<double>(k + 1);
+  }
+  return terms_;
+}
+
 // the guard that falls first within the step
 void SmoothMotion::LookForFall() {
   ModeRun& run = Run();
-  if (run.armed.empty()) return;
   const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
-  // the step's polynomial in u, t = begin + u step
-  Eigen::MatrixXd terms(run.problem.states(), run.solver.order() + 1);
-  double factor = 1;  // step^k / k!
-  for (Eigen::Index k = 0; k < terms.cols(); ++k) {
-    terms.col(k) = factor * run.solver.At(begin_s, static_cast<int>(k));
-    factor *= step_s / static_cast<double>(k + 1);
-  }
   for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
     const std::optional<double> u =
-        FallWithin(PolynomialOf(guard, terms), run.armed[guard] ? 0 : NoiseOf(guard));
+        FallWithin(PolynomialOf(guard), run.armed[guard] ? 0 : NoiseOf(guard));
     if (!u) continue;
     const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
     if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
   }
 }
 
-// A guard over the step. One that feels the voltage is no polynomial, but so smooth over an eighth
-// of a period that one through Chebyshev's points is as good: to 1e-15 of what the voltage adds.
-Eigen::VectorXd SmoothMotion::PolynomialOf(std::size_t guard, const Eigen::MatrixXd& terms) {
+// A guard over the step; one that feels what acts from outside is no polynomial.
+Eigen::VectorXd SmoothMotion::PolynomialOf(std::size_t guard) {
   ModeRun& run = Run();
   const Guard& that = system_.linear.modes[mode_].guards[guard];
   const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
-  if (that.feed.size() == 0) {
-    Eigen::VectorXd coefficients = (that.row * terms.topRows(that.row.size())).transpose();
-    coefficients[0] = run.problem.Value(guard, begin_s, terms.col(0));
-    return coefficients;
+  if (that.feed.size() > 0) {
+    return ThroughPoints([&](double u) {
+      const double t_s = begin_s + u * step_s;
+      return run.problem.Value(guard, t_s, run.solver.At(t_s));
+    });
   }
-  constexpr Eigen::Index kPoints = 13;
-  Eigen::MatrixXd powers(kPoints, kPoints);
-  Eigen::VectorXd values(kPoints);
-  for (Eigen::Index k = 0; k < kPoints; ++k) {
-    const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
-    const double u = (1 - std::cos(angle)) / 2;
-    const double t_s = begin_s + u * step_s;
-    values[k] = run.problem.Value(guard, t_s, run.solver.At(t_s));
-    for (Eigen::Index j = 0; j < kPoints; ++j) powers(k, j) = j == 0 ? 1 : powers(k, j - 1) * u;
+  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  coefficients[0] = run.problem.Value(guard, begin_s, StepTerms().col(0));
+  return coefficients;
+}
+
+Eigen::VectorXd SmoothMotion::PolynomialOfNumber(std::size_t number) {
+  ModeRun& run = Run();
+  const WatchedNumber& that = system_.linear.modes[mode_].watched[number];
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  if (that.feed.size() > 0) {
+    return ThroughPoints([&](double u) {
+      const double t_s = begin_s + u * step_s;
+      return run.problem.Value(that, t_s, run.solver.At(t_s));
+    });
   }
-  return powers.partialPivLu().solve(values);
+  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  coefficients[0] += that.offset;
+  return coefficients;
 }
 
 void SmoothMotion::Fire(const Fall& fall) {
   ModeRun& run = Run();
+  Watch(fall.tau_s);
   const Eigen::VectorXd y = run.solver.At(fall.tau_s);
   const double rate = run.problem.Jet(fall.guard, fall.tau_s, y)[1];
   const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;

@@ -104,6 +104,11 @@ class SmoothMotion {
   [[nodiscard]] EnergyLedger Ledger() const;
   /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
   [[nodiscard]] std::vector<double> SquareIntegrals() const;
+  /// As PiecewiseMotion's, of the steps' polynomials.
+  [[nodiscard]] const std::vector<ValueRange>& Ranges() const { return ranges_; }
+  /// The coil's largest rise since then; 0 where nothing is watched.
+  [[nodiscard]] double temperature_peak_k() const { return temperature_peak_k_.largest; }
+  void ForgetRanges();
   /// Integral since t = 0 of the current's square in A^2 s; needs `with_energy`.
   [[nodiscard]] double CurrentSquareIntegral() const { return IntegralsHere().back(); }
   /// When the motion stalled, if it did, and why.
@@ -147,7 +152,7 @@ class SmoothMotion {
   [[nodiscard]] double LongestStepS() const;
   void Advance();
   void LookForFall();
-  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard, const Eigen::MatrixXd& terms);
+  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard);
   [[nodiscard]] double NoiseOf(std::size_t guard);
   void Arm();
   void Fire(const Fall& fall);
@@ -157,6 +162,9 @@ class SmoothMotion {
                                                  const Eigen::VectorXd& y);
   void Stall(std::string_view reason);
   void TakeOutput(double tau_s);
+  void Watch(double tau_s);
+  [[nodiscard]] const Eigen::MatrixXd& StepTerms();
+  [[nodiscard]] Eigen::VectorXd PolynomialOfNumber(std::size_t number);
   void Compare();
   [[nodiscard]] std::vector<double> IntegralsHere() const;
   [[nodiscard]] Eigen::VectorXd Whole() const;
@@ -179,6 +187,10 @@ class SmoothMotion {
   Eigen::VectorXd x_;
   double temperature_rise_k_;
   std::optional<Fall> fall_;  // in the step that was taken last
+  Eigen::MatrixXd terms_;     // of that step; empty: not asked for
+  std::vector<ValueRange> ranges_;
+  ValueRange temperature_peak_k_{.least = 0, .largest = 0};
+  double watched_until_s_ = 0;  // from where the mode was entered
   std::vector<Event> events_;
   int crowded_events_ = 0;
   std::int64_t steps_ = 0;

@@ -26,7 +26,10 @@ SpringTerms TermsOf(const Mode& before, const Mode& after) {
   terms.push = (before.a - after.a) / kProbe * row;
   terms.guard_pulls.reserve(before.guards.size());
   for (std::size_t k = 0; k < before.guards.size(); ++k) {
-    const Eigen::RowVectorXd pull = (before.guards[k].row - after.guards[k].row) / kProbe;
+    const Guard &guard = before.guards[k], &stiffer = after.guards[k];
+    Eigen::RowVectorXd pull = (guard.row - stiffer.row) / kProbe;
+    // where d rests, the spring's share is a constant, that of the last state, which is 1
+    pull(pull.size() - 1) += (guard.offset - stiffer.offset) / kProbe;
     terms.guard_pulls.push_back(pull.dot(row.transpose()));
     const bool rests = (terms.deflection * before.a).isZero(0);
     HAPTOMETER_CHECK(rests || terms.guard_pulls.back() == 0, "guard {} feels the spring", k);

@@ -27,9 +27,9 @@ double PlayedS(const EffectiveScene& scene) {
 
 // the linear steady motion may lie beyond a stop
 PiecewiseStart AtRest(const EffectiveScene& scene) {
-  Scene resting = scene.scene;
-  resting.start = Start::kRest;
-  return PiecewiseStartOf(resting);
+  EffectiveScene resting = scene;
+  resting.scene.start = Start::kRest;
+  return StartIn(resting);
 }
 
 std::string NoneFound(const PeriodicSearch& search) {

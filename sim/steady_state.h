@@ -10,21 +10,28 @@ namespace haptometer::sim {
 
 /// The periodic motion under a sine drive, long after every transient.
 struct SteadyState {
-  /// (n) peak phasors X: with v(t) = V sin(w t), state k is Im(X[k] exp(j w t)).
+  /// (n) peak phasors X: with v(t) = V0 + V sin(w t), state k is mean[k] + Im(X[k] exp(j w t)).
   Eigen::VectorXcd phasors;
+  Eigen::VectorXd mean;            ///< (n): the constant part, of the drive's offset; 0 without one
   std::complex<double> current_a;  ///< peak phasor of the coil's current
 
-  double skin_rms_m = 0;
-  double mover_peak_m = 0;  ///< amplitude of the moving mass's travel in the case, |Xv - Xa|
+  double skin_rms_m = 0;    ///< of all of xs, the constant part included; so are the others
+  double mover_peak_m = 0;  ///< largest travel of the moving mass in the case, either way
   double case_rms_m = 0;
   double current_rms_a = 0;
-  double power_w = 0;    ///< mean electrical power taken from the source
+  /// Mean electrical power taken from the source: what is dissipated, which loses no digits where
+  /// the current is all but a quarter of a period from the voltage.
+  double power_w = 0;
   double phase_rad = 0;  ///< of the current relative to the voltage; negative: it lags
-  double skin_force_peak_n =
-      0;  ///< amplitude of Ks xs + Bs vs: a static preload below it lifts off
-  /// Bound of the relative error of skin_rms_m: residual and rounding of the matrix, both carried
-  /// through |M^-1|, M = j w I - A. 1 or more (also infinite): the drive excites an undamped
-  /// resonance and there is no steady state; the other fields then hold nothing.
+  /// Largest Ks xs + Bs vs either way. Without an offset a static preload below it lifts off.
+  double skin_force_peak_n = 0;
+  double mean_current_a = 0;
+  double mean_travel_m = 0;      ///< of mover_peak_m, with its sign
+  double mean_skin_force_n = 0;  ///< of skin_force_peak_n, with its sign
+  /// Bound of the relative error of all numbers above: residual and rounding of the matrix, both
+  /// carried through |M^-1|, M = j w I - A, and what rounding adds to the numbers themselves. 1 or
+  /// more (also infinite): the drive excites an undamped resonance and there is no steady state;
+  /// the other fields then hold nothing.
   double error_estimate = 0;
 };
 
@@ -35,8 +42,16 @@ struct SteadyState {
 [[nodiscard]] SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive,
                                            const Skin& skin);
 
-/// The same of a scene.
+/// The same of a scene; no steady state (error_estimate infinite) where an offset moves bodies
+/// that no spring holds in their place.
 [[nodiscard]] SteadyState SolveSteadyState(const Scene& scene);
+
+/// Whether a spring, or a case that is held, brings every body back to where it was.
+[[nodiscard]] bool IsHeldInPlace(const Scene& scene);
+
+/// (n): where a constant voltage holds the states in the end, -A^-1 B V. A must be regular
+/// (IsHeldInPlace). Zeros of 0 V.
+[[nodiscard]] Eigen::VectorXd StaticState(const LinearModel& model, double voltage_v);
 
 /// Relative standard uncertainty of skin_rms_m from how well the scene's actuator is known.
 ///

@@ -30,14 +30,14 @@ struct Part {
   Complex amplitude;  // Im(amplitude exp(j w t))
 };
 
-double SumOf(const std::vector<Part>& parts) {
-  double sum = 0;
+double SumOf(const std::vector<Part>& parts, double mean) {
+  double sum = std::abs(mean);
   for (const Part& part : parts) sum += std::abs(part.amplitude);
   return sum;
 }
 
-MotionJet JetAt(const std::vector<Part>& parts, long double t_s) {
-  MotionJet jet;
+MotionJet JetAt(const std::vector<Part>& parts, double mean, long double t_s) {
+  MotionJet jet{.x = mean};
   for (const Part& part : parts) {
     const double w = 2 * std::numbers::pi * part.frequency_hz;
     const Eigen::Vector2d turn = DriveAt(part.frequency_hz, t_s);
@@ -49,16 +49,16 @@ MotionJet JetAt(const std::vector<Part>& parts, long double t_s) {
   return jet;
 }
 
-// the largest value over one period
-double PeakOf(const std::vector<Part>& parts, double period_s, double highest_hz) {
-  if (period_s == 0) return SumOf(parts);
+// the largest value over one period, around a constant part
+double PeakOf(const std::vector<Part>& parts, double mean, double period_s, double highest_hz) {
+  if (period_s == 0) return SumOf(parts, mean);
   const auto count =
       static_cast<std::int64_t>(std::ceil(kOutputsPerPeriod * highest_hz * period_s));
   const long double step_s = static_cast<long double>(period_s) / static_cast<long double>(count);
   double peak = 0;
-  MotionJet before = JetAt(parts, 0);
+  MotionJet before = JetAt(parts, mean, 0);
   for (std::int64_t k = 1; k <= count; ++k) {
-    const MotionJet now = JetAt(parts, step_s * static_cast<long double>(k));
+    const MotionJet now = JetAt(parts, mean, step_s * static_cast<long double>(k));
     peak = std::max(peak, HermiteQuintic(before, now, static_cast<double>(step_s)).Peak());
     before = now;
   }
@@ -83,8 +83,9 @@ class SumOfTones {
  public:
   SumOfTones(const Scene& scene, double period_s)
       : scene_(scene), model_(AssembleModel(scene)), period_s_(period_s) {
-    steady_.start = Eigen::VectorXd::Zero(model_.states());
+    steady_.start = StaticState(model_, scene.drive.offset_v);
     steady_.period_s = period_s;
+    AddMean();
   }
 
   void Add(double frequency_hz, Complex voltage_v) {
@@ -97,7 +98,7 @@ class SumOfTones {
     skin_square_ += std::norm(skin) / 2;
     case_square_ += std::norm(one.phasors(LinearModel::kCase) * voltage_v) / 2;
     current_square_ += std::norm(one.current_a * voltage_v) / 2;
-    steady_.power_w += std::norm(voltage_v) * one.current_a.real() / 2;
+    steady_.power_w += std::norm(voltage_v) * one.power_w;
     steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(skin) / 2;
     travel_.push_back(
         {frequency_hz,
@@ -113,15 +114,31 @@ class SumOfTones {
     steady_.case_rms_m = std::sqrt(case_square_);
     steady_.current_rms_a = std::sqrt(current_square_);
     if (!(steady_.error_estimate < 1)) return steady_;
-    steady_.mover_peak_m = PeakOf(travel_, period_s_, highest_hz_);
-    steady_.skin_force_peak_n = PeakOf(force_, period_s_, highest_hz_);
+    steady_.mover_peak_m = PeakOf(travel_, mean_travel_m_, period_s_, highest_hz_);
+    steady_.skin_force_peak_n = PeakOf(force_, steady_.mean_skin_force_n, period_s_, highest_hz_);
     return steady_;
   }
 
  private:
+  // what the offset holds
+  void AddMean() {
+    const double offset_v = scene_.drive.offset_v;
+    if (offset_v == 0) return;
+    if (!IsHeldInPlace(scene_)) steady_.error_estimate = HUGE_VAL;
+    const Eigen::VectorXd& mean = steady_.start;
+    const double current_a = model_.current_row.dot(mean) + model_.current_per_volt * offset_v;
+    skin_square_ = mean(model_.skin()) * mean(model_.skin());
+    case_square_ = mean(LinearModel::kCase) * mean(LinearModel::kCase);
+    current_square_ = current_a * current_a;
+    steady_.power_w = offset_v * current_a;
+    mean_travel_m_ = mean(LinearModel::kMover) - mean(LinearModel::kCase);
+    steady_.mean_skin_force_n = scene_.skin.stiffness_n_per_m * mean(model_.skin());
+  }
+
   const Scene& scene_;
   LinearModel model_;
   double period_s_;
+  double mean_travel_m_ = 0;
   double highest_hz_ = 0;
   SteadyTones steady_;
   double skin_square_ = 0, case_square_ = 0, current_square_ = 0;

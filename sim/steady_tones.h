@@ -11,13 +11,14 @@ namespace haptometer::sim {
 /// superposed. RMS values and power are those over all time.
 struct SteadyTones {
   Eigen::VectorXd start;  ///< (n): the states at t = 0
-  double skin_rms_m = 0;  ///< sqrt(sum |Xs_k|^2 / 2) over the frequencies k; so are the other two
+  double skin_rms_m = 0;  ///< sqrt(mean^2 + sum |Xs_k|^2 / 2) over the frequencies k; so are these:
   double case_rms_m = 0;
   double current_rms_a = 0;
   double power_w = 0;            ///< mean electrical power taken from the source: sum of the tones'
   double skin_power_w = 0;       ///< of it what the skin's damper takes
   double mover_peak_m = 0;       ///< largest |xv - xa|
   double skin_force_peak_n = 0;  ///< largest |Ks xs + Bs vs|
+  double mean_skin_force_n = 0;  ///< what an offset holds of it
   /// After how long all repeats itself; 0: after more than 2^20 outputs, 64 in the shortest period,
   /// or never. The two peaks are then the sums of the tones' amplitudes: never more than that, and
   /// nearly that now and then where the frequencies have nothing in common.

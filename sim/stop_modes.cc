@@ -122,28 +122,32 @@ StopMode LeavingMode(const TravelStops& stops, const Mode& base, int side) {
   return stop;
 }
 
+// Both as one body: what d and d' are leaves the centre of gravity and the momentum where they
+// were.
+Eigen::MatrixXd ToOneBody(const Scene& scene, Eigen::Index n, int side, double gap_m) {
+  const double Mv = scene.actuator.moving_mass_kg;
+  const double part = side * Mv / (Mv + CaseSideMass(scene));
+  Eigen::MatrixXd together = Eigen::MatrixXd::Identity(n, n);
+  together(kCase, kDepth) = part;
+  together(kCaseVelocity, kDepthRate) = part;
+  return together * ToDepth(n, side, gap_m);
+}
+
 StopMode RestingMode(const Scene& scene, const TravelStops& stops, const Mode& base, int side) {
   StopMode stop = DepthMode(base, StopState::kResting, side, GapOn(stops, side));
   const Eigen::Index n = base.a.rows();
   // the force that keeps d'' = 0, to which a coil without inductance and a finger under the case
   // add at once
   const Eigen::RowVectorXd force = stop.mode.a.row(kDepthRate) / InverseMass(scene);
-  const Eigen::MatrixXd inputs = stop.mode.Inputs();
-  const Eigen::RowVectorXd feed = inputs.row(kDepthRate) / InverseMass(scene);
-  const Eigen::VectorXd push = PushColumn(scene, n, side);
-  const Eigen::MatrixXd held = stop.mode.a + push * force;
-  const Eigen::MatrixXd held_inputs = inputs + push * feed;
+  const Eigen::RowVectorXd feed = stop.mode.Inputs().row(kDepthRate) / InverseMass(scene);
 
-  // d and d' are zero and leave
+  // d and d' are zero and leave; what acts on both moves their centre of gravity
   std::vector<Eigen::Index> kept;
   kept.reserve(static_cast<std::size_t>(n));
   for (Eigen::Index k = kCase; k < n; ++k) kept.push_back(k);
-  stop.to = stop.to(kept, Eigen::all).eval();
+  stop.to = ToOneBody(scene, n, side, GapOn(stops, side))(kept, Eigen::all);
   stop.from = stop.from(Eigen::all, kept).eval();
   stop.mode = InCoordinates(base, stop.to, stop.from);
-  stop.mode.a = held(kept, kept);
-  stop.mode.b = held_inputs(kept, kVoltage);
-  if (base.finger.size() > 0) stop.mode.finger = held_inputs.rightCols(2)(kept, Eigen::all);
   stop.mode.name = side > 0 ? "resting up" : "resting down";
   stop.guards = {force(kept).eval()};
   if (!feed.isZero(0)) stop.feed = feed;
@@ -164,8 +168,10 @@ std::vector<StopMode> AssembleStopModes(const Scene& scene, const TravelStops& s
   std::vector<StopMode> modes;
   modes.reserve(5);
   modes.push_back(FreeMode(base));
+  // a preload may hold the mover at one of them, which then lies before static equilibrium
+  HAPTOMETER_CHECK(stops.gap_up_m + stops.gap_down_m > 0, "gaps {}, {} m", stops.gap_up_m,
+                   stops.gap_down_m);
   for (const int side : {1, -1}) {
-    HAPTOMETER_CHECK(GapOn(stops, side) > 0, "gap {} m", GapOn(stops, side));
     if (std::isinf(GapOn(stops, side))) continue;
     if (stops.rigid()) {
       modes.push_back(RestingMode(scene, stops, base, side));

@@ -60,6 +60,21 @@ void Add(const Scene& scene, const LinearModel& model, double frequency_hz, cons
   sum.state += x.imag();
 }
 
+// what the drive's offset holds
+void AddMean(const Scene& scene, const LinearModel& model, const SteadyState& driven,
+             Superposition& sum) {
+  if (!IsHeldInPlace(scene)) sum.error_estimate = HUGE_VAL;
+  sum.skin_rms_m = std::hypot(sum.skin_rms_m, driven.mean(model.skin()));
+  sum.case_rms_m = std::hypot(sum.case_rms_m, driven.mean(LinearModel::kCase));
+  sum.current_rms_a = std::hypot(sum.current_rms_a, driven.mean_current_a);
+  sum.mean_travel_m = driven.mean_travel_m;
+  sum.mean_skin_force_n = driven.mean_skin_force_n;
+  sum.mover_peak_m += std::abs(driven.mean_travel_m);
+  sum.skin_force_peak_n += std::abs(driven.mean_skin_force_n);
+  sum.power_w += scene.drive.offset_v * driven.mean_current_a;
+  sum.state += driven.mean;
+}
+
 }  // namespace
 
 Superposition Superpose(const Scene& scene) {
@@ -83,6 +98,7 @@ Superposition Superpose(const Scene& scene) {
   }
   sum.power_w = drive.amplitude_v * parts[drive.frequency_hz].current_a.real() / 2;
   for (const auto& [frequency_hz, part] : parts) Add(scene, model, frequency_hz, part, sum);
+  if (drive.offset_v != 0) AddMean(scene, model, driven, sum);
   return sum;
 }
 

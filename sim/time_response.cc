@@ -19,7 +19,7 @@ namespace {
 constexpr int kSmallestExponent = -64;
 constexpr int kPowers = 84;
 
-Eigen::VectorXd InitialState(const LinearModel& model, const SineDrive& drive, Start start) {
+Eigen::VectorXd StateAtStart(const LinearModel& model, const SineDrive& drive, Start start) {
   if (start == Start::kRest) return Eigen::VectorXd::Zero(model.states());
   return SolveSteadyState(model, drive, Skin{}).phasors.imag();
 }
@@ -40,7 +40,7 @@ Eigen::MatrixXd ShortGramian(const Eigen::MatrixXd& g, const Eigen::VectorXd& c,
 }  // namespace
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Start start)
-    : TimeResponse(model, drive, InitialState(model, drive, start)) {}
+    : TimeResponse(model, drive, StateAtStart(model, drive, start)) {}
 
 TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
                            Eigen::VectorXd initial)

@@ -16,8 +16,10 @@ namespace haptometer::sim {
 struct TravelStops {
   static constexpr double kNone = std::numeric_limits<double>::infinity();
 
-  double gap_up_m = kNone;           ///< > 0: largest xv - xa; infinite: no stop on this side
-  double gap_down_m = kNone;         ///< > 0: largest xa - xv
+  /// Largest xv - xa, and largest xa - xv; infinite: no stop on this side. Their sum is positive;
+  /// one of them is negative where weight or a preload hold the mover at that stop.
+  double gap_up_m = kNone;
+  double gap_down_m = kNone;
   double stiffness_n_per_m = kNone;  ///< k > 0; infinite: rigid
   double damping_n_s_per_m = 0;      ///< c >= 0, of compliant stops
   double restitution = 0;            ///< e in [0, 1], of rigid stops

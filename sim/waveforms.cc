@@ -51,6 +51,9 @@ class Recording {
       Take(row++);
     }
     waves_.stalled_at_s = motion_.stalled_at_s();
+    if (!motion_.Ranges().empty()) {
+      waves_.force_least_n = resting_n_ + motion_.Ranges()[kWatchedForce].least;
+    }
     if (row < rows_) Resize(row);
     return std::move(waves_);
   }
@@ -128,8 +131,8 @@ class Recording {
 double RestingForceN(const EffectiveScene& scene) {
   if (scene.piecewise.contact_loss) return scene.piecewise.contact_loss->preload_n;
   const Effects& effects = scene.scene.effects;
-  const double weight_n = effects[Effect::kGravity] == Wish::kOff ? 0 : Weight(scene.scene);
-  return weight_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
+  const double press_n = PressOnSkin(scene.scene, effects[Effect::kGravity] != Wish::kOff);
+  return press_n + (effects.contact_loss ? effects.contact_loss->preload_n : 0);
 }
 
 Beginning BeginningOf(const EffectiveScene& scene) {
@@ -143,27 +146,31 @@ Beginning BeginningOf(const EffectiveScene& scene) {
       return {.start = std::move(settled.start), .temperature_rise_k = settled.temperature_rise_k};
     }
   }
-  Scene resting = body;
-  resting.start = Start::kRest;
-  return {.start = PiecewiseStartOf(resting)};
+  EffectiveScene resting = scene;
+  resting.scene.start = Start::kRest;
+  return {.start = StartIn(resting)};
 }
 
 Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning, double duration_s,
-                        double rate_hz) {
+                        double rate_hz, bool with_least_force) {
   HAPTOMETER_CHECK(duration_s > 0 && rate_hz > 0 && duration_s * rate_hz <= kMostOutputs,
                    "{} s at {} Hz", duration_s, rate_hz);
   const Scene& bodies = scene.scene;
   Excitation excitation(bodies.drive, bodies.finger.tones);
   const OutputGrid grid{.rate_hz = rate_hz};
   if (scene.IsLinear()) {
-    PiecewiseMotion motion(AssemblePiecewise(bodies, scene.piecewise), std::move(excitation),
-                           std::move(beginning.start), grid);
+    PiecewiseLinearSystem system = AssemblePiecewise(bodies, scene.piecewise);
+    if (with_least_force) WatchTravelAndForce(bodies, scene.piecewise, system);
+    PiecewiseMotion motion(std::move(system), std::move(excitation), std::move(beginning.start),
+                           grid);
     return Recording(scene, duration_s, rate_hz, motion).Play();
   }
   const SmoothSettings settings{.tolerance = SolverLadder(bodies.tolerance).tolerance(),
                                 .most_steps = std::numeric_limits<std::int64_t>::max()};
-  SmoothMotion motion(AssembleSmooth(bodies, scene.piecewise, scene.smooth), std::move(excitation),
-                      std::move(beginning.start), grid, settings, beginning.temperature_rise_k);
+  SmoothSystem system = AssembleSmooth(bodies, scene.piecewise, scene.smooth);
+  if (with_least_force) WatchTravelAndForce(bodies, scene.piecewise, system.linear);
+  SmoothMotion motion(std::move(system), std::move(excitation), std::move(beginning.start), grid,
+                      settings, beginning.temperature_rise_k);
   return Recording(scene, duration_s, rate_hz, motion).Play();
 }
 

@@ -24,6 +24,8 @@ struct Waveforms {
   /// What presses on the skin: F0 + Ks (xs - xg) + Bs (vs - vg), F0 the preload with what weight
   /// adds; 0 in flight. Below 0 a skin that cannot break contact pulls.
   Eigen::VectorXd force_n;
+  /// Least of that, between rows too; absent unless asked for.
+  std::optional<double> force_least_n{};
   Eigen::VectorXd events;                ///< how many since the row before
   std::optional<double> stalled_at_s{};  ///< events without end: the last row is before that
 
@@ -48,8 +50,10 @@ struct Beginning {
 ///
 /// Exact at any rate, under smooth effects to the scene's tolerance as solver_ladder.h begins with
 /// it; an event shows in `events` of the row behind it. duration_s rate_hz at most 1e8. Cost:
-/// PiecewiseMotion's without energies, or SmoothMotion's; memory: eleven numbers a row.
+/// PiecewiseMotion's without energies, or SmoothMotion's; `with_least_force` 0.1 us more a row.
+/// Memory: eleven numbers a row.
 [[nodiscard]] Waveforms PlayWaveforms(const EffectiveScene& scene, Beginning beginning,
-                                      double duration_s, double rate_hz);
+                                      double duration_s, double rate_hz,
+                                      bool with_least_force = false);
 
 }  // namespace haptometer::sim

@@ -148,6 +148,26 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"kind = 3", "x.toml:1: kind: is not a text; put it in quotes"},
         Fault{"skin = 3", "x.toml:1: skin: is not a table; write [skin]"}));
 
+// a text comes to headers, plots and terminals, which no control character may reach
+TEST(TomlTable, TextsThatAreNotPrintableAreRefused) {
+  TomlTable text = Parsed("name = \"x\\n!touch\"\n");
+  EXPECT_FALSE(text.Text("name"));
+  EXPECT_EQ(text.Finish().error().Text(),
+            "x.toml:1: name: 'x\\n!touch' holds a character that cannot be printed; write it "
+            "without control characters, on one line");
+  TomlTable list = Parsed("names = [\"a\", \"\\u001b[2J\"]\n");
+  EXPECT_TRUE(list.TextList("names").empty());
+  EXPECT_FALSE(list.Finish());
+  TomlTable lists = Parsed("pairs = [[\"a\", \"b\\r\"]]\n");
+  EXPECT_TRUE(lists.TextLists("pairs").empty());
+  EXPECT_FALSE(lists.Finish());
+  TomlTable keys = Parsed("labels.\"a\\nb\" = \"c\"\n");
+  EXPECT_TRUE(keys.Texts("labels").empty());
+  EXPECT_FALSE(keys.Finish());
+  TomlTable unknown = Parsed("\"evil\\nkey\" = 1\n");
+  EXPECT_EQ(unknown.Finish().error().Text().find('\n'), std::string::npos);
+}
+
 TEST(TomlTable, MissingAndRefusedValuesAreTold) {
   TomlTable missing = Parsed("");
   EXPECT_EQ(missing.Require("mass_kg", Dimension::kMass), 0);

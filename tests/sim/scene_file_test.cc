@@ -241,12 +241,8 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
        "[coil_heating]: resistance_per_k: is more than 1 per K; copper has 3.93e-3"},
       {"[tremor]\namplitude_m = '50um'\n",
        "[tremor]: frequency_hz: is missing; add it, in Hz or with a unit"},
-      {"[effects]\ngravity = true\ntravel_stops = true\n[travel_stops]\ngap_m = '4um'\n"
-       "restitution = 0\n",
-       "[travel_stops]: gap_m: is no more than the 4.9 um that gravity moves the mover; the motion "
-       "would begin on the stop"},
       {"[mounting]\nkind = 'grounded'\n",
-       "[mounting]: kind: \"grounded\" is not known; use one of free, grip"},
+       "[mounting]: kind: \"grounded\" is not known; use one of free, grip, held, drop"},
       {"[mounting]\nkind = 'grip'\nstiffness_n_per_m = 100\n",
        "[mounting]: damping_n_s_per_m: is missing; add it, in N s/m or with a unit"}};
   for (const auto& [text, message] : cases) {

@@ -70,7 +70,7 @@ TEST(SceneRun, OfASteadySceneShowsThePhasors) {
 TEST(SceneRun, CountsItsEventsAndStopsAtTheGap) {
   const SceneRun run = RunScene(
       WithEffects(WithStops(0.3e-3), Only({Effect::kTravelStops, Effect::kContactLoss})), 0.1);
-  EXPECT_EQ(run.mover_peak_of_run_m, 0.3e-3);
+  EXPECT_REL(run.mover_peak_of_run_m, 0.3e-3, 1e-14, "rounding of the place of an impact");
   EXPECT_ABS(run.ledger.Imbalance(), 0, 1e-12, "exact integrals");
   std::size_t impacts = 0;
   for (const EventCount& event : run.events) {
@@ -115,10 +115,10 @@ TEST(SceneRun, HeatThatChangesNothingLeavesTheExactRun) {
       for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
         const double apart = Deviation(static_cast<AskedQuantity>(k), run, exact);
         EXPECT_LE(apart, tolerance) << kAskedQuantityNames[k];
-        EXPECT_LE(apart, run.error_estimate + 1e-12) << kAskedQuantityNames[k];
+        EXPECT_LE(apart, run.error_estimate) << kAskedQuantityNames[k];
       }
       EXPECT_LE(run.error_estimate, tolerance / 4);
-      EXPECT_EQ(exact.error_estimate, 0);
+      EXPECT_LT(exact.error_estimate, 1e-11) << "rounding, and what a few events make of it";
       EXPECT_FALSE(exact.solver);
       EXPECT_TRUE(run.solver);
       EXPECT_REL(run.power_w, exact.power_w, 10 * tolerance, "an integral like the others");

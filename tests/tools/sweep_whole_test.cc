@@ -165,17 +165,13 @@ TEST_F(SweepVerb, MergesNoRowInWhichADigitChanged) {
   EXPECT_THAT(outcome.err, HasSubstr("holds a row that was changed or is none: '14,"));
 }
 
-TEST_F(SweepVerb, GoesOnWithATableOfAnOlderVersionAndSaysWhatItLacks) {
-  const std::string older = WithoutChecksums(Table(kGrid, "whole.csv"));
-  (void)File("t.csv", older.substr(0, older.find("\n17,") + 9));
-  const Outcome outcome = Sweep(kGrid, "t.csv", {"--resume"});
-  EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.err, HasSubstr("an older version wrote it, without checksums of its rows"));
-  EXPECT_EQ(Content("t.csv"), older);
-  const Outcome merged = Sweep({"--merge", Path("t.csv")}, "merged.csv");
-  EXPECT_EQ(merged.status, 0) << merged.err;
-  EXPECT_THAT(merged.err, HasSubstr("without checksums"));
-  EXPECT_EQ(Content("merged.csv"), older);
+TEST_F(SweepVerb, ReadsNoTableWithoutChecksums) {
+  (void)File("t.csv", WithoutChecksums(Table(kGrid, "whole.csv")));
+  for (const Outcome& outcome :
+       {Sweep(kGrid, "t.csv", {"--resume"}), Sweep({"--merge", Path("t.csv")}, "merged.csv")}) {
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("was made by an older version, without checksums"));
+  }
 }
 
 TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {
@@ -184,7 +180,13 @@ TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, HasSubstr("already exists; go on with it by --resume"));
   EXPECT_EQ(Content("t.csv"), "the only copy\n");
-  EXPECT_EQ(RowsOf(Table(kGrid, "t.csv", {"--overwrite"})).size(), 33U);
+  // and no file of another kind
+  EXPECT_THAT(Sweep(kGrid, "t.csv", {"--overwrite"}).err, HasSubstr("is not a sweep's table"));
+  EXPECT_EQ(Content("t.csv"), "the only copy\n");
+  EXPECT_EQ(RowsOf(Table(kGrid, "u.csv", {})).size(), 33U);
+  EXPECT_EQ(
+      RowsOf(Table({kCone, "--vary", "drive.amplitude_v=1,2"}, "u.csv", {"--overwrite"})).size(),
+      2U);
 }
 
 TEST_F(SweepVerb, RefusesWhatMakesNoWhole) {

@@ -16,7 +16,7 @@ std::string TonesText(const sim::Drive& drive) {
   return text;
 }
 
-std::string WhatItPlays(const sim::Drive& drive) {
+std::string KindPlays(const sim::Drive& drive) {
   const std::string when =
       fmt::format("from {:g} to {:g} s", drive.start_s, sim::EndOfDriveS(drive));
   switch (drive.kind) {
@@ -37,6 +37,11 @@ std::string WhatItPlays(const sim::Drive& drive) {
                          drive.samples->rate_hz, sim::LargestVoltageV(drive));
   }
   return {};
+}
+
+std::string WhatItPlays(const sim::Drive& drive) {
+  if (drive.offset_v == 0) return KindPlays(drive);
+  return fmt::format("{} on an offset of {:g} V", KindPlays(drive), drive.offset_v);
 }
 
 }  // namespace

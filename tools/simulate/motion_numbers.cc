@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
+#include "sim/linear_model.h"
 #include "sim/period_map.h"
 #include "sim/piecewise_scene.h"
 #include "sim/scene_mode.h"
@@ -22,8 +23,10 @@ double SkinShare(const sim::EnergyLedger& ledger) {
 std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
   double share = std::nan("");
   if (answer.steady) {
-    const double speed =
-        2 * std::numbers::pi * answer.scene.drive.frequency_hz * answer.steady->skin_rms_m;
+    // without the constant part of the motion
+    const Eigen::Index skin = sim::AssembleModel(EffectiveOf(answer).scene).skin();
+    const double speed = 2 * std::numbers::pi * answer.scene.drive.frequency_hz *
+                         std::abs(answer.steady->phasors(skin)) / std::numbers::sqrt2;
     share = answer.scene.skin.damping_n_s_per_m * speed * speed / answer.steady->power_w;
   } else if (answer.tones) {
     share = answer.tones->skin_power_w / answer.tones->power_w;
@@ -34,11 +37,19 @@ std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
 }
 
 std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
-  if (played != nullptr && played->rows() > 0) return played->force_n.minCoeff();
+  if (const sim::SceneRun* run = RunOf(answer); run != nullptr && !IsSuperposed(answer)) {
+    return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
+  }
+  if (played != nullptr) return played->force_least_n;
   if (answer.scene.duration_s) return std::nullopt;
   const double resting_n = sim::RestingForceN(EffectiveOf(answer));
-  if (answer.steady) return resting_n - answer.steady->skin_force_peak_n;
-  if (answer.tones) return resting_n - answer.tones->skin_force_peak_n;
+  // an offset shifts what swings
+  const auto least_n = [&](const auto& steady) {
+    return resting_n - steady.skin_force_peak_n + std::abs(steady.mean_skin_force_n) +
+           steady.mean_skin_force_n;
+  };
+  if (answer.steady) return least_n(*answer.steady);
+  if (answer.tones) return least_n(*answer.tones);
   return std::nullopt;
 }
 

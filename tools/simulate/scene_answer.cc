@@ -29,6 +29,10 @@ std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
   // a run of exactly ten periods may miss them by a rounding
   const double begin_s = *scene.duration_s - length_s;
   if (begin_s < -1e-12 * length_s) return std::nullopt;
+  if (scene.drive.offset_v != 0 || scene.initial.Any()) {
+    const sim::SceneRun run = sim::RunScene({.scene = scene, .piecewise = {}}, *scene.duration_s);
+    return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
+  }
   const sim::LinearModel model = sim::AssembleModel(scene);
   const sim::TimeResponse response(model, scene.drive, sim::StartOf(scene));
   WindowAnswer window{.begin_s = std::max(0.0, begin_s), .end_s = *scene.duration_s};
@@ -46,6 +50,11 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
 
 // why a steady state does not answer
 Error NoSteadyState(const sim::Scene& scene, const std::string& where) {
+  if (scene.drive.offset_v != 0 && !sim::IsHeldInPlace(scene)) {
+    return {Cause::kCannotAnswer, where,
+            "has no steady state: a constant voltage moves bodies that no spring holds in place",
+            "give [skin] a stiffness, or a duration and start = \"rest\""};
+  }
   constexpr double kClose = 1e-6;  // relative: what damps a resonance is far more
   std::vector<double> frequencies_hz{scene.drive.frequency_hz};
   if (scene.drive.kind == sim::DriveKind::kTones) {
@@ -123,6 +132,10 @@ const sim::SceneRun* RunOf(const SceneAnswer& answer) {
 const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
   const bool settled = !answer.scene.duration_s && answer.effects && !answer.steady;
   return settled ? &answer.effects->run : nullptr;
+}
+
+bool IsSuperposed(const SceneAnswer& answer) {
+  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic;
 }
 
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {

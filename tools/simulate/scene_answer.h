@@ -41,6 +41,9 @@ struct SceneAnswer {
 /// The motion that a scene without a duration settles to where it is not `steady`; null for others.
 [[nodiscard]] const sim::SceneRun* SettledRun(const SceneAnswer& answer);
 
+/// Whether that is a steady motion of the drive to which the finger's is added.
+[[nodiscard]] bool IsSuperposed(const SceneAnswer& answer);
+
 /// Decides the scene's effects; `where` names it in errors.
 /// Errors (Cause::kCannotAnswer): ChooseEffects's; a run too long to play; a drive other than a
 /// sine without a duration or from a steady start.

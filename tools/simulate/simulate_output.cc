@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/printable.h"
+#include "sim/linear_model.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"
 #include "tools/simulate/drive_text.h"
@@ -18,12 +21,8 @@ namespace {
 using nlohmann::ordered_json;
 
 std::string StartName(const sim::Scene& scene) {
+  if (scene.initial.Any()) return "the stated start";
   return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "steady state";
-}
-
-// a steady motion to which the finger's is added
-bool IsSuperposed(const SceneAnswer& solved) {
-  return !solved.steady && SettledRun(solved) != nullptr && !solved.effects->periodic;
 }
 
 std::string Method(const SceneAnswer& solved) {
@@ -80,7 +79,11 @@ std::string SteadyText(const SceneAnswer& solved) {
                       steady.phase_rad * 180 / std::numbers::pi);
   text += fmt::format("  electrical power   {:12.5f} mW\n", steady.power_w * 1e3);
   text += fmt::format("  skin force      +- {:12.5f} N\n", steady.skin_force_peak_n);
-  return text;
+  if (solved.scene.drive.offset_v == 0) return text;
+  return text +
+         fmt::format("  of it constant: skin {:.5f} um, mover {:.5f} um in its case, {:.5f} mA\n",
+                     steady.mean(sim::AssembleModel(solved.scene).skin()) * 1e6,
+                     steady.mean_travel_m * 1e6, steady.mean_current_a * 1e3);
 }
 
 std::string TonesText(const sim::SteadyTones& tones) {
@@ -163,12 +166,22 @@ std::string RunText(const SceneAnswer& solved) {
     text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
                         run.temperature_rise_k, run.temperature_peak_k);
   }
-  if (run.solver) {
-    text += fmt::format("  solver: {} steps, relative error of the run below {:.1e}\n",
-                        run.work.steps, run.error_estimate);
+  if (run.solver) text += fmt::format("  solver: {} steps\n", run.work.steps);
+  if (run.known_until_s) {
+    text += fmt::format("  known to {:g} until {:.6g} s: small errors grow in this motion\n",
+                        solved.scene.tolerance, *run.known_until_s);
   }
   text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
   return text;
+}
+
+// of all that is answered
+double ErrorEstimate(const SceneAnswer& solved) {
+  double largest = 0;
+  if (solved.steady) largest = solved.steady->error_estimate;
+  if (solved.tones) largest = std::max(largest, solved.tones->error_estimate);
+  if (const sim::SceneRun* run = RunOf(solved)) largest = std::max(largest, run->error_estimate);
+  return largest;
 }
 
 ordered_json EffectsJson(const SceneAnswer& solved) {
@@ -227,6 +240,7 @@ ordered_json RunJson(const SceneAnswer& solved) {
           {"temperature_rise_k", run.temperature_rise_k},
           {"temperature_peak_k", run.temperature_peak_k},
           {"error_estimate", run.error_estimate},
+          {"known_until_s", cli::NumberOrNull(run.known_until_s)},
           {"solver_steps", run.work.steps},
           {"events", events},
           {"energy_imbalance", run.ledger.Imbalance()}};
@@ -251,6 +265,16 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
         "and skin together",
         solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n));
   }
+  if (const double preload_n = solved.scene.mover_preload_n; preload_n != 0) {
+    const sim::EffectiveScene effective = EffectiveOf(solved);
+    const double sag_m = sim::MoverSag(solved.scene, Limited(solved, sim::Effect::kGravity),
+                                       effective.smooth.spring.has_value());
+    assumptions.push_back(fmt::format(
+        "{:g} N act on the mover, towards the skin positive; positions count from static "
+        "equilibrium, where they hold it {:.5f} um from where its spring is at ease{}",
+        preload_n, sag_m * 1e6,
+        sim::RestsOnStop(effective) ? ", beyond the stop that it therefore rests on" : ""));
+  }
   assumptions.push_back(
       SourceAssumption(solved.scene.drive, Limited(solved, sim::Effect::kCoilHeating)));
   return assumptions;
@@ -258,7 +282,7 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
 
 std::string SimulateText(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text = fmt::format("{}: {}, {}\n", answer.scene_path, Bodies(solved.scene),
+  std::string text = fmt::format("{}: {}, {}\n", Printable(answer.scene_path), Bodies(solved.scene),
                                  DriveText(solved.scene.drive));
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (solved.steady) {
@@ -282,17 +306,13 @@ std::string SimulateText(const SimulateAnswer& answer) {
     }
   }
   text += fmt::format("  method: {}", Method(solved));
-  if (solved.steady) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.steady->error_estimate);
-  } else if (solved.tones) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.tones->error_estimate);
-  }
+  text += fmt::format("; relative error of all numbers below {:.1e}", ErrorEstimate(solved));
   text += "\n" + answer.explanation;
   for (const std::string& assumption : SimulateAssumptions(answer)) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
   for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
-    if (!path.empty()) text += fmt::format("  written: {}\n", path);
+    if (!path.empty()) text += fmt::format("  written: {}\n", Printable(path));
   }
   return text;
 }
@@ -334,7 +354,7 @@ std::string SimulateJson(const SimulateAnswer& answer) {
       {"period_s",
        tones && tones->period_s > 0 ? cli::NumberOrNull(tones->period_s) : ordered_json(nullptr)},
       {"method", Method(solved)},
-      {"error_estimate", number(&State::error_estimate, &Tones::error_estimate)},
+      {"error_estimate", cli::NumberOrNull(ErrorEstimate(solved))},
       {"window_rms_m", nullptr},
       {"window_s", nullptr},
       {"effects", EffectsJson(solved)},

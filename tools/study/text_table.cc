@@ -9,7 +9,9 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/printable.h"
 #include "base/quantity.h"
+#include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {
 namespace {
@@ -23,22 +25,10 @@ std::string_view Trimmed(std::string_view text) {
 constexpr std::uint64_t kMostBytes = 1ULL << 24;
 constexpr std::size_t kMostNames = 4096;
 
-std::vector<std::string> CellsOf(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += line[++i];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  for (std::string& cell : cells) cell = std::string(Trimmed(cell));
+// cells of anybody's file, made printable here
+std::vector<std::string> PrintableCellsOf(std::string_view line) {
+  std::vector<std::string> cells = cli::CellsOf(line);
+  for (std::string& cell : cells) cell = Printable(cell);
   return cells;
 }
 
@@ -57,7 +47,7 @@ Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) 
 
 Result<void> TakeRow(const std::vector<std::string>& names, std::string_view line,
                      std::size_t number, TextTable* table) {
-  std::vector<std::string> cells = CellsOf(line);
+  std::vector<std::string> cells = PrintableCellsOf(line);
   if (cells.size() != names.size()) {
     return CannotAnswer(fmt::format("{}:{}", table->name, number),
                         fmt::format("has {} cells, the header {}", cells.size(), names.size()),
@@ -99,7 +89,7 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     if (!rest.empty()) rest.remove_prefix(1);
     if (line.empty() || line.starts_with('#')) continue;
     if (names.empty()) {
-      names = CellsOf(line);
+      names = PrintableCellsOf(line);
       if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());
       continue;
     }
@@ -131,13 +121,6 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     }
   }
   return numbers;
-}
-
-std::string QuotedCell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
 }
 
 }  // namespace haptometer::tools

@@ -34,36 +34,24 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
                                const std::string& path) {
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
   cli::Progress progress(path);
-  auto made =
-      MakeRowsInOrder({.first = file.rows(),
-                       .count = rows,
-                       .threads = threads,
-                       .make =
-                           [&](std::uint64_t row) {
-                             const std::uint64_t point = question.shard.PointOf(row);
-                             return file.has_checksums() ? RowOf(question, point)
-                                                         : RowWithoutChecksum(question, point);
-                           },
-                       .write =
-                           [&](std::string_view text, std::uint64_t done) {
-                             progress.Update(static_cast<double>(done) / static_cast<double>(rows));
-                             return file.Append(text);
-                           },
-                       .stop = &cli::Interrupted()});
+  auto made = MakeRowsInOrder(
+      {.first = file.rows(),
+       .count = rows,
+       .threads = threads,
+       .make = [&](std::uint64_t row) { return RowOf(question, question.shard.PointOf(row)); },
+       .write =
+           [&](std::string_view text, std::uint64_t done) {
+             progress.Update(static_cast<double>(done) / static_cast<double>(rows));
+             return file.Append(text);
+           },
+       .stop = &cli::Interrupted()});
   if (!made) return made;
   if (auto synced = file.Finish(); !synced) return std::unexpected(synced.error());
   return made;
 }
 
-void TellWithoutChecksums(const std::string& table) {
-  cli::Remark(kVerb, fmt::format("{}: an older version wrote it, without checksums of its rows: a "
-                                 "digit that changed since is not found",
-                                 table));
-}
-
 // what was found in a table that is gone on with
 void TellOldRows(const TableFile& file, const std::string& table) {
-  if (!file.has_checksums()) TellWithoutChecksums(table);
   if (file.mended_rows() == 0) return;
   const bool is_one = file.mended_rows() == 1;
   cli::Remark(kVerb, fmt::format("{}: {} row{} did not match {} checksum and {} computed again",
@@ -109,7 +97,6 @@ Result<bool> Merge(const SweepWords& words) {
   if (!first) return std::unexpected(first.error());
   TableHeader whole = first->header();
   whole.shard.clear();
-  if (!whole.has_checksums()) TellWithoutChecksums(tables->front());
   if (auto fit = CheckPicture(words.plot, whole); !fit) return std::unexpected(fit.error());
   if (auto done = MergeTables(*tables, words.output, words.overwrite); !done) {
     return std::unexpected(done.error());
@@ -147,7 +134,7 @@ int RunSweep(int argc, const char* const* argv) {
   if (!*whole) return cli::InterruptedStatus(1);
   const auto summary = Conclude(words, *wish);
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  fmt::print("{}", options.json() ? SummaryJson(*summary) : SummaryText(*summary));
+  cli::Print(options.json() ? SummaryJson(*summary) : SummaryText(*summary));
   return TellUnanswered(*summary);
 }
 

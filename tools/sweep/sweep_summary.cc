@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/nearest.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/cli/json.h"
 #include "tools/sweep/answer_columns.h"
 
@@ -44,7 +45,7 @@ void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std:
 void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   ++summary.rows;
   const auto first = cells.begin() + 1 + static_cast<std::ptrdiff_t>(summary.header.varied);
-  const std::size_t remark = summary.header.remark_column();
+  const std::size_t remark = summary.header.columns.size() - 2;
   const auto end = cells.begin() + static_cast<std::ptrdiff_t>(remark);
   if (std::any_of(first, end, [](const std::string& cell) { return !cell.empty(); })) {
     ++summary.answered;
@@ -91,7 +92,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
   for (auto row = reader->Next(); row; row = reader->Next()) {
-    const std::vector<std::string> cells = CellsOf(*row);
+    const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() == columns.size()) TakeRow(summary, cells, column);
   }
   return summary;

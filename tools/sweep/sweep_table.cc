@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "base/printable.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/sweep/answer_columns.h"
 #include "trial/crc32.h"
 
@@ -45,7 +47,7 @@ void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::stri
     if (number && std::isfinite(*number)) fmt::format_to(std::back_inserter(row), "{}", *number);
     row += ',';
   }
-  row += CellOf(answer ? AnswerRemark(*answer) : sim::WithoutPath(answer.error(), scene));
+  row += cli::CellOf(answer ? AnswerRemark(*answer) : sim::WithoutPath(answer.error(), scene));
 }
 
 Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
@@ -62,16 +64,8 @@ std::string TableHeader::Text() const {
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
   std::vector<std::string> cells;
   cells.reserve(columns.size());
-  for (const std::string& column : columns) cells.push_back(CellOf(column));
+  for (const std::string& column : columns) cells.push_back(cli::CellOf(column));
   return text + fmt::format("{}\n", fmt::join(cells, ","));
-}
-
-bool TableHeader::has_checksums() const {
-  return !columns.empty() && columns.back() == kChecksumColumn;
-}
-
-std::size_t TableHeader::remark_column() const {
-  return columns.size() - (has_checksums() ? 2 : 1);
 }
 
 TableHeader HeaderOf(const SweepQuestion& question) {
@@ -80,7 +74,7 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   const std::uint32_t digest = question.scene.Digest(TextsOf(axes));
   TableHeader header;
   header.question = {fmt::format("# haptometer sweep {}", HAPTOMETER_VERSION),
-                     fmt::format("# scene = {}", name)};
+                     fmt::format("# scene = {}", Printable(name))};
   header.columns = {"point"};
   for (const sim::SweepAxis& axis : axes) {
     header.question.push_back(fmt::format("# vary = {}={}", axis.key, sim::WordOf(axis)));
@@ -119,15 +113,16 @@ std::string DifferenceOf(const TableHeader& there, const TableHeader& here) {
 std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values) {
   std::string row = fmt::format("{},", point + 1);
   for (const sim::SweepValue& value : values) {
-    row += CellOf(value.text);
+    row += cli::CellOf(value.text);
     row += ',';
   }
   return row;
 }
 
 std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
-  std::string row = RowWithoutChecksum(question, point);
-  row.pop_back();
+  const std::vector<sim::SweepValue> values = question.points.At(point);
+  std::string row = RowBegin(point, values);
+  AppendAnswer(row, AnswerOf(question, values), question.scene.path());
   return fmt::format("{},{}\n", row, ChecksumOf(row));
 }
 
@@ -135,42 +130,6 @@ bool MatchesChecksum(std::string_view row) {
   const std::size_t comma = row.rfind(',');
   return comma != std::string_view::npos &&
          row.substr(comma + 1) == fmt::format("{}", ChecksumOf(row.substr(0, comma)));
-}
-
-std::string RowWithoutChecksum(const SweepQuestion& question, std::uint64_t point) {
-  const std::vector<sim::SweepValue> values = question.points.At(point);
-  std::string row = RowBegin(point, values);
-  AppendAnswer(row, AnswerOf(question, values), question.scene.path());
-  row += '\n';
-  return row;
-}
-
-std::string CellOf(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string cell = "\"";
-  for (const char c : text) {
-    if (c == '"') cell += '"';
-    cell += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return cell + "\"";
-}
-
-std::vector<std::string> CellsOf(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool in_quotes = false;
-  for (std::size_t at = 0; at < line.size(); ++at) {
-    const char c = line[at];
-    if (c == '"' && in_quotes && at + 1 < line.size() && line[at + 1] == '"') {
-      cells.back() += line[++at];
-    } else if (c == '"') {
-      in_quotes = !in_quotes;
-    } else if (c == ',' && !in_quotes) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
 }
 
 }  // namespace haptometer::tools

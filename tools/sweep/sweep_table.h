@@ -15,8 +15,7 @@ namespace haptometer::tools {
 inline constexpr std::string_view kChecksumColumn = "row_crc32";
 
 /// What stands above a table's rows: `# key = value` lines that name the question, and a line of
-/// column names: point (from 1), the varied keys, the answer's numbers, remark, row_crc32. A table
-/// of an older version has no checksums.
+/// column names: point (from 1), the varied keys, the answer's numbers, remark, row_crc32.
 struct TableHeader {
   std::vector<std::string> question;  ///< the lines without the shard's, in order
   std::string shard;                  ///< "2/7"; empty: the whole
@@ -25,9 +24,6 @@ struct TableHeader {
   std::uint64_t points = 0;  ///< of the whole sweep
 
   [[nodiscard]] std::string Text() const;
-  [[nodiscard]] bool has_checksums() const;
-  /// The place of the column remark.
-  [[nodiscard]] std::size_t remark_column() const;
 };
 
 /// The header of the table that answers `question`. Equal for equal questions, whatever the
@@ -45,17 +41,7 @@ struct TableHeader {
 /// a remark.
 [[nodiscard]] std::string RowOf(const SweepQuestion& question, std::uint64_t point);
 
-/// The same without the checksum, for a table of an older version.
-[[nodiscard]] std::string RowWithoutChecksum(const SweepQuestion& question, std::uint64_t point);
-
 /// Whether the last cell of a row, without its line end, is the checksum of what stands before it.
 [[nodiscard]] bool MatchesChecksum(std::string_view row);
-
-/// `text` as a cell: in quotes where it holds a comma, a quote or a line's end, which becomes a
-/// blank.
-[[nodiscard]] std::string CellOf(std::string_view text);
-
-/// The cells of a line, without their quotes.
-[[nodiscard]] std::vector<std::string> CellsOf(std::string_view line);
 
 }  // namespace haptometer::tools

@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {
@@ -30,9 +31,7 @@ bool IsBegunOnly(const std::string& path, const std::string& header) {
 }
 
 Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header) {
-  TableHeader wanted = header;  // as an older version wrote it where the table is such a one
-  if (!reader.header().has_checksums()) wanted.columns.pop_back();
-  const std::string difference = DifferenceOf(reader.header(), wanted);
+  const std::string difference = DifferenceOf(reader.header(), header);
   if (!difference.empty()) {
     return Usage(reader.path(), "was begun with " + difference,
                  "name another file, or say --overwrite");
@@ -61,14 +60,13 @@ struct OldRows {
 // The rows that stand there, each as this question makes it, or changed since.
 Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) {
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
-  const bool has_checksums = reader.header().has_checksums();
   OldRows old;
   std::uint64_t begin = reader.read_bytes();
   for (auto line = reader.Next(); line; line = reader.Next(), ++old.count) {
     const std::uint64_t point = question.shard.PointOf(old.count);
     const bool is_ours = old.count < rows && reader.IsRow(*line) &&
                          line->starts_with(RowBegin(point, question.points.At(point)));
-    const bool is_changed = old.count < rows && has_checksums && !MatchesChecksum(*line);
+    const bool is_changed = old.count < rows && !MatchesChecksum(*line);
     if (!is_ours && !is_changed) {
       return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", old.count + 1),
                    "was it edited? name another file, or say --overwrite");
@@ -102,22 +100,15 @@ TableFile::TableFile(TableFile&& other) noexcept
       descriptor_(std::exchange(other.descriptor_, -1)),
       rows_(other.rows_),
       mended_rows_(other.mended_rows_),
-      has_checksums_(other.has_checksums_),
       synced_ns_(other.synced_ns_) {}
 
 TableFile::~TableFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-Result<TableFile> TableFile::Open(const std::string& path, bool may_exist) {
-  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (may_exist ? 0 : O_EXCL);
-  constexpr mode_t kMode = 0666;  // the user's mask takes its part
-  TableFile file(path, open(path.c_str(), flags, kMode));
+Result<TableFile> TableFile::Open(const std::string& path) {
+  TableFile file(path, open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.descriptor_ < 0) {
-    if (errno == EEXIST) {
-      return Usage(path, "already exists",
-                   "go on with it by --resume, name another file, or say --overwrite");
-    }
     return Usage(path, std::string("cannot be written: ") + std::strerror(errno), "name another");
   }
   struct stat status{};
@@ -138,19 +129,31 @@ Result<void> TableFile::CutAt(std::uint64_t bytes) {
 
 Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& header,
                                    bool replace) {
-  auto file = Open(path, replace);
-  if (!file) return file;
-  if (auto cut = file->CutAt(0); !cut) return std::unexpected(cut.error());
-  if (auto written = file->Append(header.Text()); !written) {
-    return std::unexpected(written.error());
+  // an older table keeps its place until the new one has begun
+  const std::string text = header.Text();
+  auto begun = cli::OutputFile::Begin(path, cli::kSweepTableOutput, replace);
+  if (!begun) {
+    Error error = begun.error();
+    if (error.what == "already exists") {
+      error.remedy = "go on with it by --resume, name another file, or say --overwrite";
+    }
+    return std::unexpected(std::move(error));
   }
+  // rows are appended to it, and read again for the summary
+  if (auto part = begun->PathForLibrary(); !part) return std::unexpected(part.error());
+  auto written = begun->Write(text);
+  if (written) written = begun->Finish();
+  if (!written) return std::unexpected(written.error());
+  auto file = Open(path);
+  if (!file) return file;
+  if (auto cut = file->CutAt(text.size()); !cut) return std::unexpected(cut.error());
   return file;
 }
 
 Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
                                     const SweepQuestion& question) {
   if (IsBegunOnly(path, header.Text())) return Begin(path, header, true);
-  auto file = Open(path, true);  // locked before it is read
+  auto file = Open(path);  // locked before it is read
   if (!file) return file;
   auto reader = TableReader::Open(path);
   if (!reader) return std::unexpected(reader.error());
@@ -166,7 +169,6 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
   }
   file->rows_ = old->count;
   file->mended_rows_ = old->changed.size();
-  file->has_checksums_ = reader->header().has_checksums();
   if (auto cut = file->CutAt(reader->read_bytes()); !cut) return std::unexpected(cut.error());
   return file;
 }
@@ -179,11 +181,16 @@ Result<void> TableFile::PutAt(std::uint64_t begin, std::string_view row) {
 }
 
 Result<void> TableFile::Append(std::string_view rows) {
+  const off_t end = lseek(descriptor_, 0, SEEK_CUR);
   while (!rows.empty()) {
     const ssize_t written = write(descriptor_, rows.data(), rows.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
-      return Failed(path_, std::string("cannot be written: ") + std::strerror(errno),
+      const int failure = errno;
+      // no part of a row is left behind
+      if (ftruncate(descriptor_, end) != 0) { /* --resume cuts it off */
+      }
+      return Failed(path_, std::string("cannot be written: ") + std::strerror(failure),
                     "make room, then go on with --resume");
     }
     rows.remove_prefix(static_cast<std::size_t>(written));

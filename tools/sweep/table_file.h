@@ -15,9 +15,8 @@ namespace haptometer::tools {
 /// that was ended, by whatever means, can be gone on with.
 class TableFile {
  public:
-  /// Begins a table. Errors: Cause::kUsage where one is there and `replace` is false, or where no
-  /// file can be made; Cause::kFailed when the disk fails; Cause::kUsage when another run is
-  /// writing it.
+  /// Begins a table with its header as a cli::OutputFile, so that an older one goes (if `replace`)
+  /// once the new one is there. Errors: as cli::OutputFile.
   [[nodiscard]] static Result<TableFile> Begin(const std::string& path, const TableHeader& header,
                                                bool replace);
 
@@ -40,11 +39,9 @@ class TableFile {
 
   /// Of them those that did not match their checksums and were computed again.
   [[nodiscard]] std::uint64_t mended_rows() const { return mended_rows_; }
-  /// False for a table of an older version, in which a changed digit is not found.
-  [[nodiscard]] bool has_checksums() const { return has_checksums_; }
 
   /// Writes whole rows, and syncs the disk about once a second. Errors (Cause::kFailed): the
-  /// disk's.
+  /// disk's; what was written of `rows` is cut off again.
   [[nodiscard]] Result<void> Append(std::string_view rows);
 
   /// Syncs what was written. Errors (Cause::kFailed): the disk's.
@@ -52,7 +49,7 @@ class TableFile {
 
  private:
   TableFile(std::string path, int descriptor);
-  [[nodiscard]] static Result<TableFile> Open(const std::string& path, bool may_exist);
+  [[nodiscard]] static Result<TableFile> Open(const std::string& path);
   [[nodiscard]] Result<void> CutAt(std::uint64_t bytes);
   [[nodiscard]] Result<void> PutAt(std::uint64_t begin, std::string_view row);
 
@@ -60,7 +57,6 @@ class TableFile {
   int descriptor_;
   std::uint64_t rows_ = 0;
   std::uint64_t mended_rows_ = 0;
-  bool has_checksums_ = true;
   SystemClock clock_;
   MonotonicNs synced_ns_;
 };

@@ -3,6 +3,9 @@
 #include <charconv>
 #include <filesystem>
 
+#include "base/input_file.h"
+#include "tools/cli/csv_cell.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -27,6 +30,7 @@ TableReader::TableReader(const std::string& path) : path_(path), file_(path, std
 Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
+  NoteInput(path);
   TableReader reader(path);
   if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
   return reader;
@@ -50,11 +54,15 @@ Result<void> TableReader::ReadHeader() {
     header_.question.push_back(*std::move(line));
   }
   if (!line) return unknown();
-  header_.columns = CellsOf(*line);
-  const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 2 &&
-                        header_.columns.front() == "point" &&
-                        header_.columns[header_.remark_column()] == "remark";
-  if (!is_known) return unknown();
+  header_.columns = cli::CellsOf(*line);
+  const std::size_t columns = header_.columns.size();
+  const bool is_known =
+      header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == "point";
+  if (is_known && header_.columns.back() == "remark") {
+    return CannotAnswer(path_, "was made by an older version, without checksums of its rows",
+                        "make it again");
+  }
+  if (!is_known || header_.columns.back() != kChecksumColumn) return unknown();
   return {};
 }
 
@@ -73,8 +81,7 @@ std::optional<std::string> TableReader::Next() {
 }
 
 bool TableReader::IsRow(const std::string& row) const {
-  return CellsOf(row).size() == header_.columns.size() &&
-         (!header_.has_checksums() || MatchesChecksum(row));
+  return cli::CellsOf(row).size() == header_.columns.size() && MatchesChecksum(row);
 }
 
 std::optional<std::uint64_t> PointOfRow(std::string_view row) {

@@ -29,6 +29,37 @@ bool HasOutsideQuotes(std::string_view line, char wanted) {
   return false;
 }
 
+std::string_view WithoutQuotes(std::string_view cell) {
+  const bool is_quoted = cell.size() >= 2 && cell.starts_with('"') && cell.ends_with('"');
+  return is_quoted ? Trimmed(cell.substr(1, cell.size() - 2)) : cell;
+}
+
+// where the cell at the beginning of `line` ends: at blanks outside of quotes and brackets
+std::size_t CellEndAtBlanks(std::string_view line) {
+  bool is_quoted = false;
+  int open = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    if (c == '"') is_quoted = !is_quoted;
+    if (c == '(' || c == '[') ++open;
+    if (c == ')' || c == ']') --open;
+    if ((c != ' ' && c != '\t') || is_quoted || open > 0) continue;
+    const std::size_t next = line.find_first_not_of(" \t", i);
+    if (next == std::string_view::npos) return i;
+    if (i == 0 || (line[next] != '(' && line[next] != '[')) return i;
+  }
+  return std::string_view::npos;
+}
+
+void SplitAtBlanks(std::string_view line, std::vector<std::string_view>* cells) {
+  line = Trimmed(line);
+  do {
+    const std::size_t end = CellEndAtBlanks(line);
+    cells->push_back(WithoutQuotes(line.substr(0, end)));
+    line = end == std::string_view::npos ? "" : Trimmed(line.substr(end));
+  } while (!line.empty());
+}
+
 // at most so many cells, whichever of the separators it is split at
 std::size_t MostCells(std::string_view line) {
   if (line.size() < kMostColumns) return line.size() + 1;
@@ -74,13 +105,13 @@ std::string_view LineWithTabs(std::string_view line) {
 
 void SplitCells(std::string_view line, char separator, std::vector<std::string_view>* cells) {
   cells->clear();
+  if (separator == ' ') {
+    SplitAtBlanks(line, cells);
+    return;
+  }
   for (;;) {
     const std::size_t end = CellEnd(line, separator);
-    std::string_view cell = Trimmed(line.substr(0, end));
-    if (cell.size() >= 2 && cell.starts_with('"') && cell.ends_with('"')) {
-      cell = Trimmed(cell.substr(1, cell.size() - 2));
-    }
-    cells->push_back(cell);
+    cells->push_back(WithoutQuotes(Trimmed(line.substr(0, end))));
     if (end == std::string_view::npos) return;
     line.remove_prefix(end + 1);
   }
@@ -93,10 +124,20 @@ std::vector<std::string_view> SplitCells(std::string_view line, char separator) 
 }
 
 TableCells CellsOf(std::string_view line) {
-  char separator = ',';
-  if (HasOutsideQuotes(line, '\t')) separator = '\t';
-  if (HasOutsideQuotes(line, ';')) separator = ';';
-  return {separator, SplitCells(line, separator)};
+  if (HasOutsideQuotes(line, ';')) return {';', SplitCells(line, ';')};
+  if (HasOutsideQuotes(line, '\t')) return {'\t', SplitCells(line, '\t')};
+  TableCells by_commas{',', SplitCells(line, ',')};
+  const bool has_blanks = Trimmed(line).find(' ') != std::string_view::npos;
+  if (!has_blanks || IsNumbers(by_commas.cells)) return by_commas;
+  TableCells by_blanks{' ', SplitCells(line, ' ')};
+  const bool is_row = by_blanks.cells.size() > 1 && IsNumbers(by_blanks.cells);
+  return is_row ? by_blanks : by_commas;
+}
+
+std::string_view NameOfSeparator(char separator) {
+  if (separator == ';') return "semicolons";
+  if (separator == '\t') return "tabs";
+  return separator == ' ' ? "blanks" : "commas";
 }
 
 bool IsNumbers(const std::vector<std::string_view>& cells) {
