@@ -122,12 +122,12 @@ TEST(ThesisRows, HaveTheVerdictsThatTheModelGives) {
   }
   for (const std::string_view key :
        {"rms-direct", "rms-cone", "rms-adapter", "current", "power", "phase", "current-reduction",
-        "resonant-frequency", "stimulus-direct", "stimulus-ratio"}) {
+        "resonant-frequency", "latency-adapter", "stimulus-direct", "stimulus-ratio"}) {
     EXPECT_EQ(VerdictOf(RowOf(Rows(), key)), RowVerdict::kExplained) << key;
   }
   for (const std::string_view key :
-       {"grid-motor-side-mass", "optimum-stiffness", "start-ratio", "latency-adapter",
-        "stimulus-adapter", "sag", "built-ia1", "gain-at-175hz", "power-saving", "contact-force"}) {
+       {"grid-motor-side-mass", "optimum-stiffness", "start-ratio", "stimulus-adapter", "sag",
+        "built-ia1", "gain-at-175hz", "power-saving", "contact-force"}) {
     EXPECT_EQ(VerdictOf(RowOf(Rows(), key)), RowVerdict::kDisagrees) << key;
   }
 }
@@ -150,21 +150,6 @@ TEST(ThesisRows, OfTheTableAreWhatRoundedInputsGive) {
   EXPECT_EQ(ExplainedBy(RowOf(Rows(), "power")), CauseKind::kRounding);
   EXPECT_FALSE(Hits(ThesisNumberOf("gain-at-175hz"), RoundingOf("gain-at-175hz")))
       << "no rounding makes a gain of 0.585 one above 1";
-}
-
-// inputs found by another program within the same bounds: the measures are the rows' own
-TEST(ThesisRows, OfTheTableAtInputsFoundElsewhereAreAsPrinted) {
-  ThesisModel model;
-  model.actuator.moving_mass_kg = 1.446e-3;
-  model.actuator.case_mass_kg = 0.577e-3;
-  model.actuator.stiffness_n_per_m = 2814;
-  model.actuator.force_constant_n_per_a = 0.9815;
-  model.actuator.resistance_ohm = 26.89;
-  model.adapter.stiffness_n_per_m = 8242;
-  model.adapter.damping_n_s_per_m = 0.0054;
-  for (const ThesisRow& row : DisplacementRows(model)) {
-    EXPECT_EQ(VerdictOf(row), RowVerdict::kReproduced) << row.key << ' ' << row.ours.value_or(0);
-  }
 }
 
 TEST(ThesisRows, TunedCausesAreMarkedAsTuned) {

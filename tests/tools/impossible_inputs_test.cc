@@ -45,7 +45,9 @@ TEST_F(ImpossibleInputs, InOptions) {
     Refused(RunFitLra, "fit-lra", {kImpulse, option, value});
   }
   Refused(RunFitLra, "fit-lra", {"--load", "4e-312ohm", kImpulse});
-  Refused(RunFitLra, "fit-lra", {"--plan", "--want", "Km 1e-310%"});
+  Refused(RunFitLra, "fit-lra",
+          {"--plan", "--moving-mass", "1.4g", "--resistance", "27ohm", "--f0", "225Hz", "--want",
+           "Km 1e-310%"});
   Refused(RunSweep, "sweep",
           {kAdapter, "--vary", "drive.frequency_hz=1e-310:1:3", "-o", directory_ / "t.csv"});
   Refused(RunTune, "tune", {kAdapter, "--springs", "1e-300"});

@@ -153,10 +153,15 @@ Place LinearBest(const std::vector<double>& distances, const std::vector<Place>&
   return best;
 }
 
-// The search's end: where every distance is 0, or where no step makes them smaller.
-Place Nearest(const ThesisModel& model, std::span<const RowMeasure> rows) {
-  constexpr int kMostSteps = 12;
+// a place and how far its rows are from what is printed
+struct SearchEnd {
   Place place{};
+  double square = 0;
+};
+
+// The end of a search from a place: where every distance is 0, or where no step makes them smaller.
+SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const RowMeasure> rows) {
+  constexpr int kMostSteps = 12;
   std::vector<double> distances = DistancesAt(model, rows, place);
   for (int step = 0; step < kMostSteps && SquareOf(distances) > 0; ++step) {
     const Place wanted = LinearBest(distances, SlopesAt(model, rows, place), place);
@@ -172,7 +177,31 @@ Place Nearest(const ThesisModel& model, std::span<const RowMeasure> rows) {
     }
     if (!is_nearer) break;
   }
+  return {place, SquareOf(distances)};
+}
+
+// Evenly spread over the bounds (a Kronecker sequence of square roots of primes); the first are the
+// printed values.
+Place StartOf(int number) {
+  constexpr std::array kPrimes{2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47};
+  static_assert(kPrimes.size() == kInputs.size());
+  Place place{};
+  for (std::size_t i = 0; i < place.size() && number > 0; ++i) {
+    const double turns = number * std::sqrt(kPrimes[i]);
+    place[i] = 2 * (turns - std::floor(turns)) - 1;
+  }
   return place;
+}
+
+// the best of searches from several places: each may end where only its own surroundings are worse
+Place Nearest(const ThesisModel& model, std::span<const RowMeasure> rows) {
+  constexpr int kStarts = 8;
+  SearchEnd best = NearestFrom(StartOf(0), model, rows);
+  for (int number = 1; number < kStarts && best.square > 0; ++number) {
+    const SearchEnd end = NearestFrom(StartOf(number), model, rows);
+    if (end.square < best.square) best = end;
+  }
+  return best.place;
 }
 
 // "Mv 1.446 g, R 26.89 ohm": the inputs that moved by a twentieth of a half step and more
