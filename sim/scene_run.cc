@@ -36,8 +36,8 @@ constexpr double kSolverRounding = 1e-12;
 constexpr double kStepRounding = std::numeric_limits<double>::epsilon();
 
 // what n times less tolerance leaves of the error is less than this over n (measured for n = 100:
-// 0.5 to 16, where an error's signs cancel in the looser run)
-constexpr double kLeftOver = 40;
+// 0.5 to 31, where an error's signs cancel in the looser run)
+constexpr double kLeftOver = 64;
 // an error that less tolerance does not make smaller than this part of itself stays
 constexpr double kWorthIt = 0.5;
 // of the exact motion in its fastest mode: 10 ms in one output step

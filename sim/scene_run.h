@@ -79,8 +79,8 @@ inline constexpr double kLargestPredictedError = 1e-3;
 [[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
 
 /// What a run is wrong by that was played with `finer` times less tolerance than another: the
-/// largest deviation between them, the waveform's included, over finer/40, and rounding: 1e-12 and
-/// 2.2e-16 a step. In random scenes a hundred times less tolerance left up to 0.16 of the
+/// largest deviation between them, the waveform's included, over finer/64, and rounding: 1e-12 and
+/// 2.2e-16 a step. In random scenes a hundred times less tolerance left up to 0.31 of the
 /// deviation.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 
