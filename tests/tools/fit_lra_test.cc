@@ -172,7 +172,7 @@ TEST_F(FitLraFiles, WhatHasNoAnswerGivesStatus3AndSaysWhatWould) {
   const auto outcome = FitLra({directory_ / "growing.csv", "--moving-mass", "1.4g"});
   EXPECT_EQ(outcome.status, 3);
   // it is no ring-down, so not even its frequency is said to be an actuator's
-  EXPECT_THAT(outcome.err, HasSubstr("does not decay"));
+  EXPECT_THAT(outcome.err, HasSubstr("is no single decaying oscillation"));
   EXPECT_EQ(outcome.out, "");
 }
 
