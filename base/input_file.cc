@@ -6,8 +6,42 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
+#include <set>
+#include <utility>
 
 namespace haptometer {
+namespace {
+
+// the files that the command reads: device and inode
+struct NotedInputs {
+  std::mutex mutex;
+  std::set<std::pair<dev_t, ino_t>> files;
+};
+
+NotedInputs& Noted() {
+  static NotedInputs noted;
+  return noted;
+}
+
+}  // namespace
+
+void NoteInput(const std::string& path) {
+  struct stat status{};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  const std::scoped_lock lock(Noted().mutex);
+  Noted().files.emplace(status.st_dev, status.st_ino);
+}
+
+bool IsNotedInput(const struct stat& status) {
+  const std::scoped_lock lock(Noted().mutex);
+  return Noted().files.contains({status.st_dev, status.st_ino});
+}
+
+void ForgetInputs() {
+  const std::scoped_lock lock(Noted().mutex);
+  Noted().files.clear();
+}
 
 Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_bytes) {
   namespace fs = std::filesystem;
@@ -21,6 +55,7 @@ Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_b
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) return CannotAnswer(path, std::strerror(errno), "check its permissions");
+  NoteInput(path);
   // in pieces, because pipes and /dev files have no size to ask for
   std::string content;
   char piece[1 << 16];

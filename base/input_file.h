@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/stat.h>
+
 #include <cstdint>
 #include <string>
 
@@ -13,5 +15,16 @@ namespace haptometer {
 /// `limit_bytes` (default 2 GiB). Memory: the file's size.
 [[nodiscard]] Result<std::string> ReadInputFile(const std::string& path,
                                                 std::uint64_t limit_bytes = 2ULL << 30);
+
+/// Whatever opens a file to read what a command works on says so here, so that no output of the
+/// same command takes the file's place, under whatever name: a file is its device and inode. Paths
+/// without a regular file are let pass. Thread-safe; one stat.
+void NoteInput(const std::string& path);
+
+/// Whether the file of `status` (stat) was noted. Thread-safe.
+[[nodiscard]] bool IsNotedInput(const struct stat& status);
+
+/// Begins with no inputs: what a command does before anything else, where a process runs several.
+void ForgetInputs();
 
 }  // namespace haptometer

@@ -22,47 +22,74 @@ struct DimensionRow {
   std::string_view name;
   std::string_view example;
   bool may_be_bare;
-  std::array<Unit, 6> units;  // SI unit first; unused places have an empty symbol
+  PossibleMagnitudes possible;  // in SI units
+  std::array<Unit, 6> units;    // SI unit first; unused places have an empty symbol
 };
 
 // "u" stands for micro here; Normalised() turns both code points of the Greek letter into it.
 constexpr std::array<DimensionRow, 12> kDimensions{{
-    {Dimension::kNone, "a plain number", "0.3", true, {{{"", 1}}}},
+    {Dimension::kNone, "a plain number", "0.3", true, {1e-30, 1e30}, {{{"", 1}}}},
     {Dimension::kLength,
      "a length",
      "10mm",
      false,
+     {1e-15, 1e6},
      {{{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}, {"cm", 1e-2}}}},
-    {Dimension::kMass, "a mass", "1.4g", false, {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}}},
+    {Dimension::kMass,
+     "a mass",
+     "1.4g",
+     false,
+     {1e-12, 1e6},
+     {{{"kg", 1}, {"g", 1e-3}, {"mg", 1e-6}}}},
     {Dimension::kInductance,
      "an inductance",
      "130uH",
      false,
-     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}}}},
+     {1e-12, 1e6},
+     {{{"H", 1}, {"mH", 1e-3}, {"uH", 1e-6}, {"nH", 1e-9}}}},
     {Dimension::kTime,
      "a time",
      "3s",
      true,
-     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"min", 60}, {"h", 3600}}}},
+     {1e-12, 1e12},
+     {{{"s", 1}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"min", 60}, {"h", 3600}}}},
     {Dimension::kFrequency,
      "a frequency",
      "225Hz",
      true,
-     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}}}},
-    {Dimension::kVoltage, "a voltage", "5V", true, {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}}}},
-    {Dimension::kCurrent, "a current", "0.13A", true, {{{"A", 1}, {"mA", 1e-3}}}},
+     {1e-9, 1e12},
+     {{{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}}}},
+    {Dimension::kVoltage,
+     "a voltage",
+     "5V",
+     true,
+     {1e-15, 1e9},
+     {{{"V", 1}, {"mV", 1e-3}, {"uV", 1e-6}, {"kV", 1e3}}}},
+    {Dimension::kCurrent,
+     "a current",
+     "0.13A",
+     true,
+     {1e-15, 1e9},
+     {{{"A", 1}, {"mA", 1e-3}, {"uA", 1e-6}}}},
     {Dimension::kResistance,
      "a resistance",
      "27ohm",
      true,
+     {1e-9, 1e15},
      {{{"ohm", 1}, {"mohm", 1e-3}, {"kohm", 1e3}, {"Mohm", 1e6}}}},
-    {Dimension::kStiffness, "a stiffness", "2800N/m", true, {{{"N/m", 1}, {"N/mm", 1e3}}}},
+    {Dimension::kStiffness,
+     "a stiffness",
+     "2800N/m",
+     true,
+     {1e-9, 1e15},
+     {{{"N/m", 1}, {"N/mm", 1e3}}}},
     {Dimension::kDamping,
      "a damping",
      "0.0322Ns/m",
      true,
+     {1e-12, 1e12},
      {{{"N s/m", 1}, {"Ns/m", 1}, {"N*s/m", 1}}}},
-    {Dimension::kForceConstant, "a force constant", "1.0N/A", true, {{{"N/A", 1}}}},
+    {Dimension::kForceConstant, "a force constant", "1.0N/A", true, {1e-9, 1e9}, {{{"N/A", 1}}}},
 }};
 
 const DimensionRow& RowOf(Dimension dimension) {
@@ -82,6 +109,7 @@ std::string Normalised(std::string_view raw) {
   ReplaceAll(text, "\u03bc", "u");
   ReplaceAll(text, "\u03a9", "ohm");
   ReplaceAll(text, "\u2126", "ohm");
+  for (const char* spelling : {"Ohms", "ohms", "Ohm", "OHM"}) ReplaceAll(text, spelling, "ohm");
   ReplaceAll(text, "\u00b1", "+-");
   ReplaceAll(text, "+/-", "+-");
   const auto first = text.find_first_not_of(' ');
@@ -95,6 +123,15 @@ struct Number {
   std::size_t length = 0;  // characters read
 };
 
+// the decimal exponent behind `mark`, where "e-3" begins in `written`; 0 without one
+int ExponentAt(std::string_view written, std::size_t mark) {
+  int exponent = 0;
+  if (mark >= written.size()) return exponent;
+  const std::size_t first = mark + (written[mark + 1] == '+' ? 2 : 1);
+  std::from_chars(written.data() + first, written.data() + written.size(), exponent);
+  return exponent;
+}
+
 // a decimal number at the front of `text`
 std::optional<Number> LeadingNumber(std::string_view text) {
   const std::size_t sign = !text.empty() && text[0] == '+' ? 1 : 0;
@@ -104,12 +141,10 @@ std::optional<Number> LeadingNumber(std::string_view text) {
   if (failure != std::errc{} || !std::isfinite(number.value)) return std::nullopt;
   number.length = static_cast<std::size_t>(end - text.data());
   const std::string_view digits = text.substr(sign, number.length - sign);
-  const auto dot = digits.find('.');
-  if (dot != std::string_view::npos) {
-    const auto past = digits.find_first_not_of("0123456789", dot + 1);
-    const auto stop = past == std::string_view::npos ? digits.size() : past;
-    number.last_digit = std::pow(10.0, -static_cast<double>(stop - dot - 1));
-  }
+  const std::size_t mark = std::min(digits.find_first_of("eE"), digits.size());
+  const std::size_t dot = std::min(digits.find('.'), mark);
+  const int places = dot < mark ? static_cast<int>(mark - dot - 1) : 0;
+  number.last_digit = std::pow(10.0, ExponentAt(digits, mark) - places);
   return number;
 }
 
@@ -169,16 +204,31 @@ double InSi(std::string_view text, const Number& number, double factor) {
   const std::size_t sign = text.starts_with('+') ? 1 : 0;
   const std::string_view written = text.substr(sign, number.length - sign);
   const std::size_t mark = std::min(written.find_first_of("eE"), written.size());
-  int exponent = 0;
-  if (mark < written.size()) {
-    const std::size_t first = mark + (written[mark + 1] == '+' ? 2 : 1);
-    std::from_chars(written.data() + first, written.data() + written.size(), exponent);
-  }
-  const std::string shifted = fmt::format("{}e{}", written.substr(0, mark), exponent + shift);
+  const std::string shifted =
+      fmt::format("{}e{}", written.substr(0, mark), ExponentAt(written, mark) + shift);
   double value = 0;
   const auto [end, failure] =
       std::from_chars(shifted.data(), shifted.data() + shifted.size(), value);
   return failure == std::errc{} ? value : Times(number.value, factor);
+}
+
+bool IsPossible(double value, const DimensionRow& row) {
+  const double size = std::abs(value);
+  return size == 0 || (size >= row.possible.least && size <= row.possible.largest) ||
+         (row.dimension == Dimension::kResistance && value > 0 && std::isinf(value));
+}
+
+// `quantity`, which `written` stands for, where nothing about it is impossible
+Result<Quantity> Possible(Quantity quantity, std::string_view written, const DimensionRow& row,
+                          std::string_view where) {
+  if (IsPossible(quantity.value, row) && IsPossible(quantity.standard_uncertainty, row)) {
+    return quantity;
+  }
+  const std::string_view unit = row.units[0].symbol;
+  return Usage(std::string(where),
+               fmt::format("'{}' is beyond {} that is possible", written, row.name),
+               fmt::format("its size is 0, or from {} to {}{}{}", row.possible.least,
+                           row.possible.largest, unit.empty() ? "" : " ", unit));
 }
 
 Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::string_view where) {
@@ -187,6 +237,12 @@ Result<Quantity> NotANumber(std::string_view raw, const DimensionRow& row, std::
 }
 
 }  // namespace
+
+PossibleMagnitudes PossibleMagnitudesOf(Dimension dimension) { return RowOf(dimension).possible; }
+
+Result<Quantity> PossibleQuantity(Quantity quantity, Dimension dimension, std::string_view where) {
+  return Possible(quantity, fmt::format("{}", quantity.value), RowOf(dimension), where);
+}
 
 std::string_view SiUnit(Dimension dimension) { return RowOf(dimension).units[0].symbol; }
 
@@ -228,13 +284,13 @@ Result<Quantity> ParseQuantity(std::string_view raw, Dimension dimension, std::s
     if (uncertainty < 0) return NotANumber(raw, row, where);
     const auto left = UnitFactor(row, symbol, text.substr(0, number->length), where);
     if (!left) return std::unexpected(left.error());
-    return Quantity{InSi(text, *number, *left), uncertainty};
+    return Possible({InSi(text, *number, *left), uncertainty}, raw, row, where);
   }
   const auto factor =
       UnitFactor(row, symbol, std::string_view(text).substr(0, number->length), where);
   if (!factor) return std::unexpected(factor.error());
   if (uncertainty < 0) return NotANumber(raw, row, where);
-  return Quantity{InSi(text, *number, *factor), Times(uncertainty, *factor)};
+  return Possible({InSi(text, *number, *factor), Times(uncertainty, *factor)}, raw, row, where);
 }
 
 }  // namespace haptometer

@@ -26,6 +26,20 @@ enum class Dimension : std::uint8_t {
   kForceConstant,  ///< N/A
 };
 
+/// Magnitudes that a quantity of a dimension can have; 0 is possible in each.
+///
+/// The limits, in SI units: length 1e-15 to 1e6, mass 1e-12 to 1e6, inductance 1e-12 to 1e6, time
+/// 1e-12 to 1e12, frequency 1e-9 to 1e12, voltage and current 1e-15 to 1e9, resistance 1e-9 to
+/// 1e15, stiffness 1e-9 to 1e15, damping 1e-12 to 1e12, force constant 1e-9 to 1e9, a plain number
+/// 1e-30 to 1e30. They are wide of every device; what lies outside is a typing error, and
+/// arithmetic with it can overflow or underflow.
+struct PossibleMagnitudes {
+  double least = 0;
+  double largest = 0;
+};
+
+[[nodiscard]] PossibleMagnitudes PossibleMagnitudesOf(Dimension dimension);
+
 /// A number with its standard uncertainty, both in SI units.
 struct Quantity {
   double value = 0;
@@ -41,9 +55,15 @@ struct Quantity {
 /// g. Both "u" and "µ" (either code point) mean micro. `where` names the option or key in errors.
 /// Errors (Cause::kUsage): not a number, an unknown unit, a unit of another dimension, a negative
 /// uncertainty, a bare length, mass or inductance ("did you mean 10mm?"), NaN, infinity except for
-/// resistances.
+/// resistances, a magnitude outside PossibleMagnitudesOf.
 [[nodiscard]] Result<Quantity> ParseQuantity(std::string_view text, Dimension dimension,
                                              std::string_view where);
+
+/// `quantity` where its value and uncertainty are possible in `dimension`, for a number that was
+/// not read by ParseQuantity; an infinite resistance is. Errors (Cause::kUsage): not finite, or a
+/// magnitude outside PossibleMagnitudesOf.
+[[nodiscard]] Result<Quantity> PossibleQuantity(Quantity quantity, Dimension dimension,
+                                                std::string_view where);
 
 /// The coherent SI unit of `dimension` as text: "m", "N s/m", "" for kNone.
 [[nodiscard]] std::string_view SiUnit(Dimension dimension);

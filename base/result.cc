@@ -2,12 +2,14 @@
 
 #include <utility>
 
+#include "base/printable.h"
+
 namespace haptometer {
 
 std::string Error::Text() const {
   std::string text = where.empty() ? what : where + ": " + what;
   if (!remedy.empty()) text += "; " + remedy;
-  return text;
+  return Printable(text);
 }
 
 int ExitStatus(Cause cause) {

@@ -15,8 +15,9 @@ enum class Cause : std::uint8_t {
 
 /// An error of the outside world in one sentence: what happened, where, and what to do next.
 ///
-/// Text() joins the three as "WHERE: WHAT; REMEDY". Programmers' errors abort (base/check.h);
-/// numerical outcomes such as "did not converge" are fields of results, never an Error.
+/// Text() joins the three as "WHERE: WHAT; REMEDY" in one printable line (base/printable.h),
+/// whatever a path or a cell in it holds. Programmers' errors abort (base/check.h); numerical
+/// outcomes such as "did not converge" are fields of results, never an Error.
 struct Error {
   Cause cause = Cause::kFailed;
   std::string where;   ///< file, port, option or key; empty when `what` says it

@@ -9,6 +9,8 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/printable.h"
+#include "base/toml_shape.h"
 
 namespace haptometer {
 
@@ -55,6 +57,13 @@ struct TomlTable::State {
     Keep({Cause::kUsage, fmt::format("{}: {}", place, key), std::move(what), std::move(remedy)});
     lacks_a_key = node == nullptr;
   }
+  // whether a text under `key`, or that key, may be shown and stored; what may not is refused
+  bool MayHold(std::string_view key, std::string_view text) {
+    if (IsPrintable(text)) return true;
+    Fail(key, fmt::format("'{}' holds a character that cannot be printed", Printable(text)),
+         "write it without control characters, on one line");
+    return false;
+  }
 };
 
 namespace {
@@ -88,12 +97,13 @@ TomlTable& TomlTable::operator=(TomlTable&&) noexcept = default;
 TomlTable::~TomlTable() = default;
 
 Result<TomlTable> TomlTable::ParseFile(const std::string& path) {
-  auto text = ReadInputFile(path, 1ULL << 20);
+  auto text = ReadInputFile(path, kMostTomlBytes);
   if (!text) return std::unexpected(text.error());
   return ParseText(*text, path);
 }
 
 Result<TomlTable> TomlTable::ParseText(std::string_view text, std::string where) {
+  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
   auto state = std::make_unique<State>();
   try {
     state->root = toml::parse(text, where);
@@ -153,7 +163,10 @@ std::map<std::string, std::string> TomlTable::Texts(std::string_view key) {
   TomlTable* table = Table(key);
   if (table == nullptr) return texts;
   for (const auto& [name, node] : *table->state_->table) {
-    if (auto text = table->Text(name.str())) texts.emplace(name.str(), std::move(*text));
+    auto text = table->Text(name.str());
+    if (text && table->state_->MayHold(name.str(), name.str())) {
+      texts.emplace(name.str(), std::move(*text));
+    }
   }
   return texts;
 }
@@ -172,7 +185,7 @@ Result<Quantity> ReadQuantity(const toml::node& node, Dimension dimension, std::
   if (!std::isfinite(*number) && !(may_be_infinite && std::isinf(*number))) {
     return Usage(std::string(where), "is not a finite number", "write an SI number");
   }
-  return Quantity{*number, 0};
+  return PossibleQuantity({*number, 0}, dimension, where);
 }
 
 }  // namespace
@@ -206,8 +219,9 @@ std::optional<double> TomlTable::Number(std::string_view key, Dimension dimensio
 std::optional<std::string> TomlTable::Text(std::string_view key) {
   const toml::node* node = state_->Find(key);
   if (node == nullptr) return std::nullopt;
-  if (const auto* text = node->as_string()) return text->get();
-  state_->Fail(key, "is not a text", "put it in quotes");
+  const auto* text = node->as_string();
+  if (text != nullptr && state_->MayHold(key, text->get())) return text->get();
+  if (text == nullptr) state_->Fail(key, "is not a text", "put it in quotes");
   return std::nullopt;
 }
 
@@ -263,7 +277,12 @@ std::optional<std::vector<std::string>> TextsOf(const toml::node& node) {
 std::vector<std::string> TomlTable::TextList(std::string_view key) {
   const toml::node* node = state_->Find(key);
   if (node == nullptr) return {};
-  if (auto texts = TextsOf(*node)) return *std::move(texts);
+  if (auto texts = TextsOf(*node)) {
+    for (const std::string& text : *texts) {
+      if (!state_->MayHold(key, text)) return {};
+    }
+    return *std::move(texts);
+  }
   state_->Fail(key, "is not a list of texts", "write it as [\"stock\", \"cone\"]");
   return {};
 }
@@ -279,6 +298,9 @@ std::vector<std::vector<std::string>> TomlTable::TextLists(std::string_view key)
       auto texts = TextsOf(inner);
       is_list = is_list && texts.has_value();
       lists.push_back(std::move(texts).value_or(std::vector<std::string>{}));
+      for (const std::string& text : lists.back()) {
+        if (!state_->MayHold(key, text)) return {};
+      }
     }
   }
   if (is_list) return lists;

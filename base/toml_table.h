@@ -20,9 +20,9 @@ enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 /// One table of a TOML file, read strictly: every key must be asked for, or Finish() names it.
 ///
 /// Keys carry their unit (`moving_mass_kg`); a value is an SI number or a string with a unit
-/// ("1.4g", "1.40(3)g"). Read all keys, then call Finish(), which returns the first error of any of
-/// the reads or an unknown key with the nearest known one. So readers stay free of branches:
-///
+/// ("1.4g", "1.40(3)g"). A text that is not printable (base/printable.h) is an error, as is such a
+/// key of the user's own. Read all keys, then call Finish(), which returns the first error of any
+/// of the reads or an unknown key with the nearest known one. So readers stay free of branches:
 ///   auto table = TomlTable::ParseFile("actuator.toml");
 ///   actuator.stiffness_n_per_m = table->Require("stiffness_n_per_m", Dimension::kStiffness);
 ///   if (auto done = table->Finish(); !done) return std::unexpected(done.error());

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/check.h"
+#include "base/toml_shape.h"
 
 namespace haptometer {
 namespace {
@@ -83,6 +84,7 @@ std::vector<std::string> TextsBelow(const toml::table& root) {
 
 Result<TomlTemplate> TomlTemplate::ParseText(std::string_view text, const std::string& where,
                                              const std::vector<std::string>& keys) {
+  if (auto shape = CheckTomlShape(text, where); !shape) return std::unexpected(shape.error());
   toml::table root;
   try {
     root = toml::parse(text, where);

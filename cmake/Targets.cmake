@@ -93,7 +93,7 @@ function(haptometer_test name)
     endif()
   endif()
   gtest_discover_tests(${target} TEST_PREFIX "${name}." NO_PRETTY_VALUES
-                       PROPERTIES TIMEOUT 240 DISCOVERY_TIMEOUT 60)
+                       PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
 endfunction()
 
 # haptometer_script_test(NAME SCRIPT ... DEPENDS ...)
@@ -102,7 +102,7 @@ endfunction()
 function(haptometer_script_test name script)
   add_test(NAME ${name} COMMAND /usr/bin/python3 ${script} ${ARGN}
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
-  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 300
+  set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77 TIMEOUT 900
     ENVIRONMENT "HAPTOMETER_PROGRAMS=${CMAKE_RUNTIME_OUTPUT_DIRECTORY};PYTHONDONTWRITEBYTECODE=1")
 endfunction()
 

@@ -3,6 +3,7 @@
 #include <ceres/cost_function.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
+#include <glog/logging.h>
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -103,6 +104,16 @@ class Block : public ceres::CostFunction {
   FreeProblem& problem_;
 };
 
+// Ceres writes on stderr by glog, whatever its options say, where a problem is not defined or a
+// step fails. That is reported as SolverReport; what ends the process is still written.
+void SilenceSolver() {
+  static const bool silenced = [] {
+    FLAGS_minloglevel = google::GLOG_FATAL;
+    return true;
+  }();
+  static_cast<void>(silenced);
+}
+
 ceres::Solver::Options SolverOptions() {
   constexpr double kRounding = 1e-15;
   constexpr double kFlat = 1e-14;  // of the cost: below, rounding decides about steps
@@ -171,6 +182,7 @@ SolverReport Minimise(const LeastSquares& problem, const std::vector<bool>& is_f
   FreeProblem free_problem(problem, is_free, *point);
   if (free_problem.count() == 0) return {true, "nothing is free", 0};
 
+  SilenceSolver();
   Eigen::VectorXd free_point = free_problem.free_point();
   ceres::Problem whole;
   whole.AddResidualBlock(new Block(free_problem), nullptr, free_point.data());

@@ -50,8 +50,10 @@ class Decision {
     if (!everything.answered) {
       return CannotAnswer(where, everything.problem, RemedyOf(everything));
     }
-    // of averages it is their standard uncertainty
-    if (!everything.chaotic && !(everything.run.error_estimate <= scene_.tolerance)) {
+    // an exact motion is known as well as it can be, averages to their standard uncertainty
+    const double asked = everything.run.solver ? scene_.tolerance
+                                               : std::max(scene_.tolerance, kLargestPredictedError);
+    if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
       return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));
     }
     everything_ = everything.run;
@@ -60,6 +62,9 @@ class Decision {
     LeaveOutGravity();
     LeaveOutByComparison();
     choice_.change = Deviation(scene_.quantity, choice_.run, everything_);
+    // what was left out may change what was not asked about as well
+    const double left_out = LargestDeviation(choice_.run, everything_);
+    if (left_out > 0) choice_.run.error_estimate += left_out + everything_.error_estimate;
     choice_.runs = runs_;
     return std::move(choice_);
   }
@@ -104,6 +109,12 @@ class Decision {
   }
 
   std::string TooCoarse(const SceneRun& run) const {
+    if (!run.solver) {
+      return fmt::format(
+          "small errors grow in this motion until it is beyond prediction: it is known to {:g} "
+          "until {:.6g} s",
+          scene_.tolerance, run.known_until_s.value_or(run.begin_s));
+    }
     return std::isinf(run.error_estimate)
                ? "the smooth effects' motion is not known: its error grows beyond all bounds"
                : fmt::format(
@@ -120,6 +131,10 @@ class Decision {
                              : "give a duration, or leave out effects that are on";
   }
   static std::string RemedyOf(const SceneRun& run) {
+    if (!run.solver) {
+      return fmt::format("give a duration_s of {:.3g} s or less, or leave out effects that are on",
+                         run.known_until_s.value_or(run.begin_s));
+    }
     return std::isinf(run.error_estimate)
                ? "shorten duration_s, or leave out effects that are on"
                : fmt::format("give tolerance = {:.0e} or more", 2 * run.error_estimate);
@@ -227,8 +242,7 @@ PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   }
   if (scene.duration_s) {
     // of a chaotic motion the run begins at one of its points, which is exact
-    const double start_error =
-        steady.run && !steady.chaotic ? steady.run->error_estimate : 0;
+    const double start_error = steady.run && !steady.chaotic ? steady.run->error_estimate : 0;
     played.run = RunScene(effective, *scene.duration_s, steady.start, steady.temperature_rise_k);
     if (!played.run.stalled_at_s) {
       LookAtEnd(effective, steady.start, steady.temperature_rise_k, played);

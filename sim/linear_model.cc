@@ -132,6 +132,25 @@ Rows<Scalar> RowsOf(const Bodies& bodies) {
   return rows;
 }
 
+// sqrt(R) i, sqrt(B) times each damper's speed
+Eigen::MatrixXd PowerRows(const Bodies& bodies, const LinearModel& model) {
+  const Eigen::Index n = model.states();
+  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n + 1, place); };
+  const Eigen::RowVectorXd motor = unit(LinearModel::kCaseVelocity);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(5, n + 1);
+  rows.row(0) << model.current_row, model.current_per_volt;
+  rows.row(0) *= std::sqrt(bodies.actuator.resistance_ohm);
+  rows.row(1) =
+      std::sqrt(bodies.actuator.damping_n_s_per_m) * (unit(LinearModel::kMoverVelocity) - motor);
+  rows.row(2) = std::sqrt(bodies.grip.damping_n_s_per_m) * motor;
+  rows.row(3) = std::sqrt(bodies.skin.damping_n_s_per_m) * unit(model.skin_velocity());
+  if (bodies.adapter) {
+    rows.row(4) =
+        std::sqrt(bodies.adapter->damping_n_s_per_m) * (motor - unit(model.skin_velocity()));
+  }
+  return rows;
+}
+
 bool AllButOneBody(const Bodies& bodies) {
   const double inverse_mass = 1 / bodies.actuator.moving_mass_kg + 1 / CaseSide<double>(bodies);
   const double square = bodies.actuator.stiffness_n_per_m * inverse_mass;
@@ -163,6 +182,7 @@ LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>
   LinearModel model{
       .a = std::move(rows.a), .b = std::move(rows.b), .current_row = std::move(rows.current)};
   if (actuator.inductance_h == 0) model.current_per_volt = 1 / actuator.resistance_ohm;
+  model.power_rows = PowerRows(bodies, model);
   if (AllButOneBody(bodies)) AddRest(bodies, model);
   return model;
 }

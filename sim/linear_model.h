@@ -32,6 +32,9 @@ struct LinearModel {
   /// eps moves the rest of the scene as visibly as what they truly leave over.
   Eigen::MatrixXd a_rest{};
   Eigen::VectorXd b_rest{};
+  /// (k, n + 1) of [x, v]: what is dissipated is the sum of these rows' squares in W: the coil with
+  /// its source, the dampers of mover, grip, adapter and skin.
+  Eigen::MatrixXd power_rows{};
 
   /// sqrt(Kv (1/Mv + 1/Mc1)) above which there is a rest: 3 kHz, where rounding costs 1e-14 of a
   /// state's peak in 0.1 s (5e-13 at 20 kHz, 8e-9 at 1e11 N/m).

@@ -24,6 +24,8 @@ double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) {
 void PiecewiseMotion::TakeStock(const Point& from, int level, const Point& to) {
   if (with_energy_) CountEnergy(from, level);
   if (!flow_.ranges.empty()) Watch(from, level, to);
+  // before anything happens: in long steps (CarryErrorFar)
+  if (flow_.error && !events_.empty()) CarryError(from, level, to);
 }
 
 void PiecewiseMotion::CountEnergy(const Point& from, int level) {
@@ -75,8 +77,13 @@ void PiecewiseMotion::LookForExtremes(GuardBound& number, const Point& from, int
   const bool bounded = level >= Stepper().WatchLevel();
   if (bounded) {
     // nothing can lie beyond
-    const auto [m2, m3, m4] = number.Bounds(from.x, largest_signals_);
-    const double bulge = m2 * h_s * h_s / 8;
+    const auto [bound, m3, m4] = number.Bounds(from.x, largest_signals_);
+    // |g''| is also at most what lies between its values at both ends and m4 h^2/8 (at rest, where
+    // the bound by magnitudes is far too large)
+    const double ends = std::max(std::abs(begin[2]), std::abs(end[2]));
+    const double m2 = std::min(bound, ends + m4 * h_s * h_s / 8);
+    // and 1e-15 of the range is the state's rounding
+    const double bulge = m2 * h_s * h_s / 8 - 1e-15 * std::max(range.largest, -range.least);
     const bool inside = std::max(begin[0], end[0]) + bulge <= range.largest &&
                         std::min(begin[0], end[0]) - bulge >= range.least;
     if (inside || std::min(std::abs(begin[1]), std::abs(end[1])) > m2 * h_s) return;

@@ -16,6 +16,8 @@ constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
 // how much the acceleration may change until bounces are over (piecewise_linear.h)
 constexpr double kSteadyAcceleration = 1e-3;
+// by how much an uncertain gap may raise the height of bounces that are at rest
+constexpr double kMostRestHeights = 1e4;
 
 }  // namespace
 
@@ -40,6 +42,9 @@ PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excita
   flow_.dissipated_j.assign(system_.dissipating_elements.size(), 0);
   flow_.squares.assign(system_.squared_rows.size(), 0);
   initial_j_ = StoredNow();
+  // the beginning is known to its own rounding, a few times that of a solution
+  const Eigen::Index n = now_.x.size();
+  flow_.error.emplace(n).Step(Eigen::MatrixXd::Identity(n, n), 0x1p-50 * now_.x.cwiseAbs());
 }
 
 void PiecewiseMotion::Restart(PiecewiseStart start) {
@@ -154,6 +159,7 @@ void PiecewiseMotion::Next() {
   ++index_;
   now_.tick = 0;
   Reanchor();
+  CarryErrorFar();
 }
 
 // the whole output step in one judgement that needs no slopes
@@ -337,9 +343,15 @@ void PiecewiseMotion::Fire(std::size_t guard) {
   const double rate = Stepper().Guards()[guard].Jet(now_.x, now_.drive)[1];
   const std::size_t place = Stepper().mode().guards[guard].transition;
   const auto time_s = static_cast<double>(TimeAt(now_.tick));
-  Follow(place, time_s, rate);
   const Transition& transition = system_.transitions[place];
-  if (const std::optional<double> rest_s = TimeToRest(transition)) {
+  const Point before = now_;
+  const std::size_t mode_before = mode_;
+  const double error = flow_.error ? flow_.error->Bound(Stepper().mode().guards[guard].row) : 0;
+  Follow(place, time_s, rate);
+  if (flow_.error) CarryErrorOver(guard, transition, before, mode_before);
+  if (const std::optional<double> rest_s = TimeToRest(transition, error)) {
+    const Transition& rest = system_.transitions[transition.bounce->rest_via];
+    if (flow_.error) CarryErrorToRest(rest, *transition.bounce, now_.x - before.x);
     Follow(transition.bounce->rest_via, time_s + *rest_s, 0);
   }
   NoticeStall();
@@ -355,15 +367,17 @@ void PiecewiseMotion::Follow(std::size_t transition, double time_s, double guard
   events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
 }
 
-// the rule of accumulation
-std::optional<double> PiecewiseMotion::TimeToRest(const Transition& transition) {
+// the rule of accumulation; bounces lower than what is known of the gap are none
+std::optional<double> PiecewiseMotion::TimeToRest(const Transition& transition, double gap_error) {
   if (!transition.bounce || !departure_ || transition.bounce->restitution >= 1) return {};
   const GuardJet jet = JetHere(departure_->guard);
   const double speed = std::max(jet[1], 0.0);
   const double acceleration = -jet[2];
   if (!(acceleration > 0)) return {};
   const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
-  const bool low = speed * speed / (2 * acceleration) <= transition.bounce->rest_height;
+  const double height = std::clamp(2 * gap_error, transition.bounce->rest_height,
+                                   kMostRestHeights * transition.bounce->rest_height);
+  const bool low = speed * speed / (2 * acceleration) <= height;
   const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
   return low && steady ? std::optional(rest_s) : std::nullopt;
 }

@@ -14,6 +14,7 @@
 #include "sim/energy_ledger.h"
 #include "sim/excitation.h"
 #include "sim/mode_stepper.h"
+#include "sim/motion_error.h"
 #include "sim/piecewise_linear.h"
 #include "sim/scene.h"
 #include "sim/uniform_motion.h"
@@ -140,6 +141,11 @@ class PiecewiseMotion {
   /// in a step is found. Cost: 0.1 us for a step, some 5 us for each that may hold an extreme.
   [[nodiscard]] const std::vector<ValueRange>& Ranges() const { return flow_.ranges; }
   void ForgetRanges();
+  /// Bounds of what rounding, located events and bounces that were not played leave uncertain
+  /// (motion_error.h) of a number, row x over the positions, and of the current; at the last
+  /// output, where nothing happened yet of the last multiple of 64. Need `with_energy`.
+  [[nodiscard]] double ErrorOf(const Eigen::RowVectorXd& positions_row) const;
+  [[nodiscard]] double ErrorOfCurrent() const;
   /// How many intervals may be judged one by one, each in some 1 us, until that output.
   [[nodiscard]] static double MostSteps(std::uint64_t output) {
     return 2e6 + 10 * static_cast<double>(output);
@@ -170,6 +176,7 @@ class PiecewiseMotion {
     std::vector<long double> dissipated_j;
     std::vector<long double> squares;
     std::vector<ValueRange> ranges;  // no sums, but gathered in the same places
+    std::optional<MotionError> error;
   };
 
   struct Shape {  // pieces that share their matrices
@@ -192,6 +199,14 @@ class PiecewiseMotion {
   void Step(const Point& from, int level, Point& to);  // not in place
   [[nodiscard]] Point Travelled(Point from, std::uint64_t ticks, bool take_stock);
   void TakeStock(const Point& from, int level, const Point& to);
+  void CarryError(const Point& from, int level, const Point& to);
+  void CarryErrorFar();
+  void CarryErrorOver(std::size_t guard, const Transition& way, const Point& before,
+                      std::size_t mode_before);
+  void CarryErrorToRest(const Transition& rest, const Bounce& bounce, const Eigen::VectorXd& step);
+  void NoticeNearMiss(const Point& from, int level, const Point& to);
+  [[nodiscard]] Eigen::VectorXd RateIn(std::size_t mode, const Point& point) const;
+  [[nodiscard]] Eigen::VectorXd RoundingOf(const Point& from, int level, const Point& to);
   void CountEnergy(const Point& from, int level);
   void Watch(const Point& from, int level, const Point& to);
   void LookForExtremes(GuardBound& number, const Point& from, int level, const Point& to,
@@ -207,7 +222,7 @@ class PiecewiseMotion {
   [[nodiscard]] GuardJet JetHere(std::size_t guard);
   void Fire(std::size_t guard);
   void Follow(std::size_t transition, double time_s, double guard_rate);
-  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition);
+  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition, double gap_error);
   void NoticeStall();
   void NoticeWork();
   void Stall(double time_s, std::string_view reason);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "base/check.h"
@@ -21,6 +23,14 @@
 namespace haptometer::sim {
 
 namespace {
+
+// outputs from one look at the error to the next: before anything happened, and then
+constexpr std::uint64_t kQuietOutputs = 64;
+constexpr std::uint64_t kBusyOutputs = 4;
+// of integrals of squares and of power, relative (measured: a few 1e-15)
+constexpr double kIntegralRounding = 1e-14;
+// of the solver
+constexpr double kSolverRounding = 1e-12;
 
 // what a hundred times less tolerance leaves of the error is less than one over this (measured:
 // 1/14 to 1/180)
@@ -92,6 +102,37 @@ double RiseOf(const SmoothMotion& motion) { return motion.temperature_rise_k(); 
 double PeakRiseOf(const PiecewiseMotion& /*motion*/) { return 0; }
 double PeakRiseOf(const SmoothMotion& motion) { return motion.temperature_peak_k(); }
 
+// Bounds of a number's error at the outputs that were looked at.
+struct ErrorOfNumber {
+  double squares = 0;
+  double largest = 0;
+  std::size_t count = 0;
+  double last = 0;
+  double peak = 0;  // of the number itself, since the beginning
+
+  void Take(double error, double value) {
+    last = error;
+    peak = std::max(peak, std::abs(value));
+    squares += error * error;
+    largest = std::max(largest, error);
+    ++count;
+  }
+  double Rms() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0; }
+  double Relative() const { return last == 0 ? 0 : last / peak; }
+};
+
+struct Errors {
+  ErrorOfNumber skin, motor, travel, current;
+  double volt_squares = 0;
+
+  void BeginWindow() {
+    for (ErrorOfNumber* number : {&skin, &motor, &travel, &current}) {
+      *number = {.last = number->last, .peak = number->peak};
+    }
+    volt_squares = 0;
+  }
+};
+
 // Plays a motion and gathers what its window shows.
 template <typename Motion>
 class Playing {
@@ -121,6 +162,7 @@ class Playing {
       if (motion_.index() == grid_.window_begin) BeginWindow();
       TakeMark();
       TakeSkin();
+      TakeErrors();
     }
     Finish();
     return std::move(run_);
@@ -144,6 +186,7 @@ class Playing {
   void BeginWindow() {
     TakePeaks();
     motion_.ForgetRanges();
+    errors_.BeginWindow();
     const std::vector<double> squares = motion_.SquareIntegrals();
     skin_before_ = squares[0];
     case_before_ = squares[1];
@@ -163,6 +206,55 @@ class Playing {
     if (motion_.index() < grid_.window_begin) return;
     run_.skin_m(static_cast<Eigen::Index>(motion_.index() - grid_.window_begin)) =
         motion_.Positions()(model_.skin());
+  }
+
+  // what the exact motion's error comes to, every few outputs
+  void TakeErrors() {
+    if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
+      const std::uint64_t every = motion_.events().empty() ? kQuietOutputs : kBusyOutputs;
+      const bool is_last = motion_.index() == grid_.count;
+      if (motion_.stalled_at_s() || (motion_.index() % every != 0 && !is_last)) return;
+      const Eigen::VectorXd x = motion_.Positions();
+      const auto unit = [&](Eigen::Index place) {
+        return Eigen::RowVectorXd::Unit(x.size(), place);
+      };
+      const Eigen::RowVectorXd mover = unit(LinearModel::kMover), motor = unit(LinearModel::kCase);
+      const double volt = motion_.Inputs()(kVoltage);
+      errors_.skin.Take(motion_.ErrorOf(unit(model_.skin())), x(model_.skin()));
+      errors_.motor.Take(motion_.ErrorOf(motor), x(LinearModel::kCase));
+      errors_.travel.Take(motion_.ErrorOf(mover - motor), (mover - motor).dot(x));
+      errors_.current.Take(motion_.ErrorOfCurrent(), motion_.CurrentA());
+      errors_.volt_squares += volt * volt;
+      const double relative = std::max(
+          {errors_.skin.Relative(), errors_.travel.Relative(), errors_.current.Relative()});
+      if (!run_.known_until_s && relative > scene_.scene.tolerance) {
+        run_.known_until_s = TimeOf(motion_.index());
+      }
+    }
+  }
+
+  // relative, of all numbers of an exact motion
+  double ErrorEstimate(const std::vector<double>& squares) const {
+    const auto part = [](double error, double value) {
+      return error == 0 ? 0 : error / std::abs(value);
+    };
+    // a window's integral is a difference of two
+    const auto integral = [&](double before, double after) {
+      return after > before ? kIntegralRounding * after / (after - before) : 0;
+    };
+    const double volt =
+        std::sqrt(errors_.volt_squares / std::max(static_cast<double>(errors_.current.count), 1.0));
+    const double power_w = volt * (errors_.current.Rms() + kIntegralRounding * run_.current_rms_a);
+    const double largest =
+        std::max({part(errors_.skin.Rms(), run_.skin_rms_m) + integral(skin_before_, squares[0]),
+                  part(errors_.motor.Rms(), run_.case_rms_m) + integral(case_before_, squares[1]),
+                  part(errors_.current.Rms(), run_.current_rms_a), part(power_w, run_.power_w),
+                  part(errors_.travel.largest, run_.mover_peak_m),
+                  part(errors_.skin.largest, run_.skin_m.cwiseAbs().maxCoeff())});
+    const double amplitude_v = scene_.scene.drive.amplitude_v;
+    const double held_v =
+        Excitation(scene_.scene.drive, scene_.scene.finger.tones).voltage_error_v();
+    return largest + part(held_v, amplitude_v) + kIntegralRounding;
   }
 
   SceneRun GiveUp() {
@@ -187,6 +279,9 @@ class Playing {
         rms(CurrentSquares(motion_, scene_.scene.actuator.resistance_ohm) - current_before_);
     run_.power_w = (run_.ledger.input_j - input_before_j_) / length_s;
     CountEvents();
+    if constexpr (std::is_same_v<Motion, PiecewiseMotion>) {
+      run_.error_estimate = ErrorEstimate(squares);
+    }
   }
 
   void CountEvents() {
@@ -207,6 +302,7 @@ class Playing {
   std::unique_ptr<Motion> motion_owner_;
   Motion& motion_;
   SceneRun run_;
+  Errors errors_;
   double skin_before_ = 0, case_before_ = 0, current_before_ = 0, input_before_j_ = 0;
 };
 
@@ -293,6 +389,15 @@ double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& re
   return apart_m == 0 ? 0 : apart_m / peak_m;
 }
 
+double LargestDeviation(const SceneRun& run, const SceneRun& reference) {
+  return std::max({Relative(run.skin_rms_m, reference.skin_rms_m),
+                   Relative(run.case_rms_m, reference.case_rms_m),
+                   Relative(run.current_rms_a, reference.current_rms_a),
+                   Relative(run.power_w, reference.power_w),
+                   Relative(run.mover_peak_m, reference.mover_peak_m),
+                   Relative(run.mover_peak_of_run_m, reference.mover_peak_of_run_m)});
+}
+
 double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
   if (run.stalled_at_s || coarse.stalled_at_s || !run.IsFinite() || !coarse.IsFinite()) {
     return std::numeric_limits<double>::infinity();
@@ -301,7 +406,8 @@ double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
   for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
     largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
   }
-  return largest * kLeastGain / finer;
+  largest = std::max(largest, LargestDeviation(coarse, run));
+  return largest * kLeastGain / finer + kSolverRounding;
 }
 
 SceneRun RunScene(const EffectiveScene& scene, double duration_s) {

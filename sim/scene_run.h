@@ -51,9 +51,14 @@ struct SceneRun {
   double temperature_peak_k = 0;         ///< the largest in the run
   std::optional<OdeMethod> solver{};     ///< of smooth effects; absent: exact
   OdeWork work{};                        ///< of the solver, over all runs that led to this one
-  /// Relative, of any asked quantity, what the solver is wrong by; 0 of an exact run. Infinite
-  /// where it is not known.
+  /// A bound of the relative error of every number here (the least force apart) and of the
+  /// waveform over its peak; infinite where it is not known. Of an exact motion what rounding,
+  /// events and bounces that are not played come to, carried through all modes and events
+  /// (motion_error.h); of the solver ErrorOf() two runs.
   double error_estimate = 0;
+  /// Of an exact motion: until when it was known to scene.tolerance, skin, travel and current over
+  /// their peaks; absent: to the end.
+  std::optional<double> known_until_s{};
 
   /// Whether all that can be asked for is a number.
   [[nodiscard]] bool IsFinite() const;
@@ -71,13 +76,22 @@ inline constexpr double kMostOutputs = 1e8;
 inline constexpr std::size_t kMostEvents = 20'000;
 inline constexpr std::size_t kMostEventsPerOutput = 50;
 
+/// An exact motion with a larger error_estimate is beyond prediction: what its error grows by was
+/// found for small errors.
+inline constexpr double kLargestPredictedError = 1e-3;
+
 /// The relative deviation of an asked quantity between two runs of the same length.
 [[nodiscard]] double Deviation(AskedQuantity quantity, const SceneRun& run,
                                const SceneRun& reference);
 
+/// The largest relative deviation of all that a run's window is reported by: RMS values, power and
+/// peaks.
+[[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
+
 /// What a run is wrong by that was played with `finer` times less tolerance than another: the
-/// largest deviation of the four quantities between them, over finer/10. In every scene of the
-/// tests (smooth_motion.h) a hundred times less tolerance leaves less than a tenth of the error.
+/// largest deviation between them, the waveform's included, over finer/10, and 1e-12 of rounding.
+/// In every scene of the tests (smooth_motion.h) a hundred times less tolerance leaves less than a
+/// tenth of the error.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.

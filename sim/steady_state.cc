@@ -1,6 +1,7 @@
 #include "sim/steady_state.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -65,16 +66,69 @@ Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x)
   return residual;
 }
 
-// |M^-1| (|residual| + eps (|M| |x| + |right|)): how far each entry may be off
-Eigen::VectorXd ForwardBound(const PhasorSystem& system, const Eigen::MatrixXcd& inverse,
-                             const Eigen::VectorXcd& x) {
+// |residual| + eps (|M| |x| + |right|): how far each equation may be off
+Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd& x) {
   // what the numbers themselves are worth
   const double eps = system.right_rest.size() > 0
                          ? static_cast<double>(std::numeric_limits<long double>::epsilon())
                          : std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd rounding =
       eps * (system.matrix.cwiseAbs() * x.cwiseAbs() + system.right.cwiseAbs());
-  return inverse.cwiseAbs() * (Residual(system, x).cwiseAbs() + rounding);
+  return Residual(system, x).cwiseAbs() + rounding;
+}
+
+// Bounds of the numbers' errors, each carried as a whole through the inverse: |row M^-1| off, and
+// what rounding does to a sum of the phasors.
+class ErrorBounds {
+ public:
+  ErrorBounds(const PhasorSystem& system, const BalancedMatrix& balanced,
+              const Eigen::MatrixXcd& inverse, const Eigen::VectorXcd& x,
+              const Eigen::VectorXcd& phasors)
+      : from_(balanced.scale.asDiagonal() * inverse),
+        off_(EquationBound(system, x)),
+        phasors_(phasors) {}
+
+  // relative, of row X + fixed
+  double Relative(const Eigen::RowVectorXd& row, double fixed = 0) const {
+    const Number number = Of(row, fixed);
+    return number.error == 0 ? 0 : number.error / number.value;
+  }
+  // of the sum of the rows' squares, which have one sign
+  double RelativeOfPower(const Eigen::MatrixXd& rows, double volt) const {
+    const Eigen::Index n = rows.cols() - 1;
+    double error = 0, sum = 0;
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+      const Number number = Of(rows.row(k).head(n), rows(k, n) * volt);
+      error += 2 * number.value * number.error;
+      sum += number.value * number.value;
+    }
+    return error == 0 ? 0 : error / sum;
+  }
+
+ private:
+  struct Number {
+    double value = 0;
+    double error = 0;
+  };
+  Number Of(const Eigen::RowVectorXd& row, double fixed) const {
+    constexpr double kEps = std::numeric_limits<double>::epsilon();
+    constexpr double kUlps = 8;  // of what becomes of the number itself
+    const Complex value = (row.cast<Complex>() * phasors_).value() + fixed;
+    const double terms = row.cwiseAbs().dot(phasors_.cwiseAbs()) + std::abs(fixed);
+    return {.value = std::abs(value),
+            .error = (row.cast<Complex>() * from_).cwiseAbs().dot(off_) +
+                     kEps * (terms + kUlps * std::abs(value))};
+  }
+
+  Eigen::MatrixXcd from_;
+  Eigen::VectorXd off_;
+  Eigen::VectorXcd phasors_;
+};
+
+Eigen::VectorXcd WithVoltage(const Eigen::VectorXcd& phasors, const SineDrive& drive) {
+  Eigen::VectorXcd with(phasors.size() + 1);
+  with << phasors, drive.amplitude_v;
+  return with;
 }
 
 // the numbers that the phasors hold
@@ -97,8 +151,8 @@ void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& ski
   steady.mover_peak_m =
       std::abs(steady.mean_travel_m) + std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
   steady.current_rms_a = rms(steady.mean_current_a, steady.current_a);
-  steady.power_w =
-      drive.offset_v * steady.mean_current_a + drive.amplitude_v * steady.current_a.real() / 2;
+  steady.power_w = drive.offset_v * steady.mean_current_a +
+                   (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
   steady.phase_rad =
       drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
   steady.skin_force_peak_n =
@@ -124,12 +178,17 @@ SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, c
   steady.mean = StaticState(model, drive.offset_v);
   Summarise(model, drive, skin, steady);
 
-  // the skin's own bound; a singular matrix gives no number to compare with
-  const Eigen::Index k = model.skin();
-  const double bound = ForwardBound(system, factors.inverse(), x)(k);
-  const double error = bound / std::abs(x(k));
+  // a singular matrix gives no number to compare with
+  const Eigen::Index n = model.states();
+  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n, place); };
+  const ErrorBounds bounds(system, balanced, factors.inverse(), x, steady.phasors);
+  const double error =
+      std::max({bounds.Relative(unit(model.skin())), bounds.Relative(unit(LinearModel::kCase)),
+                bounds.Relative(unit(LinearModel::kMover) - unit(LinearModel::kCase)),
+                bounds.Relative(model.current_row, model.current_per_volt * drive.amplitude_v),
+                bounds.RelativeOfPower(model.power_rows, drive.amplitude_v)});
   // nothing drives it, or it is held
-  const bool silent = drive.amplitude_v == 0 || (bound == 0 && x(k) == 0.0);
+  const bool silent = drive.amplitude_v == 0;
   steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
   return steady;
 }

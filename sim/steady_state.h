@@ -19,16 +19,19 @@ struct SteadyState {
   double mover_peak_m = 0;  ///< largest travel of the moving mass in the case, either way
   double case_rms_m = 0;
   double current_rms_a = 0;
-  double power_w = 0;    ///< mean electrical power taken from the source
+  /// Mean electrical power taken from the source: what is dissipated, which loses no digits where
+  /// the current is all but a quarter of a period from the voltage.
+  double power_w = 0;
   double phase_rad = 0;  ///< of the current relative to the voltage; negative: it lags
   /// Largest Ks xs + Bs vs either way. Without an offset a static preload below it lifts off.
   double skin_force_peak_n = 0;
   double mean_current_a = 0;
   double mean_travel_m = 0;      ///< of mover_peak_m, with its sign
   double mean_skin_force_n = 0;  ///< of skin_force_peak_n, with its sign
-  /// Bound of the relative error of skin_rms_m: residual and rounding of the matrix, both carried
-  /// through |M^-1|, M = j w I - A. 1 or more (also infinite): the drive excites an undamped
-  /// resonance and there is no steady state; the other fields then hold nothing.
+  /// Bound of the relative error of all numbers above: residual and rounding of the matrix, both
+  /// carried through |M^-1|, M = j w I - A, and what rounding adds to the numbers themselves. 1 or
+  /// more (also infinite): the drive excites an undamped resonance and there is no steady state;
+  /// the other fields then hold nothing.
   double error_estimate = 0;
 };
 

@@ -98,7 +98,7 @@ class SumOfTones {
     skin_square_ += std::norm(skin) / 2;
     case_square_ += std::norm(one.phasors(LinearModel::kCase) * voltage_v) / 2;
     current_square_ += std::norm(one.current_a * voltage_v) / 2;
-    steady_.power_w += std::norm(voltage_v) * one.current_a.real() / 2;
+    steady_.power_w += std::norm(voltage_v) * one.power_w;
     steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(skin) / 2;
     travel_.push_back(
         {frequency_hz,

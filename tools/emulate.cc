@@ -14,6 +14,7 @@
 #include "acquire/emulator/stream_head.h"
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
+#include "base/printable.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/interrupt.h"
@@ -333,7 +334,7 @@ Result<void> Emulate(const Wanted& wanted) {
   bool remarked = false;
   const auto report = emulator::Serve(*played->device, **endpoint, cli::Interrupted(), duration_ns,
                                       [&](const std::string& name) {
-                                        fmt::print("ready {}\n", name);
+                                        cli::Print(fmt::format("ready {}\n", Printable(name)));
                                         std::fflush(stdout);
                                         if (!std::exchange(remarked, true))
                                           cli::Remark(kVerb, played->remark);

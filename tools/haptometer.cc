@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <csignal>
 #include <cstdio>
 #include <exception>
 #include <span>
 #include <string_view>
+#include <system_error>
 
 #include "base/nearest.h"
 #include "tools/cli/report.h"
@@ -78,11 +80,18 @@ int Run(int argc, const char* const* argv) {
 }  // namespace haptometer::tools
 
 int main(int argc, char** argv) {
-  // nothing of ours throws; this is for the last resort of a library, such as memory running out
+  using haptometer::cli::StatusWithOutput;
+  haptometer::cli::HoldStandardStreams();
+  // a limit on files (ulimit -f) is an error of the write, as a full disk is
+  std::signal(SIGXFSZ, SIG_IGN);
+  // nothing of ours throws; this is for the last resort of a library, such as memory running out,
+  // and for fmt, whose print ends a verb where standard output fails
   try {
-    return haptometer::tools::Run(argc, argv);
+    return StatusWithOutput(haptometer::tools::Run(argc, argv));
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "haptometer: stopped: %s\n", error.what());
+    const auto* const failed = dynamic_cast<const std::system_error*>(&error);
+    if (std::ferror(stdout) != 0) return StatusWithOutput(0, failed ? failed->code().value() : 0);
+    haptometer::cli::Remark("haptometer", fmt::format("stopped: {}", error.what()));
     return 1;
   }
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "tools/cli/output_file.h"
 #include "tools/simulated_channel.h"
 #include "trial/trial_writer.h"
 
@@ -41,13 +42,32 @@ Result<void> WriteRows(const trial::Record& record, Result<trial::TrialWriter> w
   return {};
 }
 
+// a trial's bytes into a file that takes its place when they are whole
+class OutputSink final : public trial::ByteSink {
+ public:
+  explicit OutputSink(cli::OutputFile* file) : file_(file) {}
+
+  Result<std::size_t> WriteSome(std::span<const std::byte> bytes) override {
+    auto written = file_->Write({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    if (!written) return std::unexpected(written.error());
+    return bytes.size();
+  }
+
+  // Finish() does
+  Result<void> Sync() override { return {}; }
+
+ private:
+  cli::OutputFile* file_;
+};
+
 }  // namespace
 
 Result<void> WriteSimulatedTrial(const std::string& path, const trial::Record& record,
                                  bool overwrite) {
-  SystemClock clock;
-  return WriteRows(record, trial::TrialWriter::Create(path, SimulatedHeaderOf(record),
-                                                      {.overwrite = overwrite}, clock));
+  auto file = cli::OutputFile::Begin(path, cli::kTrialOutput, overwrite);
+  if (!file) return std::unexpected(file.error());
+  auto written = WriteSimulatedTrialIn(std::make_unique<OutputSink>(&*file), path, record);
+  return written ? file->Finish() : written;
 }
 
 Result<void> WriteSimulatedTrialIn(std::unique_ptr<trial::ByteSink> sink, const std::string& name,

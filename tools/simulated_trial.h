@@ -10,7 +10,7 @@
 namespace haptometer::tools {
 
 /// Writes a simulated record as a trial.bin; `overwrite` replaces an older one.
-/// Errors: as trial::TrialWriter.
+/// Errors: as cli::OutputFile.
 [[nodiscard]] Result<void> WriteSimulatedTrial(const std::string& path, const trial::Record& record,
                                                bool overwrite);
 

@@ -32,11 +32,11 @@ constexpr std::array<Word, 4> kWords{
       "haptometer trial export trial.bin -o trial.h5"}}};
 
 void PrintHelp() {
-  fmt::print("What a recording holds; label it, draw it, export it.\n\n");
+  cli::Print("What a recording holds; label it, draw it, export it.\n\n");
   for (const Word& word : kWords)
-    fmt::print("  haptometer trial {:<7} {}\n", word.name, word.summary);
-  fmt::print("\nExamples:\n");
-  for (const Word& word : kWords) fmt::print("  {}\n", word.example);
+    cli::Print(fmt::format("  haptometer trial {:<7} {}\n", word.name, word.summary));
+  cli::Print("\nExamples:\n");
+  for (const Word& word : kWords) cli::Print(fmt::format("  {}\n", word.example));
 }
 
 }  // namespace

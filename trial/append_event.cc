@@ -8,6 +8,7 @@
 namespace haptometer::trial {
 
 Result<void> AppendEvent(const std::string& path, Event event) {
+  if (auto printable = CheckTexts(event); !printable) return printable;
   // a file that is no trial is refused before it is opened for writing
   auto reader = TrialReader::Open(path);
   if (!reader) return std::unexpected(reader.error());

@@ -62,8 +62,14 @@ Result<void> WriteBlock(ByteSink* sink, BlockHead head, std::span<const std::byt
   HAPTOMETER_CHECK(payload.size() <= kMaxPayloadBytes, "payload of {} bytes", payload.size());
   head.payload_bytes = static_cast<std::uint32_t>(payload.size());
   head.payload_crc = Crc32(payload);
-  if (auto done = WriteAll(sink, EncodeBlockHead(head)); !done) return done;
-  return WriteAll(sink, payload);
+  auto done = WriteAll(sink, EncodeBlockHead(head));
+  if (done) done = WriteAll(sink, payload);
+  if (done) {
+    sink->Keep();
+  } else {
+    sink->CutToKept();
+  }
+  return done;
 }
 
 RowLayout LayoutOf(const TrialHeader& header) {

@@ -81,7 +81,8 @@ struct BlockHead {
 /// Writes all of `bytes`, however few the sink takes at a time.
 [[nodiscard]] Result<void> WriteAll(ByteSink* sink, std::span<const std::byte> bytes);
 
-/// Writes `head`, with length and CRC of `payload` filled in, and `payload`.
+/// Writes `head`, with length and CRC of `payload` filled in, and `payload`; or nothing of them,
+/// where the sink does not take all.
 [[nodiscard]] Result<void> WriteBlock(ByteSink* sink, BlockHead head,
                                       std::span<const std::byte> payload);
 

@@ -20,10 +20,21 @@ class ByteSink {
 
   /// Returns when what was written survives a loss of power. Errors: Cause::kFailed.
   [[nodiscard]] virtual Result<void> Sync() = 0;
+
+  /// What was written so far is whole.
+  virtual void Keep() {}
+  /// Takes away what was written since Keep(), as the part of a block that met a full disk.
+  virtual void CutToKept() {}
+  /// The path of the file where it is no longer at the one it was opened by; empty where it is.
+  [[nodiscard]] virtual std::string MovedTo() const { return {}; }
 };
 
 /// Whether an existing file is an error or loses its content.
 enum class IfExists { kRefuse, kReplace };
+
+/// What WriteSome() and Sync() of a file on disk also refuse (Cause::kFailed): a file that another
+/// program has cut or deleted since. Nothing is appended behind a cut, where no reader would find
+/// its beginning.
 
 /// A new file at `path`, locked (flock) against a second writer as long as the sink lives.
 ///

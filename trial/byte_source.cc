@@ -9,6 +9,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/input_file.h"
+
 namespace haptometer::trial {
 namespace {
 
@@ -79,6 +81,7 @@ Result<std::unique_ptr<ByteSource>> OpenFileSource(const std::string& path) {
   if (S_ISDIR(status.st_mode)) return refuse("is a directory", "name a file in it");
   if (!S_ISREG(status.st_mode)) return refuse("is not a regular file", "save it to a file first");
   if (status.st_size == 0) return refuse("is empty", "was the recording interrupted?");
+  NoteInput(path);
   return std::make_unique<FileSource>(descriptor, static_cast<std::uint64_t>(status.st_size), path);
 }
 

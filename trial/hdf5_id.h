@@ -44,6 +44,7 @@ inline constexpr const char* kEvents = "events_json";
 inline constexpr const char* kRemarks = "remarks";
 inline constexpr const char* kRaw = "raw";
 inline constexpr const char* kClosed = "closed";
+inline constexpr const char* kTimesAreKnown = "times_are_known";
 inline constexpr std::size_t kStretchNumbers = 5;
 
 [[nodiscard]] inline std::string StatusName(const std::string& column) {

@@ -56,17 +56,22 @@ std::optional<std::vector<Stretch>> StoredTimeBase(const ReadReport& report) {
   return stretches;
 }
 
-// rows before which the recorder knew of a loss
-std::vector<std::size_t> Breaks(const Gathered& gathered, const ReadReport& report) {
-  std::vector<std::size_t> breaks = gathered.breaks;
+// where rows are missing: damaged in the file, or as the recorder knew
+std::vector<MissingRows> Missing(const Gathered& gathered, const ReadReport& report) {
+  std::vector<MissingRows> missing;
+  missing.reserve(gathered.breaks.size());
+  for (const std::size_t row : gathered.breaks) missing.push_back({row, std::nullopt});
   if (report.losses.empty()) {
     for (const Event& event : report.events) {
-      const bool is_break = event.kind == EventKind::kReconnect || event.kind == EventKind::kGap;
-      if (is_break && event.row < report.rows) breaks.push_back(event.row);
+      if (!event.BeginsStretch() || event.row >= report.rows) continue;
+      // beyond any recording a number is damage, and would cost the places their digits
+      constexpr std::uint64_t kMost = std::uint64_t{1} << 40;
+      const auto count = event.missing.value_or(std::nullopt);
+      missing.push_back({event.row, count.value_or(0) <= kMost ? count : std::nullopt});
     }
   }
-  std::ranges::sort(breaks);
-  return breaks;
+  std::ranges::sort(missing, {}, &MissingRows::row);
+  return missing;
 }
 
 void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& report,
@@ -86,12 +91,20 @@ void SetTimes(const TrialHeader& header, Gathered gathered, const ReadReport& re
     record->stretches = std::move(*stored);
     return;
   }
-  const std::vector<std::size_t> breaks = Breaks(gathered, report);
+  const std::vector<MissingRows> missing = Missing(gathered, report);
   const auto nominal_rate_hz = header.metadata.nominal_rate_hz;
-  record->stretches =
-      header.timing == Timing::kPolled
-          ? FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks)
-          : FitArrivalTimes(gathered.time_ns, nominal_rate_hz, breaks);
+  if (header.timing == Timing::kPolled) {
+    std::vector<std::size_t> breaks;
+    breaks.reserve(missing.size());
+    for (const MissingRows& at : missing) breaks.push_back(at.row);
+    record->stretches =
+        FitPolledTimes(gathered.time_ns, gathered.reply_ns, nominal_rate_hz, breaks);
+    return;
+  }
+  // where a damaged block is missing, so may be an event that tells of a loss
+  const bool is_numbered =
+      report.losses.empty() && header.metadata.fields.contains(std::string(kLineNumbersField));
+  record->stretches = FitArrivalTimes(gathered.time_ns, nominal_rate_hz, missing, is_numbered);
 }
 
 Result<Recording> Gather(TrialReader* reader) {

@@ -1,15 +1,19 @@
 #include "trial/read_recording.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
 #include <utility>
 
 #include "base/input_file.h"
+#include "base/printable.h"
 #include "trial/block.h"
 #include "trial/import/csv.h"
 #include "trial/import/hdf5.h"
 #include "trial/import/lvm.h"
+#include "trial/metadata_texts.h"
 
 namespace haptometer::trial {
 namespace {
@@ -33,6 +37,47 @@ bool IsHdf5(std::span<const std::byte> start) {
          std::ranges::equal(start.first(kSignature.size()), BytesOfText(kSignature));
 }
 
+// a kind of file that is known and not read
+struct UnreadKind {
+  std::string_view signature;
+  std::size_t at;  // of the signature's first byte
+  const char* what;
+};
+
+// kinds that this program writes, and kinds that come from laboratories and spreadsheets
+constexpr std::array<UnreadKind, 20> kUnreadKinds{{
+    {"WAVE", 8, "a WAV file, which this program writes and does not read"},
+    {"\x93NUMPY", 0, "a NumPy array (NPY), which this program writes and does not read"},
+    {"MATLAB 5.0 MAT-file", 0, "a MATLAB file (MAT), which this program writes and does not read"},
+    {"MATLAB 7.3 MAT-file", 0, "a MATLAB file of version 7.3 (HDF5), which is not read"},
+    {"\x89PNG", 0, "a picture (PNG)"},
+    {"\xff\xd8\xff", 0, "a picture (JPEG)"},
+    {"%PDF-", 0, "a PDF document"},
+    {"PK\x03\x04", 0, "a ZIP archive (XLSX, NPZ, ODS, Saleae SAL and sigrok SR are such)"},
+    {"\x1f\x8b", 0, "compressed by gzip"},
+    {"\xd0\xcf\x11\xe0", 0, "an old Excel or Word document"},
+    {"TDSm", 0, "a LabVIEW TDMS file"},
+    {"<SALEAE>", 0, "a binary export of Saleae Logic"},
+    {"RG01", 0, "a binary waveform of a Rigol oscilloscope"},
+    {"RG03", 0, "a binary waveform of a Rigol oscilloscope"},
+    {"AG10", 0, "a binary waveform of a Keysight oscilloscope"},
+    {"AG01", 0, "a binary waveform of a Keysight oscilloscope"},
+    {":WFM#", 2, "a binary waveform of a Tektronix oscilloscope"},
+    {"WAVEDESC", 11, "a binary waveform of a LeCroy oscilloscope"},
+    {"WAVEDESC", 0, "a binary waveform of a LeCroy oscilloscope"},
+    {"PAR1", 0, "an Apache Parquet table"},
+}};
+
+const UnreadKind* FindUnreadKind(std::span<const std::byte> start) {
+  const auto is_it = [&](const UnreadKind& kind) {
+    return start.size() >= kind.at + kind.signature.size() &&
+           std::ranges::equal(start.subspan(kind.at, kind.signature.size()),
+                              BytesOfText(kind.signature));
+  };
+  const auto* found = std::ranges::find_if(kUnreadKinds, is_it);
+  return found == kUnreadKinds.end() ? nullptr : found;
+}
+
 // "FILE.h5/NAME": a trial in an HDF5 file, the file and the name
 std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
   std::error_code ignored;
@@ -46,22 +91,34 @@ Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions
   if (!text) return std::unexpected(text.error());
   Recording recording;
   const bool is_lvm = IsLvm(*text);
-  auto record =
-      is_lvm ? ParseLvm(*text, path) : ParseCsv(*text, path, options, &recording.report.remarks);
+  auto record = is_lvm ? ParseLvm(*text, path, options, &recording.report.remarks)
+                       : ParseCsv(*text, path, options, &recording.report.remarks);
   if (!record) return std::unexpected(record.error());
-  const bool is_told = !options.columns.empty() || options.rate_hz || options.scale_m ||
-                       options.scale_v || options.format || options.segment ||
-                       !options.channel.empty();
-  if (is_lvm && is_told) {
-    recording.report.remarks.emplace_back(
-        "a LabVIEW measurement names its columns and times itself; what the command line says of "
-        "tables is passed over");
-  }
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
   recording.report.closed = true;
   recording.report.rows = recording.report.next_row = record->rows;
   recording.record = std::move(*record);
   return recording;
+}
+
+// Names, units, labels and notes of a foreign file, which anybody may have written: made printable
+// here, so that nothing behind this place meets a control character.
+void MakePrintable(Recording* recording) {
+  for (Channel& channel : recording->record.channels) {
+    channel.name = Printable(channel.name);
+    channel.unit = Printable(channel.unit);
+  }
+  Metadata& metadata = recording->record.metadata;
+  for (const auto& [key, member] : kMetadataTexts) {
+    metadata.*member = Printable(metadata.*member);
+  }
+  for (auto* texts : {&metadata.labels, &metadata.fields}) {
+    std::map<std::string, std::string> printable;
+    for (const auto& [key, value] : *texts) printable[Printable(key)] = Printable(value);
+    *texts = std::move(printable);
+  }
+  for (std::string& note : metadata.notes) note = Printable(note);
+  for (std::string& remark : recording->report.remarks) remark = Printable(remark);
 }
 
 }  // namespace
@@ -75,6 +132,11 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
   if (!got) return std::unexpected(got.error());
   const std::span<const std::byte> start = std::span(bytes).first(*got);
   const std::uint64_t file_bytes = (*source)->size();
+  if (const UnreadKind* kind = FindUnreadKind(start)) {
+    return CannotAnswer(path, fmt::format("is {}", kind->what),
+                        "give the trial itself, or export its columns as a CSV whose header line "
+                        "is such as time_s,displacement_m");
+  }
   Result<Recording> recording;
   if (IsHdf5(start)) {
     recording = ReadHdf5(path, name);
@@ -88,7 +150,9 @@ Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptio
   } else {
     recording = ReadTextRecording(path, options);
   }
-  if (recording) recording->report.file_bytes = file_bytes;
+  if (!recording) return recording;
+  MakePrintable(&*recording);
+  recording->report.file_bytes = file_bytes;
   return recording;
 }
 

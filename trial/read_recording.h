@@ -14,8 +14,9 @@ namespace haptometer::trial {
 /// What was assumed on the way stands in report.remarks; show it. `options` are about foreign
 /// tables only.
 /// Errors (Cause::kCannotAnswer): as TrialReader::Open, ReadHdf5, ReadLvm and ReadCsv; bytes that
-/// are none of them give one message that names the kinds. Cause::kUsage: `options` and the file
-/// contradict each other.
+/// are none of them give one message that names the kinds, and those of a kind that is known and
+/// not read (WAV, NPY, MAT, TDMS, archives ...) one that names it. Cause::kUsage: `options` and the
+/// file contradict each other.
 [[nodiscard]] Result<Recording> ReadRecording(const std::string& path,
                                               const ImportOptions& options = {});
 

@@ -9,6 +9,12 @@
 
 namespace haptometer::trial {
 
+/// Rows that are missing directly before row `row`; how many, where that is known.
+struct MissingRows {
+  std::size_t row = 0;
+  std::optional<std::uint64_t> count{};
+};
+
 /// The straight lines behind the arrival times of a free-running source.
 ///
 /// Model: row i of a stretch left the source at start_s + i / rate_hz and arrived d_i >= 0 later.
@@ -22,19 +28,24 @@ namespace haptometer::trial {
 /// for in the minima over windows of 0.1 s or a little more (at least 16 rows), with the slope of
 /// the longest stretch taken off; a rise counts if the ten windows that follow stay up (at the end:
 /// all, but at least two) and it exceeds half a period and three times the scatter of the minima. A
-/// pause of more than 0.25 s that is not made up for counts wherever it is. A stall of the host of
-/// less than about a second, after which all that waited arrives, is no gap. Where within a burst
-/// the lines are missing cannot be seen; the largest interval before the first line that is on time
-/// again is taken.
+/// pause of more than 0.25 s that is not made up for counts wherever it is. A stall of the host,
+/// however long, after which all that waited arrives, is no gap: lines that come much faster than
+/// the source sends are late and show no rate and no rise, and stalls may hold most of the rows.
+/// Where within a burst the lines are missing cannot be seen; the largest interval before the first
+/// line that is on time again is taken.
 ///
 /// `time_ns`: one a row, nanoseconds, in the order of arrival. `nominal_rate_hz`: as the source
 /// promises; used for stretches too short to tell their own rate (fewer than three rows, or arrived
-/// at one moment). `first_row` is added to the stretches' row numbers.
+/// at one moment). `missing`: where rows are known to be missing, in any order; where their number
+/// is known, the stretches on both sides lie on one line. `is_numbered`: the source numbers its
+/// rows, so that `missing` holds every loss; only a pause of more than 0.25 s that it does not
+/// explain is one more.
 /// time_uncertainty_s is the scatter of the window minima about the line (one standard deviation);
 /// the least delay itself cannot be seen. Returns no stretch for no row. Cost: O(rows).
 [[nodiscard]] std::vector<Stretch> FitArrivalTimes(std::span<const std::int64_t> time_ns,
                                                    std::optional<double> nominal_rate_hz,
-                                                   std::span<const std::size_t> breaks = {});
+                                                   std::span<const MissingRows> missing = {},
+                                                   bool is_numbered = false);
 
 /// The straight lines behind a polled sensor's times: midpoint of request and reply against row, by
 /// least squares; a new stretch begins at `breaks` and after an interval longer than eight times

@@ -108,6 +108,18 @@ struct Event {
   std::string text{};                           ///< in words; may be empty
   std::map<std::string, std::string> labels{};  ///< kLabels
   std::optional<Stretch> stretch{};             ///< kTimeBase
+  /// Rows that are missing directly before `row`; a value that is empty itself: some, of a number
+  /// that is not known.
+  std::optional<std::optional<std::uint64_t>> missing{};
+
+  /// Whether rows may be missing here. Gaps and reconnects of older files carry no `missing`.
+  [[nodiscard]] bool BeginsStretch() const {
+    return missing || kind == EventKind::kGap || kind == EventKind::kReconnect;
+  }
 };
+
+/// The metadata field of a source that numbers its rows, "0 to 99": every loss, up to whole turns
+/// of the numbers, is an event with Event::missing.
+inline constexpr std::string_view kLineNumbersField = "line_numbers";
 
 }  // namespace haptometer::trial

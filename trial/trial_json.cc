@@ -1,9 +1,14 @@
 #include "trial/trial_json.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+
+#include "base/printable.h"
+#include "trial/metadata_texts.h"
 
 namespace haptometer::trial {
 namespace {
@@ -37,10 +42,30 @@ std::optional<T> GetOptional(const Json& json, const char* key) {
   return found->get<T>();
 }
 
+// The texts of a file, which anybody may have written, made printable here, so that nothing behind
+// this place meets a control character.
+std::string Text(const Json& json, const char* key) {
+  return Printable(Get<std::string>(json, key, ""));
+}
+
+std::map<std::string, std::string> Texts(const Json& json, const char* key) {
+  std::map<std::string, std::string> texts;
+  for (const auto& [name, text] : Get<std::map<std::string, std::string>>(json, key, {})) {
+    texts[Printable(name)] = Printable(text);
+  }
+  return texts;
+}
+
+std::vector<std::string> TextList(const Json& json, const char* key) {
+  auto texts = Get<std::vector<std::string>>(json, key, {});
+  for (std::string& text : texts) text = Printable(text);
+  return texts;
+}
+
 // the enumerator among the first `count` whose Name() is the text under `key`
 template <typename Enum>
 std::optional<Enum> GetEnum(const Json& json, const char* key, std::size_t count) {
-  const auto name = Get<std::string>(json, key, "");
+  const auto name = Text(json, key);
   for (std::size_t i = 0; i < count; ++i) {
     if (Name(static_cast<Enum>(i)) == name) return static_cast<Enum>(i);
   }
@@ -66,8 +91,8 @@ std::optional<ChannelFormat> ChannelFrom(const Json& json) {
   if (!role || !encoding) return std::nullopt;
   channel.role = *role;
   channel.encoding = *encoding;
-  channel.name = Get<std::string>(json, "name", "");
-  channel.unit = Get<std::string>(json, "unit", "");
+  channel.name = Text(json, "name");
+  channel.unit = Text(json, "unit");
   channel.scale = Get(json, "scale", 1.0);
   channel.offset = Get(json, "offset", 0.0);
   channel.range_min = Get(json, "range_min", channel.range_min);
@@ -98,24 +123,23 @@ void AddMetadata(const Metadata& metadata, Json* json) {
 }
 
 Metadata MetadataFrom(const Json& json) {
-  using Texts = std::map<std::string, std::string>;
-  return {.source = Get<std::string>(json, "source", ""),
-          .sensor = Get<std::string>(json, "sensor", ""),
-          .head = Get<std::string>(json, "head", ""),
+  return {.source = Text(json, "source"),
+          .sensor = Text(json, "sensor"),
+          .head = Text(json, "head"),
           .sampling_s = GetOptional<double>(json, "sampling_s"),
           .averages = GetOptional<int>(json, "averages"),
-          .hold = Get<std::string>(json, "hold", ""),
+          .hold = Text(json, "hold"),
           .nominal_rate_hz = GetOptional<double>(json, "nominal_rate_hz"),
-          .laser_spot = Get<std::string>(json, "laser_spot", ""),
+          .laser_spot = Text(json, "laser_spot"),
           .drive_frequency_hz = GetOptional<double>(json, "drive_frequency_hz"),
           .drive_amplitude_v = GetOptional<double>(json, "drive_amplitude_v"),
           .tare_m = Get(json, "tare_m", 0.0),
-          .utc_start = Get<std::string>(json, "utc_start", ""),
-          .host = Get<std::string>(json, "host", ""),
-          .command_line = Get<std::string>(json, "command_line", ""),
-          .labels = Get<Texts>(json, "labels", {}),
-          .fields = Get<Texts>(json, "fields", {}),
-          .notes = Get<std::vector<std::string>>(json, "notes", {})};
+          .utc_start = Text(json, "utc_start"),
+          .host = Text(json, "host"),
+          .command_line = Text(json, "command_line"),
+          .labels = Texts(json, "labels"),
+          .fields = Texts(json, "fields"),
+          .notes = TextList(json, "notes")};
 }
 
 std::optional<TrialHeader> HeaderFrom(const Json& json) {
@@ -134,6 +158,15 @@ std::optional<TrialHeader> HeaderFrom(const Json& json) {
   if (header.channels.empty() || header.channels.size() > kMaxChannels) return std::nullopt;
   header.metadata = MetadataFrom(json);
   return header;
+}
+
+// keys and values; `what` is one of them
+Result<void> CheckTexts(const std::string& what, const std::map<std::string, std::string>& texts) {
+  for (const auto& [key, value] : texts) {
+    if (auto fit = CheckPrintable("the name of a " + what, key); !fit) return fit;
+    if (auto fit = CheckPrintable(fmt::format("{} {}", what, key), value); !fit) return fit;
+  }
+  return {};
 }
 
 Json ToJson(const Stretch& stretch) {
@@ -156,19 +189,46 @@ Event EventFrom(const Json& json) {
   Event event;
   event.row = Get<std::uint64_t>(json, "row", 0);
   event.time_ns = GetOptional<std::int64_t>(json, "time_ns");
-  event.text = Get<std::string>(json, "text", "");
-  event.labels = Get<std::map<std::string, std::string>>(json, "labels", {});
+  event.text = Text(json, "text");
+  event.labels = Texts(json, "labels");
   if (json.contains("stretch")) event.stretch = StretchFrom(json.at("stretch"));
+  if (json.contains("missing")) event.missing = GetOptional<std::uint64_t>(json, "missing");
   const auto kind = GetEnum<EventKind>(json, "event", 5);
   if (kind) {
     event.kind = *kind;
   } else {
-    event.text = json.at("event").get<std::string>() + ": " + event.text;
+    event.text = Printable(json.at("event").get<std::string>()) + ": " + event.text;
   }
   return event;
 }
 
 }  // namespace
+
+Result<void> CheckTexts(const TrialHeader& header) {
+  for (std::size_t i = 0; i < header.channels.size(); ++i) {
+    const std::string channel = "channel " + std::to_string(i + 1);
+    if (auto fit = CheckPrintable("the name of " + channel, header.channels[i].name); !fit) {
+      return fit;
+    }
+    if (auto fit = CheckPrintable("the unit of " + channel, header.channels[i].unit); !fit) {
+      return fit;
+    }
+  }
+  const Metadata& metadata = header.metadata;
+  for (const auto& [key, member] : kMetadataTexts) {
+    if (auto fit = CheckPrintable(std::string(key), metadata.*member); !fit) return fit;
+  }
+  for (const std::string& note : metadata.notes) {
+    if (auto fit = CheckPrintable("a note", note); !fit) return fit;
+  }
+  if (auto fit = CheckTexts("field", metadata.fields); !fit) return fit;
+  return CheckTexts("label", metadata.labels);
+}
+
+Result<void> CheckTexts(const Event& event) {
+  if (auto fit = CheckPrintable("the text of an event", event.text); !fit) return fit;
+  return CheckTexts("label", event.labels);
+}
 
 std::string HeaderToJson(const TrialHeader& header) {
   Json json{{"format", "haptometer trial"},
@@ -191,9 +251,10 @@ std::optional<TrialHeader> HeaderFromJson(std::string_view json) {
 std::string EventToJson(const Event& event) {
   Json json{
       {"event", Name(event.kind)}, {"row", event.row}, {"time_ns", ValueOrNull(event.time_ns)}};
-  if (!event.text.empty()) json["text"] = event.text;
+  if (!event.text.empty()) json["text"] = Printable(event.text);
   if (event.kind == EventKind::kLabels) json["labels"] = event.labels;
   if (event.stretch) json["stretch"] = ToJson(*event.stretch);
+  if (event.missing) json["missing"] = ValueOrNull(*event.missing);
   return Dumped(json);
 }
 

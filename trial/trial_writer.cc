@@ -54,10 +54,12 @@ struct TrialWriter::State {
   std::optional<Error> error;  // the first one; sticky
 
   Result<void> Broken(const Error& cause) {
-    error =
-        Error{Cause::kFailed, name, "could not be written: " + cause.what,
-              fmt::format("{} of {} rows are kept; make room and record the rest to another file",
-                          totals.rows_kept, totals.rows)};
+    std::string remedy = cause.remedy;
+    if (remedy.empty()) {
+      remedy = fmt::format("{} of {} rows are kept; make room and record the rest to another file",
+                           totals.rows_kept, totals.rows);
+    }
+    error = Error{Cause::kFailed, name, "could not be written: " + cause.what, std::move(remedy)};
     return std::unexpected(*error);
   }
 
@@ -132,6 +134,7 @@ TrialWriter::~TrialWriter() = default;
 
 Result<TrialWriter> TrialWriter::Create(const std::string& path, TrialHeader header,
                                         WriterOptions options, Clock& clock) {
+  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
   auto sink = CreateFileSink(path, options.overwrite ? IfExists::kReplace : IfExists::kRefuse);
   if (!sink) return std::unexpected(sink.error());
   return CreateIn(std::move(*sink), path, std::move(header), options, clock);
@@ -140,6 +143,7 @@ Result<TrialWriter> TrialWriter::Create(const std::string& path, TrialHeader hea
 Result<TrialWriter> TrialWriter::CreateIn(std::unique_ptr<ByteSink> sink, std::string name,
                                           TrialHeader header, WriterOptions options, Clock& clock) {
   CheckHeader(header);
+  if (auto printable = CheckTexts(header); !printable) return std::unexpected(printable.error());
   auto state = std::make_unique<State>();
   state->sink = std::move(sink);
   state->name = std::move(name);
@@ -215,6 +219,7 @@ Result<TrialTotals> TrialWriter::Finish() {
   }
   if (auto done = state.Flush(); !done) return std::unexpected(done.error());
   state.finished = true;
+  state.totals.moved_to = state.sink->MovedTo();
   state.sink.reset();
   return state.totals;
 }

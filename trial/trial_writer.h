@@ -36,20 +36,25 @@ struct TrialTotals {
   std::uint64_t rows_kept = 0;  ///< of these, handed to the disk in whole blocks
   /// Values by status over all channels; index: SampleStatus.
   std::array<std::uint64_t, kSampleStatusCount> statuses{};
+  /// Where the finished file is, if another program moved it meanwhile; empty where it is in place.
+  std::string moved_to{};
 };
 
 /// Writes one trial.bin: header, rows in blocks, events, closing totals. Append-only; whatever
 /// moment the process dies at, every block that was flushed is read back (trial/trial_reader.h).
 ///
 /// One thread at a time. Rows cost one copy each; the buffer is allocated once. After an error the
-/// writer stays in error: every later call returns it again, and the file keeps its whole blocks.
+/// writer stays in error: every later call returns it again, and the file is cut behind its last
+/// whole block. A file that another program cuts or deletes meanwhile is such an error; one that is
+/// moved is written to the end.
 class TrialWriter {
  public:
   /// Makes the file at `path`, writes its header and flushes it.
   ///
   /// Programmer's errors: no channel, more than kMaxChannels, a scale that is not finite, a uniform
   /// timing without a rate. Errors: Cause::kUsage when the file exists and options.overwrite is
-  /// false; Cause::kFailed when it cannot be made or written. `clock` must outlive the writer.
+  /// false, and for a text of the header that is not printable; Cause::kFailed when it cannot be
+  /// made or written. `clock` must outlive the writer.
   [[nodiscard]] static Result<TrialWriter> Create(const std::string& path, TrialHeader header,
                                                   WriterOptions options, Clock& clock);
 

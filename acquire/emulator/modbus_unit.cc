@@ -15,6 +15,8 @@ using trial::SampleStatus;
 
 constexpr std::size_t kLongestRtuFrame = 256;
 constexpr std::uint32_t kQuietNan = 0x7FC00000;
+// bytes that may wait in either direction; a host that sends more is not heard, as by a full buffer
+constexpr std::size_t kMostWaiting = 65'536;
 
 std::string ExceptionData(ModbusException exception) { return {static_cast<char>(exception)}; }
 
@@ -53,7 +55,9 @@ void ModbusUnit::Receive(std::string_view bytes, MonotonicNs now) {
     return;
   }
   RunTo(now);
-  for (const char byte : bytes) incoming_.push_back({byte, host_to_unit_.Send(now)});
+  for (const char byte : bytes) {
+    if (incoming_.size() < kMostWaiting) incoming_.push_back({byte, host_to_unit_.Send(now)});
+  }
 }
 
 void ModbusUnit::Advance(MonotonicNs now, std::string& out) {
@@ -122,6 +126,7 @@ void ModbusUnit::EndFrame(MonotonicNs end_ns) {
 }
 
 void ModbusUnit::AnswerTo(const ModbusAdu& request, MonotonicNs end_ns) {
+  if (outgoing_.size() >= kMostWaiting) return;
   const Fault* fault = setup_.faults.At(++answers_);
   if (fault != nullptr && fault->hangs_up) {
     hang_up_ = true;

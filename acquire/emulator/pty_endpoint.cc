@@ -65,6 +65,22 @@ std::string LinkTarget(const std::string& link) {
   return code ? "" : target.string();
 }
 
+std::unexpected<Error> NotLinked(const std::string& link) {
+  return Failed(link, std::string("cannot be linked: ") + std::strerror(errno),
+                "does its directory exist, and may you write there?");
+}
+
+// A link to `target` beside `link` under a name that nothing had: symlink() replaces nothing.
+Result<std::string> LinkBeside(const std::string& target, const std::string& link) {
+  constexpr int kMostTries = 1000;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    std::string name = link + "." + std::to_string(getpid()) + "-" + std::to_string(tries);
+    if (symlink(target.c_str(), name.c_str()) == 0) return name;
+    if (errno != EEXIST) break;
+  }
+  return NotLinked(link);
+}
+
 class PtyEndpoint final : public Endpoint {
  public:
   PtyEndpoint(Terminal terminal, std::string link)
@@ -76,22 +92,20 @@ class PtyEndpoint final : public Endpoint {
     if (!link_.empty() && LinkTarget(link_) == terminal_.path) unlink(link_.c_str());
   }
 
-  // The new link replaces the old one in one step, so that a host never finds none.
+  // The new link replaces an old one in one step, so that a host never finds none.
   Result<void> MakeLink() {
-    if (link_.empty()) return {};
-    std::error_code code;
-    const bool taken = std::filesystem::exists(std::filesystem::symlink_status(link_, code));
-    if (taken && !LinkTarget(link_).starts_with("/dev/pts/")) {
+    if (link_.empty() || symlink(terminal_.path.c_str(), link_.c_str()) == 0) return {};
+    if (errno != EEXIST) return NotLinked(link_);
+    if (!LinkTarget(link_).starts_with("/dev/pts/")) {
       return Failed(link_, "exists and is no link to a terminal", "remove it or give another name");
     }
-    const std::string fresh = link_ + ".new";
-    unlink(fresh.c_str());
-    if (symlink(terminal_.path.c_str(), fresh.c_str()) != 0 ||
-        rename(fresh.c_str(), link_.c_str()) != 0) {
-      return Failed(link_, std::string("cannot be linked: ") + std::strerror(errno),
-                    "does its directory exist, and may you write there?");
-    }
-    return {};
+    const auto fresh = LinkBeside(terminal_.path, link_);
+    if (!fresh) return std::unexpected(fresh.error());
+    if (rename(fresh->c_str(), link_.c_str()) == 0) return {};
+    const int failure = errno;
+    unlink(fresh->c_str());
+    errno = failure;
+    return NotLinked(link_);
   }
 
   [[nodiscard]] std::string name() const override { return link_.empty() ? terminal_.path : link_; }

@@ -1,3 +1,4 @@
+#include <fmt/core.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
@@ -12,6 +13,7 @@
 
 #include "acquire/emulator/endpoint.h"
 #include "acquire/transport/descriptor.h"
+#include "acquire/transport/open_port.h"
 
 namespace haptometer::acquire::emulator {
 namespace {
@@ -32,6 +34,10 @@ Result<HostPort> Split(const std::string& address) {
   // an IPv6 address wears brackets because of its own colons
   if (parts.host.starts_with('[') && parts.host.ends_with(']')) {
     parts.host = parts.host.substr(1, parts.host.size() - 2);
+  }
+  if (!TcpPort(parts.port)) {
+    return Usage("--tcp", fmt::format("'{}': {} is no TCP port", address, parts.port),
+                 "give a port from 1 to 65535, or 0 for any free one");
   }
   return parts;
 }

@@ -39,7 +39,7 @@ void GapCounter::AddInterval(MonotonicNs time_ns) {
   in_gap_ = false;
   usual_sum_ns_ += interval_ns;
   ++usual_count_;
-  if (timing_ == trial::Timing::kArrival) WatchSilence(time_ns, is_long);
+  if (timing_ == trial::Timing::kArrival && !is_numbered_) WatchSilence(time_ns, is_long);
 }
 
 void GapCounter::WatchSilence(MonotonicNs time_ns, bool is_long) {

@@ -15,10 +15,12 @@ namespace haptometer::acquire {
 ///   up for: after a stall of the host all that waited arrives at once, and is no gap. It is one
 ///   when half a second later at least half of what the silence should have brought is still
 ///   missing. Silences within that half second count as one.
+/// - A free-running sensor that numbers its lines: no silence between two of them is one.
 /// The usual interval is the mean so far without the gaps.
 class GapCounter {
  public:
-  explicit GapCounter(trial::Timing timing) : timing_(timing) {}
+  explicit GapCounter(trial::Timing timing, bool is_numbered = false)
+      : timing_(timing), is_numbered_(is_numbered) {}
 
   void Add(const Reading& reading);
 
@@ -40,6 +42,7 @@ class GapCounter {
   [[nodiscard]] double UsualIntervalNs() const;
 
   trial::Timing timing_;
+  bool is_numbered_;
   bool has_last_ = false;  ///< a reading that the next one's interval counts from
   std::uint64_t gaps_ = 0;
   std::int64_t last_index_ = 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "acquire/recorder/row_ring.h"
 #include "acquire/recorder/tally.h"
@@ -47,6 +48,8 @@ Result<void> WriteRows(RowRing& ring, RowSink& sink) {
 
 enum class Ending : std::uint8_t { kDone, kStopped, kConnectionLost, kWriterGaveUp };
 
+using Missing = std::optional<std::optional<std::uint64_t>>;  // as in trial::Event
+
 class Reader {
  public:
   Reader(Sensor& sensor, RowRing& ring, Clock& clock, const std::atomic<bool>& stop,
@@ -77,7 +80,7 @@ class Reader {
   void WaitForRoom() const;
   void Keep(const Reading& reading);
   void NoteLost();
-  void Say(trial::EventKind kind, std::string text);
+  void Say(trial::EventKind kind, std::string text, Missing missing = {});
   void ShowProgress();
 
   Sensor& sensor_;
@@ -95,23 +98,26 @@ class Reader {
   MonotonicNs shot_start_ns_ = 0;    ///< since the beginning: 0, or the trigger
   std::uint64_t shot_readings_ = 0;  ///< from there on
   std::uint64_t lost_here_ = 0;      ///< rows without room that the trial does not know of yet
+  std::uint64_t missing_here_ = 0;   ///< and those that the sensor says were lost before them
   MonotonicNs away_since_ns_ = 0;
   MonotonicNs progress_ns_ = 0;
 };
 
-void Reader::Say(trial::EventKind kind, std::string text) {
+void Reader::Say(trial::EventKind kind, std::string text, Missing missing) {
   trial::Event event;
   event.kind = kind;
   // a source that waits has a time of its own
   event.time_ns = sensor_.waits() ? tally_.SinceBegin(reading_) : clock_.Now() - origin_ns_;
   event.text = std::move(text);
+  event.missing = missing;
   ring_.PushEvent(std::move(event));
 }
 
 void Reader::NoteLost() {
   if (lost_here_ == 0) return;
   Say(trial::EventKind::kGap,
-      fmt::format("{} readings were lost here: the disk was slower than the sensor", lost_here_));
+      fmt::format("{} readings were lost here: the disk was slower than the sensor", lost_here_),
+      std::optional(lost_here_ + std::exchange(missing_here_, 0)));
   tally_.Lose(std::exchange(lost_here_, 0));
 }
 
@@ -129,12 +135,14 @@ void Reader::Keep(const Reading& reading) {
   const std::size_t needed = lost_here_ == 0 ? 1 : 1 + ring_.capacity() / kResumeFraction;
   if (ring_.room() < std::min(needed, ring_.capacity())) {
     ++lost_here_;
+    missing_here_ += static_cast<std::uint64_t>(reading.lost_before);
     return;
   }
   NoteLost();
   if (reading.lost_before > 0) {
     Say(trial::EventKind::kGap,
-        fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before));
+        fmt::format("readings lost here, by the sensor's own count: {}", reading.lost_before),
+        std::optional(static_cast<std::uint64_t>(reading.lost_before)));
   }
   const bool is_in = ring_.Push(reading, origin_ns_);
   HAPTOMETER_CHECK(is_in, "{} readings", tally_.Summary().readings);
@@ -145,7 +153,8 @@ void Reader::Fire(MonotonicNs time_ns) {
   tally_.Fire();
   Say(trial::EventKind::kRemark,
       fmt::format("trigger {} {} rows from here: {}", tally_.Summary().triggers, before_.kept(),
-                  watch_.Text()));
+                  watch_.Text()),
+      std::optional<std::uint64_t>());
   before_.Drain([this](const Reading& earlier) { Keep(earlier); });
   shot_start_ns_ = time_ns;
   shot_readings_ = 0;
@@ -210,8 +219,10 @@ std::optional<Ending> Reader::Step() {
       break;
     case Outcome::kBack:
       tally_.Return();
-      Say(trial::EventKind::kReconnect, fmt::format("the device is back after {:.3f} s",
-                                                    SecondsFromNs(clock_.Now() - away_since_ns_)));
+      Say(trial::EventKind::kReconnect,
+          fmt::format("the device is back after {:.3f} s",
+                      SecondsFromNs(clock_.Now() - away_since_ns_)),
+          std::optional<std::uint64_t>());
       break;
   }
   return std::nullopt;
@@ -271,6 +282,7 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
     written = WriteRows(ring, sink);
     if (!written) ring.GiveUp();
   });
+  const std::vector<std::string> said = sensor.Remarks();
   Reader reader(sensor, ring, clock, stop, limits, hooks);
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
@@ -279,6 +291,11 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   if (summary.interrupted) {
     ring.PushEvent({.kind = trial::EventKind::kRemark,
                     .text = "interrupted: stopped before the end that was asked for"});
+  }
+  // what is known of the device only now
+  for (std::string& remark : sensor.Remarks()) {
+    if (std::ranges::find(said, remark) != said.end()) continue;
+    ring.PushEvent({.kind = trial::EventKind::kRemark, .text = std::move(remark)});
   }
   ring.Close();
   writing.join();

@@ -66,10 +66,11 @@ struct RecordingHooks {
 ///
 /// The calling thread reads; a second one writes (recorder/row_ring.h says why). What the ring has
 /// no room for while the disk stalls is counted in `lost` and stands in the trial as a gap with its
-/// number, unless the source waits (Sensor::waits). A lost connection, a return, a trigger and an
-/// interruption are events in the trial. Between a thousand rows and the next event nothing
-/// allocates memory. The sink's clock is its own; if it is a ManualClock it must not be `clock`.
-/// Errors (Cause::kFailed): the disk is full; the file keeps what it holds.
+/// number, unless the source waits (Sensor::waits). A lost connection, a return, a trigger, an
+/// interruption, and the remarks that the sensor makes only at the end, are events in the trial.
+/// Between a thousand rows and the next event nothing allocates memory. The sink's clock is its
+/// own; if it is a ManualClock it must not be `clock`. Errors (Cause::kFailed): the disk is full;
+/// the file keeps what it holds.
 [[nodiscard]] Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
                                               const std::atomic<bool>& stop,
                                               const RecordingLimits& limits,

@@ -15,12 +15,16 @@ RowRing::RowRing(std::size_t bytes, std::size_t channels)
       front_(channels) {}
 
 std::size_t RowRing::room() const {
+  return events_waiting_.load(std::memory_order_acquire) < kMostEvents ? free_slots() : 0;
+}
+
+std::size_t RowRing::free_slots() const {
   return capacity_ -
          (pushed_.load(std::memory_order_relaxed) - popped_.load(std::memory_order_acquire));
 }
 
 bool RowRing::Push(const Reading& reading, MonotonicNs origin_ns) {
-  if (room() == 0) return false;
+  if (free_slots() == 0) return false;
   const std::uint64_t pushed = pushed_.load(std::memory_order_relaxed);
   const std::size_t place = pushed % capacity_;
   slots_[place] = {.index = reading.index,

@@ -23,6 +23,9 @@ namespace haptometer::acquire {
 /// the caller's to count. Memory is taken from the system as it is first used.
 class RowRing {
  public:
+  /// As many events may wait: they are written within a fraction of a second.
+  static constexpr std::size_t kMostEvents = 1000;
+
   /// Room for as many rows of `channels` values as `bytes` hold, at least one.
   RowRing(std::size_t bytes, std::size_t channels);
 
@@ -30,8 +33,10 @@ class RowRing {
 
   /// Adds a row whose times count from `origin_ns`; false when there is no room.
   [[nodiscard]] bool Push(const Reading& reading, MonotonicNs origin_ns);
-  /// Rows that there is room for, and that there is when it is empty.
+  /// Rows that there is room for: none while kMostEvents events wait for the disk, since each row
+  /// of a damaged source may bring one, and an event costs far more than a row.
   [[nodiscard]] std::size_t room() const;
+  /// Rows that there is room for when nothing waits.
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   /// Adds an event after the rows so far. Rare: takes a lock and allocates.
   void PushEvent(trial::Event event);
@@ -63,6 +68,8 @@ class RowRing {
     MonotonicNs time_ns;
     MonotonicNs reply_ns;
   };
+
+  [[nodiscard]] std::size_t free_slots() const;
 
   std::size_t channels_;
   std::size_t capacity_;

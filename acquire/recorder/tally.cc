@@ -9,7 +9,8 @@ Tally::Tally(const Sensor& sensor, MonotonicNs origin_ns)
       timing_(sensor.header().timing),
       rate_hz_(sensor.header().rate_hz),
       origin_ns_(origin_ns),
-      gaps_(timing_) {}
+      gaps_(timing_,
+            sensor.header().metadata.fields.contains(std::string(trial::kLineNumbersField))) {}
 
 MonotonicNs Tally::SinceBegin(const Reading& reading) const {
   if (timing_ != trial::Timing::kUniform) return reading.time_ns - origin_ns_;

@@ -9,6 +9,7 @@ LineLink::LineLink(std::unique_ptr<Transport> transport, Clock& clock, Delimiter
     : transport_(std::move(transport)), clock_(clock), framer_(delimiter, longest_line) {}
 
 LinkLine LineLink::Read(MonotonicNs deadline) {
+  bool is_last_look = false;
   while (true) {
     // lines that arrived with the last chunk come first
     const Frame frame = framer_.Next();
@@ -19,10 +20,13 @@ LinkLine LineLink::Read(MonotonicNs deadline) {
               .chunk_ns = chunk_ns_,
               .bytes_behind = frame.bytes_behind};
     }
+    // bytes that form no line may come for ever
+    if (is_last_look) return {.state = LinkState::kNothing, .text = {}};
     const ReadOutcome outcome = transport_->Read(chunk_, deadline);
     if (outcome.state == ReadState::kGone) return {.state = LinkState::kGone, .text = {}};
     if (outcome.state == ReadState::kTimeout) return {.state = LinkState::kNothing, .text = {}};
     chunk_ns_ = clock_.Now();
+    is_last_look = chunk_ns_ >= deadline;
     framer_.Feed(std::string_view(chunk_.data(), outcome.bytes));
   }
 }

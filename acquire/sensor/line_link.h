@@ -34,7 +34,8 @@ class LineLink {
   LineLink(std::unique_ptr<Transport> transport, Clock& clock, Delimiter delimiter,
            std::size_t longest_line);
 
-  /// The next line; waits for bytes until `deadline`, or until a signal.
+  /// The next line; waits for bytes until `deadline`, or until a signal. Bytes that form no line do
+  /// not prolong the wait, however many come.
   [[nodiscard]] LinkLine Read(MonotonicNs deadline);
 
   /// Throws away what is there now, counts it, and returns how many bytes it was. Where it was any,

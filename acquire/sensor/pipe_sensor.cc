@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 #include "base/check.h"
+#include "base/printable.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -18,6 +18,8 @@ constexpr MonotonicNs kPatienceNs = 60 * kNsPerS;
 constexpr std::size_t kChunkBytes = 65'536;
 // a heading is longer than this nowhere
 constexpr std::uint64_t kMostHeadingLines = 100;
+constexpr std::size_t kMostShown = 24;  // characters of a line that is no row
+constexpr std::uint64_t kMostHeadingBytes = 1 << 20;
 
 std::string FormName(const PipeSetup& setup) {
   return fmt::format("{} x {}", setup.channels.formats.size(), Name(setup.format));
@@ -46,7 +48,8 @@ Result<void> PipeSensor::Start(const std::atomic<bool>& stop) {
 
 Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
   const MonotonicNs deadline = clock_.Now() + kPatienceNs;
-  while (clock_.Now() < deadline && heading_lines_ <= kMostHeadingLines) {
+  while (clock_.Now() < deadline && heading_lines_ <= kMostHeadingLines &&
+         bytes_read_ <= kMostHeadingBytes) {
     if (stop.load()) {
       return Failed(transport_->name(), "was not recorded: interrupted before the first row");
     }
@@ -58,10 +61,13 @@ Result<void> PipeSensor::WaitForRow(const std::atomic<bool>& stop) {
     }
     if (state == RowState::kBadRow) {
       ++heading_lines_;
-      heading_ = Printable(parser_.line());
+      heading_ = Printable(parser_.line().substr(0, kMostShown));
     } else if (has_ended_) {
       return std::unexpected(NoRow("ended before a whole row came"));
     }
+  }
+  if (bytes_read_ > kMostHeadingBytes) {
+    return std::unexpected(NoRow(fmt::format("{} bytes came, and no row", bytes_read_)));
   }
   return std::unexpected(NoRow(fmt::format("no row came in {} s", kPatienceNs / kNsPerS)));
 }
@@ -102,6 +108,7 @@ RowState PipeSensor::Read(MonotonicNs deadline) {
   const ReadOutcome outcome = transport_->Read(chunk_, deadline);
   has_ended_ = outcome.state == ReadState::kGone;
   if (outcome.state != ReadState::kBytes) return RowState::kNeedMore;
+  bytes_read_ += outcome.bytes;
   parser_.Feed(std::string_view(chunk_.data(), outcome.bytes));
   return parser_.Next(row_);
 }

@@ -30,7 +30,8 @@ class PipeSensor final : public Sensor {
   /// `clock` must outlive the sensor.
   PipeSensor(std::unique_ptr<Transport> transport, PipeSetup setup, Clock& clock);
 
-  /// Waits 60 s at most for the first whole row.
+  /// Waits 60 s at most for the first whole row, and reads no more than 100 lines or 1 MiB that are
+  /// none.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   [[nodiscard]] std::vector<std::string> Remarks() const override { return remarks_; }
@@ -58,6 +59,7 @@ class PipeSensor final : public Sensor {
   bool has_row_ = false;            ///< row_ was not handed out yet
   bool has_ended_ = false;
   std::int64_t next_index_ = 0;
+  std::uint64_t bytes_read_ = 0;
   std::uint64_t heading_lines_ = 0;
   std::uint64_t heading_bytes_ = 0;
   std::string heading_;  ///< the last of these lines

@@ -53,6 +53,8 @@ MonotonicNs PolledLine::Begin(const LineDialect& dialect, PollPlan plan) {
   dialect_ = &dialect;
   plan_ = plan;
   repeats_ = RepeatMarker(plan.refresh_ns);
+  if (deadline_.wire_ns() != plan.wire_ns) deadline_ = ResponseDeadline(plan.wire_ns);
+  is_held_ = false;
   // what was asked before a second beginning may still be answered
   if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) phase_ = Phase::kDraining;
   if (phase_ == Phase::kFree && start_was_silent_) phase_ = Phase::kQuieting;
@@ -95,8 +97,22 @@ Outcome PolledLine::WaitForSlot() {
   return Ask(dialect_->PollRequest(), Phase::kWaiting);
 }
 
+// whole replies that are there though nothing is asked
+void PolledLine::DropAnswered() {
+  constexpr int kMostLines = 64;  // of a device that never stops; the rest is flushed
+  held_.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), {}});
+  for (int i = 0; i < kMostLines; ++i) {
+    const LinkLine line = link_.Read(clock_.Now());
+    if (line.state != LinkState::kLine && line.state != LinkState::kOverlong) return;
+    if (dialect_->Read(line.text, held_.samples) == LineMeaning::kReading) ++replies_.surplus;
+    link_.CountDiscarded(line.text.size());
+  }
+}
+
 Outcome PolledLine::Ask(std::string_view request, Phase next) {
-  link_.Flush();  // whatever is there now answers nothing that is still asked
+  // whatever is there now answers nothing that is still asked
+  if (phase_ == Phase::kFree) DropAnswered();
+  link_.Flush();
   request_ns_ = clock_.Now();
   if (!link_.transport().Write(request, request_ns_ + kWriteTimeNs)) return Outcome::kGone;
   phase_ = next;
@@ -104,19 +120,28 @@ Outcome PolledLine::Ask(std::string_view request, Phase next) {
 }
 
 Outcome PolledLine::Wait(Reading& reading) {
-  const MonotonicNs deadline = request_ns_ + deadline_.WaitNs();
+  const MonotonicNs deadline = request_ns_ + (is_held_ ? deadline_.UsualNs() : deadline_.WaitNs());
   const LinkLine line = link_.Read(std::min(deadline, clock_.Now() + kSliceNs));
   switch (line.state) {
     case LinkState::kGone:
       return Outcome::kGone;
     case LinkState::kLine:
-      return TakeLine(line.text, reading) ? Outcome::kReading : Outcome::kNothing;
+      if (TakeLine(line.text, reading)) return Outcome::kReading;
+      if (is_held_) return Outcome::kNothing;  // with another deadline
+      break;  // lines that nobody asked for do not prolong the wait
     case LinkState::kOverlong:
       return GiveRow(reading, SampleStatus::kBadFrame, clock_.Now(), Phase::kQuieting);
     case LinkState::kNothing:
       break;
   }
   if (clock_.Now() < deadline) return Outcome::kNothing;
+  if (is_held_) {
+    // nothing followed: it is the reply
+    reading.samples.assign(held_.samples.begin(), held_.samples.end());
+    reading.time_ns = request_ns_;
+    reading.reply_ns = held_.reply_ns;
+    return Accept(reading);
+  }
   // half a line is a damaged reply; no byte at all is none yet
   const bool partial = link_.waiting_bytes() > 0;
   return GiveRow(reading, partial ? SampleStatus::kBadFrame : SampleStatus::kLate, deadline,
@@ -182,10 +207,26 @@ bool PolledLine::TakeLine(std::string_view line, Reading& reading) {
   }
   reading.time_ns = request_ns_;
   reading.reply_ns = now;
+  if (std::exchange(is_held_, now - request_ns_ < deadline_.EarliestNs())) {
+    ++replies_.surplus;
+    link_.CountDiscarded(held_bytes_);
+  }
+  if (!is_held_) return Accept(reading) == Outcome::kReading;
+  held_bytes_ = line.size();
+  held_.samples.assign(reading.samples.begin(), reading.samples.end());
+  held_.reply_ns = now;
+  return false;
+}
+
+Outcome PolledLine::Accept(Reading& reading) {
+  const MonotonicNs exchange_ns = reading.reply_ns - request_ns_;
+  if (exchange_ns < deadline_.wire_ns()) ++replies_.too_soon;
+  ++replies_.taken;
+  is_held_ = false;
   phase_ = Phase::kFree;
-  deadline_.Note(now - request_ns_);
+  deadline_.Note(exchange_ns);
   repeats_.Mark(reading);
-  return true;
+  return Outcome::kReading;
 }
 
 // a row without a value
@@ -195,8 +236,13 @@ Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs r
   reading.reply_ns = reply_ns;
   reading.samples.assign(plan_.channels, {trial::RawValue::Counts(kNoCounts), status});
   settle_since_ns_ = quiet_since_ns_ = clock_.Now();
+  is_held_ = false;
   phase_ = next;
   return Outcome::kReading;
+}
+
+std::vector<std::string> PolledLine::Remarks() const {
+  return DoubtfulReplies(replies_, deadline_.wire_ns());
 }
 
 }  // namespace haptometer::acquire

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "acquire/sensor/line_link.h"
 #include "acquire/sensor/repeat_marker.h"
@@ -50,6 +51,7 @@ struct PollPlan {
   std::size_t channels = 1;
   MonotonicNs refresh_ns = 0;       ///< of the device's buffer (sensor/repeat_marker.h); 0: none
   std::optional<double> rate_hz{};  ///< polls lie on the grid k / rate_hz; empty: without a pause
+  MonotonicNs wire_ns = 0;          ///< that request and reply need on the wire; 0: not known
 };
 
 /// A device that answers one line to one line, polled for a recording: each poll is one row.
@@ -64,6 +66,11 @@ struct PollPlan {
 /// was silent for 20 ms (a line that never falls silent gives a kBadFrame row a second). Then the
 /// dialect's step is asked: the device answers in order, so when the step's answer is there, every
 /// older one is behind us.
+///
+/// A device may also answer twice. What came before a request is sent is no reply to it; and a
+/// reply that comes sooner than one can (sensor/response_deadline.h) is held back until a usual
+/// exchange has passed: a further one that comes until then is the right one. So no row is given
+/// sooner than the wire allows, and a device that has fallen one reply behind is in step again.
 ///
 /// Cost: Next() does not allocate once the buffers have grown to the longest reply.
 class PolledLine {
@@ -89,6 +96,9 @@ class PolledLine {
   /// As Sensor::Next().
   [[nodiscard]] Outcome Next(Reading& reading);
 
+  /// What replies that came twice or too soon say of the device and its wire, in sentences.
+  [[nodiscard]] std::vector<std::string> Remarks() const;
+
   [[nodiscard]] const LineLink& link() const { return link_; }
   [[nodiscard]] const std::string& name() const { return link_.transport().name(); }
 
@@ -107,6 +117,8 @@ class PolledLine {
   Outcome Settle(Reading& reading);
   Outcome WaitForStep(Reading& reading);
   bool TakeLine(std::string_view line, Reading& reading);
+  Outcome Accept(Reading& reading);
+  void DropAnswered();
   Outcome GiveRow(Reading& reading, trial::SampleStatus status, MonotonicNs reply_ns, Phase next);
 
   Clock& clock_;
@@ -122,8 +134,12 @@ class PolledLine {
   MonotonicNs request_ns_ = 0;
   MonotonicNs quiet_since_ns_ = 0;
   MonotonicNs settle_since_ns_ = 0;  ///< how long nothing could be asked
-  int unanswered_steps_ = 0;         ///< in a row
-  bool start_was_silent_ = false;    ///< a reply to Exchange() may still come
+  Reading held_;                     ///< a reply that came too soon
+  std::size_t held_bytes_ = 0;       ///< of its line
+  bool is_held_ = false;             ///< it waits for a further one
+  ReplyCounts replies_;
+  int unanswered_steps_ = 0;       ///< in a row
+  bool start_was_silent_ = false;  ///< a reply to Exchange() may still come
 };
 
 }  // namespace haptometer::acquire

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "acquire/protocol/printable.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/latency_timer.h"
+#include "base/printable.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -18,6 +18,8 @@ using trial::SampleStatus;
 constexpr MonotonicNs kSliceNs = 100'000'000;
 constexpr MonotonicNs kPatienceNs = 3 * kNsPerS;
 constexpr MonotonicNs kIdentityNs = 200'000'000;
+constexpr std::size_t kMostShown = 24;  // characters of a line that is no reading
+constexpr double kHeldByPortsS = 1;
 
 // longest line that is kept whole: a few lines run together are still shown and counted as one
 std::size_t LongestLine(const StreamFormat& format) { return 4 * LineBytes(format); }
@@ -56,7 +58,7 @@ Result<void> StreamSensor::Start(const std::atomic<bool>& stop) {
     } else if (!std::exchange(is_first, false) && ParseStreamLine(setup_.format, line.text)) {
       has_line = true;
     } else {
-      example = Printable(line.text);
+      example = Printable(line.text.substr(0, kMostShown));
       link_.CountDiscarded(line.text.size());
     }
   }
@@ -106,6 +108,10 @@ void StreamSensor::MakeHeader() {
   header_.metadata.sensor = "stream";
   header_.metadata.source = link_.Source(is_emulated_);
   AddLatencyTimer(link_.transport().LatencyTimer(), header_.metadata);
+  if (format.counter_digits > 0) {
+    header_.metadata.fields[std::string(trial::kLineNumbersField)] =
+        fmt::format("0 to {}", CounterTurn(format) - 1);
+  }
   header_.metadata.fields[std::string(kLatencyField)] =
       fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }
@@ -126,6 +132,16 @@ std::vector<std::string> StreamSensor::Remarks() const {
         "the lines are numbered 0 to {0}: what is lost is known exactly up to {0} lines in a row",
         CounterTurn(setup_.format) - 1));
   }
+  // what the port held from before the beginning may come as well
+  const double wire_s = SecondsFromNs(WireTimeNs(LineBytes(setup_.format), setup_.baud)) *
+                        static_cast<double>(lines_);
+  const double elapsed_s = SecondsFromNs(link_.last_bytes_ns() - begin_ns_);
+  if (lines_ > 0 && wire_s > elapsed_s + kHeldByPortsS) {
+    remarks.push_back(fmt::format(
+        "{} lines came in {:.3g} s, and {} baud carry them in {:.3g} s at least: the port is no "
+        "such wire, or the sensor has another baud rate",
+        lines_, elapsed_s, setup_.baud, wire_s));
+  }
   return remarks;
 }
 
@@ -133,7 +149,8 @@ MonotonicNs StreamSensor::Begin() {
   counter_ = LineCounter(CounterTurn(setup_.format));
   drop_line_ = link_.Flush() > 0;
   discarded_before_ = link_.discarded_bytes();
-  last_ns_ = clock_.Now();
+  lines_ = 0;
+  begin_ns_ = last_ns_ = clock_.Now();
   return last_ns_;
 }
 
@@ -145,6 +162,7 @@ Outcome StreamSensor::Next(Reading& reading) {
   const std::optional<Value> value =
       line.state == LinkState::kLine ? ParseStreamLine(setup_.format, line.text) : std::nullopt;
   reading.lost_before = 0;
+  if (value) ++lines_;
   if (!value) {
     link_.CountDiscarded(line.text.size());
     counter_.CountDamaged();

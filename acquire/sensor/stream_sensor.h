@@ -58,6 +58,8 @@ class StreamSensor final : public Sensor {
   MonotonicNs identity_deadline_ns_ = 0;
   bool is_emulated_ = false;
   std::uint64_t discarded_before_ = 0;
+  std::uint64_t lines_ = 0;  ///< of the right form, since the beginning
+  MonotonicNs begin_ns_ = 0;
   MonotonicNs last_ns_ = 0;
   bool drop_line_ = false;  ///< the next line was cut by the beginning
   LineCounter counter_;

@@ -6,6 +6,8 @@
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/select.h>
+#include <sys/socket.h>
+#include <termios.h>
 
 #include <algorithm>
 #include <array>
@@ -80,12 +82,21 @@ class ModbusPort final : public ModbusLink {
 
   std::size_t Flush() override {
     seen_bytes_ = 0;
-    // libmodbus does not count what it throws away on a serial port
-    const bool is_rtu = framing() == ModbusFraming::kRtu;
-    const int waiting = is_rtu ? WaitingBytes() : 0;
-    if (is_rtu && waiting == 0) return 0;
-    const int flushed = modbus_flush(context_.get());
-    return static_cast<std::size_t>(std::max({waiting, flushed, 0}));
+    // libmodbus does not count what it throws away on a serial port, and would read a socket that
+    // never falls silent for ever
+    const int waiting = std::max(WaitingBytes(), 0);
+    if (framing() == ModbusFraming::kRtu) {
+      if (waiting > 0) tcflush(descriptor_, TCIOFLUSH);
+      return static_cast<std::size_t>(waiting);
+    }
+    std::array<char, 4096> dropped{};
+    std::size_t flushed = 0;
+    while (flushed < static_cast<std::size_t>(waiting)) {
+      const ssize_t taken = recv(descriptor_, dropped.data(), dropped.size(), MSG_DONTWAIT);
+      if (taken <= 0) break;
+      flushed += static_cast<std::size_t>(taken);
+    }
+    return flushed;
   }
 
   ModbusFraming framing() const override {

@@ -1,5 +1,6 @@
 #include "acquire/transport/open_port.h"
 
+#include <fmt/core.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 
@@ -8,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "acquire/protocol/digits.h"
 #include "acquire/transport/descriptor.h"
 #include "acquire/transport/serial_port.h"
 #include "acquire/transport/tcp_stream.h"
@@ -26,6 +28,8 @@ bool IsNetworkName(const std::string& name) {
   return !port.empty() && std::ranges::all_of(port, [](char c) { return c >= '0' && c <= '9'; });
 }
 
+constexpr int kMostPort = 65'535;
+
 // the slaves of pseudo-terminals have the device numbers 136 to 143 (Linux,
 // admin-guide/devices.txt)
 bool IsPseudoTerminal(dev_t device) { return major(device) >= 136 && major(device) <= 143; }
@@ -39,8 +43,18 @@ NetworkName SplitNetworkName(const std::string& name) {
   return {std::move(host), name.substr(colon + 1)};
 }
 
+std::optional<int> TcpPort(std::string_view text) {
+  const std::optional<std::int32_t> port = ParseDigits(text);
+  return port.value_or(0) <= kMostPort ? port : std::nullopt;
+}
+
 Result<PortKind> KindOfPort(const std::string& name) {
-  if (IsNetworkName(name)) return PortKind::kNetwork;
+  if (IsNetworkName(name)) {
+    const std::string port = SplitNetworkName(name).service;
+    if (TcpPort(port).value_or(0) > 0) return PortKind::kNetwork;
+    return Usage(name, fmt::format("{} is no TCP port", port),
+                 fmt::format("give HOST:PORT with a port from 1 to {}", kMostPort));
+  }
   struct stat status{};
   if (stat(name.c_str(), &status) != 0) return std::unexpected(PortDoesNotOpen(name, errno));
   if (!S_ISCHR(status.st_mode)) {

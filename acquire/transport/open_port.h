@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "acquire/transport/transport.h"
 
@@ -10,8 +12,8 @@ namespace haptometer::acquire {
 
 enum class PortKind : std::uint8_t { kNetwork, kVirtualTerminal, kSerial };
 
-/// What `name` names: HOST:PORT, or a pseudo-terminal or serial port behind any links. Errors
-/// (Cause::kCannotAnswer): absent, or no terminal.
+/// What `name` names: HOST:PORT, or a pseudo-terminal or serial port behind any links. Errors:
+/// Cause::kUsage for a PORT that is none; Cause::kCannotAnswer where it is absent, or no terminal.
 [[nodiscard]] Result<PortKind> KindOfPort(const std::string& name);
 
 /// HOST:PORT or [HOST]:PORT in its parts.
@@ -20,6 +22,10 @@ struct NetworkName {
   std::string service;
 };
 [[nodiscard]] NetworkName SplitNetworkName(const std::string& name);
+
+/// The TCP port that `text` spells in decimal digits, 0 to 65535; nothing for other text. The
+/// system's own functions take larger numbers modulo 65536.
+[[nodiscard]] std::optional<int> TcpPort(std::string_view text);
 
 /// Opens what `name` says: HOST:PORT, a pseudo-terminal, or a serial port; links are followed, so
 /// /dev/serial/by-id/... and an emulator's --link work.

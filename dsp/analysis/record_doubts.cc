@@ -18,6 +18,7 @@ constexpr std::size_t kLeastToBeStuck = 16;
 constexpr double kRateTolerance = 1.05;
 constexpr double kFastestTableHz = 1e6;  // what a table of another program holds at most
 constexpr double kShortestTrialS = 0.1;
+constexpr double kStatedTolerance = 0.01;
 constexpr std::size_t kBlock = std::size_t{1} << 16U;
 
 // a time column's unit that would make the rate a usable one; `factor`: printed seconds in it
@@ -59,7 +60,11 @@ void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
   const double needed_hz = kLeastRatePerUpperCorner * analysis->band.upper_hz;
   const bool is_table = head.metadata.source.starts_with("imported") &&
                         head.metadata.sensor.empty() && head.timing == trial::Timing::kUniform;
-  if (!is_table || (facts.rate_hz >= needed_hz && facts.rate_hz <= kFastestTableHz)) return;
+  // somebody said the rate, and it is that of the times
+  const auto stated_hz = head.metadata.nominal_rate_hz;
+  const bool is_stated = stated_hz && std::abs(facts.rate_hz / *stated_hz - 1) < kStatedTolerance;
+  if (!is_table || is_stated || (facts.rate_hz >= needed_hz && facts.rate_hz <= kFastestTableHz))
+    return;
   for (const OtherUnit& unit : kOtherUnits) {
     const double rate_hz = facts.rate_hz / unit.factor;
     const double duration_s = facts.duration_s * unit.factor;

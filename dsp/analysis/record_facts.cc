@@ -27,7 +27,7 @@ std::string Unmeasured(const RecordFacts& facts) {
     named += facts.by_status[s];
   }
   const std::size_t rest = facts.rows - facts.measured - named;
-  if (rest > 0) text += fmt::format("{}not a number {}", text.empty() ? "" : ", ", rest);
+  if (rest > 0) text += fmt::format("{}without a value {}", text.empty() ? "" : ", ", rest);
   return text;
 }
 

@@ -314,11 +314,19 @@ TEST(EmulatorOnTcp, DropsTheConnectionAndTakesTheNext) {
 }
 
 TEST(EmulatorOnTcp, RefusesWhatIsNoAddress) {
-  for (const char* text : {"", "5000", ":5000", "localhost:", "127.0.0.1:http"}) {
+  for (const char* text : {"", "5000", ":5000", "localhost:"}) {
     const auto endpoint = ListenTcp(text);
     ASSERT_FALSE(endpoint) << text;
     EXPECT_EQ(endpoint.error().cause, Cause::kUsage);
     EXPECT_EQ(endpoint.error().remedy, "give 127.0.0.1:0, for example");
+  }
+  // the system would take the port modulo 65536
+  for (const char* text : {"127.0.0.1:http", "127.0.0.1:65536", "127.0.0.1:99999", "127.0.0.1:-1",
+                           "127.0.0.1:+5", "[::1]:70001", "localhost:4294967297"}) {
+    const auto endpoint = ListenTcp(text);
+    ASSERT_FALSE(endpoint) << text;
+    EXPECT_EQ(endpoint.error().cause, Cause::kUsage);
+    EXPECT_EQ(endpoint.error().remedy, "give a port from 1 to 65535, or 0 for any free one");
   }
   const auto first = ListenTcp("127.0.0.1:0");
   ASSERT_TRUE(first);

@@ -1,8 +1,10 @@
 // A reply that comes too late must never be taken for the next reading, whatever the protocol: a
 // peer that answers in order, each value the number of its own request, with late replies strewn
 // in.
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -40,7 +42,7 @@ class NumberingPeer {
 
   void Answer(tests::ScriptedTransport& to, const std::string& request) {
     const MonotonicNs now = clock_.Now();
-    MonotonicNs after_ns = 8 * kMs;
+    MonotonicNs after_ns = usual_ns;
     std::string answer;
     if (request == maker_.poll) {
       number_at[now] = ++polls;
@@ -52,14 +54,22 @@ class NumberingPeer {
     } else {
       answer = request == maker_.step ? maker_.step_answer : maker_.other(request);
     }
-    busy_until_ns_ = std::max(now, busy_until_ns_) + after_ns;
+    busy_until_ns_ = (is_parallel ? now : std::max(now, busy_until_ns_)) + after_ns;
     to.Send(answer, busy_until_ns_ - now);
+    if (again_after_ns > 0 && request == maker_.poll && polls % 7 == 0) {
+      to.Send(answer, busy_until_ns_ - now + again_after_ns);
+      ++twice;
+    }
   }
 
   std::map<MonotonicNs, int> number_at;  // of the poll that was sent then
   int polls = 0;
   int late = 0;
   bool strikes = false;
+  MonotonicNs usual_ns = 8 * kMs;
+  MonotonicNs again_after_ns = 0;  // each seventh reading is sent again after this
+  int twice = 0;
+  bool is_parallel = false;  // it answers each request for itself, whatever is still to be answered
 
  private:
   // shorter than the patience by then, within the maker's second, about it, and beyond
@@ -204,6 +214,80 @@ INSTANTIATE_TEST_SUITE_P(Makers, LateReplies,
                                            std::pair{"DlRs1aByMs", &DlRs1aByMs},
                                            std::pair{"DlEn1", &DlEn1}, std::pair{"Lkg", &Lkg}),
                          [](const auto& made) { return std::string(made.param.first); });
+
+// A device that answers twice: the further reply comes while the next request is outstanding.
+class DoubledReplies : public LateReplies {};
+
+TEST_P(DoubledReplies, AreDiscardedAndCounted) {
+  constexpr int kRows = 703;  // the last one does not come twice
+  constexpr MonotonicNs kExchangeNs = 22 * kMs;
+  const Maker maker = GetParam().second();
+  for (const MonotonicNs again_after_ns : {1 * kMs, 5 * kMs, 11 * kMs, 17 * kMs, 19 * kMs}) {
+    for (const bool is_parallel : {false, true}) {
+      ManualClock clock;
+      NumberingPeer peer(maker, clock, 1);
+      peer.usual_ns = kExchangeNs;
+      peer.is_parallel = is_parallel;
+      auto sensor =
+          maker.sensor(std::make_unique<tests::ScriptedTransport>(
+                           clock, [&](tests::ScriptedTransport& to,
+                                      const std::string& bytes) { peer.Answer(to, bytes); }),
+                       clock);
+      const std::atomic<bool> stop{false};
+      ASSERT_TRUE(sensor->Start(stop));
+      const MonotonicNs begin_ns = sensor->Begin();
+      Reading reading;
+      int misattributed = 0;
+      for (int row = 0; row < kRows;) {
+        if (sensor->Next(reading) != Outcome::kReading) continue;
+        ++row;
+        // the first exchanges show what is usual
+        if (row == 70) peer.again_after_ns = again_after_ns;
+        ASSERT_EQ(RowStatus(reading), trial::SampleStatus::kOk);
+        const auto counts = static_cast<std::int32_t>(reading.samples[0].raw.bits());
+        if (peer.number_at.at(reading.time_ns) != counts) ++misattributed;
+      }
+      EXPECT_EQ(misattributed, 0) << again_after_ns << " ns later, parallel: " << is_parallel;
+      EXPECT_GE(clock.Now() - begin_ns, kRows * kExchangeNs) << "no row without an exchange";
+      const std::vector<std::string> remarks = sensor->Remarks();
+      const std::string counted = fmt::format("{} replies came to requests", peer.twice);
+      EXPECT_TRUE(std::ranges::any_of(remarks, [&](const std::string& r) {
+        return r.starts_with(counted);
+      })) << counted;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Makers, DoubledReplies,
+                         ::testing::Values(std::pair{"DlRs1a", &DlRs1a},
+                                           std::pair{"DlRs1aByMs", &DlRs1aByMs},
+                                           std::pair{"DlEn1", &DlEn1}, std::pair{"Lkg", &Lkg}),
+                         [](const auto& made) { return std::string(made.param.first); });
+
+// A peer on no wire at all answers at once: no more rows are taken than the stated rate carries.
+TEST(ReplyRate, IsThatOfTheWireAndSaidWhereItIsAboveIt) {
+  const Maker maker = DlRs1a();
+  ManualClock clock;
+  NumberingPeer peer(maker, clock, 1);
+  peer.usual_ns = kMs / 10;
+  auto sensor = maker.sensor(std::make_unique<tests::ScriptedTransport>(
+                                 clock, [&](tests::ScriptedTransport& to,
+                                            const std::string& bytes) { peer.Answer(to, bytes); }),
+                             clock);
+  const std::atomic<bool> stop{false};
+  ASSERT_TRUE(sensor->Start(stop));
+  const MonotonicNs begin_ns = sensor->Begin();
+  Reading reading;
+  int rows = 0;
+  while (clock.Now() - begin_ns < 10 * kNsPerS) rows += sensor->Next(reading) == Outcome::kReading;
+  // M0 CR LF and M0,+00.000 CR LF: 16 characters of 10 bits at 9600 baud
+  EXPECT_NEAR(rows, 10 * 9600.0 / 160, 1);
+  EXPECT_LT(reading.reply_ns - reading.time_ns, kMs) << "the time at which it came";
+  const std::vector<std::string> remarks = sensor->Remarks();
+  EXPECT_TRUE(std::ranges::any_of(remarks, [](const std::string& remark) {
+    return remark.contains("sooner than the stated baud rate");
+  }));
+}
 
 }  // namespace
 }  // namespace haptometer::acquire

@@ -53,6 +53,28 @@ TEST_F(ModbusLateReply, AThousandLateRtuRepliesAreNeverTheNextReading) {
   ExpectNoneMisattributed(1000);
 }
 
+TEST_F(ModbusLateReply, ADoubledReplyIsNotTheNextReading) {
+  for (const MonotonicNs again_after_ns : {kMs, 4 * kMs, 7 * kMs}) {
+    Started(Plain());
+    int rows = 0;
+    device_->script = [&](bool is_reading) {
+      const bool is_twice = is_reading && rows > 70 && rows % 5 == 0;
+      return ScriptedModbusDevice::Answer{.after_ns = 9 * kMs,
+                                          .again_after_ns = is_twice ? again_after_ns : 0};
+    };
+    Reading reading;
+    int wrong = 0;
+    for (rows = 0; rows < 400;) {
+      if (sensor_->Next(reading) != Outcome::kReading) continue;
+      ++rows;
+      ASSERT_TRUE(trial::IsMeasurement(RowStatus(reading)));
+      wrong += reading.samples[0].raw.bits() != device_->readings;
+    }
+    EXPECT_EQ(wrong, 0) << again_after_ns;
+    EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("requests that had been answered")));
+  }
+}
+
 TEST_F(ModbusLateReply, NorWhenChecksAreLateToo) {
   Started(Plain());
   std::mt19937 random(8);

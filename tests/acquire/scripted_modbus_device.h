@@ -25,6 +25,7 @@ class ScriptedModbusDevice {
     ModbusFault fault = ModbusFault::kNone;
     int off_by = 0;  ///< added to the transaction identifier
     bool is_missing = false;
+    MonotonicNs again_after_ns = 0;  ///< the reply comes twice
   };
 
   ScriptedModbusDevice(Clock& clock, ModbusFraming framing, std::uint16_t reading_count)
@@ -70,6 +71,9 @@ class ScriptedModbusDevice {
                .data = data},
               reply);
     to.Reply(reply, busy_until_ns_ - clock_.Now(), answer.fault);
+    if (answer.again_after_ns > 0) {
+      to.Reply(reply, busy_until_ns_ - clock_.Now() + answer.again_after_ns, answer.fault);
+    }
   }
 
   Clock& clock_;

@@ -1,7 +1,9 @@
 #include "base/quantity.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -41,6 +43,12 @@ INSTANTIATE_TEST_SUITE_P(Forms, Quantities,
                                            Case{"130μH", Dimension::kInductance, 130e-6, 0},
                                            Case{"27Ω", Dimension::kResistance, 27, 0},
                                            Case{"27", Dimension::kResistance, 27, 0},
+                                           Case{"33Ohm", Dimension::kResistance, 33, 0},
+                                           Case{"1.5 kOhms", Dimension::kResistance, 1500, 0},
+                                           Case{"56OHM", Dimension::kResistance, 56, 0},
+                                           Case{"1.25GHz", Dimension::kFrequency, 1.25e9, 0},
+                                           Case{"40ns", Dimension::kTime, 4e-8, 0},
+                                           Case{"250uA", Dimension::kCurrent, 2.5e-4, 0},
                                            Case{"0.0322 N s/m", Dimension::kDamping, 0.0322, 0},
                                            Case{"+225Hz", Dimension::kFrequency, 225, 0},
                                            Case{"1e3", Dimension::kFrequency, 1000, 0},
@@ -107,6 +115,59 @@ INSTANTIATE_TEST_SUITE_P(
                       std::pair{"1.4g+-0.1mm", Dimension::kMass},
                       std::pair{"1.4(-3)g", Dimension::kMass}, std::pair{"1,4g", Dimension::kMass},
                       std::pair{"5 V", Dimension::kNone}));
+
+constexpr Dimension kAll[]{Dimension::kNone,       Dimension::kLength,  Dimension::kMass,
+                           Dimension::kInductance, Dimension::kTime,    Dimension::kFrequency,
+                           Dimension::kVoltage,    Dimension::kCurrent, Dimension::kResistance,
+                           Dimension::kStiffness,  Dimension::kDamping, Dimension::kForceConstant};
+
+TEST(Quantity, MagnitudesAreBoundedInEveryDimension) {
+  for (const Dimension dimension : kAll) {
+    const auto read = [&](double si) {
+      return ParseQuantity(fmt::format("{}{}", si, SiUnit(dimension)), dimension, "--x");
+    };
+    const PossibleMagnitudes possible = PossibleMagnitudesOf(dimension);
+    for (const double sign : {1.0, -1.0}) {
+      EXPECT_TRUE(read(sign * possible.least)) << SiUnit(dimension);
+      EXPECT_TRUE(read(sign * possible.largest)) << SiUnit(dimension);
+      EXPECT_FALSE(read(sign * possible.least * 0.99)) << SiUnit(dimension);
+      EXPECT_FALSE(read(sign * possible.largest * 1.01)) << SiUnit(dimension);
+      EXPECT_FALSE(read(sign * 3e-322)) << "a denormal number in " << SiUnit(dimension);
+    }
+    EXPECT_TRUE(read(0)) << SiUnit(dimension);
+    // the cube of each and its inverse are far from overflow and underflow
+    EXPECT_LT(std::pow(possible.largest, 3), 1e100);
+    EXPECT_GT(std::pow(possible.least, 3), 1e-100);
+  }
+}
+
+TEST(Quantity, AnUncertaintyIsBoundedAsItsValueIs) {
+  EXPECT_FALSE(ParseQuantity("2.7g+-5e-319g", Dimension::kMass, "--x"));
+  EXPECT_FALSE(ParseQuantity("2.7(5e-319)g", Dimension::kMass, "--x"));
+  EXPECT_FALSE(ParseQuantity("31+-1e40", Dimension::kResistance, "--x"));
+  EXPECT_FALSE(PossibleQuantity({31, 1e-200}, Dimension::kResistance, "--x"));
+  EXPECT_TRUE(PossibleQuantity({31, 0}, Dimension::kResistance, "--x"));
+}
+
+TEST(Quantity, AnImpossibleMagnitudeIsRefusedWithTheLimits) {
+  EXPECT_EQ(
+      ParseQuantity("4e-310mm", Dimension::kLength, "--gap").error().Text(),
+      "--gap: '4e-310mm' is beyond a length that is possible; its size is 0, or from 1e-15 to "
+      "1000000 m");
+}
+
+// the bracket counts in units of the last digit, which the exponent moves as it moves the others
+TEST(Quantity, ABracketBehindAnExponentCountsInItsLastDigit) {
+  const auto expect = [](const char* text, double value, double uncertainty) {
+    const auto quantity = ParseQuantity(text, Dimension::kStiffness, "--x");
+    ASSERT_TRUE(quantity) << text;
+    EXPECT_REL(quantity->value, value, 4e-16, "one rounding");
+    EXPECT_REL(quantity->standard_uncertainty, uncertainty, 1e-15, "a power of ten and a product");
+  };
+  expect("2.75e3(4)", 2750, 40);
+  expect("3e2(2)", 300, 200);
+  expect("1.25E-2(3)", 0.0125, 3e-4);
+}
 
 }  // namespace
 }  // namespace haptometer

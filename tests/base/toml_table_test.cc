@@ -132,6 +132,12 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"mass_kg = true",
               "x.toml:1: mass_kg: is not a number; write an SI number or a string with a unit"},
         Fault{"mass_kg = nan", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
+        Fault{"mass_kg = 2e-310",
+              "x.toml:1: mass_kg: '2e-310' is beyond a mass that is possible; its size is 0, or "
+              "from 1e-12 to 1000000 kg"},
+        Fault{"load_ohm = '4e-200 ohm'",
+              "x.toml:1: load_ohm: '4e-200 ohm' is beyond a resistance that is possible; its size "
+              "is 0, or from 1e-09 to 1000000000000000 ohm"},
         Fault{"load_ohm = -inf", "x.toml:1: load_ohm: is not a finite number; write an SI number"},
         Fault{"mass_kg = \"3mm\"",
               "x.toml:1: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},
@@ -141,6 +147,26 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"kind = \"saw\"", "x.toml:1: kind: \"saw\" is not known; use one of sine, chirp"},
         Fault{"kind = 3", "x.toml:1: kind: is not a text; put it in quotes"},
         Fault{"skin = 3", "x.toml:1: skin: is not a table; write [skin]"}));
+
+// a text comes to headers, plots and terminals, which no control character may reach
+TEST(TomlTable, TextsThatAreNotPrintableAreRefused) {
+  TomlTable text = Parsed("name = \"x\\n!touch\"\n");
+  EXPECT_FALSE(text.Text("name"));
+  EXPECT_EQ(text.Finish().error().Text(),
+            "x.toml:1: name: 'x\\n!touch' holds a character that cannot be printed; write it "
+            "without control characters, on one line");
+  TomlTable list = Parsed("names = [\"a\", \"\\u001b[2J\"]\n");
+  EXPECT_TRUE(list.TextList("names").empty());
+  EXPECT_FALSE(list.Finish());
+  TomlTable lists = Parsed("pairs = [[\"a\", \"b\\r\"]]\n");
+  EXPECT_TRUE(lists.TextLists("pairs").empty());
+  EXPECT_FALSE(lists.Finish());
+  TomlTable keys = Parsed("labels.\"a\\nb\" = \"c\"\n");
+  EXPECT_TRUE(keys.Texts("labels").empty());
+  EXPECT_FALSE(keys.Finish());
+  TomlTable unknown = Parsed("\"evil\\nkey\" = 1\n");
+  EXPECT_EQ(unknown.Finish().error().Text().find('\n'), std::string::npos);
+}
 
 TEST(TomlTable, MissingAndRefusedValuesAreTold) {
   TomlTable missing = Parsed("");

@@ -115,10 +115,10 @@ TEST(SceneRun, HeatThatChangesNothingLeavesTheExactRun) {
       for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
         const double apart = Deviation(static_cast<AskedQuantity>(k), run, exact);
         EXPECT_LE(apart, tolerance) << kAskedQuantityNames[k];
-        EXPECT_LE(apart, run.error_estimate + 1e-12) << kAskedQuantityNames[k];
+        EXPECT_LE(apart, run.error_estimate) << kAskedQuantityNames[k];
       }
       EXPECT_LE(run.error_estimate, tolerance / 4);
-      EXPECT_EQ(exact.error_estimate, 0);
+      EXPECT_LT(exact.error_estimate, 1e-11) << "rounding, and what a few events make of it";
       EXPECT_FALSE(exact.solver);
       EXPECT_TRUE(run.solver);
       EXPECT_REL(run.power_w, exact.power_w, 10 * tolerance, "an integral like the others");

@@ -194,6 +194,7 @@ TEST(SteadyState, AtAnUndampedResonanceSaysThatThereIsNone) {
   model.a = Eigen::MatrixXd::Zero(5, 5);
   model.b = Eigen::VectorXd::Zero(5);
   model.current_row = Eigen::RowVectorXd::Zero(5);
+  model.power_rows = Eigen::MatrixXd::Zero(1, 6);
   model.a(0, 0) = -1;
   model.a(1, 1) = -1;
   model.a(4, 4) = -1;

@@ -267,6 +267,11 @@ TEST_F(BeforeRecording, ADirectoryNamesTheTrialsAndTheAliasForceReplaces) {
 
   std::ofstream{trial_} << "old";
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100"})).status, 2);
+  const Outcome no_trial = RunProgram(Acquire({"-o", trial_, "--samples", "100", "--force"}));
+  EXPECT_EQ(no_trial.status, 2);
+  EXPECT_THAT(no_trial.err, HasSubstr("is there and is not a trial.bin"));
+  fs::remove(trial_);
+  EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "70"})).status, 0);
   EXPECT_EQ(RunProgram(Acquire({"-o", trial_, "--samples", "100", "--force"})).status, 0);
   EXPECT_EQ(TrialInfo(trial_)["rows"], 100);
 }

@@ -51,8 +51,9 @@ def record_until_full(directory, out):
 
 
 def export_until_full(directory, trial):
-    for ending in ("csv", "npy", "h5", "mat"):
-        script = ('echo precious > old; cp old t.$2; "$1" trial export "$3" -o t.$2 --force; status=$?; '
+    for ending, begin in {"csv": "time_s,x", "npy": "\\223NUMPY", "h5": "\\211HDF\\r\\n\\032\\n",
+                          "mat": "MATLAB 5.0 MAT-file, written by haptometer"}.items():
+        script = (f'printf "{begin}" > old; cp old t.$2; "$1" trial export "$3" -o t.$2 --force; status=$?; '
                   'cmp old t.$2 >&2 || status=90; ls >&2; exit $status')
         done = mounted("size=24k", directory, script, HAPTOMETER, ending, trial)
         check(done.returncode == 1, f"{ending}: {done.returncode} {done.stderr}")

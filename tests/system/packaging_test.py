@@ -3,14 +3,16 @@ that udev(7) knows (udevadm of Debian 12 cannot verify rules)."""
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-from programs import check, program, skip
+from programs import DEADLINE_S, Emulator, check, program, run, skip, wait_for
 
 RULES = "packaging/udev/60-haptometer.rules"
+MOST_EXPOSURE = 2.5  # what the project promises
 
 # the keys that we use, with the operators that udev(7) allows them
 MATCHES = {"==", "!="}
@@ -84,6 +86,80 @@ def unit(path):
     print("the unit is verified")
 
 
+def exposure(path):
+    """What an intruder in the daemon could reach, as systemd-analyze weighs it: 10 is a program of root's."""
+    with tempfile.TemporaryDirectory() as directory:
+        copy = shutil.copy(path, os.path.join(directory, "haptometer-acquire@rig.service"))
+        done = subprocess.run(["systemd-analyze", "security", "--offline=yes", "--no-pager", copy],
+                              capture_output=True, text=True)
+    found = re.search(r"Overall exposure level for \S+: ([0-9.]+)", done.stdout)
+    if found is None:
+        skip("systemd-analyze weighs no units that are not loaded: " + done.stderr)
+    check(float(found.group(1)) <= MOST_EXPOSURE, done.stdout)
+    print("exposure", found.group(1))
+
+
+def system_calls(path, sanitizers):
+    """The unit allows what the daemon calls; systemd itself cannot be started here."""
+    if shutil.which("strace") is None:
+        skip("no strace")
+    if sanitizers:
+        print("a sanitizer's own system calls are no daemon's, and it cannot be traced")
+        return
+    with open(path) as file:
+        text = file.read()
+    groups = {}
+    listed = subprocess.run(["systemd-analyze", "syscall-filter", "--no-pager"], capture_output=True, text=True)
+    for line in listed.stdout.splitlines():
+        word = line.strip().split()[0] if line.strip() else ""
+        if line.startswith("@"):
+            members = groups.setdefault(word, set())
+        elif word and not word.startswith("#"):
+            members.add(word)
+
+    def spread(names):
+        calls = set()
+        for name in names:
+            calls |= spread(groups[name]) if name.startswith("@") else {name}
+        return calls
+
+    allowed = spread(["@default"])
+    for sign, names in re.findall(r"^SystemCallFilter=(~?)(.*)$", text, re.MULTILINE):
+        allowed = allowed - spread(names.split()) if sign else allowed | spread(names.split())
+    called = daemon_calls()
+    # systemd has called execve itself
+    refused = called - allowed - {"execve"}
+    check(not refused, f"the unit refuses {sorted(refused)}")
+    check({"openat", "ppoll", "fdatasync", "accept4"} <= called, f"the daemon was not at work: {sorted(called)}")
+    print(len(called), "system calls, all allowed")
+
+
+def daemon_calls():
+    """What a daemon calls that records an emulated sensor, is asked, begins a new file, and is ended."""
+    with tempfile.TemporaryDirectory() as directory, Emulator("--protocol", "stream", "--tcp", "127.0.0.1:0") as peer:
+        config = os.path.join(directory, "rig.toml")
+        trace = os.path.join(directory, "calls")
+        with open(config, "w") as file:
+            file.write(f'directory = "{directory}"\nsocket = "{directory}/s"\n'
+                       f'[[sensor]]\nname = "left"\nport = "{peer.port}"\nsensor = "stream"\n')
+        daemon = subprocess.Popen(["strace", "-f", "-qq", "-o", trace, program("haptometer"), "acquire", "--daemon", config],
+                                  stderr=subprocess.PIPE)
+        wait_for("the socket", lambda: os.path.exists(f"{directory}/s"))
+        wait_for("a trial", lambda: any(name.endswith(".bin") for name in os.listdir(directory)))
+        run("acquire", "--status", f"{directory}/s")
+        children = f"/proc/{daemon.pid}/task/{daemon.pid}/children"
+        with open(children) as file:
+            pid = int(file.read().split()[0])
+        os.kill(pid, signal.SIGHUP)
+        wait_for("a second file", lambda: sum(name.endswith(".bin") for name in os.listdir(directory)) > 1)
+        os.kill(pid, signal.SIGTERM)
+        check(daemon.wait(DEADLINE_S) == 0, daemon.stderr.read())
+        with open(trace) as file:
+            return set(re.findall(r"^\d+ +([a-z_0-9]+)\(", file.read(), re.MULTILINE))
+
+
 if __name__ == "__main__":
     rules()
     unit(sys.argv[1])
+    exposure(sys.argv[1])
+    system_calls(sys.argv[1], "--sanitizers" in sys.argv)

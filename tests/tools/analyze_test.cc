@@ -178,8 +178,9 @@ TEST_F(AnalyzeVerb, SpectraSayTheirNoiseBandwidth) {
   const auto at = text.find("\n220,");
   ASSERT_NE(at, std::string::npos) << text.substr(0, 400);
   EXPECT_REL(std::stod(text.substr(at + 5)), 1e-4, 5e-3, "half a bin off a flat top: 0.04 %");
-  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--resolution", "0.1Hz"}).status, 3);
-  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--overlap", "1"}).status, 2);
+  EXPECT_THAT(Analyze({path, "--spectrum", csv}).err, HasSubstr("spectrum.csv: already exists"));
+  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--overwrite", "--resolution", "0.1Hz"}).status, 3);
+  EXPECT_EQ(Analyze({path, "--spectrum", csv, "--overwrite", "--overlap", "1"}).status, 2);
 }
 
 TEST_F(AnalyzeVerb, ASpectrogramIsDrawnOrWritten) {

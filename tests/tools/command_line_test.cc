@@ -5,13 +5,17 @@
 
 #include <array>
 #include <cstdio>
+#include <cstdlib>
+
+#include "base/printable.h"
 
 namespace haptometer::cli {
 namespace {
 
-// the words that sh makes of `line`, each with a line's end
-std::string WordsBySh(const std::string& line) {
-  const std::string command = "for w in " + line + "; do printf '%s\\n' \"$w\"; done";
+// the words that a shell makes of `line`, each with a line's end
+std::string WordsBy(const std::string& shell_name, const std::string& line) {
+  setenv("LOOP", ("for w in " + line + "; do printf '%s\\n' \"$w\"; done").c_str(), 1);
+  const std::string command = shell_name + " -c \"$LOOP\"";
   std::FILE* shell = popen(command.c_str(), "r");
   std::string words;
   std::array<char, 256> part{};
@@ -32,7 +36,18 @@ TEST(CommandLine, IsTakenApartIntoTheSameWords) {
       "~",       "\"x\"",     "a\\b",         "#", "(",    "&&",    "''"};
   std::string expected;
   for (const std::string& word : words) expected += word + "\n";
-  EXPECT_EQ(WordsBySh(CommandLine(words)), expected);
+  EXPECT_EQ(WordsBy("sh", CommandLine(words)), expected);
+}
+
+// the form is POSIX's since 2024, and dash does not have it yet
+TEST(CommandLine, StaysOneLineWhateverTheWordsHold) {
+  const std::vector<std::string> words{"a\nb", "\x1b[2J 'x'", "\xff.bin", "\u202e", "tab\t\\"};
+  const std::string line = CommandLine(words);
+  EXPECT_TRUE(IsPrintable(line)) << line;
+  EXPECT_EQ(CommandLine({"a\nb"}), "$'a\\012b'");
+  std::string expected;
+  for (const std::string& word : words) expected += word + "\n";
+  EXPECT_EQ(WordsBy("bash", line), expected);
 }
 
 }  // namespace

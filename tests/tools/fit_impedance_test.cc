@@ -151,7 +151,7 @@ TEST_F(FitImpedanceFiles, WhatASweepTellsIsSavedForScenes) {
   EXPECT_TRUE(sim::Complete(*actuator));
   // an ohmmeter's R stands for itself
   auto stated = all;
-  stated.insert(stated.end(), {"--resistance", "27.0(3)ohm"});
+  stated.insert(stated.end(), {"--resistance", "27.0(3)ohm", "--overwrite"});
   EXPECT_EQ(FitLra(stated).status, 0);
   const auto measured = sim::FindActuator(saved);
   ASSERT_TRUE(measured);

@@ -147,7 +147,7 @@ TEST(FitLraFigures, LongRecordsAreDrawnAsTheirEnvelope) {
     }
   }
   const plot::Series used = SeriesOf(FiguresOf(fitted)[0].panels[0], "used");
-  EXPECT_THAT(used.style, StartsWith("lines"));
+  EXPECT_EQ(used.style.mark, plot::Mark::kLines);
   const double highest =
       *std::ranges::max_element(fitted.records[0].voltage_v.begin() +
                                     static_cast<std::ptrdiff_t>(fitted.fit.records[0].first_sample),

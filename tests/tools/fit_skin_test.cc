@@ -201,5 +201,71 @@ TEST_F(FitSkinFiles, DamagedTablesNeverGiveNoNumbers) {
   }
 }
 
+// a scene's steady state at 25 frequencies, as a row each by `row`
+template <typename RowOf>
+std::string TableOf(const sim::Skin& skin, RowOf row) {
+  auto actuator = sim::ThesisC10100();
+  actuator.case_mass_kg += 5e-4;
+  const auto model = sim::AssembleModel(actuator, {}, skin);
+  std::string text;
+  for (int k = 0; k < 25; ++k) {
+    const double hz = 40 * std::pow(12.5, k / 24.0);
+    const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 3, .frequency_hz = hz}, skin);
+    text += row(k, hz, steady, steady.phasors(model.skin()));
+  }
+  return text;
+}
+
+void ExpectSkin(const Outcome& outcome, const sim::Skin& skin) {
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json contact = json::parse(outcome.out).at("contacts").at(0);
+  const json& values = contact.at("parameters");
+  EXPECT_REL(values.at("Ks").at("value").get<double>(), skin.stiffness_n_per_m, 1e-5,
+             "nine digits, of which the resonance loses a few");
+  EXPECT_REL(values.at("Bs").at("value").get<double>(), skin.damping_n_s_per_m, 1e-5, "the same");
+}
+
+TEST_F(FitSkinFiles, TheTableOfASweepOfScenesIsRead) {
+  // its phase_rad is the current's against the voltage and none of the displacement
+  const sim::Skin skin{900, 1.1};
+  const auto text = [&](const char* key, const char* value) {
+    return fmt::format(
+               "# haptometer sweep 0.1.0\n# scene = s.toml\npoint,drive.frequency_hz{},skin_rms_m,"
+               "mover_peak_m,case_rms_m,current_rms_a,power_w,phase_rad,remark\n",
+               key) +
+           TableOf(skin, [&](int k, double hz, const auto& steady, std::complex<double> phasor) {
+             const double rms = std::abs(phasor) / std::numbers::sqrt2;
+             return fmt::format("{},{:.9g}{},{:.9g},1e-4,{:.9g},{:.9g},0.01,-0.2,\n", k + 1, hz,
+                                value, rms, rms, std::abs(steady.current_a) / std::numbers::sqrt2);
+           });
+  };
+  ExpectSkin(FitSkin(With({File("sweep.csv", text("", "")), "--json"})), skin);
+  const auto area = json::parse(
+      FitSkin(With({File("area.csv", text(",skin.contact_area_m2", ",2e-05")), "--json"})).out);
+  EXPECT_REL(area.at("contacts").at(0).at("contact_area_m2").get<double>(), 2e-5, 1e-12,
+             "through mm2 and back");
+  const Outcome other =
+      FitSkin(With({File("other.csv", text(",actuator.damping_n_s_per_m", ",1"))}));
+  EXPECT_EQ(other.status, 3);
+  EXPECT_THAT(other.err, HasSubstr("varies actuator.damping_n_s_per_m besides the frequency"));
+}
+
+TEST_F(FitSkinFiles, TheResponseOfARecordedSweepIsRead) {
+  const sim::Skin skin{1500, 0.9};
+  const auto text = [&](const char* unit, bool per_volt) {
+    return fmt::format("# resolution_hz = 1\nfrequency_hz,{},phase_rad,coherence\n", unit) +
+           TableOf(skin, [&](int, double hz, const auto& steady, std::complex<double> phasor) {
+             const auto ratio = per_volt ? phasor / 3.0 : phasor / steady.current_a;
+             return fmt::format("{:.9g},{:.9g},{:.9g},0.999\n", hz, std::abs(ratio),
+                                std::arg(ratio));
+           });
+  };
+  ExpectSkin(FitSkin(With({File("v.csv", text("amplitude_m_per_v", true)), "--json"})), skin);
+  ExpectSkin(FitSkin(With({File("a.csv", text("amplitude_m_per_a", false)), "--json"})), skin);
+  const Outcome none = FitSkin(With({File("m.csv", text("amplitude_m", true))}));
+  EXPECT_EQ(none.status, 3);
+  EXPECT_THAT(none.err, HasSubstr("whose drive was not recorded in A or V"));
+}
+
 }  // namespace
 }  // namespace haptometer::tools

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "base/input_file.h"
 #include "tools/acquire/options/wall_time.h"
 #include "tools/acquire/trial_name.h"
 
@@ -269,10 +270,9 @@ TEST_F(Output, ALongLabelIsCut) {
 }
 
 TEST_F(Output, IsCheckedBeforeTheRecording) {
-  SensorOptions sensor;
-  sensor.sensor = "stream";
+  ForgetInputs();
   const auto check = [&](const std::string& output, bool overwrite = false) {
-    const auto checked = CheckOutput({.output = output, .overwrite = overwrite}, sensor);
+    const auto checked = CheckOutput({.output = output, .overwrite = overwrite});
     return checked ? std::string() : checked.error().Text();
   };
   const std::string there = directory_ / "there.bin";
@@ -285,9 +285,8 @@ TEST_F(Output, IsCheckedBeforeTheRecording) {
   EXPECT_THAT(check(directory_ / "none/"), HasSubstr("is a directory that does not exist"));
   EXPECT_THAT(check(directory_ / "none/x.bin"), HasSubstr("lies in a directory"));
   EXPECT_THAT(check(directory_, true), HasSubstr("replaces nothing in a directory"));
-  sensor.sensor = "replay";
-  sensor.port = there;
-  EXPECT_THAT(check(there, true), HasSubstr("is the trial that is played"));
+  NoteInput(there);
+  EXPECT_THAT(check(there, true), HasSubstr("is an input of this command"));
 }
 
 }  // namespace

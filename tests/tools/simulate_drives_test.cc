@@ -303,6 +303,9 @@ TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
   std::ofstream(Path("kept.csv")) << "the only copy";
   expect(Simulate({scene, "--waveforms", Path("kept.csv")}), "kept.csv");
   EXPECT_EQ(fs::file_size(Path("kept.csv")), 13U);
+  expect(Simulate({scene, "--waveforms", Path("kept.csv"), "--overwrite"}), "is not a table");
+  EXPECT_EQ(fs::file_size(Path("kept.csv")), 13U);
+  std::ofstream(Path("kept.csv")) << "time_s,displacement_m\n";
   EXPECT_EQ(Simulate({scene, "--waveforms", Path("kept.csv"), "--overwrite"}).status, 0);
 }
 

@@ -196,8 +196,15 @@ TEST_F(SimulateVerb, TellsInOneLineWhatItCannotDo) {
   const std::string sensed = Scene("[sensor]\nkind = 'ideal'\n[run]\nduration_s = 0.05\n");
   expect(Simulate({sensed, "-o", Path("kept.bin")}), 2, "kept.bin: already exists");
   EXPECT_EQ(fs::file_size(Path("kept.bin")), 13U);
-  EXPECT_EQ(Simulate({sensed, "-o", Path("kept.bin"), "--overwrite"}).status, 0);
-  EXPECT_GT(fs::file_size(Path("kept.bin")), 1000U);
+  // and a file that is no trial stays even then
+  expect(Simulate({sensed, "-o", Path("kept.bin"), "--overwrite"}), 2, "is not a trial.bin");
+  EXPECT_EQ(fs::file_size(Path("kept.bin")), 13U);
+  EXPECT_EQ(Simulate({sensed, "-o", Path("own.bin")}).status, 0);
+  const auto bytes = fs::file_size(Path("own.bin"));
+  EXPECT_GT(bytes, 1000U);
+  EXPECT_EQ(Simulate({sensed, "--duration", "0.1s", "-o", Path("own.bin"), "--overwrite"}).status,
+            0);
+  EXPECT_GT(fs::file_size(Path("own.bin")), bytes);
 }
 
 TEST_F(SimulateVerb, PlaysASceneWithStops) {

@@ -22,8 +22,8 @@ TEST(SweepPanels, PointsAndFitHaveTheirOwnFrequencies) {
   ASSERT_EQ(panel.series.size(), 2U);
   EXPECT_EQ(panel.series[0].y, (std::vector<double>{1, 2}));
   EXPECT_EQ(panel.series[1].x, (std::vector<double>{40, 60, 80}));
-  EXPECT_TRUE(panel.series[0].style.starts_with("points"));
-  EXPECT_TRUE(panel.series[1].style.starts_with("lines"));
+  EXPECT_EQ(panel.series[0].style.mark, plot::Mark::kPoints);
+  EXPECT_EQ(panel.series[1].style.mark, plot::Mark::kLines);
 }
 
 TEST(SweepPanels, ResidualsOfTwoQuantitiesStayApart) {
@@ -33,7 +33,7 @@ TEST(SweepPanels, ResidualsOfTwoQuantitiesStayApart) {
   ASSERT_EQ(panel.series.size(), 2U);
   EXPECT_EQ(panel.series[1].title, "phase");
   EXPECT_EQ(panel.series[1].y[0], 0.5);
-  EXPECT_NE(panel.series[0].style, panel.series[1].style);
+  EXPECT_NE(panel.series[0].style.colour.rgb, panel.series[1].style.colour.rgb);
 }
 
 TEST(ImpedancePanels, ResidualsAreInUnitsOfTheNoiseAndTheFitRunsBetweenThePoints) {

@@ -10,6 +10,7 @@
 
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/sweep/sweep_table.h"
 #include "tools/verbs.h"
 
@@ -57,7 +58,7 @@ class SweepVerb : public tests::TemporaryFiles {
     std::vector<Row> rows;
     for (std::string line; std::getline(lines, line);) {
       if (line.starts_with('#')) continue;
-      const std::vector<std::string> cells = CellsOf(line);
+      const std::vector<std::string> cells = cli::CellsOf(line);
       if (columns.empty()) {
         columns = cells;
         continue;

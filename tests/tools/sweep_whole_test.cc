@@ -113,7 +113,13 @@ TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.err, HasSubstr("already exists; go on with it by --resume"));
   EXPECT_EQ(Content("t.csv"), "the only copy\n");
-  EXPECT_EQ(RowsOf(Table(kGrid, "t.csv", {"--overwrite"})).size(), 33U);
+  // and no file of another kind
+  EXPECT_THAT(Sweep(kGrid, "t.csv", {"--overwrite"}).err, HasSubstr("is not a sweep's table"));
+  EXPECT_EQ(Content("t.csv"), "the only copy\n");
+  EXPECT_EQ(RowsOf(Table(kGrid, "u.csv", {})).size(), 33U);
+  EXPECT_EQ(
+      RowsOf(Table({kCone, "--vary", "drive.amplitude_v=1,2"}, "u.csv", {"--overwrite"})).size(),
+      2U);
 }
 
 TEST_F(SweepVerb, RefusesWhatMakesNoWhole) {

@@ -11,12 +11,11 @@ namespace haptometer::plot {
 namespace {
 
 TEST(TextPlot, FitsItsPlaceAndShowsTheCurve) {
-  const auto drawn =
-      DrawText({.title = "distance / mm",
-                .x_label = "time / s",
-                .y_label = "",
-                .series = {{.title = "", .style = "lines", .x = {0, 1, 2, 3}, .y = {0, 1, 0, 1}}}},
-               60, 12);
+  const auto drawn = DrawText({.title = "distance / mm",
+                               .x_label = "time / s",
+                               .y_label = "",
+                               .series = {{.title = "", .x = {0, 1, 2, 3}, .y = {0, 1, 0, 1}}}},
+                              60, 12);
   ASSERT_TRUE(drawn) << drawn.error().Text();
   EXPECT_THAT(*drawn, ::testing::HasSubstr("distance / mm"));
   EXPECT_THAT(*drawn, ::testing::HasSubstr("time / s"));

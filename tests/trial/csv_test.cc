@@ -9,6 +9,7 @@
 
 #include "tests/residual.h"
 #include "trial/export/csv.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {
@@ -175,7 +176,11 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(ErrorOf("# a\n\ntime_s,voltage_v\n0,1\n1,2,3\n"),
             "f.csv: line 5: has 3 cells where the columns are 2; complete or remove the line");
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n1,3\n"),
-            "f.csv: line 4: time 1 s does not grow (the row before is at 1 s); sort the rows, or "
+            "f.csv: 1 of 3 rows has the time of the row before (first in line 4), and no even grid "
+            "explains it; print the times with more digits, or remove these rows; only where no "
+            "row is missing, leave the times out (--columns) and say --rate");
+  EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n0.5,3\n"),
+            "f.csv: line 4: time 0.5 s does not grow (the row before is at 1 s); sort the rows, or "
             "print the times with more digits");
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\nnan,2\n"), HasSubstr("line 3: 'nan' is no time"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n,2\n"), HasSubstr("line 3: '' is no time"));
@@ -204,6 +209,111 @@ TEST(Csv, AnExportSaysWhatThereIs) {
             "# source = imported\n# times = grid\n# stretch = 0 3 0 2 0\n"
             "# channel.1.name = displacement\n"
             "time_s,displacement_m,status\n0,1e-06,ok\n0.5,,late\n1,3e-06,ok\n");
+}
+
+// --- one meaning of time_s -----------------------------------------------------------------------
+
+// a record of three rows, whose raw times lie beside a straightened grid
+Record Straightened(Timing timing) {
+  Record record = Parsed("time_s,displacement_m\n0,1\n0.25,2\n0.5,3\n");
+  record.timing = timing;
+  record.stretches = {{.rows = 3, .start_s = 0.125, .rate_hz = 4, .time_uncertainty_s = 1e-3}};
+  record.raw_times_s = {0.13, 0.36, 0.63};
+  return record;
+}
+
+TEST(Csv, ArrivalTimesStandBesideTheStraightenedOnes) {
+  for (const Timing timing : {Timing::kArrival, Timing::kPolled}) {
+    const Record record = Straightened(timing);
+    const std::string text = Exported(record);
+    EXPECT_THAT(text, HasSubstr("\ntime_s,arrival_s,displacement_m\n0.125,0.13,1\n0.375,0.36,2\n"
+                                "0.625,0.63,3\n"));
+    const Record again = Parsed(text);
+    EXPECT_EQ(again.timing, timing);
+    EXPECT_EQ(again.raw_times_s, record.raw_times_s);
+    ASSERT_EQ(again.stretches.size(), 1);
+    for (std::size_t row = 0; row < 3; ++row) EXPECT_EQ(TimeOf(again, row), TimeOf(record, row));
+    ASSERT_EQ(again.channels.size(), 1) << "an arrival time is no channel";
+    EXPECT_EQ(Exported(again), text);
+  }
+}
+
+TEST(Csv, TimesThatAreKnownAreTheTimes) {
+  Record record = Straightened(Timing::kPolled);
+  record.times_are_known = true;
+  const std::string text = Exported(record);
+  EXPECT_THAT(text, HasSubstr("\ntime_s,displacement_m\n0.13,1\n0.36,2\n0.63,3\n"));
+  const Record again = Parsed(text);
+  EXPECT_TRUE(again.times_are_known);
+  EXPECT_EQ(again.raw_times_s, record.raw_times_s);
+  EXPECT_EQ(Exported(again), text);
+}
+
+TEST(Csv, ExportsOfEarlierVersionsAreReadAsTheyWere) {
+  const Record record = Parsed(
+      "# times = polled\n# stretch = 0 3 0.125 4 0.001\ntime_s,displacement_m\n0.13,1\n0.36,2\n"
+      "0.63,3\n");
+  EXPECT_EQ(record.timing, Timing::kPolled);
+  EXPECT_EQ(record.raw_times_s, (std::vector<double>{0.13, 0.36, 0.63}));
+  EXPECT_EQ(TimeOf(record, 1), 0.375);
+}
+
+TEST(Csv, ArrivalTimesWithoutAWordOnTheirKindAreLeftOut) {
+  const Record record = Parsed("time_s,arrival_s,displacement_m\n0,0.01,1\n0.5,0.56,2\n1,1.02,3\n");
+  EXPECT_TRUE(record.raw_times_s.empty());
+  EXPECT_EQ(record.stretches.at(0).rate_hz, 2);
+  EXPECT_EQ(record.channels.size(), 1);
+}
+
+// bounded before any of it is split, so that the memory is a small multiple of the text
+TEST(CsvBounds, LinesOfTooManyCellsOrBytesAreRefusedWithTheirPlace) {
+  const auto told = [](const std::string& text) {
+    const auto record = ParseCsv(text, "x.csv");
+    return record ? std::string() : record.error().Text();
+  };
+  const std::string rows = "time_s,displacement_m\n0,1\n1e-3,2\n";
+  for (const char separator : {',', ';', '\t'}) {
+    EXPECT_EQ(told(rows + std::string(kMostColumns, separator) + "\n"),
+              "x.csv: line 4: has more than 4096 columns; is it a table of measurements?");
+  }
+  EXPECT_EQ(told(std::string(kMostLineBytes + 1, 'a') + rows),
+            "x.csv: line 1: is longer than 1 MiB; is it a table of measurements?");
+  std::string comments;
+  for (std::size_t k = 0; k <= kMostHeaderLines; ++k) comments += "# a\n";
+  EXPECT_EQ(told(comments + rows),
+            "x.csv: line 100001: is the last of more than 100000 comments; is it a table of "
+            "measurements?");
+  EXPECT_EQ(told("# " + std::string(kMostLineBytes - 2, ',').substr(0, 4000) + "\n" + rows), "");
+}
+
+TEST(CsvBounds, AWideTableIsRead) {
+  std::string header = "time_s";
+  std::string first = "0";
+  std::string second = "1e-3";
+  for (int k = 0; k < 1000; ++k) {
+    header += fmt::format(",ch{}_v", k);
+    first += ",1";
+    second += ",2";
+  }
+  const auto record = ParseCsv(header + "\n" + first + "\n" + second + "\n", "x.csv");
+  ASSERT_TRUE(record) << record.error().Text();
+  EXPECT_EQ(record->channels.size(), 1000U);
+}
+
+// columns times blank lines would be far more memory than the text
+TEST(CsvBounds, BlankLinesReserveNoRows) {
+  std::string blank;
+  blank.resize(30'000'000, '\n');
+  std::string header = "time_s";
+  std::string row = "0";
+  for (int k = 0; k < 4000; ++k) {
+    header += fmt::format(",ch{}_v", k);
+    row += ",1";
+  }
+  const auto record =
+      ParseCsv(header + "\n" + row + "\n1e-3" + row.substr(1) + "\n" + blank, "x.csv");
+  ASSERT_TRUE(record) << record.error().Text();
+  EXPECT_EQ(record->rows, 2U);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 
 #include "tests/residual.h"
 #include "trial/import/csv.h"
-#include "trial/import/lvm.h"
 
 namespace haptometer::trial {
 namespace {
@@ -138,7 +137,7 @@ TEST(ForeignTable, UnevenTimesCloserThanANanosecondKeepTheirRate) {
 TEST(ForeignTable, ColumnsThatAreSaidNeedATable) {
   EXPECT_EQ(ErrorOf("a,b\nc,d\n", {.columns = {"time_s", "voltage_v"}}),
             "f.csv: has no two lines of numbers for --columns to name; give a file with a row of "
-            "numbers a line");
+            "numbers a line, separated by commas, semicolons, tabs or blanks");
 }
 
 TEST(ForeignTable, TimesAgainstAStatedRateAreRemarkedUpon) {
@@ -192,8 +191,9 @@ TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
 }
 
 TEST(ForeignTable, TimesThatRepeatWithoutAGridBehindThemAreRefused) {
-  EXPECT_THAT(ErrorOf("Time (s),CH1 (V)\n0,1\n0,2\n1,3\n"),
-              HasSubstr("1 of 3 times are those of the row before, and no even grid explains it"));
+  EXPECT_THAT(
+      ErrorOf("Time (s),CH1 (V)\n0,1\n0,2\n1,3\n"),
+      HasSubstr("1 of 3 rows has the time of the row before (first in line 3), and no even grid"));
   std::string burst = "Time (s),CH1 (V)\n";
   for (int i = 0; i < 40; ++i) burst += i % 20 < 10 ? "0.001,1\n" : "";
   for (int i = 0; i < 40; ++i) burst += "0.5,1\n";
@@ -227,125 +227,6 @@ TEST(ForeignTable, AHistogramIsNoWaveform) {
 TEST(ForeignTable, WordsThatAreNotUtf8AreReadAsWindowsWritesThem) {
   const Record record = Parsed("Zeit (\xb5s);Spannung (mV)\n0;1\n1;2\n");
   EXPECT_REL(record.stretches.at(0).rate_hz, 1e6, 1e-9, "printed times");
-}
-
-// --- LabVIEW ------------------------------------------------------------------------------------
-
-// a file with the given header lines, segment lines and rows
-std::string Lvm(std::string_view header, std::string_view body) {
-  return "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n" + std::string(header) +
-         "Date\t2024/05/06\nTime\t12:00:00.5\n***End_of_Header***\t\n\t\n" + std::string(body);
-}
-
-std::string Replaced(std::string text, char from, char to) {
-  std::ranges::replace(text, from, to);
-  return text;
-}
-
-Record ParsedLvm(const std::string& text) {
-  EXPECT_TRUE(IsLvm(text));
-  auto record = ParseLvm(text, "f.lvm");
-  EXPECT_TRUE(record) << record.error().Text();
-  return record ? std::move(*record) : Record{};
-}
-
-std::string LvmErrorOf(const std::string& text) {
-  const auto record = ParseLvm(text, "f.lvm");
-  if (record) return "was read";
-  EXPECT_EQ(record.error().cause, Cause::kCannotAnswer);
-  EXPECT_FALSE(record.error().remedy.empty());
-  return record.error().Text();
-}
-
-const std::string kSegment =
-    "Channels\t2\t\nSamples\t3\t3\nY_Unit_Label\tVolts\tmm\nX_Dimension\tTime\tTime\nX0\t0\t0\n"
-    "Delta_X\t0.001\t0.001\n***End_of_Header***\t\t\nX_Value\tLaser\tRef\tComment\n";
-
-TEST(Lvm, OneXColumnUnitsNamesAndComments) {
-  const Record record =
-      ParsedLvm(Lvm("Decimal_Separator\t.\r\nX_Columns\tOne\r\n",
-                    kSegment + "0.000\t1.5\t2\tbegun\r\n0.001\t2.5\t\r\n0.002\t-1\t4\t\r\n"));
-  ASSERT_EQ(record.rows, 3);
-  EXPECT_EQ(record.channels[0].name, "Laser");
-  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
-  EXPECT_EQ(record.channels[0].values[1], 2.5);
-  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
-  EXPECT_REL(record.channels[1].values[2], 4e-3, 1e-15, "one product");
-  EXPECT_EQ(record.channels[1].statuses[1], SampleStatus::kInvalid);
-  EXPECT_REL(record.stretches.at(0).rate_hz, 1000, 1e-12, "printed times");
-  EXPECT_THAT(record.metadata.notes, ElementsAre("row 0: begun"));
-  EXPECT_EQ(record.metadata.fields.at("lvm.Date"), "2024/05/06");
-}
-
-TEST(Lvm, DecimalCommasAndCommasBetweenCells) {
-  const Record comma = ParsedLvm(Replaced(
-      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
-      '.', ','));
-  EXPECT_EQ(comma.channels.at(0).values.at(1), 2.5);
-  const Record cells = ParsedLvm(Replaced(
-      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
-      '\t', ','));
-  EXPECT_EQ(cells.channels.at(0).values.at(1), 2.5);
-}
-
-TEST(Lvm, WithoutXTheHeaderGivesTheTimes) {
-  for (const char* rows : {"\t1\t2\n\t3\t4\n", "1\t2\n3\t4\n"}) {
-    const Record record = ParsedLvm(Lvm("X_Columns\tNo\n", kSegment + rows));
-    ASSERT_EQ(record.rows, 2) << rows;
-    EXPECT_EQ(record.channels[0].values[1], 3);
-    EXPECT_EQ(record.stretches.at(0).rate_hz, 1000);
-  }
-}
-
-TEST(Lvm, SeveralXColumnsMustAgree) {
-  const std::string head =
-      "Channels\t2\t\n***End_of_Header***\t\nX_Value\tA\tX_Value\tB\tComment\n";
-  const Record record = ParsedLvm(Lvm("X_Columns\tMulti\n", head + "0\t1\t0\t2\n0.5\t3\t0.5\t4\n"));
-  EXPECT_EQ(record.channels.at(1).values, (std::vector<double>{2, 4}));
-  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tMulti\n", head + "0\t1\t0.1\t2\n")),
-              HasSubstr("X values of their own (0 and 0.1)"));
-}
-
-TEST(Lvm, SegmentsBecomeStretches) {
-  const std::string rows = "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n";
-  auto dated = [](std::string segment, const std::string& time) {
-    return segment.replace(segment.find("X_Dim"), 0,
-                           "Date\t2024/05/06\t2024/05/06\nTime\t" + time + "\n");
-  };
-  // X goes on
-  const Record going = ParsedLvm(
-      Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + "0.010\t5\t6\n0.011\t7\t8\n"));
-  ASSERT_EQ(going.stretches.size(), 2);
-  EXPECT_EQ(going.stretches[1].first_row, 3);
-  EXPECT_EQ(going.stretches[1].start_s, 0.010);
-  // X begins again, and the clock on the wall tells when
-  const Record again =
-      ParsedLvm(Lvm("X_Columns\tOne\n", dated(kSegment, "12:00:00.5") + rows + "\n" +
-                                            dated(kSegment, "12:00:02.75") + rows));
-  ASSERT_EQ(again.stretches.size(), 2);
-  EXPECT_EQ(again.stretches[1].start_s, 2.25);
-  EXPECT_EQ(again.channels[0].values[3], 1);
-  // or nothing does
-  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + rows)),
-              HasSubstr("whose Date and Time do not tell when"));
-  EXPECT_THAT(
-      LvmErrorOf(Lvm("", kSegment + rows + "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t1\n")),
-      HasSubstr("begins a segment of 1 channels where the first has 2"));
-}
-
-TEST(Lvm, WhatCannotBeReadIsExplained) {
-  EXPECT_THAT(LvmErrorOf("LabVIEW Measurement\nX_Columns\tOne\n"),
-              HasSubstr("header does not end"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is no number"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\n")),
-              HasSubstr("has 2 cells where 3 are needed"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\t1\n0\t1\t1\n")), HasSubstr("does not grow"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", "0\t1\n")), HasSubstr("a line of names"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment)), HasSubstr("holds 0 rows"));
-  EXPECT_THAT(LvmErrorOf(Lvm("Decimal_Separator\t.\n", kSegment + "0,5\t1\t1\n")),
-              HasSubstr("'0,5' is no X value"));
-  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", "X_Value\tA\n\t1\n\t2\n")),
-              HasSubstr("neither X values nor a Delta_X"));
 }
 
 }  // namespace

@@ -147,5 +147,38 @@ TEST(Hdf5, DamagedFilesAreRefusedOrHarmless) {
   }
 }
 
+TEST(Hdf5, TimesThatAreKnownStayKnown) {
+  auto record = ParseCsv("time_s,displacement_m\n0,1\n0.25,2\n0.6,3\n0.7,4\n", "f.csv");
+  ASSERT_TRUE(record);
+  ASSERT_TRUE(record->times_are_known);
+  const std::string path = ::testing::TempDir() + "known.h5";
+  Write(path, {{"t", Recording{.record = *record, .report = {}}}});
+  const auto again = ReadHdf5(path, "");
+  ASSERT_TRUE(again) << again.error().Text();
+  EXPECT_TRUE(again->record.times_are_known);
+  EXPECT_TRUE(SameBits(again->record.raw_times_s, record->raw_times_s));
+  std::remove(path.c_str());
+}
+
+TEST(ReadRecording, WhatIsKnownAndNotReadIsNamed) {
+  const std::pair<std::string, const char*> kFiles[]{
+      {std::string("RIFF\x24\0\0\0WAVEfmt ", 16), "is a WAV file, which this program writes"},
+      {std::string("\x93NUMPY\x01\0", 8), "is a NumPy array (NPY), which this program writes"},
+      {"MATLAB 5.0 MAT-file, Platform: posix", "is a MATLAB file (MAT), which this program"},
+      {std::string("PK\x03\x04\x14\0", 6), "is a ZIP archive"},
+      {std::string("TDSm\x0e\0", 6), "is a LabVIEW TDMS file"},
+      {std::string("\x0f\x0f:WFM#003", 10), "is a binary waveform of a Tektronix"}};
+  const std::string path = ::testing::TempDir() + "kind.bin";
+  for (const auto& [bytes, message] : kFiles) {
+    std::ofstream(path, std::ios::binary) << bytes;
+    const auto read = ReadRecording(path);
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error().cause, Cause::kCannotAnswer);
+    EXPECT_THAT(read.error().Text(), HasSubstr(message));
+    EXPECT_THAT(read.error().remedy, HasSubstr("export its columns as a CSV"));
+  }
+  std::remove(path.c_str());
+}
+
 }  // namespace
 }  // namespace haptometer::trial

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "tests/residual.h"
+#include "trial/import/csv.h"
 #include "trial/read_recording.h"
 
 namespace haptometer::trial {
@@ -235,6 +237,13 @@ TEST(ScopeCsv, TheFormatCanBeSaid) {
       ReadRecording(PathOf("siglent_source.csv"), {.format = TableFormat::kTektronixTds});
   ASSERT_FALSE(wrong);
   EXPECT_THAT(wrong.error().Text(), HasSubstr("is no table as --format tektronix-tds says"));
+}
+
+TEST(ScopeCsv, ATextWithoutLinesIsNoTable) {
+  for (const std::string_view text : {"", "\n", "\r", ";", "Source,CH1,,1"}) {
+    const auto read = ParseCsv(text, "empty", {.format = TableFormat::kTektronixTds});
+    EXPECT_FALSE(read) << text;
+  }
 }
 
 }  // namespace

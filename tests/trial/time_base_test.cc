@@ -164,12 +164,123 @@ TEST(ArrivalTimes, AShiftInTimeShiftsOnlyTheStart) {
 
 TEST(ArrivalTimes, KnownBreaksBeginStretchesAndShortOnesTakeTheCommonRate) {
   const auto times = Arrivals({});
-  const std::vector<std::size_t> breaks{0, 100, 100, times.size()};
-  const auto stretches = FitArrivalTimes(times, std::nullopt, breaks);
+  const std::vector<MissingRows> missing{
+      {.row = 0}, {.row = 100}, {.row = 100}, {.row = times.size()}};
+  const auto stretches = FitArrivalTimes(times, std::nullopt, missing);
   ASSERT_EQ(stretches.size(), 2);
   EXPECT_EQ(stretches[0].rows, 100);
   EXPECT_EQ(stretches[1].first_row, 100);
   EXPECT_REL(stretches[0].rate_hz, stretches[1].rate_hz, 1e-12, "the same line, rounded twice");
+}
+
+// --- a host that stalls again and again --------------------------------------------------------
+
+struct Stalls {
+  const char* name;
+  std::vector<std::pair<double, double>> at_s;  // from .. to: what is due then arrives at the end
+};
+
+// 9 s of lines that arrive some 30 us after they were sent, or when a stall is over, at a million
+// lines a second. `lost` lines are missing from place `lost_from` on.
+struct StalledLines {
+  std::vector<std::int64_t> times_ns;
+  std::vector<MissingRows> missing;
+};
+
+StalledLines Stalled(double rate_hz, const Stalls& stalls, std::size_t lost_from = 0,
+                     std::size_t lost = 0) {
+  constexpr double kFastS = 1e-6;
+  std::mt19937_64 random(3);
+  std::exponential_distribution<double> delay_s(1 / 30e-6);
+  StalledLines lines;
+  double latest_s = 0;
+  for (std::size_t place = 0; place < static_cast<std::size_t>(9 * rate_hz); ++place) {
+    const double sent_s = static_cast<double>(place) / rate_hz;
+    double arrived_s = sent_s + delay_s(random);
+    for (const auto& [from_s, to_s] : stalls.at_s) {
+      if (arrived_s > from_s && arrived_s < to_s) arrived_s = to_s;
+    }
+    arrived_s = std::max(arrived_s, latest_s + kFastS);
+    if (arrived_s > 9.5) break;
+    latest_s = arrived_s;
+    if (place >= lost_from && place < lost_from + lost) {
+      if (place == lost_from) lines.missing.push_back({lines.times_ns.size(), lost});
+      continue;
+    }
+    lines.times_ns.push_back(std::llround(arrived_s * 1e9));
+  }
+  return lines;
+}
+
+class StalledHost : public ::testing::TestWithParam<Stalls> {};
+
+// the median delay of some thousand lines, over seconds
+constexpr double kRateTolerance = 1e-4;
+
+TEST_P(StalledHost, LosesNoLineAndKeepsTheRate) {
+  for (const double rate_hz : {700.0, 2900.0, 8300.0}) {
+    const StalledLines lines = Stalled(rate_hz, GetParam());
+    for (const bool is_numbered : {false, true}) {
+      const auto stretches = FitArrivalTimes(lines.times_ns, 10'240, {}, is_numbered);
+      ASSERT_EQ(stretches.size(), 1) << rate_hz << ", numbered: " << is_numbered;
+      EXPECT_REL(stretches[0].rate_hz, rate_hz, kRateTolerance, "delays of 30 us over seconds");
+      EXPECT_ABS(stretches[0].start_s, 0, 2e-4, "the least delay, and the rate's error times 2 s");
+      EXPECT_LT(stretches[0].time_uncertainty_s, 1e-4);
+    }
+  }
+}
+
+// the numbers tell how many: the stretches lie on one grid
+TEST_P(StalledHost, WithNumberedLinesALossIsExact) {
+  for (const double rate_hz : {700.0, 2900.0, 8300.0}) {
+    for (const double at_s : {0.2, 3.6, 5.9}) {
+      for (const std::size_t lost : {1U, 37U, 650U}) {
+        const auto from = static_cast<std::size_t>(at_s * rate_hz);
+        const StalledLines lines = Stalled(rate_hz, GetParam(), from, lost);
+        const auto stretches = FitArrivalTimes(lines.times_ns, 10'240, lines.missing, true);
+        ASSERT_EQ(stretches.size(), 2) << rate_hz << " " << at_s << " " << lost;
+        EXPECT_EQ(stretches[1].first_row, from);
+        EXPECT_EQ(stretches[1].rate_hz, stretches[0].rate_hz);
+        EXPECT_REL(stretches[0].rate_hz, rate_hz, kRateTolerance, "delays of 30 us over seconds");
+        EXPECT_ABS((stretches[1].start_s - stretches[0].start_s) * stretches[0].rate_hz,
+                   static_cast<double>(from + lost), 1e-6, "one line, rounded");
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Places, StalledHost,
+    ::testing::Values(
+        Stalls{"None", {}}, Stalls{"One", {{2.5, 7.1}}},
+        Stalls{"Three", {{0.9, 2.8}, {3.9, 5.7}, {6.4, 8.5}}}, Stalls{"AtTheBegin", {{0, 2.2}}},
+        Stalls{"AtTheEnd", {{6.8, 9.3}}}, Stalls{"AtBothEnds", {{0, 1.7}, {4, 5.5}, {7.6, 9.4}}},
+        Stalls{"OneBehindTheOther", {{1, 3}, {3.003, 5}, {5.004, 6.5}}},
+        Stalls{"Six", {{0.5, 1.5}, {1.9, 3.1}, {3.5, 4.7}, {5.1, 6.3}, {6.6, 7.6}, {8, 8.8}}}),
+    [](const auto& at) { return std::string(at.param.name); });
+
+TEST(ArrivalTimes, ALossBesideAStallIsFoundWithoutNumbers) {
+  for (const double rate_hz : {1000.0, 5000.0}) {
+    const auto lost = static_cast<std::size_t>(0.05 * rate_hz);
+    const StalledLines lines =
+        Stalled(rate_hz, {"", {{1, 2.6}, {6, 7.9}}}, static_cast<std::size_t>(4 * rate_hz), lost);
+    const auto stretches = FitArrivalTimes(lines.times_ns, 10'240);
+    ASSERT_EQ(stretches.size(), 2);
+    const double end_s =
+        stretches[0].start_s + static_cast<double>(stretches[0].rows) / stretches[0].rate_hz;
+    EXPECT_ABS((stretches[1].start_s - end_s) * rate_hz, static_cast<double>(lost), 0.5,
+               "both rates' errors over 4 s");
+  }
+}
+
+// numbers begin again after a turn: a loss of whole turns shows as a pause that nothing makes up
+// for
+TEST(ArrivalTimes, APauseThatTheNumbersDoNotExplainBeginsAStretch) {
+  const auto times = Regular(4000, 1, 2000, 1000);
+  const auto stretches = FitArrivalTimes(times, 1000, {}, true);
+  ASSERT_EQ(stretches.size(), 2);
+  EXPECT_EQ(stretches[1].first_row, 2000);
+  EXPECT_EQ(FitArrivalTimes(times, 1000, std::vector<MissingRows>{{2000, 1000}}, true).size(), 2);
 }
 
 TEST(ArrivalTimes, FewRowsTakeTheNominalRate) {

@@ -1,12 +1,16 @@
 #include "trial/trial_writer.h"
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -76,9 +80,9 @@ TEST(TrialWriter, MetadataComesBack) {
   metadata.sampling_s = 1e-3;
   metadata.drive_frequency_hz = 225;
   metadata.tare_m = -0.1;
-  metadata.labels = {{"subject", "3"}, {"condition", "stöck \"new\"\n"}};
+  metadata.labels = {{"subject", "3"}, {"condition", "stöck \"new\""}};
   metadata.notes = {"one", "two"};
-  metadata.command_line = "acquire \xff.bin";  // a file name that is no UTF-8
+  metadata.command_line = "acquire $'\\377.bin'";  // a file name that is no UTF-8
   header.channels[0].range_max = 0.01;
   MemoryDisk disk;
   ManualClock clock;
@@ -94,7 +98,7 @@ TEST(TrialWriter, MetadataComesBack) {
   EXPECT_EQ(back.tare_m, -0.1);
   EXPECT_EQ(back.labels, metadata.labels);
   EXPECT_EQ(back.notes, metadata.notes);
-  EXPECT_EQ(back.command_line, "acquire \ufffd.bin");
+  EXPECT_EQ(back.command_line, metadata.command_line);
   EXPECT_EQ(read->record.channels[0].range_max, 0.01);
   EXPECT_EQ(read->record.channels[0].range_min, -std::numeric_limits<double>::infinity());
   EXPECT_FALSE(read->report.closed);
@@ -219,6 +223,102 @@ TEST(TrialWriter, KilledProcessLosesNothingThatWasFlushed) {
   // the lock died with the process
   EXPECT_TRUE(AppendEvent(path, {.kind = EventKind::kLabels, .labels = {{"subject", "3"}}}));
   EXPECT_EQ(ReadRecord(path)->record.metadata.labels.at("subject"), "3");
+}
+
+// --- others who lay hands on the file while it is written --------------------------------------
+
+// a trial of one channel at `path`, with 300 rows on the disk
+TrialWriter BegunAt(const std::string& path, Clock& clock) {
+  auto writer = TrialWriter::Create(path, CountsHeader(Timing::kUniform), {}, clock);
+  EXPECT_TRUE(writer);
+  for (std::int64_t i = 0; i < 300; ++i) EXPECT_TRUE(AppendCounts(&*writer, 1, {.index = i}));
+  EXPECT_TRUE(writer->Flush());
+  return std::move(*writer);
+}
+
+TEST(TrialFile, ThatAnotherCutsIsAnErrorAndNoHole) {
+  for (const bool at_the_end : {false, true}) {
+    const ScratchDirectory directory;
+    const std::string file = directory.File("t.bin");
+    ManualClock clock;
+    TrialWriter writer = BegunAt(file, clock);
+    const auto whole = std::filesystem::file_size(file);
+    ASSERT_EQ(truncate(file.c_str(), 700), 0);
+    Result<void> done;
+    if (at_the_end) {
+      const auto totals = writer.Finish();
+      if (!totals) done = std::unexpected(totals.error());
+    } else {
+      ASSERT_TRUE(AppendCounts(&writer, 2, {.index = 300}));
+      done = writer.Flush();
+    }
+    ASSERT_FALSE(done);
+    EXPECT_EQ(done.error().cause, Cause::kFailed);
+    EXPECT_THAT(done.error().what,
+                HasSubstr(fmt::format("cut the file from {} to 700 bytes", whole)));
+    EXPECT_EQ(std::filesystem::file_size(file), 700) << "nothing is appended to it";
+  }
+}
+
+TEST(TrialFile, ThatAnotherDeletesOrReplacesIsAnError) {
+  for (const bool is_replaced : {false, true}) {
+    const ScratchDirectory directory;
+    const std::string file = directory.File("t.bin");
+    ManualClock clock;
+    TrialWriter writer = BegunAt(file, clock);
+    if (is_replaced) {
+      std::ofstream(file + ".other") << "another's";
+      std::filesystem::rename(file + ".other", file);
+    } else {
+      std::filesystem::remove(file);
+    }
+    const auto done = writer.Flush();
+    ASSERT_FALSE(done);
+    EXPECT_THAT(done.error().what, HasSubstr("deleted or replaced"));
+    EXPECT_THAT(done.error().remedy, HasSubstr("nothing of it is kept"));
+    EXPECT_EQ(std::filesystem::exists(file), is_replaced);
+  }
+}
+
+TEST(TrialFile, ThatAnotherMovesIsWrittenToTheEndAndItsPlaceIsSaid) {
+  const ScratchDirectory directory;
+  const std::string file = directory.File("t.bin");
+  const std::string other = directory.File("elsewhere.bin");
+  ManualClock clock;
+  TrialWriter writer = BegunAt(file, clock);
+  std::filesystem::rename(file, other);
+  ASSERT_TRUE(AppendCounts(&writer, 2, {.index = 300}));
+  const auto totals = writer.Finish();
+  ASSERT_TRUE(totals);
+  EXPECT_TRUE(std::filesystem::equivalent(totals->moved_to, other));
+  const auto read = ReadRecord(other);
+  ASSERT_TRUE(read);
+  EXPECT_TRUE(read->report.closed);
+  EXPECT_EQ(read->record.rows, 301);
+}
+
+// RLIMIT_FSIZE stands for a full disk: a write takes a part and the next one fails
+TEST(TrialFile, ThatMayNotGrowIsCutBehindItsLastWholeBlock) {
+  const ScratchDirectory directory;
+  const std::string file = directory.File("t.bin");
+  ManualClock clock;
+  TrialWriter writer = BegunAt(file, clock);
+  const auto whole = std::filesystem::file_size(file);
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit tight{.rlim_cur = whole + 100, .rlim_max = before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &tight), 0);
+  for (std::int64_t i = 300; i < 400; ++i) ASSERT_TRUE(AppendCounts(&writer, 1, {.index = i}));
+  const auto done = writer.Flush();
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  ASSERT_FALSE(done);
+  EXPECT_THAT(done.error().remedy, HasSubstr("300 of 400 rows are kept"));
+  EXPECT_EQ(std::filesystem::file_size(file), whole) << "no part of a block is left";
+  const auto read = ReadRecord(file);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->record.rows, 300);
+  EXPECT_TRUE(read->report.losses.empty());
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <csignal>
 #include <ctime>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
+#include "base/printable.h"
 #include "tools/acquire/check/sensor_check.h"
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"
@@ -32,6 +34,7 @@
 #include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/daemon/daemon_options.h"
 #include "tools/verbs.h"
@@ -135,9 +138,9 @@ int Report(const cli::Options& options, const std::string& file, const trial::Tr
     cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
   }
   if (options.json()) {
-    fmt::print("{}", SummaryJson(file, header.metadata, summary, time_base));
+    cli::Print(SummaryJson(file, header.metadata, summary, time_base));
   } else {
-    fmt::print("{}\n", SummaryLine(file, summary));
+    cli::Print(Printable(SummaryLine(file, summary)) + "\n");
   }
   if (summary.connection_lost) {
     const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
@@ -173,11 +176,20 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
     return RecordShown(sensor, nothing, clock, limits, header, band, style,
                        [] { cli::InterruptAsBy(SIGPIPE); });
   }
-  auto writer = trial::TrialWriter::Create(file, header,
-                                           {.flush_interval_s = 1, .overwrite = overwrite}, clock);
+  // again: the sensor may have read further files by now
+  if (auto free = cli::CheckOutput(file, cli::kTrialOutput, overwrite); !free) {
+    return std::unexpected(free.error());
+  }
+  const bool is_device = std::filesystem::is_other(file);
+  auto writer = trial::TrialWriter::Create(
+      file, header, {.flush_interval_s = 1, .overwrite = overwrite || is_device}, clock);
   if (!writer) return std::unexpected(writer.error());
   acquire::SingleTrial sink(*writer);
-  return RecordShown(sensor, sink, clock, limits, header, band, style);
+  auto summary = RecordShown(sensor, sink, clock, limits, header, band, style);
+  if (const std::string& moved_to = writer->totals().moved_to; summary && !moved_to.empty()) {
+    return Failed(file, "was moved while it was recorded", "it is whole, at " + moved_to);
+  }
+  return summary;
 }
 
 // everything between the command line and the report
@@ -220,14 +232,14 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
 int ListPorts(const cli::Options& options) {
   const auto ports = acquire::ListPorts();
   if (!ports) return cli::ReportError(kVerb, ports.error());
-  fmt::print("{}", options.json() ? PortListJson(*ports) : PortListText(*ports));
+  cli::Print(options.json() ? PortListJson(*ports) : PortListText(*ports));
   return 0;
 }
 
 int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
   const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
   if (!question) return cli::ReportError(kVerb, question.error());
-  fmt::print("{}", options.json() ? SensorListJson(*question) : SensorListText(*question));
+  cli::Print(options.json() ? SensorListJson(*question) : SensorListText(*question));
   return 0;
 }
 

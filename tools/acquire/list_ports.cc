@@ -7,6 +7,7 @@
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
+#include "base/printable.h"
 #include "tools/cli/json.h"
 
 namespace haptometer::tools {
@@ -24,11 +25,11 @@ std::optional<double> FastestPollHz(const PortInfo& port) {
 }
 
 std::string Line(std::string_view what, const std::string& text) {
-  return text.empty() ? "" : fmt::format("  {:<12}{}\n", what, text);
+  return text.empty() ? "" : fmt::format("  {:<12}{}\n", what, Printable(text));
 }
 
 std::string PortText(const PortInfo& port) {
-  std::string text = port.path + "\n";
+  std::string text = Printable(port.path) + "\n";
   text += Line("by id", port.by_id);
   text += Line("description", port.description);
   text += Line("driver", port.driver);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/clock.h"
+#include "base/printable.h"
 
 namespace haptometer::tools {
 
@@ -17,7 +18,7 @@ trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay
   if (!is_replay) {
     std::array<char, 256> host{};
     gethostname(host.data(), host.size() - 1);
-    metadata.host = host.data();
+    metadata.host = Printable(host.data());
     metadata.utc_start = UtcNow();
   }
   metadata.command_line = std::move(command_line);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/printable.h"
 #include "sim/sensor_model.h"
 #include "tools/played_scene.h"
 #include "tools/simulated_channel.h"
@@ -25,7 +26,7 @@ class SceneSensor final : public acquire::Sensor {
     header_.rate_hz = sensor_.rate_hz;
     header_.channels = {FormatOf(record.channels.front())};
     header_.metadata = std::move(record.metadata);
-    header_.metadata.fields["scene"] = path;
+    header_.metadata.fields["scene"] = Printable(path);
   }
 
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }

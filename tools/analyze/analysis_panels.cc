@@ -17,8 +17,6 @@ namespace {
 
 constexpr double kUm = 1e-6;  // in metres
 
-std::string Lines(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
-
 // `values` in um about `offset_m` where `keep` says so, NaN elsewhere
 template <typename Keep>
 std::vector<double> Where(std::span<const double> values, double offset_m, const Keep& keep) {
@@ -58,7 +56,7 @@ plot::Panel CloseUp(const std::vector<double>& times_s, const std::vector<double
           "time / s",
           "in band / um",
           {{"",
-            Lines(plot::kBlue),
+            plot::Lines(plot::kBlue),
             {times_s.begin() + first, times_s.begin() + last},
             {filtered_um.begin() + first, filtered_um.begin() + last}}}};
 }
@@ -71,8 +69,8 @@ plot::Panel DistancePanel(const std::vector<double>& times_s, std::span<const do
   return {fmt::format("distance, about {:.5g} um", offset_m / kUm),
           "time / s",
           "distance / um",
-          {{"left out", Lines(plot::kGrey), times_s, Where(values, offset_m, unused)},
-           {"window", Lines(plot::kBlue), times_s, Where(values, offset_m, used)}}};
+          {{"left out", plot::Lines(plot::kGrey), times_s, Where(values, offset_m, unused)},
+           {"window", plot::Lines(plot::kBlue), times_s, Where(values, offset_m, used)}}};
 }
 
 }  // namespace
@@ -100,8 +98,8 @@ Result<std::vector<plot::Panel>> AnalysisPanels(const trial::RowSource& rows,
                    analysis.numbers->rms.as_measured_m / kUm),
        "time / s",
        "in band / um",
-       {{"not used", Lines(plot::kGrey), times_s, Where(analysis.filtered_m, 0, outside)},
-        {"window", Lines(plot::kBlue), times_s, used_um}}});
+       {{"not used", plot::Lines(plot::kGrey), times_s, Where(analysis.filtered_m, 0, outside)},
+        {"window", plot::Lines(plot::kBlue), times_s, used_um}}});
   panels.push_back(CloseUp(times_s, used_um, analysis));
   return panels;
 }

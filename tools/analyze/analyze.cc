@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/printable.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analysis_json.h"
@@ -20,6 +21,7 @@
 #include "tools/analyze/sweep_output.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/json.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/drive_off_floor.h"
 #include "tools/verbs.h"
@@ -121,15 +123,17 @@ ReportedFile Analyze(const std::string& path, const Job& job) {
 }
 
 void PrintLines(const std::vector<AnalysisLine>& lines) {
-  for (const AnalysisLine& line : lines) fmt::print("  {:<18} {}\n", line.label, line.text);
+  for (const AnalysisLine& line : lines) {
+    cli::Print(fmt::format("  {:<18} {}\n", line.label, Printable(line.text)));
+  }
 }
 
 void Print(const AnalyzedFile& file, bool all) {
   if (!file.analysis) return;
-  fmt::print("{}\n", file.path);
+  cli::Print(Printable(file.path) + "\n");
   if (!all) return PrintLines(ShortLines(file));
   for (const AnalysisSection& section : AllSections(file)) {
-    fmt::print(" {}\n", section.heading);
+    cli::Print(fmt::format(" {}\n", Printable(section.heading)));
     PrintLines(section.lines);
   }
 }
@@ -139,7 +143,7 @@ void PrintNotIncluded(const std::vector<ReportedFile>& files) {
   const bool has_numbers = std::ranges::any_of(files, [](const ReportedFile& reported) {
     return reported.file.analysis && reported.file.analysis->numbers;
   });
-  if (has_numbers) fmt::print("{} are in no uncertainty\n", dsp::kNotInBudget);
+  if (has_numbers) cli::Print(fmt::format("{} are in no uncertainty\n", dsp::kNotInBudget));
 }
 
 // the status of the worst file
@@ -182,9 +186,9 @@ Result<int> AnswerSweep(const std::string& path, const AnalyzeWords& words, cons
   if (trials == nullptr) PrintSweep(path, *answer);
   if (trials != nullptr) trials->push_back(SweepJson(path, *answer));
   if (!words.response.empty()) {
-    if (auto written = WriteSweepCsv(words.response, *answer); !written) {
-      return std::unexpected(written.error());
-    }
+    auto written = cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
+                                    SweepCsv(*answer));
+    if (!written) return std::unexpected(written.error());
   }
   if (!words.plot.empty() && !answer->points.empty()) {
     if (auto drawn = plot::DrawPanels(words.plot, SweepPanels(*answer)); !drawn) {
@@ -207,7 +211,7 @@ int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, bool json) {
     if (error.where.empty()) error.where = path;
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
-  if (json) fmt::print("{}", cli::JsonText({{"trials", std::move(trials)}}));
+  if (json) cli::Print(cli::JsonText({{"trials", std::move(trials)}}));
   return status;
 }
 
@@ -243,7 +247,7 @@ int RunAnalyze(int argc, const char* const* argv) {
     std::vector<AnalyzedFile> answers;
     answers.reserve(files.size());
     for (const ReportedFile& reported : files) answers.push_back(reported.file);
-    fmt::print("{}", AnalysisJson(answers));
+    cli::Print(AnalysisJson(answers));
   }
   if (!words.report.empty()) {
     const std::vector<std::string> typed(argv, argv + argc);

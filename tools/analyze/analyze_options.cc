@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/report/html_page.h"
 
@@ -59,6 +60,11 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   if (!words.sweep && !words.response.empty()) {
     return Usage("--response", "is of a sweep", "say --sweep too");
   }
+  if (!words.response.empty()) {
+    auto writable =
+        cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
+    if (!writable) return writable;
+  }
   const bool has_spectrum = !words.spectrum.spectrum.empty() ||
                             !words.spectrum.spectrogram.empty() || !words.report.empty();
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
@@ -93,15 +99,15 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 "A drive-off trial: its noise in the band is taken off in power");
   options->Flag("--all", &words->all,
                 "Print everything that is known, with the uncertainty budget");
-  options->Text("--plot", &words->plot, "FILE.svg|png|pdf",
-                "Draw the trial and what was used of it");
-  options->Text("--report", &words->report, "FILE.html",
-                "One page with figures, numbers, assumptions and settings");
+  options->Output("--plot", &words->plot, "FILE.svg|png|pdf",
+                  "Draw the trial and what was used of it");
+  options->Output("--report", &words->report, "FILE.html",
+                  "One page with figures, numbers, assumptions and settings");
   options->Flag("--sweep", &words->sweep,
                 "The drive's frequency moves: amplitude over frequency, f0 and Q",
                 cli::Shown::kHelpAll);
-  options->Text("--response", &words->response, "FILE.csv", "The sweep's points",
-                cli::Shown::kHelpAll);
+  options->Output("--response", &words->response, "FILE.csv", "The sweep's points",
+                  cli::Shown::kHelpAll);
   options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
                   "Of the drive: fitted where a record is too slow for the band (default: what the "
                   "file says)",

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/check.h"
-#include "tools/cli/whole_file.h"
+#include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -31,12 +31,10 @@ std::vector<std::string> WindowNames() {
 }
 
 // a CSV or a picture can be written there
-Result<void> CheckPlace(const std::string& path) {
+Result<void> CheckPlace(const std::string& path, const cli::OutputKind& table, bool overwrite) {
   if (path.empty()) return {};
   if (std::filesystem::path(path).extension() != ".csv") return plot::CheckPlotPath(path);
-  const auto file = cli::WholeFile::Begin(path, true);
-  if (!file) return std::unexpected(file.error());
-  return {};
+  return cli::CheckOutput(path, table, overwrite);
 }
 
 }  // namespace
@@ -48,10 +46,10 @@ std::string_view NameOf(dsp::WindowShape window) {
 }
 
 void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
-  options->Text("--spectrum", &words->spectrum, "FILE.csv|svg|png|pdf",
-                "Welch's spectrum of the unfiltered window, one-sided", cli::Shown::kHelpAll);
-  options->Text("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf", "The same over time",
-                cli::Shown::kHelpAll);
+  options->Output("--spectrum", &words->spectrum, "FILE.csv|svg|png|pdf",
+                  "Welch's spectrum of the unfiltered window, one-sided", cli::Shown::kHelpAll);
+  options->Output("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf",
+                  "The same over time", cli::Shown::kHelpAll);
   options->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
                   "Of the spectra (default: 1 Hz, or eight segments in a short window)",
                   cli::Shown::kHelpAll);
@@ -60,15 +58,20 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
   options->Number("--overlap", &words->overlap, Dimension::kNone,
                   "Share of a segment that the next one repeats, 0 to 0.95 (default: 0.5)",
                   cli::Shown::kHelpAll);
+  options->Flag("--overwrite", &words->overwrite,
+                "Replace older tables of --spectrum, --spectrogram and --response",
+                cli::Shown::kHelpAll);
   options->Choice("--scaling", &words->scaling, {"density", "amplitude"},
                   "m^2/Hz for noise, or m for the amplitude of a tone", cli::Shown::kHelpAll);
 }
 
 Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {
-  for (const std::string& path : {words.spectrum, words.spectrogram}) {
-    if (auto writable = CheckPlace(path); !writable) return std::unexpected(writable.error());
+  for (const auto& [path, table] : {std::pair(words.spectrum, cli::kSpectrumOutput),
+                                    std::pair(words.spectrogram, cli::kSpectrogramOutput)}) {
+    auto writable = CheckPlace(path, table, words.overwrite);
+    if (!writable) return std::unexpected(writable.error());
   }
-  SpectrumQuestion question{words.spectrum, words.spectrogram, {}, {}, 0.5, false};
+  SpectrumQuestion question{words.spectrum, words.spectrogram, {}, {}, 0.5, false, words.overwrite};
   if (words.resolution_hz) {
     if (!(words.resolution_hz->value > 0)) {
       return Usage("--resolution", "must be above 0", "give it as 1Hz");

@@ -18,6 +18,7 @@ struct SpectrumWords {
   std::string window = "hann";
   std::optional<Quantity> overlap;
   std::string scaling = "density";
+  bool overwrite = false;  ///< also of the table of a sweep's points
 };
 
 /// What is asked of a spectrum.
@@ -28,6 +29,7 @@ struct SpectrumQuestion {
   dsp::WindowShape window = dsp::WindowShape::kHann;
   double overlap = 0.5;
   bool amplitude = false;  ///< amplitudes in m instead of a density in m^2/Hz
+  bool overwrite = false;  ///< older tables are replaced
 };
 
 void DeclareSpectrum(cli::Options* options, SpectrumWords* words);

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "dsp/spectrum/spectrogram.h"
-#include "tools/cli/whole_file.h"
+#include "tools/cli/output_file.h"
 
 namespace haptometer::tools {
 namespace {
@@ -104,7 +104,7 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
                   spectrum.grid.segments),
       "frequency / Hz",
       question.amplitude ? "amplitude / um" : "density / um^2/Hz",
-      {{"", fmt::format("lines lc rgb '{}'", plot::kBlue), {}, {}}},
+      {{"", plot::Lines(plot::kBlue), {}, {}}},
       plot::LogAxes::kBoth};
   std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
@@ -126,7 +126,8 @@ Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuest
   if (!IsCsv(question.spectrum)) {
     return plot::DrawPanels(question.spectrum, {PanelOf(*spectrum, question)});
   }
-  return cli::WriteWholeFile(question.spectrum, SpectrumCsv(*spectrum, question));
+  return cli::WriteOutput(question.spectrum, cli::kSpectrumOutput, question.overwrite,
+                          SpectrumCsv(*spectrum, question));
 }
 
 Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
@@ -137,8 +138,8 @@ Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQu
   if (!IsCsv(question.spectrogram)) {
     return plot::DrawMap(question.spectrogram, SpectrogramMap(*spectrogram, window.start_s));
   }
-  return cli::WriteWholeFile(question.spectrogram,
-                             SpectrogramCsv(*spectrogram, question, window.start_s));
+  return cli::WriteOutput(question.spectrogram, cli::kSpectrogramOutput, question.overwrite,
+                          SpectrogramCsv(*spectrogram, question, window.start_s));
 }
 
 }  // namespace

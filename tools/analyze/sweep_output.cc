@@ -10,9 +10,10 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "tools/cli/json.h"
+#include "tools/cli/report.h"
 #include "tools/cli/uncertain_number.h"
-#include "tools/cli/whole_file.h"
 
 namespace haptometer::tools {
 namespace {
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 constexpr double kUm = 1e-6;  // in metres
 
 void Line(std::string_view label, std::string_view text) {
-  fmt::print("  {:<17}{}\n", label, text);
+  cli::Print(fmt::format("  {:<17}{}\n", label, Printable(text)));
 }
 
 // "um/V" of "m/V"
@@ -76,12 +77,10 @@ double CurveAt(const dsp::Resonance& fit, double frequency_hz) {
   return fit.gain / std::hypot(1 - u * u, u / fit.quality_factor);
 }
 
-std::string Style(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
-
 // one value of each point over frequency
-plot::Series SeriesOf(const dsp::SweepAnswer& answer, std::string title, std::string style,
+plot::Series SeriesOf(const dsp::SweepAnswer& answer, std::string title, plot::Style style,
                       const std::function<double(const dsp::SweepPoint&)>& value) {
-  plot::Series series{std::move(title), std::move(style), {}, {}};
+  plot::Series series{std::move(title), style, {}, {}};
   series.x.reserve(answer.points.size());
   series.y.reserve(answer.points.size());
   for (const dsp::SweepPoint& point : answer.points) {
@@ -98,14 +97,14 @@ plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
                     {},
                     plot::LogAxes::kY};
   panel.series.push_back(
-      SeriesOf(answer, "measured", Style(plot::kBlue),
+      SeriesOf(answer, "measured", plot::Lines(plot::kBlue),
                [](const dsp::SweepPoint& point) { return point.amplitude / kUm; }));
   if (!answer.resonance) return panel;
   const dsp::Resonance& fit = answer.resonance->fit;
   panel.title =
       fmt::format("resonance at {:.5g} Hz, Q {:.4g}", fit.frequency_hz, fit.quality_factor);
   panel.series.push_back(SeriesOf(
-      answer, "one resonance", Style(plot::kOrange),
+      answer, "one resonance", plot::Lines(plot::kOrange),
       [&](const dsp::SweepPoint& point) { return CurveAt(fit, point.frequency_hz) / kUm; }));
   return panel;
 }
@@ -113,7 +112,7 @@ plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
 }  // namespace
 
 void PrintSweep(const std::string& path, const dsp::SweepAnswer& answer) {
-  fmt::print("{}\n", path);
+  cli::Print(Printable(path) + "\n");
   if (answer.answered) {
     Line("sweep", fmt::format("{:.4g} Hz to {:.4g} Hz, {} points, resolution {:.3g} Hz",
                               answer.points.front().frequency_hz, answer.points.back().frequency_hz,
@@ -168,10 +167,6 @@ std::string SweepCsv(const dsp::SweepAnswer& answer) {
   return text;
 }
 
-Result<void> WriteSweepCsv(const std::string& path, const dsp::SweepAnswer& answer) {
-  return cli::WriteWholeFile(path, SweepCsv(answer));
-}
-
 std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer) {
   if (answer.points.empty()) return {};
   std::vector<plot::Panel> panels{AmplitudePanel(answer)};
@@ -179,12 +174,12 @@ std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer) {
   panels.push_back({"phase",
                     "frequency / Hz",
                     "phase / rad",
-                    {SeriesOf(answer, "", Style(plot::kBlue),
+                    {SeriesOf(answer, "", plot::Lines(plot::kBlue),
                               [](const dsp::SweepPoint& p) { return p.phase_rad.value_or(0); })}});
   panels.push_back({"coherence",
                     "frequency / Hz",
                     "coherence",
-                    {SeriesOf(answer, "", Style(plot::kBlue),
+                    {SeriesOf(answer, "", plot::Lines(plot::kBlue),
                               [](const dsp::SweepPoint& p) { return p.coherence.value_or(0); })}});
   panels.back().y_from_zero = true;
   return panels;

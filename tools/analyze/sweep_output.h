@@ -20,8 +20,6 @@ void PrintSweep(const std::string& path, const dsp::SweepAnswer& answer);
 /// `frequency_hz,amplitude_m_per_v,phase_rad,coherence` (or `_m_per_a`, `_m`) below `# key = value`
 /// lines; what is not determined is empty.
 [[nodiscard]] std::string SweepCsv(const dsp::SweepAnswer& answer);
-/// Errors: a place that cannot be written.
-[[nodiscard]] Result<void> WriteSweepCsv(const std::string& path, const dsp::SweepAnswer& answer);
 
 /// Amplitude over frequency with the fitted curve, and with a drive channel phase and coherence;
 /// none where there are no points.

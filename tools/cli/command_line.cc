@@ -1,7 +1,12 @@
 #include "tools/cli/command_line.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <iterator>
 #include <string_view>
+
+#include "base/printable.h"
 
 namespace haptometer::cli {
 namespace {
@@ -12,8 +17,22 @@ bool IsPlain(char c) {
          std::string_view("_-+=:,./@%").find(c) != std::string_view::npos;
 }
 
+// $'...' with all that is not plain in octal
+std::string DollarQuoted(const std::string& word) {
+  std::string quoted = "$'";
+  for (const char c : word) {
+    if (IsPlain(c) || c == ' ') {
+      quoted += c;
+    } else {
+      fmt::format_to(std::back_inserter(quoted), "\\{:03o}", static_cast<unsigned char>(c));
+    }
+  }
+  return quoted + "'";
+}
+
 std::string Quoted(const std::string& word) {
   if (!word.empty() && std::ranges::all_of(word, IsPlain)) return word;
+  if (!IsPrintable(word)) return DollarQuoted(word);
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string(R"('\'')") : std::string(1, c);
   return quoted + "'";

@@ -25,6 +25,7 @@ void CatchInterrupts() {
   sigaction(SIGTERM, &action, nullptr);
   sigaction(SIGHUP, &action, nullptr);  // a closed terminal must not cost a recording its end
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is an error like a full disk
 }
 
 void InterruptAsBy(int signal) { OnSignal(signal); }

@@ -14,7 +14,8 @@ namespace haptometer::cli {
 [[nodiscard]] nlohmann::ordered_json TextOrNull(const std::string& text);  ///< empty is null
 
 /// `document` as a verb prints it: indented, with a line end. Names and paths may hold bytes that
-/// are no UTF-8; they become U+FFFD.
+/// are no UTF-8; they become U+FFFD. What is not printable stands as its \u escape, so a terminal
+/// shows the document as it is.
 [[nodiscard]] std::string JsonText(const nlohmann::ordered_json& document);
 
 }  // namespace haptometer::cli

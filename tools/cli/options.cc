@@ -7,7 +7,10 @@
 #include <charconv>
 #include <cstdio>
 
+#include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/printable.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 
 namespace haptometer::cli {
@@ -43,7 +46,9 @@ std::string Joined(const std::vector<std::string>& words, std::string_view separ
 struct Options::State {
   std::string verb;
   CLI::App app;
-  std::vector<CLI::Option*> hidden;  // shown by --help-all only
+  std::vector<CLI::Option*> hidden;         // shown by --help-all only
+  std::vector<const CLI::Option*> files;    // options whose words name files to read
+  std::vector<const CLI::Option*> outputs;  // options whose words name files to write
   bool help = false;
   bool help_all = false;
   bool version = false;
@@ -67,9 +72,52 @@ struct Options::State {
     }
     return names;
   }
+  bool IsOutput(const CLI::Option* option) const {
+    return std::ranges::find(outputs, option) != outputs.end();
+  }
+  void NoteInputs() const;
+  std::optional<Error> TwiceWritten() const;
+  // the first word that an option other than of files takes and that is not printable
+  std::optional<Error> NotPrintable() const;
   // our own sentence for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
+
+void Options::State::NoteInputs() const {
+  ForgetInputs();
+  for (const CLI::Option* option : app.get_options()) {
+    if (IsOutput(option)) continue;
+    for (const std::string& word : option->results()) NoteInput(word);
+  }
+}
+
+// two options that name one file
+std::optional<Error> Options::State::TwiceWritten() const {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (outputs[i]->empty() || outputs[j]->empty()) continue;
+      const std::string& path = outputs[i]->results().back();
+      if (!AreOneOutput(path, outputs[j]->results().back())) continue;
+      return Error{Cause::kUsage, path,
+                   fmt::format("is named by --{} and by --{}", outputs[j]->get_lnames().front(),
+                               outputs[i]->get_lnames().front()),
+                   "give each a file of its own"};
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Error> Options::State::NotPrintable() const {
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_positional() || std::ranges::find(files, option) != files.end()) continue;
+    for (const std::string& word : option->results()) {
+      if (auto printable = CheckPrintable(option->get_name(), word); !printable) {
+        return printable.error();
+      }
+    }
+  }
+  return std::nullopt;
+}
 
 Error Options::State::Explain(const CLI::ParseError& error, int argc,
                               const char* const* argv) const {
@@ -132,6 +180,14 @@ void Options::Text(std::string_view name, std::string* value, std::string_view p
       shown);
 }
 
+void Options::Output(std::string_view name, std::string* value, std::string_view placeholder,
+                     std::string_view help, Shown shown) {
+  auto* option =
+      state_->Add(name, placeholder, help, [value](const std::string& text) { *value = text; });
+  state_->outputs.push_back(option);
+  state_->Show(option, shown);
+}
+
 void Options::OptionalText(std::string_view name, bool* given, std::string* value,
                            std::string_view placeholder, std::string_view help, Shown shown) {
   auto* option = state_->Add(name, placeholder, help, [given, value](const std::string& text) {
@@ -190,6 +246,7 @@ void Options::Groups(std::string_view name, std::vector<std::vector<std::string>
                      std::string_view placeholder, std::string_view help, Shown shown) {
   auto* option = state_->app.add_option(std::string(name), *groups, std::string(help));
   option->type_name(std::string(placeholder));
+  state_->files.push_back(option);
   state_->Show(option, shown);
 }
 
@@ -210,10 +267,13 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     if (state_->help_all) {
       for (CLI::Option* option : state_->hidden) option->group(kMoreOptions);
     }
-    fmt::print("{}", state_->app.help());
+    cli::Print(state_->app.help());
     return 0;
   }
+  if (!error) error = state_->NotPrintable();
+  if (!error) error = state_->TwiceWritten();
   if (error) return ReportError(state_->verb, *error);
+  state_->NoteInputs();
   return std::nullopt;
 }
 

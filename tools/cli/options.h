@@ -43,6 +43,9 @@ class Options {
   void Flag(std::string_view name, bool* value, std::string_view help, Shown shown = Shown::kHelp);
   void Text(std::string_view name, std::string* value, std::string_view placeholder,
             std::string_view help, Shown shown = Shown::kHelp);
+  /// A file or folder that the verb writes: no input, and none that another such option names.
+  void Output(std::string_view name, std::string* value, std::string_view placeholder,
+              std::string_view help, Shown shown = Shown::kHelp);
   /// An option whose value may be left out; `given` says whether it is there.
   void OptionalText(std::string_view name, bool* given, std::string* value,
                     std::string_view placeholder, std::string_view help,
@@ -64,7 +67,12 @@ class Options {
               std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
 
   /// Reads the command line. Returns the exit status to leave with (0 after --help or --version, 2
-  /// after a wrong option, which is reported on stderr in one line), or nothing to go on.
+  /// after a wrong option, which is reported on stderr in one line), or nothing to go on. What an
+  /// option takes is refused where it is not printable (base/printable.h), because it may become a
+  /// label, a name or a path of a new file; names of files that are read are not, in Positionals()
+  /// and Groups(). Files that other words than those of Output() name are noted as inputs
+  /// (base/input_file.h); those that the verb finds in folders, scenes and manifests are noted when
+  /// they are opened.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "base/printable.h"
+
 namespace haptometer::cli {
 namespace {
 
@@ -29,7 +31,8 @@ void Progress::Update(double share) {
   if (now_ns - begun_ns_ < kQuietNs || now_ns - shown_ns_ < kRefreshNs) return;
   shown_ns_ = now_ns;
   shown_ = true;
-  fmt::print(stderr, "\r{}\033[K", ProgressBar(what_, share, SecondsFromNs(now_ns - begun_ns_)));
+  fmt::print(stderr, "\r{}\033[K",
+             ProgressBar(Printable(what_), share, SecondsFromNs(now_ns - begun_ns_)));
   std::fflush(stderr);
 }
 

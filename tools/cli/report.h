@@ -14,7 +14,28 @@ namespace haptometer::cli {
 /// wrongly) before 3 (not answered) before 0. Any other status, an interruption, comes before all.
 [[nodiscard]] int WorseStatus(int a, int b);
 
-/// A remark on stderr: "VERB: TEXT".
+/// Keeps the numbers of standard input, output and error from files that are opened later, where a
+/// caller closed them: written to, they fail.
+void HoldStandardStreams();
+
+/// The status that stands for a standard output that nobody reads any more, as after SIGPIPE.
+inline constexpr int kUnreadStatus = 141;
+
+/// Whether standard output is a pipe whose reader went away.
+[[nodiscard]] bool IsUnread();
+
+/// Standard output, flushed and looked at: what a verb leaves with instead of `status`. 1 with an
+/// error on stderr where not all of it could be written; 141 without a word where its reader went
+/// away and SIGPIPE, which ends a program before that, is ignored. `failure`: the errno of a write
+/// that failed, where it is known.
+[[nodiscard]] int StatusWithOutput(int status, int failure = 0);
+
+/// A result on stdout. All of a verb's text and JSON goes this way, so that no control character
+/// but line ends and tabs reaches a terminal; a name or a path in a line is made one line where the
+/// line is made (base/printable.h).
+void Print(std::string_view text);
+
+/// A remark on stderr, in one printable line: "VERB: TEXT".
 void Remark(std::string_view verb, std::string_view text);
 
 }  // namespace haptometer::cli

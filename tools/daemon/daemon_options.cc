@@ -58,7 +58,7 @@ Result<DaemonStatus> Ask(const std::string& asked) {
 int ShowStatus(const cli::Options& options, const std::string& asked) {
   const auto status = Ask(asked);
   if (!status) return cli::ReportError(kVerb, status.error());
-  fmt::print("{}", options.json() ? StatusJson(*status) : StatusText(*status));
+  cli::Print(options.json() ? StatusJson(*status) : StatusText(*status));
   return 0;
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
+#include "base/printable.h"
 #include "tools/cli/json.h"
 
 namespace haptometer::tools {
@@ -34,10 +35,11 @@ ordered_json ToJson(const SensorStatus& sensor) {
           {"last_error", cli::TextOrNull(sensor.last_error)}};
 }
 
-// what stands under a key, where it is of the wanted kind; else the default, which says nothing
+// What stands under a key, made printable, because anything may answer on a socket; where it is of
+// another kind, the default, which says nothing
 std::string Text(const ordered_json& object, const char* key) {
   const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : "";
+  return found != object.end() && found->is_string() ? Printable(found->get<std::string>()) : "";
 }
 
 std::uint64_t Count(const ordered_json& object, const char* key) {

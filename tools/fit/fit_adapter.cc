@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "base/printable.h"
 #include "fit/adapter_fit.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
@@ -152,9 +153,9 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
       continue;
     }
     for (const auto& remark : recording->report.remarks) {
-      taps.remarks.push_back(fmt::format("{}: {}", path, remark));
+      taps.remarks.push_back(fmt::format("{}: {}", Printable(path), remark));
     }
-    auto record = fit::TapFromRecord(recording->record, path);
+    auto record = fit::TapFromRecord(recording->record, Printable(path));
     if (record) {
       taps.records.push_back(std::move(*record));
     } else {
@@ -192,7 +193,7 @@ int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import,
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
     taps.left_out.push_back(error);
   }
-  fmt::print("{}", json ? Json(*fit, taps.remarks, taps.left_out) : Text(*fit));
+  cli::Print(json ? Json(*fit, taps.remarks, taps.left_out) : Text(*fit));
   const bool answered = fit->stiffness.determined && fit->damping.determined;
   return answered ? status : cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
 }

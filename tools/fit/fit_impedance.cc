@@ -223,10 +223,10 @@ int AnswerImpedance(const ImpedanceFiles& files, const FitLraOptions& options, b
         "the case was held (neither --held nor --free is given); free, the ringing mass would be "
         "Mv Mc/(Mv+Mc), and Kv, Bv and Km^2 smaller by the factor Mc/(Mv+Mc)");
   }
-  fmt::print("{}", json ? Json(*fit, files.sweep) : Text(*fit));
+  cli::Print(json ? Json(*fit, files.sweep) : Text(*fit));
   int status = StatusOf(*fit, options.required);
   if (!files.save.empty()) {
-    const auto saved = SaveActuator(files.save, FittedActuator(*fit, *knowns));
+    const auto saved = SaveActuator(files.save, files.overwrite, FittedActuator(*fit, *knowns));
     if (!saved) status = cli::WorseStatus(status, cli::ReportError(kVerb, saved.error()));
   }
   if (!files.plot.empty()) {

@@ -10,7 +10,8 @@ namespace haptometer::tools {
 struct ImpedanceFiles {
   std::string sweep;
   std::string plot;
-  std::string save;  ///< see fit_lra_save.h
+  std::string save;        ///< see fit_lra_save.h
+  bool overwrite = false;  ///< of `save`
 };
 
 /// Answers `fit-lra --impedance z.csv`: reads the sweep, fits (fit/impedance_fit.h), prints the

@@ -11,6 +11,7 @@
 #include "tools/cli/command_line.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fit_adapter.h"
 #include "tools/fit/fit_impedance.h"
@@ -81,7 +82,8 @@ struct FitLraFiles {
   std::string plot;
   std::string report;
   std::string save;
-  std::string impedance;  // a sweep in place of drops
+  bool overwrite = false;  // of `save`
+  std::string impedance;   // a sweep in place of drops
 };
 
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
@@ -112,12 +114,14 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
                "Takes masses, R and L from an actuator file or thesis-c10-100");
   options.Repeated("--require", &wanted.required, "Kv|Bv|Km",
                    "Status 3 where this constant is not determined; may be repeated");
-  options.Text("--save", &files.save, "FILE.toml",
-               "Write the actuator with uncertainties and correlations, for scenes and --actuator");
-  options.Text("--plot", &files.plot, "FILE.svg|png|pdf",
-               "Draw records, fit, residuals, spectra and poles");
-  options.Text("--report", &files.report, "FILE.html",
-               "Write one page with figures, budget, assumptions and settings");
+  options.Output(
+      "--save", &files.save, "FILE.toml",
+      "Write the actuator with uncertainties and correlations, for scenes and --actuator");
+  options.Output("--plot", &files.plot, "FILE.svg|png|pdf",
+                 "Draw records, fit, residuals, spectra and poles");
+  options.Output("--report", &files.report, "FILE.html",
+                 "Write one page with figures, budget, assumptions and settings");
+  options.Flag("--overwrite", &files.overwrite, "Replace what --save wrote earlier");
   options.Text(
       "--impedance", &files.impedance, "FILE.csv",
       "The constants from a sweep frequency_hz,impedance_ohm,phase_deg, in place of drops");
@@ -128,6 +132,10 @@ void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& imp
 Result<void> CheckPaths(const FitLraFiles& files) {
   if (!files.plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(files.plot); !drawable) return drawable;
+  }
+  if (!files.save.empty()) {
+    auto free = cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite);
+    if (!free) return free;
   }
   return files.report.empty() ? Result<void>{} : report::CheckReportPath(files.report);
 }
@@ -143,7 +151,7 @@ Result<void> WriteFiles(const FitLraFiles& files, const fit::DropTestFit& fit,
                         const std::vector<std::string>& doubts, const FitLraInput& input,
                         const std::string& command) {
   if (!files.save.empty()) {
-    auto saved = SaveActuator(files.save, FittedActuator(fit, input.knowns));
+    auto saved = SaveActuator(files.save, files.overwrite, FittedActuator(fit, input.knowns));
     if (!saved) return saved;
   }
   if (files.plot.empty() && files.report.empty()) return {};
@@ -202,8 +210,8 @@ int AnswerDrops(const FitLraOptions& wanted, const FitLraFiles& files, const std
     return DrawUnfitted(files, drops, cli::ReportError(kVerb, fit.error()));
   }
   const auto doubts = fit::FindDoubts(*fit, input->records, input->knowns);
-  fmt::print("{}", json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
-                        : FitLraText(*fit, doubts));
+  cli::Print(json ? FitLraJson(*fit, doubts, input->remarks, input->left_out)
+                  : FitLraText(*fit, doubts));
   status = cli::WorseStatus(status, ReportRequired(*fit, wanted.required));
   if (!fit->contradictions.empty()) {
     status = cli::WorseStatus(
@@ -262,7 +270,8 @@ int RunFitLra(int argc, const char* const* argv) {
     return cli::ReportError(kVerb, named.error());
   }
   if (!files.impedance.empty()) {
-    return AnswerImpedance({files.impedance, files.plot, files.save}, wanted, options.json());
+    return AnswerImpedance({files.impedance, files.plot, files.save, files.overwrite}, wanted,
+                           options.json());
   }
   const std::vector<std::string> typed(argv, argv + argc);
   return AnswerDrops(wanted, files, cli::CommandLine(typed), options.json());

@@ -7,6 +7,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/printable.h"
 #include "fit/split_drops.h"
 #include "fit/thinned_record.h"
 #include "sim/actuator.h"
@@ -161,7 +162,7 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   for (const std::string& remark : recording->report.remarks) {
     remarks->push_back(fmt::format("{}: {}", source.path, remark));
   }
-  auto file = fit::ImpulseFromRecord(recording->record, source.path);
+  auto file = fit::ImpulseFromRecord(recording->record, Printable(source.path));
   if (!file) return std::unexpected(file.error());
   for (const std::string& remark : file->remarks) {
     remarks->push_back(fmt::format("{}: {}", source.path, remark));

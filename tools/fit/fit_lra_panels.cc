@@ -30,13 +30,11 @@ constexpr std::size_t kMostInSegment = std::size_t{1} << 22U;
 constexpr double kCellsADecade = 400;  // of frequency: 0.6 %, half the width of a resonance of Q 80
 constexpr std::size_t kEllipsePoints = 180;
 
-std::string Lines(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
-
 // samples as points where these stay apart, as a line where there are more than `most`
-std::string SampleStyle(std::size_t rows, std::size_t most, std::string_view colour) {
-  if (rows > most) return Lines(colour);
+plot::Style SampleStyle(std::size_t rows, std::size_t most, plot::Colour colour) {
+  if (rows > most) return plot::Lines(colour);
   constexpr std::size_t kFew = 500;
-  return fmt::format("points pt 7 ps {} lc rgb '{}'", rows > kFew ? 0.25 : 0.5, colour);
+  return plot::Points(colour, rows > kFew ? 0.25 : 0.5);
 }
 
 // rows of a record, behind the last one
@@ -52,7 +50,7 @@ double TimeMs(const ImpulseRecord& record, std::size_t row) {
 
 // what `value` gives at each row, over time, in no more points than a panel needs
 template <typename F>
-plot::Series Curve(const ImpulseRecord& record, Rows rows, std::string title, std::string style,
+plot::Series Curve(const ImpulseRecord& record, Rows rows, std::string title, plot::Style style,
                    const F& value) {
   std::vector<double> x(rows.count());
   std::vector<double> y(rows.count());
@@ -60,7 +58,7 @@ plot::Series Curve(const ImpulseRecord& record, Rows rows, std::string title, st
     x[n] = TimeMs(record, rows.first + n);
     y[n] = value(rows.first + n);
   }
-  plot::Series series{std::move(title), std::move(style), {}, {}};
+  plot::Series series{std::move(title), style, {}, {}};
   plot::AppendEnvelope(x, y, kSlices, &series.x, &series.y);
   return series;
 }
@@ -92,7 +90,7 @@ Shown ShownOf(const ImpulseRecord& record, double offset) {
 
 // a vertical line as high as the record
 plot::Series Mark(const ImpulseRecord& record, const Shown& shown, Rows rows, std::string title,
-                  std::string style, double time_s) {
+                  plot::Style style, double time_s) {
   double low = std::numeric_limits<double>::infinity();
   double high = -low;
   for (std::size_t row = rows.first; row < rows.end; ++row) {
@@ -100,10 +98,7 @@ plot::Series Mark(const ImpulseRecord& record, const Shown& shown, Rows rows, st
     low = std::min(low, record.voltage_v[row]);
     high = std::max(high, record.voltage_v[row]);
   }
-  return {std::move(title),
-          std::move(style),
-          {1e3 * time_s, 1e3 * time_s},
-          {shown.Of(low), shown.Of(high)}};
+  return {std::move(title), style, {1e3 * time_s, 1e3 * time_s}, {shown.Of(low), shown.Of(high)}};
 }
 
 // the samples, the fit over them, the impact and the begin of what is fitted
@@ -125,9 +120,9 @@ plot::Panel RecordPanel(const ImpulseRecord& record, const FittedRecord& fitted,
                  [&](std::size_t row) { return sample(row, false); }),
            Curve(record, rows, "used", SampleStyle(rows.count(), kMostOfRinging, plot::kOrange),
                  [&](std::size_t row) { return sample(row, true); }),
-           Curve(record, rows, "fit", Lines(plot::kBlue), model),
-           Mark(record, shown, rows, "impact", "lines dt 2 lc rgb '#404040'", fitted.impact_s),
-           Mark(record, shown, rows, "fit begins", "lines dt 3 lc rgb '#404040'", first_s)}};
+           Curve(record, rows, "fit", plot::Lines(plot::kBlue), model),
+           Mark(record, shown, rows, "impact", plot::Lines(plot::kDarkGrey, 1, 2), fitted.impact_s),
+           Mark(record, shown, rows, "fit begins", plot::Lines(plot::kDarkGrey, 1, 3), first_s)}};
 }
 
 // from a period and a half before the impact to five behind it
@@ -162,9 +157,8 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
 
 // a density on logarithmic axes: its means over cells of equal width there, which hold one line at
 // the low end and many at the high one. The line at 0 has no place on such an axis
-plot::Series InCells(std::string title, std::string_view colour,
-                     const dsp::PowerSpectrum& spectrum) {
-  plot::Series series{std::move(title), Lines(colour), {}, {}};
+plot::Series InCells(std::string title, plot::Colour colour, const dsp::PowerSpectrum& spectrum) {
+  plot::Series series{std::move(title), plot::Lines(colour), {}, {}};
   const auto cell_of = [](std::size_t line) {
     return std::floor(kCellsADecade * std::log10(static_cast<double>(line)));
   };
@@ -180,7 +174,7 @@ plot::Series InCells(std::string title, std::string_view colour,
   return series;
 }
 
-Result<plot::Series> Density(std::string title, std::string_view colour,
+Result<plot::Series> Density(std::string title, plot::Colour colour,
                              const std::vector<double>& values, double step_s) {
   const auto spectrum =
       dsp::WelchSpectrum(values, {.rate_hz = 1 / step_s,
@@ -231,7 +225,7 @@ std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const Fitte
   if (fitted.quiet_noise_v > 0) {
     const double white = 2 * std::pow(fitted.quiet_noise_v * shown.factor, 2) * record.step_s;
     panel.series.push_back({"noise before the impact",
-                            "lines dt 2 lc rgb '#404040'",
+                            plot::Lines(plot::kDarkGrey, 1, 2),
                             {ringing->x.front(), ringing->x.back()},
                             {white, white}});
   }
@@ -280,7 +274,7 @@ std::string PoleTitle(const FittedRecord& fitted, std::size_t records) {
 // the pole of `fitted` with its region, and where the searches of all that share it began
 plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord>& records) {
   plot::Series starts{
-      "start", fmt::format("points pt 2 ps 0.8 lw 2 lc rgb '{}'", plot::kOrange), {}, {}};
+      "start", plot::Style{plot::Mark::kPoints, plot::kOrange, 2, 1, 0.8, 2}, {}, {}};
   for (const FittedRecord& record : records) {
     if (!record.pole.determined || !ShareAPole(record, fitted)) continue;
     const double decay = record.start.decay_per_s;
@@ -288,7 +282,7 @@ plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord
     starts.x.push_back(std::sqrt(std::max(square, 0.0)) / (2 * std::numbers::pi));
     starts.y.push_back(decay);
   }
-  plot::Series ellipse{"95 % region", Lines(plot::kBlue), {}, {}};
+  plot::Series ellipse{"95 % region", plot::Lines(plot::kBlue), {}, {}};
   for (const fit::PolePlace& place : fit::EllipseOf(fitted.pole, kEllipsePoints)) {
     ellipse.x.push_back(place.frequency_hz);
     ellipse.y.push_back(place.decay_per_s);
@@ -298,7 +292,7 @@ plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord
           .y_label = "decay rate / (1/s)",
           .series = {std::move(ellipse),
                      {"fit",
-                      fmt::format("points pt 7 ps 0.6 lc rgb '{}'", plot::kBlue),
+                      plot::Points(plot::kBlue, 0.6),
                       {fitted.pole.frequency_hz},
                       {fitted.pole.decay_per_s}},
                      std::move(starts)},

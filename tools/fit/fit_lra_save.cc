@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/cli/whole_file.h"
+#include "tools/cli/output_file.h"
 
 namespace haptometer::tools {
 namespace {
@@ -185,9 +185,10 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
   return stated;
 }
 
-Result<void> SaveActuator(const std::string& path, const Result<StatedActuator>& actuator) {
+Result<void> SaveActuator(const std::string& path, bool overwrite,
+                          const Result<StatedActuator>& actuator) {
   if (!actuator) return std::unexpected(actuator.error());
-  return cli::WriteWholeFile(path, TextOf(*actuator));
+  return cli::WriteOutput(path, cli::kActuatorOutput, overwrite, TextOf(*actuator));
 }
 
 }  // namespace haptometer::tools

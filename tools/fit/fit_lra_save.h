@@ -22,8 +22,8 @@ namespace haptometer::tools {
                                                          const fit::ActuatorKnowns& knowns);
 
 /// Writes it as a file for scenes, `simulate` and --actuator (sim/actuator.h). Errors: those of
-/// `actuator`; Cause::kFailed for a place that cannot be written.
-[[nodiscard]] Result<void> SaveActuator(const std::string& path,
+/// `actuator`; as cli::OutputFile.
+[[nodiscard]] Result<void> SaveActuator(const std::string& path, bool overwrite,
                                         const Result<sim::StatedActuator>& actuator);
 
 }  // namespace haptometer::tools

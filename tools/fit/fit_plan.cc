@@ -280,7 +280,7 @@ Result<TestCard> MakeTestCard(const PlanWords& words, const FitLraOptions& state
 int RunFitPlan(const PlanWords& words, const FitLraOptions& stated, bool json) {
   const auto card = MakeTestCard(words, stated);
   if (!card) return cli::ReportError(kVerb, card.error());
-  fmt::print("{}", json ? TestCardJson(*card) : TestCardText(*card));
+  cli::Print(json ? TestCardJson(*card) : TestCardText(*card));
   int status = 0;
   for (const AnsweredWish& answered : card->wishes) {
     if (answered.is_reached) continue;

@@ -84,7 +84,7 @@ int RunFitSkin(int argc, const char* const* argv) {
                       "columns (docs/commands.md)");
   options.Text("--actuator", &actuator_name, "NAME|FILE",
                "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
-  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
+  options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (!plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
@@ -112,8 +112,8 @@ int RunFitSkin(int argc, const char* const* argv) {
   }
   if (contacts.empty()) return status;
   const auto areas = fit::FitSkinAreas(contacts);
-  fmt::print("{}", options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
-                                  : FitSkinText(contacts, areas, actuator->name));
+  cli::Print(options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
+                            : FitSkinText(contacts, areas, actuator->name));
   if (!std::ranges::all_of(contacts, IsAnswered)) {
     status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
   }

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/printable.h"
 #include "tools/study/text_table.h"
 
 namespace haptometer::tools {
@@ -21,10 +22,13 @@ struct Known {
 };
 
 constexpr double kRms = std::numbers::sqrt2;
-constexpr Known kDisplacements[]{
-    {"displacement_amplitude_m", 1},      {"displacement_amplitude_mm", 1e-3},
-    {"displacement_amplitude_um", 1e-6},  {"displacement_rms_m", kRms},
-    {"displacement_rms_mm", kRms * 1e-3}, {"displacement_rms_um", kRms * 1e-6}};
+constexpr Known kDisplacements[]{{"displacement_amplitude_m", 1},
+                                 {"displacement_amplitude_mm", 1e-3},
+                                 {"displacement_amplitude_um", 1e-6},
+                                 {"displacement_rms_m", kRms},
+                                 {"displacement_rms_mm", kRms * 1e-3},
+                                 {"displacement_rms_um", kRms * 1e-6},
+                                 {"skin_rms_m", kRms}};  // of sweep
 constexpr Known kCurrents[]{{"current_amplitude_a", 1},
                             {"current_amplitude_ma", 1e-3},
                             {"current_rms_a", kRms},
@@ -32,6 +36,10 @@ constexpr Known kCurrents[]{{"current_amplitude_a", 1},
 constexpr Known kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
 constexpr Known kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
                                  {"displacement_standard_uncertainty_um", 1e-6}};
+
+// amplitudes over that of the drive, as analyze --sweep --response writes them
+constexpr Known kPerCurrent[]{{"amplitude_m_per_a", 1}};
+constexpr Known kPerVoltage[]{{"amplitude_m_per_v", 1}};
 
 using Column = std::optional<std::vector<double>>;
 
@@ -73,6 +81,31 @@ struct Columns {
   Column areas_mm2;
 };
 
+// displacements over the drive's amplitude, with the phase between the two; false where the table
+// has none
+Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
+  constexpr Known kPhase[]{{"phase_rad", 180 / std::numbers::pi}};
+  auto per_current = Find(table, kPerCurrent);
+  if (!per_current) return std::unexpected(per_current.error());
+  auto per_voltage = Find(table, kPerVoltage);
+  if (!per_voltage) return std::unexpected(per_voltage.error());
+  if (!*per_current && !*per_voltage) {
+    const bool is_response =
+        table.columns.contains("amplitude_m") || table.columns.contains("amplitude_m_per_unit");
+    if (!is_response) return false;
+    return CannotAnswer(
+        table.name, "is the response of a sweep whose drive was not recorded in A or V",
+        "record the coil's current or voltage as a channel beside the displacement");
+  }
+  columns->drive = *per_current ? fit::DriveQuantity::kCurrent : fit::DriveQuantity::kVoltage;
+  columns->displacements_m = std::move(*per_current ? **per_current : **per_voltage);
+  columns->drives.assign(columns->displacements_m.size(), 1);
+  auto phases = Find(table, kPhase);
+  if (!phases) return std::unexpected(phases.error());
+  columns->phases_deg = std::move(*phases);
+  return true;
+}
+
 Result<void> ReadDrive(const TextTable& table, Columns* columns) {
   auto current = Find(table, kCurrents);
   if (!current) return std::unexpected(current.error());
@@ -90,14 +123,17 @@ Result<void> ReadDrive(const TextTable& table, Columns* columns) {
 }
 
 Result<Columns> ReadColumns(const TextTable& table) {
-  constexpr Known kFrequency[]{{"frequency_hz", 1}};
+  constexpr Known kFrequency[]{{"frequency_hz", 1}, {"drive.frequency_hz", 1}};
   constexpr Known kPhase[]{{"phase_deg", 1}};
-  constexpr Known kArea[]{{"contact_area_mm2", 1}};
+  constexpr Known kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
   Columns columns;
   auto frequency =
       Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
   if (!frequency) return std::unexpected(frequency.error());
   columns.frequencies_hz = std::move(*frequency);
+  const auto is_response = ReadResponse(table, &columns);
+  if (!is_response) return std::unexpected(is_response.error());
+  if (*is_response) return columns;
   auto displacement = Required(table, kDisplacements, "displacement",
                                "its header needs displacement_amplitude_um (or _m, _mm, or "
                                "displacement_rms_um, _m, _mm)");
@@ -114,6 +150,18 @@ Result<Columns> ReadColumns(const TextTable& table) {
     *column = std::move(*found);
   }
   return columns;
+}
+
+// of a table of sweep: what it varies besides the frequency and the area is no sweep of one contact
+Result<void> CheckVariedKeys(const TextTable& table) {
+  if (!table.columns.contains("drive.frequency_hz")) return {};
+  for (const auto& [name, cells] : table.columns) {
+    const bool is_key = name.contains('.');
+    if (!is_key || name == "drive.frequency_hz" || name == "skin.contact_area_m2") continue;
+    return CannotAnswer(table.name, fmt::format("varies {} besides the frequency", name),
+                        "give a table of one contact, or of several skin.contact_area_m2");
+  }
+  return {};
 }
 
 fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertainty_factor) {
@@ -135,6 +183,7 @@ fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertain
 Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
   const auto table = ReadTextTable(path, {});
   if (!table) return std::unexpected(table.error());
+  if (auto alone = CheckVariedKeys(*table); !alone) return std::unexpected(alone.error());
   const auto columns = ReadColumns(*table);
   if (!columns) return std::unexpected(columns.error());
   bool is_rms = false;
@@ -152,7 +201,8 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
     }
     fit::SkinSweep& sweep = sweeps[area_mm2];
     sweep.drive = columns->drive;
-    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", path, area_mm2) : path;
+    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
+                                    : Printable(path);
     if (columns->areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
     sweep.points.push_back(PointAt(*columns, row, is_rms ? kRms : 1));
   }

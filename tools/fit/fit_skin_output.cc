@@ -179,13 +179,14 @@ std::vector<plot::Panel> ContactPanels(const SkinFit& contact) {
 plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& dependence) {
   std::erase_if(contacts, [](const SkinFit& c) { return !c.area_m2 || !c.stiffness.determined; });
   std::ranges::sort(contacts, {}, [](const SkinFit& c) { return *c.area_m2; });
-  plot::Series points{.title = "contacts (95 %)",
-                      .style = fmt::format("yerrorbars pt 7 ps 0.6 lc rgb '{}'", plot::kOrange),
-                      .x = {},
-                      .y = {},
-                      .y_error = {}};
+  plot::Series points{
+      .title = "contacts (95 %)",
+      .style = {.mark = plot::Mark::kErrorBars, .colour = plot::kOrange, .size = 0.6},
+      .x = {},
+      .y = {},
+      .y_error = {}};
   plot::Series line{.title = fmt::format("area^{:.3f}", dependence.law.exponent),
-                    .style = fmt::format("lines lc rgb '{}'", plot::kBlue),
+                    .style = plot::Lines(plot::kBlue),
                     .x = {},
                     .y = {},
                     .y_error = {}};

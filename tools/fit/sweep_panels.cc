@@ -10,9 +10,7 @@
 namespace haptometer::tools {
 namespace {
 
-std::string Points(std::string_view colour) {
-  return fmt::format("points pt 7 ps 0.4 lc rgb '{}'", colour);
-}
+plot::Style SweepPoints(plot::Colour colour) { return plot::Points(colour, 0.4); }
 
 }  // namespace
 
@@ -21,8 +19,8 @@ plot::Panel SweepPanel(std::string title, std::string label, const FrequencyCurv
   return {std::move(title),
           "frequency / Hz",
           std::move(label),
-          {{"sweep", Points(plot::kOrange), measured.hertz, measured.values},
-           {"fit", fmt::format("lines lc rgb '{}'", plot::kBlue), fitted.hertz, fitted.values}},
+          {{"sweep", SweepPoints(plot::kOrange), measured.hertz, measured.values},
+           {"fit", plot::Lines(plot::kBlue), fitted.hertz, fitted.values}},
           axes};
 }
 
@@ -33,7 +31,8 @@ plot::Panel SweepResidualPanel(std::string title, std::string label,
   HAPTOMETER_CHECK(residuals.size() <= kColours.size(), "{} quantities", residuals.size());
   plot::Panel panel{std::move(title), "frequency / Hz", std::move(label), {}, axes};
   for (std::size_t k = 0; k < residuals.size(); ++k) {
-    panel.series.push_back({residuals[k].title, Points(kColours[k]), hertz, residuals[k].values});
+    panel.series.push_back(
+        {residuals[k].title, SweepPoints(kColours[k]), hertz, residuals[k].values});
   }
   return panel;
 }

@@ -10,17 +10,19 @@
 
 #include "base/check.h"
 #include "base/clock.h"
+#include "base/printable.h"
+#include "tools/cli/output_file.h"
 #include "tools/plot/envelope.h"
 #include "tools/plot/memory_file.h"
 #include "tools/plot/run_within.h"
+#include "tools/plot/script.h"
 
 namespace haptometer::plot {
 namespace {
 
 constexpr std::size_t kMostPoints = 4000;
 // viridis (van der Walt and Smith, 2015): even steps for the eye, also in grey
-constexpr std::string_view kPalette =
-    "0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725'";
+constexpr Words kPalette = "0 '#440154', 1 '#3b528b', 2 '#21918c', 3 '#5ec962', 4 '#fde725'";
 constexpr std::size_t kMostCells = 1000;  // of a map, along each axis
 // some thousand times what it needs: beyond, it hangs
 constexpr MonotonicNs kLongestTextNs = 5 * kNsPerS;
@@ -28,7 +30,7 @@ constexpr MonotonicNs kLongestPanelsNs = 120 * kNsPerS;
 
 struct Terminal {
   std::string_view ending;
-  std::string_view words;  // of "set terminal"; {0} is the height in pixels
+  Words words;  // of "set terminal"; {0} is the height in pixels, {1} in inches
 };
 
 constexpr Terminal kTerminals[] = {
@@ -43,43 +45,40 @@ const Terminal* TerminalOf(const std::string& path) {
   return found == std::end(kTerminals) ? nullptr : found;
 }
 
-// gnuplot doubles a quote inside quotes
-std::string Quoted(std::string_view text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("''") : std::string(1, c);
-  return quoted + "'";
-}
-
-void AppendPoint(std::string& data, double x, double y) {
-  data += std::isfinite(y) ? fmt::format("{:.9g} {:.9g}\n", x, y) : "\n";
+void AddPoint(double x, double y, Script* script) {
+  if (std::isfinite(y)) {
+    script->Add("{:.9g} {:.9g}\n", x, y);
+  } else {
+    script->Add("\n");
+  }
 }
 
 // each point with half the length of its error bar
-std::string ErrorRows(const Series& series) {
+void AddErrorRows(const Series& series, Script* script) {
   HAPTOMETER_CHECK(series.y_error.size() == series.y.size(), "{} error bars, {} y",
                    series.y_error.size(), series.y.size());
-  std::string rows;
   for (std::size_t i = 0; i < series.y.size(); ++i) {
     if (!std::isfinite(series.y[i]) || !std::isfinite(series.y_error[i])) continue;
-    fmt::format_to(std::back_inserter(rows), "{:.9g} {:.9g} {:.9g}\n", series.x[i], series.y[i],
-                   series.y_error[i]);
+    script->Add("{:.9g} {:.9g} {:.9g}\n", series.x[i], series.y[i], series.y_error[i]);
   }
-  return rows;
 }
 
-std::string DataBlock(std::size_t panel, std::size_t number, const Series& series) {
+void AddDataBlock(std::size_t panel, std::size_t number, const Series& series, Script* script) {
   HAPTOMETER_CHECK(series.x.size() == series.y.size(), "{} x, {} y", series.x.size(),
                    series.y.size());
-  std::string data = fmt::format("$data_{}_{} << EOD\n", panel, number);
-  if (!series.y_error.empty()) return data + ErrorRows(series) + "EOD\n";
-  std::vector<double> x;
-  std::vector<double> y;
-  AppendEnvelope(series.x, series.y, kMostPoints / 2, &x, &y);
-  for (std::size_t i = 0; i < y.size(); ++i) AppendPoint(data, x[i], y[i]);
-  return data + "EOD\n";
+  script->Add("$data_{}_{} << EOD\n", panel, number);
+  if (!series.y_error.empty()) {
+    AddErrorRows(series, script);
+  } else {
+    std::vector<double> x;
+    std::vector<double> y;
+    AppendEnvelope(series.x, series.y, kMostPoints / 2, &x, &y);
+    for (std::size_t i = 0; i < y.size(); ++i) AddPoint(x[i], y[i], script);
+  }
+  script->Add("EOD\n");
 }
 
-std::string_view LogWords(LogAxes axes) {
+Words LogWords(LogAxes axes) {
   switch (axes) {
     case LogAxes::kNone:
       return "unset logscale";
@@ -94,20 +93,19 @@ std::string_view LogWords(LogAxes axes) {
 }
 
 // points beside the frame, not on it
-std::string RangeOfX(const Panel& panel) {
-  if (!panel.x_from_zero) return "set xrange [*:*]\n";
+void AddRangeOfX(const Panel& panel, Script* script) {
+  if (!panel.x_from_zero) return script->Add("set xrange [*:*]\n");
   double last = 0;
   for (const Series& series : panel.series) {
     for (const double x : series.x) last = std::max(last, x);
   }
-  return fmt::format("set xrange [0:{:.9g}]\n", 1.05 * last);
+  script->Add("set xrange [0:{:.9g}]\n", 1.05 * last);
 }
 
 // Of an axis, x or y: on a logarithmic one of less than three decades 1, 2 and 5 of each, because
 // gnuplot would name the decades alone, of which it may hold one.
-std::string NumbersOn(char axis, bool is_logarithmic, const Panel& panel,
-                      std::vector<double> Series::* values) {
-  std::string automatic = fmt::format("set {}tics autofreq\n", axis);
+void AddNumbersOn(Words axis, bool is_logarithmic, const Panel& panel,
+                  std::vector<double> Series::* values, Script* script) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
   for (const Series& series : panel.series) {
@@ -117,85 +115,131 @@ std::string NumbersOn(char axis, bool is_logarithmic, const Panel& panel,
       most = std::max(most, value);
     }
   }
-  if (!is_logarithmic || !(most < 1000 * least)) return automatic;
-  std::string numbers;
+  if (!is_logarithmic || !(most < 1000 * least)) {
+    return script->Add("set {}tics autofreq\n", axis);
+  }
+  script->Add("set {}tics (", axis);
+  Words separator = "";
   const int last = static_cast<int>(std::ceil(std::log10(most)));
   for (int decade = static_cast<int>(std::floor(std::log10(least))); decade <= last; ++decade) {
     for (const double step : {1.0, 2.0, 5.0}) {
-      fmt::format_to(std::back_inserter(numbers), "{}{:.9g}", numbers.empty() ? "" : ", ",
-                     step * std::pow(10.0, decade));
+      script->Add("{}{:.9g}", separator, step * std::pow(10.0, decade));
+      separator = ", ";
     }
   }
-  return fmt::format("set {}tics ({})\n", axis, numbers);
+  script->Add(")\n");
 }
 
-// both axes as they are without, so that no panel inherits from the one before
-std::string AxisWords(const Panel& panel) {
-  std::string words = panel.y_from_zero ? "set yrange [0:*]\n" : "set yrange [*:*]\n";
-  words += panel.has_margins ? "set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n"
-                             : "unset offsets\n";
-  const bool both = panel.log_axes == LogAxes::kBoth;
-  words += NumbersOn('y', both || panel.log_axes == LogAxes::kY, panel, &Series::y);
-  if (panel.ticks.empty()) {
-    return words + NumbersOn('x', both || panel.log_axes == LogAxes::kX, panel, &Series::x) +
-           RangeOfX(panel);
-  }
+// names in the place of numbers
+void AddTicks(const std::vector<Tick>& ticks, Script* script) {
   double least = 1;  // between two of them
-  for (std::size_t i = 1; i < panel.ticks.size(); ++i) {
-    const double distance = panel.ticks[i].x - panel.ticks[i - 1].x;
+  for (std::size_t i = 1; i < ticks.size(); ++i) {
+    const double distance = ticks[i].x - ticks[i - 1].x;
     least = i == 1 ? distance : std::min(least, distance);
   }
   const double further = 0.7 * least;
-  words += "set xtics (";
-  for (const Tick& tick : panel.ticks) {
-    fmt::format_to(std::back_inserter(words), "{}{} {:.9g}",
-                   &tick == panel.ticks.data() ? "" : ", ", Quoted(tick.name), tick.x);
+  script->Add("set xtics (");
+  Words separator = "";
+  for (const Tick& tick : ticks) {
+    script->Add("{}{} {:.9g}", separator, Quoted::TickName(tick.name), tick.x);
+    separator = ", ";
   }
-  return words + fmt::format(")\nset xrange [{:.9g}:{:.9g}]\n", panel.ticks.front().x - further,
-                             panel.ticks.back().x + further);
+  script->Add(")\nset xrange [{:.9g}:{:.9g}]\n", ticks.front().x - further,
+              ticks.back().x + further);
 }
 
-std::string PanelScript(std::size_t number, const Panel& panel) {
-  std::string script = fmt::format(
-      "set title {}\nset xlabel {}\nset ylabel {}\n{}\n{}plot ", Quoted(panel.title),
-      Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes), AxisWords(panel));
+// both axes as they are without, so that no panel inherits from the one before
+void AddAxes(const Panel& panel, Script* script) {
+  script->Add(panel.y_from_zero ? Words("set yrange [0:*]\n") : Words("set yrange [*:*]\n"));
+  script->Add(panel.has_margins
+                  ? Words("set offsets graph 0.08, graph 0.08, graph 0.08, graph 0.08\n")
+                  : Words("unset offsets\n"));
+  const bool both = panel.log_axes == LogAxes::kBoth;
+  AddNumbersOn("y", both || panel.log_axes == LogAxes::kY, panel, &Series::y, script);
+  if (!panel.ticks.empty()) return AddTicks(panel.ticks, script);
+  AddNumbersOn("x", both || panel.log_axes == LogAxes::kX, panel, &Series::x, script);
+  AddRangeOfX(panel, script);
+}
+
+Words MarkWords(Mark mark) {
+  switch (mark) {
+    case Mark::kLines:
+      return "lines";
+    case Mark::kPoints:
+      return "points";
+    case Mark::kLinesPoints:
+      return "linespoints";
+    case Mark::kBoxes:
+      return "boxes fill solid 0.35";
+    case Mark::kErrorBars:
+      return "yerrorbars";
+  }
+  HAPTOMETER_CHECK(false, "mark {}", static_cast<int>(mark));
+}
+
+void AddStyle(const Style& style, Script* script) {
+  script->Add(" with {} lw {} lc rgb '#{:06x}'", MarkWords(style.mark), style.width,
+              style.colour.rgb);
+  if (style.mark == Mark::kLines && style.dash > 1) script->Add(" dt {}", style.dash);
+  if (style.mark != Mark::kLines && style.mark != Mark::kBoxes) {
+    script->Add(" pt {} ps {}", style.point, style.size);
+  }
+}
+
+void AddPanel(std::size_t number, const Panel& panel, Script* script) {
+  script->Add("set title {}\nset xlabel {}\nset ylabel {}\n{}\n", Quoted(panel.title),
+              Quoted(panel.x_label), Quoted(panel.y_label), LogWords(panel.log_axes));
+  AddAxes(panel, script);
+  Words separator = "plot";
   for (std::size_t i = 0; i < panel.series.size(); ++i) {
     const Series& series = panel.series[i];
-    const std::string title =
-        series.title.empty() ? "notitle" : fmt::format("title {}", Quoted(series.title));
-    script += fmt::format("{}$data_{}_{} using {} with {} {}", i == 0 ? "" : ", ", number, i,
-                          series.y_error.empty() ? "1:2" : "1:2:3", series.style, title);
+    script->Add("{} $data_{}_{} using {}", separator, number, i,
+                series.y_error.empty() ? Words("1:2") : Words("1:2:3"));
+    AddStyle(series.style, script);
+    if (series.title.empty()) {
+      script->Add(" notitle");
+    } else {
+      script->Add(" title {}", Quoted(series.title));
+    }
+    separator = ",";
   }
-  return script + "\n";
+  script->Add("\n");
 }
 
 // a square leaves room for the key beside it, not above
-std::string_view ShapeWords(const Panel& panel) {
-  return panel.equal_axes ? "set size ratio -1\nset key rmargin top vertical\n"
-                          : "set size noratio\nset key tmargin right horizontal\n";
+Words ShapeWords(const Panel& panel) {
+  return panel.equal_axes ? Words("set size ratio -1\nset key rmargin top vertical\n")
+                          : Words("set size noratio\nset key tmargin right horizontal\n");
 }
 
-std::string Script(const std::string& path, const Terminal& terminal,
-                   const std::vector<Panel>& panels) {
+// where the drawing goes: a file of this program's, never one that a user names
+void AddOutput(const MemoryFile& drawing, const Terminal& terminal, std::size_t height,
+               Script* script) {
+  script->Add("set encoding utf8\nset terminal ");
+  script->Add(terminal.words, height, static_cast<double>(height) / 100);
+  script->Add("\nset termoption noenhanced\nset output {}\n", Quoted(drawing.path()));
+}
+
+Script PanelsScript(const MemoryFile& drawing, const Terminal& terminal,
+                    const std::vector<Panel>& panels) {
   const bool square = std::ranges::any_of(panels, &Panel::equal_axes);
-  const std::size_t height = (square ? 560 : 320) * panels.size();
-  std::string script =
-      "set encoding utf8\nset terminal " +
-      fmt::format(fmt::runtime(terminal.words), height, static_cast<double>(height) / 100) +
-      "\nset termoption noenhanced\nset output " + Quoted(path) +
-      "\nset grid lc rgb '#e0e0e0'\nset autoscale xfix\n"
-      "set boxwidth 0.6\nset format '%.10g'\n";
+  Script script;
+  AddOutput(drawing, terminal, (square ? 560 : 320) * panels.size(), &script);
+  script.Add(
+      "set grid lc rgb '#e0e0e0'\nset autoscale xfix\n"
+      "set boxwidth 0.6\nset format '%.10g'\n");
   for (std::size_t p = 0; p < panels.size(); ++p) {
     for (std::size_t s = 0; s < panels[p].series.size(); ++s) {
-      script += DataBlock(p, s, panels[p].series[s]);
+      AddDataBlock(p, s, panels[p].series[s], &script);
     }
   }
-  script += fmt::format("set multiplot layout {},1\n", panels.size());
+  script.Add("set multiplot layout {},1\n", panels.size());
   for (std::size_t p = 0; p < panels.size(); ++p) {
-    script += ShapeWords(panels[p]);
-    script += PanelScript(p, panels[p]);
+    script.Add(ShapeWords(panels[p]));
+    AddPanel(p, panels[p], &script);
   }
-  return script + "unset multiplot\nunset output\n";
+  script.Add("unset multiplot\nunset output\n");
+  return script;
 }
 
 // the least run of cells that leaves at most kMostCells of `size`
@@ -213,78 +257,94 @@ double GreatestOf(const Map& map, std::size_t column, std::size_t columns, std::
   return greatest;
 }
 
-std::string MapScript(const std::string& path, const Terminal& terminal, const Map& map) {
-  std::string script =
-      "set encoding utf8\nset terminal " + fmt::format(fmt::runtime(terminal.words), 480, 4.8) +
-      "\nset termoption noenhanced\nset output " + Quoted(path) + "\n$map << EOD\n";
+Script MapScript(const MemoryFile& drawing, const Terminal& terminal, const Map& map) {
+  constexpr std::size_t kHeight = 480;
+  Script script;
+  AddOutput(drawing, terminal, kHeight, &script);
+  script.Add("$map << EOD\n");
   const std::size_t columns = RunOf(map.values.size());
   const std::size_t rows = RunOf(map.values[0].size());
   for (std::size_t c = 0; c < map.values.size(); c += columns) {
     for (std::size_t r = 0; r < map.values[c].size(); r += rows) {
-      fmt::format_to(std::back_inserter(script), "{:.9g} {:.9g} {:.6g}\n",
-                     map.x_start + map.x_step * static_cast<double>(c),
-                     map.y_start + map.y_step * static_cast<double>(r),
-                     GreatestOf(map, c, columns, r, rows));
+      script.Add("{:.9g} {:.9g} {:.6g}\n", map.x_start + map.x_step * static_cast<double>(c),
+                 map.y_start + map.y_step * static_cast<double>(r),
+                 GreatestOf(map, c, columns, r, rows));
     }
-    script += "\n";
+    script.Add("\n");
   }
-  return script + fmt::format(
-                      "EOD\nset title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
-                      "set autoscale fix\nset palette defined ({})\n"
-                      "plot $map using 1:2:3 with image notitle\nunset output\n",
-                      Quoted(map.title), Quoted(map.x_label), Quoted(map.y_label),
-                      Quoted(map.value_label), kPalette);
+  script.Add(
+      "EOD\nset title {}\nset xlabel {}\nset ylabel {}\nset cblabel {}\n"
+      "set autoscale fix\nset palette defined ({})\n"
+      "plot $map using 1:2:3 with image notitle\nunset output\n",
+      Quoted(map.title), Quoted(map.x_label), Quoted(map.y_label), Quoted(map.value_label),
+      kPalette);
+  return script;
 }
 
-// Whether gnuplot took the whole script and ended well. Its own words say nothing to a user; the
-// file it left, or did not, is the evidence.
-Result<bool> RunGnuplot(const std::string& script, const std::string& where,
-                        MonotonicNs longest_ns) {
-  const auto run = RunWithin({"gnuplot"}, script, longest_ns);
+// Whether gnuplot took the whole script and ended well; `-d`: without the user's start-up files.
+// Its own words say nothing to a user; what it drew, or did not, is the evidence.
+Result<bool> RunGnuplot(const Script& script, const std::string& where, MonotonicNs longest_ns) {
+  const auto run = RunWithin({"gnuplot", "-d"}, script.text(), longest_ns);
   if (run) return *run;
   return Failed(where, run.error().what, "is it installed (apt-get install gnuplot-nox)?");
 }
 
-// drawn beside its place, so that a failure costs no older plot
-template <typename MakeScript>
-Result<void> DrawInto(const std::string& path, const MakeScript& script) {
-  if (auto known = CheckPlotPath(path); !known) return known;
-  const std::string part = path + ".part";
-  const auto run = RunGnuplot(script(part, *TerminalOf(path)), path, kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
-  std::error_code failure;
-  if (*run) std::filesystem::rename(part, path, failure);
-  if (!*run || failure) {
-    std::filesystem::remove(part, failure);
-    return Failed(path, "the plot could not be written", "is there room, and may you write there?");
+// gnuplot 5.4 leaves "]]>" in an SVG's texts, where XML forbids it, and writes it nowhere else
+std::string WellFormed(std::string drawing) {
+  constexpr std::string_view kForbidden = "]]>";
+  for (std::size_t at = drawing.find(kForbidden); at != std::string::npos;
+       at = drawing.find(kForbidden, at)) {
+    drawing.replace(at, kForbidden.size(), "]]&gt;");
   }
-  return {};
+  return drawing;
+}
+
+// what gnuplot draws by the script that `make` gives, where it is told where to and as what; in
+// memory, because gnuplot does not tell when a disk is full
+template <typename MakeScript>
+Result<std::string> Drawn(const std::string& where, const Terminal& terminal,
+                          const MakeScript& make) {
+  const MemoryFile drawing;
+  const auto run = RunGnuplot(make(drawing, terminal), where, kLongestPanelsNs);
+  if (!run) return std::unexpected(run.error());
+  std::string picture = drawing.Content();
+  if (!*run || !cli::IsWholePicture(picture)) {
+    return Failed(where, "gnuplot drew no whole picture", "is there memory left?");
+  }
+  return terminal.ending == ".svg" ? WellFormed(std::move(picture)) : picture;
+}
+
+template <typename MakeScript>
+Result<void> DrawInto(const std::string& path, const MakeScript& make) {
+  if (auto known = CheckPlotPath(path); !known) return known;
+  auto picture = Drawn(path, *TerminalOf(path), make);
+  if (!picture) return std::unexpected(picture.error());
+  return cli::WriteOutput(path, cli::kPictureOutput, false, cli::Marked(*std::move(picture)));
 }
 
 }  // namespace
 
 Result<std::string> DrawSvg(const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
-  const MemoryFile drawing;
-  const auto run =
-      RunGnuplot(Script(drawing.path(), *TerminalOf("plot.svg"), panels), "plot", kLongestPanelsNs);
-  if (!run) return std::unexpected(run.error());
-  std::string svg = drawing.Content();
-  if (!*run || svg.empty()) return Failed("plot", "gnuplot drew nothing");
-  return svg;
+  return Drawn("plot", *TerminalOf("plot.svg"),
+               [&](const MemoryFile& drawing, const Terminal& terminal) {
+                 return PanelsScript(drawing, terminal, panels);
+               });
 }
 
 Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
   const MemoryFile drawing;
-  std::string script = fmt::format(
+  Script script;
+  script.Add(
       "set encoding utf8\nset terminal dumb size {},{} noenhanced\nset output {}\n"
       "set key off\nset autoscale xfix\n",
       columns, lines, Quoted(drawing.path()));
   for (std::size_t s = 0; s < panel.series.size(); ++s) {
-    script += DataBlock(0, s, panel.series[s]);
+    AddDataBlock(0, s, panel.series[s], &script);
   }
-  const auto run =
-      RunGnuplot(script + PanelScript(0, panel) + "unset output\n", "plot", kLongestTextNs);
+  AddPanel(0, panel, &script);
+  script.Add("unset output\n");
+  const auto run = RunGnuplot(script, "plot", kLongestTextNs);
   if (!run) return std::unexpected(run.error());
   std::string text = drawing.Content();
   if (!*run || text.empty()) return Failed("plot", "gnuplot drew nothing");
@@ -293,32 +353,24 @@ Result<std::string> DrawText(const Panel& panel, int columns, int lines) {
 }
 
 Result<void> CheckPlotPath(const std::string& path) {
-  namespace fs = std::filesystem;
+  if (auto printable = CheckPrintable("the plot's path", path); !printable) return printable;
   if (TerminalOf(path) == nullptr) {
     return Usage(path, "has an ending that no plot can be written as", "use .svg, .png or .pdf");
   }
-  std::error_code ignored;
-  const fs::path directory = fs::path(path).parent_path();
-  if (!directory.empty() && !fs::is_directory(directory, ignored)) {
-    return Usage(path, "lies in a directory that does not exist", "make it, or name another");
-  }
-  if (fs::exists(path, ignored) && !fs::is_regular_file(path, ignored)) {
-    return Usage(path, "is there and is no file", "name another");
-  }
-  return {};
+  return cli::CheckOutput(path, cli::kPictureOutput, false);
 }
 
 Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels) {
   HAPTOMETER_CHECK(!panels.empty(), "a plot without panels");
-  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
-    return Script(part, terminal, panels);
+  return DrawInto(path, [&](const MemoryFile& drawing, const Terminal& terminal) {
+    return PanelsScript(drawing, terminal, panels);
   });
 }
 
 Result<void> DrawMap(const std::string& path, const Map& map) {
   HAPTOMETER_CHECK(!map.values.empty() && !map.values[0].empty(), "an empty map");
-  return DrawInto(path, [&](const std::string& part, const Terminal& terminal) {
-    return MapScript(part, terminal, map);
+  return DrawInto(path, [&](const MemoryFile& drawing, const Terminal& terminal) {
+    return MapScript(drawing, terminal, map);
   });
 }
 

@@ -9,13 +9,50 @@
 
 namespace haptometer::plot {
 
+/// A colour: 0xRRGGBB.
+struct Colour {
+  std::uint32_t rgb = 0;
+};
+
+/// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).
+inline constexpr Colour kBlue{0x0072b2};
+inline constexpr Colour kOrange{0xd55e00};
+inline constexpr Colour kGreen{0x009e73};
+inline constexpr Colour kPurple{0xcc79a7};
+inline constexpr Colour kYellow{0xe69f00};
+inline constexpr Colour kSkyBlue{0x56b4e9};
+inline constexpr Colour kBlack{0x000000};
+inline constexpr Colour kGrey{0xb0b0b0};
+inline constexpr Colour kDarkGrey{0x404040};
+
+/// What a curve is drawn with; kErrorBars are points with Series::y_error.
+enum class Mark : std::uint8_t { kLines, kPoints, kLinesPoints, kBoxes, kErrorBars };
+
+/// How a curve is drawn.
+struct Style {
+  Mark mark = Mark::kLines;
+  Colour colour = kBlue;
+  double width = 1;  ///< of lines
+  int dash = 1;      ///< 1: solid; 2, 3, ...: gnuplot's dash types
+  double size = 1;   ///< of points
+  int point = 7;     ///< gnuplot's point types: 7 is a disc, 2 a cross
+};
+
+/// Shorthands for the two most usual styles.
+[[nodiscard]] constexpr Style Lines(Colour colour, double width = 1, int dash = 1) {
+  return {.colour = colour, .width = width, .dash = dash};
+}
+[[nodiscard]] constexpr Style Points(Colour colour, double size) {
+  return {.mark = Mark::kPoints, .colour = colour, .size = size};
+}
+
 /// One curve. A NaN in `y` breaks the line.
 struct Series {
-  std::string title;      ///< in the key; empty: not listed
-  std::string style;      ///< gnuplot's words: "lines lc rgb '#1f77b4'", "points pt 7 ps 0.3"
+  std::string title;  ///< in the key; empty: not listed
+  Style style = {};
   std::vector<double> x;  ///< (n), ascending where there are more than 4000
   std::vector<double> y;  ///< (n)
-  /// (n), half the length of each point's error bar, with "yerrorbars" as the style; empty: none
+  /// (n), half the length of each point's error bar, for Mark::kErrorBars; empty: none
   std::vector<double> y_error = {};
 };
 
@@ -43,18 +80,13 @@ struct Panel {
   bool equal_axes = false;   ///< one unit is as long along y as along x: circles are round
 };
 
-/// Colours that stay apart in grey and for colour-blind readers (Okabe and Ito, 2008).
-inline constexpr std::string_view kBlue = "#0072b2";
-inline constexpr std::string_view kOrange = "#d55e00";
-inline constexpr std::string_view kGrey = "#b0b0b0";
-
 /// Draws `panels` one below the other into `path`, whose ending chooses SVG, PNG or PDF.
 ///
 /// A curve of more than 4000 points is drawn as the minimum and maximum of each of 2000 slices,
-/// which looks the same at this size. An older plot at
-/// `path` is replaced. Errors: as CheckPlotPath (Cause::kUsage); gnuplot absent or
-/// failing, or a path that cannot be written (Cause::kFailed). Starts one gnuplot process and waits
-/// for it, 120 s at most.
+/// which looks the same at this size. Titles, labels and names may be any text: it is shown, never
+/// executed (tools/plot/script.h). Written as a cli::OutputFile: an older plot of ours at `path` is
+/// replaced. Errors: as CheckPlotPath; gnuplot absent or failing, or a path that cannot be written
+/// (Cause::kFailed). Starts one gnuplot process and waits for it, 120 s at most.
 [[nodiscard]] Result<void> DrawPanels(const std::string& path, const std::vector<Panel>& panels);
 
 /// A quantity over two axes, shown by colour.
@@ -82,8 +114,8 @@ struct Map {
 /// waits for it, some 30 ms and 5 s at most.
 [[nodiscard]] Result<std::string> DrawText(const Panel& panel, int columns, int lines);
 
-/// Whether DrawPanels can write `path`: its ending, its directory, and no directory or device in
-/// its place; to be asked before long work.
+/// Whether DrawPanels can write `path`; to be asked before long work. Errors: Cause::kUsage for
+/// another ending; as cli::CheckOutput.
 [[nodiscard]] Result<void> CheckPlotPath(const std::string& path);
 
 }  // namespace haptometer::plot

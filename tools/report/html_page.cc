@@ -5,7 +5,8 @@
 #include <filesystem>
 
 #include "base/check.h"
-#include "tools/cli/whole_file.h"
+#include "base/printable.h"
+#include "tools/cli/output_file.h"
 
 namespace haptometer::report {
 namespace {
@@ -34,33 +35,12 @@ figcaption { color: #555; font-size: .9rem; }
 }
 )";
 
-// the bytes of one UTF-8 character at the start of `text`; 0 where there is none
-std::size_t CharacterBytes(std::string_view text) {
-  const auto at = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  const unsigned first = at(0);
-  const std::size_t bytes = first < 0x80   ? 1
-                            : first < 0xc2 ? 0
-                            : first < 0xe0 ? 2
-                            : first < 0xf0 ? 3
-                            : first < 0xf5 ? 4
-                                           : 0;
-  if (bytes > text.size()) return 0;
-  for (std::size_t i = 1; i < bytes; ++i) {
-    if ((at(i) & 0xc0U) != 0x80) return 0;
-  }
-  return bytes;
-}
-
-// `text` with the four characters that mean something to HTML written out
+// `text`, printable, with the characters that mean something to HTML written out
 std::string Escaped(std::string_view text) {
   std::string escaped;
   escaped.reserve(text.size());
-  while (!text.empty()) {
-    const std::size_t bytes = CharacterBytes(text);
-    const char c = text.front();
-    if (bytes == 0) {
-      escaped += "\xef\xbf\xbd";
-    } else if (c == '&') {
+  for (const char c : PrintableLines(text)) {
+    if (c == '&') {
       escaped += "&amp;";
     } else if (c == '<') {
       escaped += "&lt;";
@@ -69,9 +49,8 @@ std::string Escaped(std::string_view text) {
     } else if (c == '"') {
       escaped += "&quot;";
     } else {
-      escaped += text.substr(0, bytes);
+      escaped += c;
     }
-    text.remove_prefix(bytes == 0 ? 1 : bytes);
   }
   return escaped;
 }
@@ -153,17 +132,14 @@ std::string HtmlPage::Html() const {
 }
 
 Result<void> WriteReport(const std::string& path, const HtmlPage& page) {
-  return cli::WriteWholeFile(path, page.Html());
+  return cli::WriteOutput(path, cli::kPageOutput, false, cli::Marked(page.Html()));
 }
 
 Result<void> CheckReportPath(const std::string& path) {
-  namespace fs = std::filesystem;
-  if (fs::path(path).extension() != ".html") {
+  if (std::filesystem::path(path).extension() != ".html") {
     return Usage(path, "is to be a report, which is a page", "give it the ending .html");
   }
-  const auto writable = cli::WholeFile::Begin(path, true);
-  if (!writable) return std::unexpected(writable.error());
-  return {};
+  return cli::CheckOutput(path, cli::kPageOutput, false);
 }
 
 }  // namespace haptometer::report

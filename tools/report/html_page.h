@@ -12,7 +12,7 @@ namespace haptometer::report {
 /// One self-contained page: figures, numbers and settings in a single file that needs nothing from
 /// elsewhere, reads on a narrow screen and prints on A4 with no figure or row cut in two.
 ///
-/// All text is escaped here; callers hand over plain UTF-8 (other bytes become U+FFFD).
+/// All text is escaped here; what is not printable is shown as base/printable.h says.
 class HtmlPage {
  public:
   /// `title` is the window's title and the first heading; `subtitle` stands below it.

@@ -15,11 +15,7 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr std::string_view kGreen = "#009e73";
-constexpr std::string_view kBlack = "#000000";
 constexpr double kMm = 1e-3;
-
-std::string Lines(std::string_view colour) { return fmt::format("lines lc rgb '{}'", colour); }
 
 // `steps` + 1 even places from `low` to `high`
 std::vector<double> Even(double low, double high, int steps) {
@@ -30,9 +26,9 @@ std::vector<double> Even(double low, double high, int steps) {
 }
 
 template <typename Function>
-plot::Series Curve(std::string title, std::string_view colour, const std::vector<double>& x,
+plot::Series Curve(std::string title, plot::Colour colour, const std::vector<double>& x,
                    const Function& function) {
-  plot::Series series{std::move(title), Lines(colour), x, {}};
+  plot::Series series{std::move(title), plot::Lines(colour), x, {}};
   series.y.reserve(x.size());
   for (const double place : x) series.y.push_back(function(place));
   return series;
@@ -59,9 +55,9 @@ void AppendCircle(const sim::ReceptorPosition& centre, double radius_m, plot::Se
 plot::Panel FieldsPanel(sim::ReceptorGrid grid, std::string_view name) {
   constexpr double kContactorM = 2e-3;
   const sim::ReceptorField field = Field(grid);
-  plot::Series reached{"reached", Lines(plot::kOrange), {}, {}};
-  plot::Series others{"not reached", Lines(plot::kGrey), {}, {}};
-  plot::Series contactor{"contactor, radius 2 mm", Lines(plot::kBlue) + " lw 2", {}, {}};
+  plot::Series reached{"reached", plot::Lines(plot::kOrange), {}, {}};
+  plot::Series others{"not reached", plot::Lines(plot::kGrey), {}, {}};
+  plot::Series contactor{"contactor, radius 2 mm", plot::Lines(plot::kBlue, 2), {}, {}};
   for (const sim::ReceptorPosition& receptor : sim::ReceptorPositions(field)) {
     const double distance_m = std::hypot(receptor.x_m, receptor.y_m);
     const bool touched = distance_m <= kContactorM + field.field_radius_m;
@@ -85,7 +81,7 @@ ThesisFigure FieldsFigure() {
            FieldsPanel(sim::ReceptorGrid::kEdgeToEdge, "grid edge to edge")}};
 }
 
-plot::Series Motion(std::string title, std::string_view colour, sim::Scene scene) {
+plot::Series Motion(std::string title, plot::Colour colour, sim::Scene scene) {
   constexpr double kDurationS = 0.1;
   scene.start = sim::Start::kRest;
   const trial::Displacement motion = sim::MotionOf(scene, sim::SensorTarget::kSkin);
@@ -100,7 +96,7 @@ ThesisFigure RiseFigure(const ThesisModel& model) {
             "time / s",
             "displacement / mm",
             {Motion("adapter, 1 mm2", plot::kBlue, WithAdapter(model, kIa2AreaM2)),
-             Motion("cone, 1 mm2", kGreen, WithoutAdapter(model, kSimulatedConeAreaM2)),
+             Motion("cone, 1 mm2", plot::kGreen, WithoutAdapter(model, kSimulatedConeAreaM2)),
              Motion("direct, 78.5 mm2", plot::kOrange, WithoutAdapter(model, kCaseAreaM2))}}}};
 }
 
@@ -120,8 +116,8 @@ ThesisFigure ImpedanceFigure(const ThesisModel& model) {
 }
 
 ThesisFigure SensitivityFigure(const ThesisModel& model) {
-  constexpr std::array<std::string_view, 6> kColours{kGreen,    plot::kBlue, plot::kOrange,
-                                                     "#cc79a7", kBlack,      "#e69f00"};
+  constexpr std::array<plot::Colour, 6> kColours{plot::kGreen,  plot::kBlue,  plot::kOrange,
+                                                 plot::kPurple, plot::kBlack, plot::kYellow};
   const sim::Scene scene = WithAdapter(model, kIa2AreaM2);
   plot::Panel panel{
       "RMS over that of the adapter of Table 2.4", "change of one number / %", "relative RMS", {}};
@@ -134,9 +130,9 @@ ThesisFigure SensitivityFigure(const ThesisModel& model) {
   return {"figure-2.5", "(2.5) Sensitivity of the RMS displacement to adapter and skin", {panel}};
 }
 
-plot::Series Count(std::string title, std::string_view colour, sim::ReceptorGrid grid) {
+plot::Series Count(std::string title, plot::Colour colour, sim::ReceptorGrid grid) {
   const sim::ReceptorField field = Field(grid);
-  plot::Series series{std::move(title), Lines(colour), {}, {}};
+  plot::Series series{std::move(title), plot::Lines(colour), {}, {}};
   for (const double radius_m : Even(1e-3, 7.5e-3, 1300)) {
     series.x.push_back(sim::ContactArea(radius_m) / (kMm * kMm));
     series.y.push_back(sim::StimulatedReceptors(field, radius_m));
@@ -162,7 +158,7 @@ ThesisFigure StimulusFigure(const ThesisModel& model) {
     const sim::Scene scene = scene_of(model, sim::ContactArea(radius_m));
     return sim::SkinStimulus(Field(grid), radius_m, sim::SolveSteadyState(scene).skin_rms_m) / kMm;
   };
-  const auto curve = [&](std::string title, std::string_view colour, const auto& scene_of,
+  const auto curve = [&](std::string title, plot::Colour colour, const auto& scene_of,
                          sim::ReceptorGrid grid) {
     return Curve(std::move(title), colour, radii_mm,
                  [&, grid](double radius_mm) { return stimulus(scene_of, grid, radius_mm); });
@@ -176,7 +172,7 @@ ThesisFigure StimulusFigure(const ThesisModel& model) {
                    sim::ReceptorGrid::kCellCentred),
              curve("adapter, grid edge to edge", plot::kOrange, WithAdapter,
                    sim::ReceptorGrid::kEdgeToEdge),
-             curve("without adapter, cell-centred", kGreen, WithoutAdapter,
+             curve("without adapter, cell-centred", plot::kGreen, WithoutAdapter,
                    sim::ReceptorGrid::kCellCentred)}}}};
 }
 

@@ -74,10 +74,10 @@ Result<void> WriteFiles(const Wanted& wanted, const Reproduction& reproduction,
 int RunReproduce(int argc, const char* const* argv) {
   cli::Options options(kText);
   Wanted wanted;
-  options.Text("--figures", &wanted.figures, "DIR",
-               "Draw Figures 2.2-2.7 and 3.3-3.5 into DIR, as SVG; older ones are replaced");
-  options.Text("--report", &wanted.report, "FILE.html",
-               "Write rows and figures as one self-contained page");
+  options.Output("--figures", &wanted.figures, "DIR",
+                 "Draw Figures 2.2-2.7 and 3.3-3.5 into DIR, as SVG; older ones are replaced");
+  options.Output("--report", &wanted.report, "FILE.html",
+                 "Write rows and figures as one self-contained page");
   options.Flag("--chain", &wanted.chain,
                "Also run scene, sensor, record and analysis, and compare with the simulated truth; "
                "status 1 where an interval misses it");
@@ -90,8 +90,8 @@ int RunReproduce(int argc, const char* const* argv) {
   if (auto done = WriteFiles(wanted, *reproduction, cli::CommandLine(typed), written); !done) {
     return cli::ReportError(kVerb, done.error());
   }
-  fmt::print("{}", options.json() ? ReproductionJson(*reproduction, written)
-                                  : ReproductionText(*reproduction));
+  cli::Print(options.json() ? ReproductionJson(*reproduction, written)
+                            : ReproductionText(*reproduction));
   if (!reproduction->chain) return 0;
   return std::ranges::all_of(*reproduction->chain, &ChainRow::holds) ? 0 : 1;
 }

@@ -5,12 +5,14 @@
 #include <string>
 #include <utility>
 
+#include "base/printable.h"
 #include "sim/output_rate.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
 #include "sim/watch.h"
 #include "sim/waveforms.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/cli/work_progress.h"
 #include "tools/plot/gnuplot.h"
@@ -61,12 +63,12 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Choice("--quantity", &wanted.quantity,
                  {sim::kAskedQuantityNames.begin(), sim::kAskedQuantityNames.end()},
                  "What the tolerance is about; beats [run] quantity");
-  options.Text("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
-  options.Text("--waveforms", &wanted.waveforms, "FILE",
-               "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
+  options.Output("-o,--output", &wanted.output, "FILE", "Write what the scene's sensor sees");
+  options.Output("--waveforms", &wanted.waveforms, "FILE",
+                 "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
   options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
                  "Rows a second of --waveforms; 64 in the shortest period");
-  options.Text("--plot", &wanted.plot, "FILE", "Draw waveforms and spectrum, .svg, .png or .pdf");
+  options.Output("--plot", &wanted.plot, "FILE", "Draw waveforms and spectrum, .svg, .png or .pdf");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
 }
 
@@ -93,7 +95,7 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
                  fmt::format("give a --duration for 1 to {:g}", kMostRows));
   }
   trial::Record record = sim::SimulateRecord(scene, duration_s);
-  record.metadata.fields["scene"] = wanted.scene_path;
+  record.metadata.fields["scene"] = Printable(wanted.scene_path);
   return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
 }
 
@@ -219,6 +221,10 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   if (!wanted.plot.empty()) {
     if (auto check = plot::CheckPlotPath(wanted.plot); !check) return check;
   }
+  if (!wanted.output.empty()) {
+    auto check = cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite);
+    if (!check) return check;
+  }
   if (wanted.waveforms.empty()) {
     if (!wanted.rate_hz) return {};
     return Usage("--rate", "is of --waveforms, which are not asked for", "add --waveforms FILE");
@@ -227,7 +233,7 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
     return Usage("--rate", fmt::format("{:g} Hz is no rate", wanted.rate_hz->value),
                  "give rows a second");
   }
-  return CheckWaveformPath(wanted.waveforms);
+  return CheckWaveformPath(wanted.waveforms, wanted.overwrite);
 }
 
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
@@ -283,7 +289,7 @@ int RunSimulate(int argc, const char* const* argv) {
   }
   const auto answer = Answer(wanted);
   if (!answer) return cli::ReportError(kVerb, answer.error());
-  fmt::print("{}", options.json() ? SimulateJson(*answer) : SimulateText(*answer));
+  cli::Print(options.json() ? SimulateJson(*answer) : SimulateText(*answer));
   return 0;
 }
 

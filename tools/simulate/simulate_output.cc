@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "base/printable.h"
 #include "sim/linear_model.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"
@@ -197,12 +199,22 @@ std::string RunText(const SceneAnswer& solved) {
     text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
                         run.temperature_rise_k, run.temperature_peak_k);
   }
-  if (run.solver) {
-    text += fmt::format("  solver: {} steps, relative error of the run below {:.1e}\n",
-                        run.work.steps, run.error_estimate);
+  if (run.solver) text += fmt::format("  solver: {} steps\n", run.work.steps);
+  if (run.known_until_s) {
+    text += fmt::format("  known to {:g} until {:.6g} s: small errors grow in this motion\n",
+                        solved.scene.tolerance, *run.known_until_s);
   }
   text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
   return text;
+}
+
+// of all that is answered
+double ErrorEstimate(const SceneAnswer& solved) {
+  double largest = 0;
+  if (solved.steady) largest = solved.steady->error_estimate;
+  if (solved.tones) largest = std::max(largest, solved.tones->error_estimate);
+  if (const sim::SceneRun* run = RunOf(solved)) largest = std::max(largest, run->error_estimate);
+  return largest;
 }
 
 ordered_json EffectsJson(const SceneAnswer& solved) {
@@ -268,13 +280,16 @@ ordered_json RunJson(const SceneAnswer& solved) {
   for (const sim::EventCount& event : run.events) {
     events.push_back({{"name", event.name}, {"count", event.count}, {"first_s", event.first_s}});
   }
-  const auto end = solved.effects ? solved.effects->end : std::nullopt;
+  // how its end repeats itself, or what its window is uncertain by
+  ordered_json repeats = nullptr, uncertain = nullptr;
+  if (solved.effects && solved.effects->end) {
+    const sim::RunEnd& end = *solved.effects->end;
+    if (end.drive_periods) repeats = *end.drive_periods;
+    if (end.window_uncertainty) uncertain = cli::NumberOrNull(*end.window_uncertainty);
+  }
   return {{"window_s", {run.begin_s, run.end_s}},
-          {"drive_periods",
-           end && end->drive_periods ? ordered_json(*end->drive_periods) : ordered_json(nullptr)},
-          {"window_relative_uncertainty", end && end->window_uncertainty
-                                              ? cli::NumberOrNull(*end->window_uncertainty)
-                                              : ordered_json(nullptr)},
+          {"drive_periods", repeats},
+          {"window_relative_uncertainty", uncertain},
           {"skin_rms_m", run.skin_rms_m},
           {"case_rms_m", run.case_rms_m},
           {"current_rms_a", run.current_rms_a},
@@ -284,6 +299,7 @@ ordered_json RunJson(const SceneAnswer& solved) {
           {"temperature_rise_k", run.temperature_rise_k},
           {"temperature_peak_k", run.temperature_peak_k},
           {"error_estimate", run.error_estimate},
+          {"known_until_s", cli::NumberOrNull(run.known_until_s)},
           {"solver_steps", run.work.steps},
           {"events", events},
           {"energy_imbalance", run.ledger.Imbalance()}};
@@ -325,7 +341,7 @@ std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
 
 std::string SimulateText(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text = fmt::format("{}: {}, {}\n", answer.scene_path, Bodies(solved.scene),
+  std::string text = fmt::format("{}: {}, {}\n", Printable(answer.scene_path), Bodies(solved.scene),
                                  DriveText(solved.scene.drive));
   const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
   if (solved.steady) {
@@ -349,17 +365,13 @@ std::string SimulateText(const SimulateAnswer& answer) {
     }
   }
   text += fmt::format("  method: {}", Method(solved));
-  if (solved.steady) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.steady->error_estimate);
-  } else if (solved.tones) {
-    text += fmt::format("; relative error of the skin below {:.1e}", solved.tones->error_estimate);
-  }
+  text += fmt::format("; relative error of all numbers below {:.1e}", ErrorEstimate(solved));
   text += "\n" + answer.explanation;
   for (const std::string& assumption : SimulateAssumptions(answer)) {
     text += fmt::format("  assumed: {}\n", assumption);
   }
   for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
-    if (!path.empty()) text += fmt::format("  written: {}\n", path);
+    if (!path.empty()) text += fmt::format("  written: {}\n", Printable(path));
   }
   return text;
 }
@@ -401,7 +413,7 @@ std::string SimulateJson(const SimulateAnswer& answer) {
       {"period_s",
        tones && tones->period_s > 0 ? cli::NumberOrNull(tones->period_s) : ordered_json(nullptr)},
       {"method", Method(solved)},
-      {"error_estimate", number(&State::error_estimate, &Tones::error_estimate)},
+      {"error_estimate", cli::NumberOrNull(ErrorEstimate(solved))},
       {"window_rms_m", nullptr},
       {"window_s", nullptr},
       {"effects", EffectsJson(solved)},

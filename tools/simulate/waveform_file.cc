@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "tools/cli/whole_file.h"
+#include "base/printable.h"
+#include "tools/cli/output_file.h"
 #include "tools/simulated_trial.h"
-#include "trial/block.h"
-#include "trial/byte_sink.h"
 #include "trial/export/hdf5.h"
 #include "trial/import/csv_comment.h"
 #include "trial/trial_reader.h"
@@ -22,6 +21,14 @@ constexpr std::size_t kPieceBytes = 1U << 16;
 
 std::string EndingOf(const std::string& path) {
   return std::filesystem::path(path).extension().string();
+}
+
+Result<cli::OutputKind> KindOf(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  if (ending == ".csv") return cli::kRowsOutput;
+  if (ending == ".h5" || ending == ".hdf5") return cli::kHdf5Output;
+  if (ending == ".bin") return cli::kTrialOutput;
+  return Usage(path, "has an ending that no waveforms are written to", "use .csv, .h5 or .bin");
 }
 
 trial::Channel ChannelOf(std::string name, trial::ChannelRole role, std::string unit,
@@ -71,9 +78,7 @@ std::string HeadOf(const trial::Record& record) {
   return head + columns + "\n";
 }
 
-Result<void> WriteCsv(const std::string& path, const trial::Record& record) {
-  auto sink = trial::CreateFileSink(path, trial::IfExists::kReplace);
-  if (!sink) return std::unexpected(sink.error());
+Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
   std::string text = HeadOf(record);
   for (std::size_t row = 0; row < record.rows; ++row) {
     fmt::format_to(std::back_inserter(text), "{}", TimeOf(record, row));
@@ -82,14 +87,16 @@ Result<void> WriteCsv(const std::string& path, const trial::Record& record) {
     }
     text += '\n';
     if (text.size() < kPieceBytes && row + 1 < record.rows) continue;
-    if (auto done = trial::WriteAll(sink->get(), trial::BytesOfText(text)); !done) return done;
+    if (auto done = file.Write(text); !done) return done;
     text.clear();
   }
-  return (*sink)->Sync();
+  return {};
 }
 
-Result<void> WriteHdf5(const std::string& path, const trial::Record& record) {
-  auto writer = trial::Hdf5Writer::Create(path);
+Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file) {
+  const auto part = file.PathForLibrary();
+  if (!part) return std::unexpected(part.error());
+  auto writer = trial::Hdf5Writer::Create(*part);
   if (!writer) return std::unexpected(writer.error());
   trial::Recording recording;
   recording.record = record;
@@ -129,26 +136,28 @@ trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
   metadata.averages = 1;
   metadata.nominal_rate_hz = waves.rate_hz;
   metadata.laser_spot = Name(scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin);
-  metadata.fields["scene"] = scene_path;
+  metadata.fields["scene"] = Printable(scene_path);
   metadata.drive_amplitude_v = sim::LargestVoltageV(scene.drive);
   if (scene.drive.frequency_hz > 0) metadata.drive_frequency_hz = scene.drive.frequency_hz;
   return record;
 }
 
-Result<void> CheckWaveformPath(const std::string& path) {
-  const std::string ending = EndingOf(path);
-  if (ending == ".csv" || ending == ".h5" || ending == ".hdf5" || ending == ".bin") return {};
-  return Usage(path, "has an ending that no waveforms are written to", "use .csv, .h5 or .bin");
+Result<void> CheckWaveformPath(const std::string& path, bool overwrite) {
+  const auto kind = KindOf(path);
+  return kind ? cli::CheckOutput(path, *kind, overwrite) : std::unexpected(kind.error());
 }
 
 Result<void> WriteWaveforms(const std::string& path, const trial::Record& record, bool overwrite) {
-  if (auto check = CheckWaveformPath(path); !check) return check;
-  const std::string ending = EndingOf(path);
-  if (ending == ".bin") return WriteSimulatedTrial(path, record, overwrite);
-  auto file = cli::WholeFile::Begin(path, overwrite);
+  const auto kind = KindOf(path);
+  if (!kind) return std::unexpected(kind.error());
+  if (EndingOf(path) == ".bin") return WriteSimulatedTrial(path, record, overwrite);
+  auto file = cli::OutputFile::Begin(path, *kind, overwrite);
   if (!file) return std::unexpected(file.error());
-  auto done = ending == ".csv" ? WriteCsv(file->part(), record) : WriteHdf5(file->part(), record);
-  return done ? file->Finish() : done;
+  auto done = EndingOf(path) == ".csv" ? WriteCsv(record, *file) : WriteHdf5(record, *file);
+  if (done) return file->Finish();
+  Error error = done.error();
+  error.where = path;
+  return std::unexpected(std::move(error));
 }
 
 }  // namespace haptometer::tools

@@ -19,13 +19,13 @@ inline constexpr double kMostWaveformRows = 2e6;
 [[nodiscard]] trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
                                      const std::string& scene_path);
 
-/// Whether `path` ends in a kind that is written: .csv, .h5, .bin. Error: Cause::kUsage.
-[[nodiscard]] Result<void> CheckWaveformPath(const std::string& path);
+/// Whether `path` ends in a kind that is written (.csv, .h5, .bin) and may be written. Errors:
+/// Cause::kUsage for another ending; as cli::CheckOutput.
+[[nodiscard]] Result<void> CheckWaveformPath(const std::string& path, bool overwrite);
 
 /// Writes such a record: as CSV with a column for each channel under its name, as HDF5 (a group
 /// `waveforms`) or as a trial.bin; `analyze` reads the displacement out of each.
-/// Errors: as CheckWaveformPath; Cause::kUsage where the file exists and `overwrite` is false;
-/// Cause::kFailed where it cannot be written.
+/// Errors: as CheckWaveformPath and cli::OutputFile.
 [[nodiscard]] Result<void> WriteWaveforms(const std::string& path, const trial::Record& record,
                                           bool overwrite);
 

@@ -118,7 +118,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
                       "Trials that say their drive_amplitude_v, or CSV with drive_v,rms_m");
   options.Number("--floor", &wanted.floor_m, Dimension::kLength,
                  "RMS with the drive off, subtracted in power (default: the readings at 0 V)");
-  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf", "Draw RMS against drive");
+  options.Output("--plot", &wanted.plot, "FILE.svg|png|pdf", "Draw RMS against drive");
   cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
   cli::DeclareImport(&options, &wanted.import);
   if (const auto status = options.Parse(argc, argv)) return *status;
@@ -132,7 +132,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   if (taken->readings.empty()) return taken->status;
   const LinearityResult result = AnalyzeLinearity(
       taken->readings, wanted.floor_m ? std::optional(wanted.floor_m->value) : std::nullopt);
-  fmt::print("{}", options.json() ? LinearityJson(result) : LinearityText(result));
+  cli::Print(options.json() ? LinearityJson(result) : LinearityText(result));
   int status = taken->status;
   for (const DriveLine& line : result.lines) {
     if (!line.line) status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));

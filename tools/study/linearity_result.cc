@@ -223,7 +223,7 @@ std::string LinearityJson(const LinearityResult& result) {
 }
 
 std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
-  constexpr std::string_view kColours[] = {plot::kBlue, plot::kOrange, "#009e73", "#cc79a7"};
+  constexpr plot::Colour kColours[] = {plot::kBlue, plot::kOrange, plot::kGreen, plot::kPurple};
   plot::Panel panel;
   panel.title = "readings with the floor removed, and their lines";
   panel.x_label = "drive amplitude / V";
@@ -232,16 +232,14 @@ std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
   panel.x_from_zero = true;
   std::size_t number = 0;
   for (const DriveLine& line : result.lines) {
-    const std::string_view colour = kColours[number++ % std::size(kColours)];
-    plot::Series points{
-        NameOf(line), fmt::format("points pt 7 ps 0.7 lc rgb '{}'", colour), line.drive_v, {}, {}};
+    const plot::Colour colour = kColours[number++ % std::size(kColours)];
+    plot::Series points{NameOf(line), plot::Points(colour, 0.7), line.drive_v, {}, {}};
     for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
     panel.series.push_back(std::move(points));
     if (!line.line) continue;
     const double high = *std::ranges::max_element(line.drive_v);
     const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
-    panel.series.push_back(
-        {"", fmt::format("lines lc rgb '{}'", colour), {0, high}, {at(0), at(high)}, {}});
+    panel.series.push_back({"", plot::Lines(colour), {0, high}, {at(0), at(high)}, {}});
   }
   return {panel};
 }

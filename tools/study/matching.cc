@@ -47,7 +47,7 @@ int RunStudyMatching(int argc, const char* const* argv) {
   options.Repeated("--contrast", &words, "TREATMENT:CONTROL",
                    "A planned contrast; may be repeated (default: every condition against the "
                    "first)");
-  options.Text("--plot", &plot, "FILE.svg|png|pdf", "Draw matched against reference voltage");
+  options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw matched against reference voltage");
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (!plot.empty()) {
     if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
@@ -61,7 +61,7 @@ int RunStudyMatching(int argc, const char* const* argv) {
   if (!table) return cli::ReportError(kVerb, table.error());
   const auto result = AnalyzeMatching(*table, *contrasts);
   if (!result) return cli::ReportError(kVerb, result.error());
-  fmt::print("{}", options.json() ? MatchingJson(*result) : MatchingText(*result));
+  cli::Print(options.json() ? MatchingJson(*result) : MatchingText(*result));
   if (!plot.empty()) {
     if (auto drawn = plot::DrawPanels(plot, MatchingPanels(*result)); !drawn) {
       return cli::ReportError(kVerb, drawn.error());

@@ -185,7 +185,7 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     plot::Panel panel;
     const bool is_first = panels.empty();  // the one with a key
     plot::Series points{is_first ? "mean and standard deviation over subjects" : "",
-                        fmt::format("yerrorbars pt 7 lc rgb '{}'", plot::kBlue),
+                        plot::Style{.mark = plot::Mark::kErrorBars, .colour = plot::kBlue},
                         {},
                         {},
                         {}};
@@ -200,11 +200,8 @@ std::vector<plot::Panel> MatchingPanels(const MatchingResult& result) {
     panel.x_label = "reference / V";
     panel.y_label = "matched / V";
     panel.y_from_zero = true;
-    panel.series.push_back({is_first ? "equal" : "",
-                            fmt::format("lines dt 2 lc rgb '{}'", plot::kGrey),
-                            points.x,
-                            points.x,
-                            {}});
+    panel.series.push_back(
+        {is_first ? "equal" : "", plot::Lines(plot::kGrey, 1, 2), points.x, points.x, {}});
     panel.series.push_back(std::move(points));
     panels.push_back(std::move(panel));
   }

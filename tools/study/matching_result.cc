@@ -7,6 +7,7 @@
 #include <map>
 #include <set>
 
+#include "base/printable.h"
 #include "dsp/statistics/holm.h"
 #include "dsp/statistics/moments.h"
 
@@ -240,7 +241,7 @@ Result<MatchingResult> AnalyzeMatching(const TextTable& table,
   auto settings = Sort(table);
   if (!settings) return std::unexpected(settings.error());
   MatchingResult result;
-  result.source = table.name;
+  result.source = Printable(table.name);
   result.settings = table.rows();
   result.conditions.reserve(settings->conditions.size());
   for (const std::string& name : settings->conditions) {

@@ -17,12 +17,15 @@ void AppendCondition(const StudyResult& study, std::size_t condition, double x,
   if (summary.subjects.n == 0) return;
   const double mean_um = summary.subjects.mean / kUm;
   panel.series.push_back(
-      {"", fmt::format("boxes fill solid 0.35 lc rgb '{}'", plot::kBlue), {x}, {mean_um}, {}});
+      {"", plot::Style{.mark = plot::Mark::kBoxes, .colour = plot::kBlue}, {x}, {mean_um}, {}});
   if (const auto& sd = summary.subjects.standard_deviation) {
-    panel.series.push_back(
-        {"", "yerrorbars pt 7 ps 0.7 lw 1.5 lc rgb 'black'", {x}, {mean_um}, {*sd / kUm}});
+    panel.series.push_back({"",
+                            plot::Style{plot::Mark::kErrorBars, plot::kBlack, 1.5, 1, 0.7},
+                            {x},
+                            {mean_um},
+                            {*sd / kUm}});
   }
-  plot::Series points{"", fmt::format("points pt 7 ps 0.5 lc rgb '{}'", plot::kOrange), {}, {}, {}};
+  plot::Series points{"", plot::Points(plot::kOrange, 0.5), {}, {}, {}};
   const auto& cells = study.table.cells;
   for (std::size_t s = 0; s < cells.size(); ++s) {
     const auto mean_m = cells[s][condition].mean_m();

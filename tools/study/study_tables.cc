@@ -3,8 +3,8 @@
 
 #include <iterator>
 
+#include "tools/cli/csv_cell.h"
 #include "tools/study/study_result.h"
-#include "tools/study/text_table.h"
 
 namespace haptometer::tools {
 namespace {
@@ -29,11 +29,11 @@ std::string LongTable(const StudyResult& study) {
   for (const StudyTrial& trial : study.table.trials) {
     std::vector<std::string> remarks = trial.reasons;
     remarks.insert(remarks.end(), trial.deviations.begin(), trial.deviations.end());
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{:d},{:d},{},{}\n",
-                   QuotedCell(trial.subject), QuotedCell(trial.condition), QuotedCell(trial.repeat),
-                   NumberCell(trial.rms_m), NumberCell(trial.rms_uncertainty_m), trial.answered,
-                   IsOutlying(study, trial),
-                   QuotedCell(fmt::format("{}", fmt::join(remarks, "; "))), QuotedCell(trial.file));
+    fmt::format_to(
+        std::back_inserter(text), "{},{},{},{},{},{:d},{:d},{},{}\n", cli::CellOf(trial.subject),
+        cli::CellOf(trial.condition), cli::CellOf(trial.repeat), NumberCell(trial.rms_m),
+        NumberCell(trial.rms_uncertainty_m), trial.answered, IsOutlying(study, trial),
+        cli::CellOf(fmt::format("{}", fmt::join(remarks, "; "))), cli::CellOf(trial.file));
   }
   return text;
 }
@@ -41,12 +41,12 @@ std::string LongTable(const StudyResult& study) {
 std::string WideTable(const StudyResult& study) {
   std::string text = "subject";
   for (const std::string& condition : study.table.conditions) {
-    fmt::format_to(std::back_inserter(text), ",{},{}", QuotedCell(condition + "_mean_m"),
-                   QuotedCell(condition + "_trials"));
+    fmt::format_to(std::back_inserter(text), ",{},{}", cli::CellOf(condition + "_mean_m"),
+                   cli::CellOf(condition + "_trials"));
   }
   text += '\n';
   for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
-    text += QuotedCell(study.table.subjects[s]);
+    text += cli::CellOf(study.table.subjects[s]);
     for (const Cell& cell : study.table.cells[s]) {
       fmt::format_to(std::back_inserter(text), ",{},{}", NumberCell(cell.mean_m()),
                      cell.trials.size());

@@ -9,6 +9,7 @@
 
 #include "base/check.h"
 #include "base/jobs.h"
+#include "base/printable.h"
 #include "dsp/analysis/floor_remarks.h"
 #include "tools/cli/progress.h"
 #include "trial/read_recording.h"
@@ -62,7 +63,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
 StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question,
                         const trial::ImportOptions& import) {
   StudyTrial trial;
-  trial.file = file.path;
+  trial.file = Printable(file.path);
   const auto fail = [&](Error error) {
     if (error.where.empty()) error.where = file.path;
     trial.reasons.push_back(error.Text());

@@ -9,6 +9,8 @@
 
 #include "base/input_file.h"
 #include "base/nearest.h"
+#include "base/printable.h"
+#include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {
 namespace {
@@ -19,22 +21,10 @@ std::string_view Trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
-std::vector<std::string> CellsOf(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += line[++i];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  for (std::string& cell : cells) cell = std::string(Trimmed(cell));
+// cells of anybody's file, made printable here
+std::vector<std::string> PrintableCellsOf(std::string_view line) {
+  std::vector<std::string> cells = cli::CellsOf(line);
+  for (std::string& cell : cells) cell = Printable(cell);
   return cells;
 }
 
@@ -49,7 +39,7 @@ Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) 
 
 Result<void> TakeRow(const std::vector<std::string>& names, std::string_view line,
                      std::size_t number, TextTable* table) {
-  std::vector<std::string> cells = CellsOf(line);
+  std::vector<std::string> cells = PrintableCellsOf(line);
   if (cells.size() != names.size()) {
     return CannotAnswer(fmt::format("{}:{}", table->name, number),
                         fmt::format("has {} cells, the header {}", cells.size(), names.size()),
@@ -91,7 +81,7 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     if (!rest.empty()) rest.remove_prefix(1);
     if (line.empty() || line.starts_with('#')) continue;
     if (names.empty()) {
-      names = CellsOf(line);
+      names = PrintableCellsOf(line);
       if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());
       continue;
     }
@@ -118,13 +108,6 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     }
   }
   return numbers;
-}
-
-std::string QuotedCell(const std::string& text) {
-  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
-  return quoted + '"';
 }
 
 }  // namespace haptometer::tools

@@ -28,7 +28,4 @@ struct TextTable {
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
 
-/// `text` as a cell: in quotes where it holds a comma, a quote or a line end.
-[[nodiscard]] std::string QuotedCell(const std::string& text);
-
 }  // namespace haptometer::tools

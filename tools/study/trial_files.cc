@@ -10,6 +10,8 @@
 #include <set>
 #include <string_view>
 
+#include "base/printable.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -99,7 +101,7 @@ std::optional<std::map<std::string, std::string>> LabelsOf(const std::string& pa
   if (!std::regex_match(name, match, compiled.expression)) return std::nullopt;
   std::map<std::string, std::string> labels;
   for (std::size_t i = 0; i < compiled.labels.size(); ++i) {
-    labels[compiled.labels[i]] = match[i + 1];
+    labels[compiled.labels[i]] = Printable(match[i + 1].str());
   }
   return labels;
 }

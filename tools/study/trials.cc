@@ -5,16 +5,18 @@
 #include <filesystem>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/input_file.h"
+#include "base/printable.h"
 #include "tools/cli/band.h"
 #include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 #include "tools/drive_off_floor.h"
-#include "tools/study/output_file.h"
 #include "tools/study/study_result.h"
 #include "tools/study/words.h"
 
@@ -64,13 +66,13 @@ void Declare(cli::Options& options, Wanted& wanted) {
                "manifest's, else each trial's own quiet part)");
   options.Flag("--all", &wanted.all,
                "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend");
-  options.Text("--table", &wanted.table, "LONG.csv", "Write a row a trial");
-  options.Text("--wide", &wanted.wide, "WIDE.csv", "Write a row a subject");
-  options.Text("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
+  options.Output("--table", &wanted.table, "LONG.csv", "Write a row a trial");
+  options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row a subject");
+  options.Output("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
   options.Text("--verify", &wanted.verify, "RESULTS.json",
                "Compare with what --json printed earlier; status 1 where something differs");
-  options.Text("--plot", &wanted.plot, "FILE.svg|png|pdf",
-               "Draw means, spread and subjects, a panel a contrast");
+  options.Output("--plot", &wanted.plot, "FILE.svg|png|pdf",
+                 "Draw means, spread and subjects, a panel a contrast");
   options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
   cli::DeclareImport(&options, &wanted.import);
 }
@@ -147,10 +149,12 @@ Result<Task> TaskOf(const Wanted& wanted) {
       return std::unexpected(drawable.error());
     }
   }
-  for (const std::string* path : {&wanted.table, &wanted.wide, &wanted.methods}) {
-    if (auto free = CheckOutput(*path, wanted.overwrite); !free) {
-      return std::unexpected(free.error());
-    }
+  for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
+                                   std::pair(&wanted.wide, cli::kStudyTableOutput),
+                                   std::pair(&wanted.methods, cli::kMethodsOutput)}) {
+    if (path->empty()) continue;
+    auto free = cli::CheckOutput(*path, kind, wanted.overwrite);
+    if (!free) return std::unexpected(free.error());
   }
   Task task;
   if (auto found = FindFiles(wanted, task); !found) return std::unexpected(found.error());
@@ -171,7 +175,7 @@ Result<Task> TaskOf(const Wanted& wanted) {
 
 Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   StudyResult study;
-  study.source = wanted.source;
+  study.source = Printable(wanted.source);
   study.question = task.question;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
@@ -203,15 +207,13 @@ int StatusOf(const StudyResult& study) {
 }
 
 Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study) {
-  if (!wanted.table.empty()) {
-    if (auto ok = WriteOutput(wanted.table, LongTable(study), wanted.overwrite); !ok) return ok;
-  }
-  if (!wanted.wide.empty()) {
-    if (auto ok = WriteOutput(wanted.wide, WideTable(study), wanted.overwrite); !ok) return ok;
-  }
-  if (!wanted.methods.empty()) {
-    if (auto ok = WriteOutput(wanted.methods, MethodsText(study), wanted.overwrite); !ok) return ok;
-  }
+  const auto write = [&](const std::string& path, const cli::OutputKind& kind, auto&& text_of) {
+    return path.empty() ? Result<void>{}
+                        : cli::WriteOutput(path, kind, wanted.overwrite, text_of(study));
+  };
+  if (auto ok = write(wanted.table, cli::kStudyTableOutput, LongTable); !ok) return ok;
+  if (auto ok = write(wanted.wide, cli::kStudyTableOutput, WideTable); !ok) return ok;
+  if (auto ok = write(wanted.methods, cli::kMethodsOutput, MethodsText); !ok) return ok;
   if (!wanted.plot.empty()) return plot::DrawPanels(wanted.plot, StudyPanels(study));
   return {};
 }
@@ -250,7 +252,7 @@ int RunStudyTrials(int argc, const char* const* argv) {
   for (const StudyTrial& trial : study->table.trials) {
     if (trial.error) static_cast<void>(cli::ReportError(kVerb, *trial.error));
   }
-  fmt::print("{}", options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
+  cli::Print(options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
   if (auto written = WriteFiles(wanted, *study); !written) {
     return cli::ReportError(kVerb, written.error());
   }

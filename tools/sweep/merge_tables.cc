@@ -2,12 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <fstream>
 #include <functional>
 #include <queue>
 #include <utility>
 
-#include "tools/cli/whole_file.h"
+#include "tools/cli/csv_cell.h"
+#include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {
@@ -52,7 +52,7 @@ Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads
   if (!row) return {};
   const auto point = PointOfRow(*row);
   if (!point || *point > reader.header().points ||
-      CellsOf(*row).size() != reader.header().columns.size()) {
+      cli::CellsOf(*row).size() != reader.header().columns.size()) {
     return CannotAnswer(reader.path(), fmt::format("holds a row that is none: '{:.40}'", *row),
                         "compute that shard again");
   }
@@ -67,7 +67,9 @@ Result<void> Missing(std::uint64_t point, const TableReader& reader) {
 }
 
 // All rows in their order, each point once.
-Result<void> WriteRows(std::vector<TableReader>& readers, std::ofstream& whole) {
+Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole) {
+  constexpr std::size_t kPieceBytes = 1U << 16;
+  std::string rows;
   Heads heads;
   for (std::size_t table = 0; table < readers.size(); ++table) {
     if (auto begun = Advance(readers, table, heads); !begun) return begun;
@@ -85,12 +87,16 @@ Result<void> WriteRows(std::vector<TableReader>& readers, std::ofstream& whole) 
           "give every shard once");
     }
     if (head.point > expected) return Missing(expected, readers.front());
-    whole << head.row << '\n';
+    rows += head.row + '\n';
+    if (rows.size() >= kPieceBytes) {
+      if (auto written = whole.Write(rows); !written) return written;
+      rows.clear();
+    }
     ++expected;
     last_table = head.table;
     if (auto next = Advance(readers, head.table, heads); !next) return next;
   }
-  return expected > points ? Result<void>{} : Missing(expected, readers.front());
+  return expected > points ? whole.Write(rows) : Missing(expected, readers.front());
 }
 
 }  // namespace
@@ -99,15 +105,12 @@ Result<void> MergeTables(const std::vector<std::string>& tables, const std::stri
                          bool replace) {
   auto readers = OpenAll(tables);
   if (!readers) return std::unexpected(readers.error());
-  auto file = cli::WholeFile::Begin(output, replace);
+  auto file = cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace);
   if (!file) return std::unexpected(file.error());
-  std::ofstream whole(file->part(), std::ios::binary);
   TableHeader header = readers->front().header();
   header.shard.clear();
-  whole << header.Text();
-  if (auto written = WriteRows(*readers, whole); !written) return written;
-  whole.close();
-  if (!whole) return Failed(output, "cannot be written", "is there room on the disk?");
+  if (auto written = file->Write(header.Text()); !written) return written;
+  if (auto written = WriteRows(*readers, *file); !written) return written;
   return file->Finish();
 }
 

@@ -124,7 +124,7 @@ int RunSweep(int argc, const char* const* argv) {
   if (!*whole) return cli::InterruptedStatus(1);
   const auto summary = Conclude(words, *wish);
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  fmt::print("{}", options.json() ? SummaryJson(*summary) : SummaryText(*summary));
+  cli::Print(options.json() ? SummaryJson(*summary) : SummaryText(*summary));
   return TellUnanswered(*summary);
 }
 

@@ -98,7 +98,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
                 "Points of a Latin hypercube over BEGIN:END instead of a grid");
   options.Count("--seed", &words.seed, 0, kMostSeed, "Of the samples; 1");
-  options.Text("-o,--output", &words.output, "FILE.csv", "The table, a row for each point");
+  options.Output("-o,--output", &words.output, "FILE.csv", "The table, a row for each point");
   options.Flag("--resume", &words.resume, "Go on with the table where a run was ended");
   options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
   options.Count("--threads", &words.threads, 1, kMostThreads,
@@ -106,8 +106,8 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Text("--shard", &words.shard, "I/N", "Only every N-th point, from the I-th on");
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
   options.Text("--best", &words.best, "COLUMN[:least]", "Tell its largest row; skin_rms_m");
-  options.Text("--plot", &words.plot, "FILE.svg|png|pdf",
-               "Draw that column over one or two varied keys");
+  options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
+                 "Draw that column over one or two varied keys");
 }
 
 Result<SweepQuestion> ReadQuestion(const SweepWords& words) {

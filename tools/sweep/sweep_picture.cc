@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "tools/cli/csv_cell.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -19,9 +20,9 @@ namespace {
 constexpr std::size_t kMostCurves = 8;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// apart in grey too (Okabe and Ito, 2008)
-constexpr std::array<std::string_view, kMostCurves> kColours{
-    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#b0b0b0"};
+constexpr std::array<plot::Colour, kMostCurves> kColours{
+    plot::kBlue,   plot::kOrange,  plot::kGreen, plot::kPurple,
+    plot::kYellow, plot::kSkyBlue, plot::kBlack, plot::kGrey};
 
 double NumberOr(const std::string& cell, double otherwise) {
   double number = 0;
@@ -82,7 +83,7 @@ SweepColumns ReadColumns(TableReader& reader, const std::string& column) {
   const auto place =
       static_cast<std::size_t>(std::ranges::find(header.columns, column) - header.columns.begin());
   for (auto row = reader.Next(); row; row = reader.Next()) {
-    const std::vector<std::string> cells = CellsOf(*row);
+    const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() != header.columns.size() || place >= cells.size()) continue;
     for (std::size_t k = 0; k < header.varied; ++k) columns.keys[k].Take(cells[k + 1]);
     columns.values.push_back(NumberOr(cells[place], kNaN));
@@ -119,9 +120,10 @@ plot::Series SeriesOver(const KeyColumn& key, const SweepColumns& columns, const
   return series;
 }
 
-std::string StyleOf(const SweepColumns& columns, std::size_t curve) {
-  return fmt::format("{} pt 7 ps 0.3 lc rgb '{}'", columns.is_sampled ? "points" : "linespoints",
-                     kColours[curve % kColours.size()]);
+plot::Style StyleOf(const SweepColumns& columns, std::size_t curve) {
+  return {.mark = columns.is_sampled ? plot::Mark::kPoints : plot::Mark::kLinesPoints,
+          .colour = kColours[curve % kColours.size()],
+          .size = 0.3};
 }
 
 // One panel: every curve of `other`, evenly chosen where there are more than can be told apart.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/nearest.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/cli/json.h"
 #include "tools/sweep/answer_columns.h"
 
@@ -89,7 +90,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
   for (auto row = reader->Next(); row; row = reader->Next()) {
-    const std::vector<std::string> cells = CellsOf(*row);
+    const std::vector<std::string> cells = cli::CellsOf(*row);
     if (cells.size() == columns.size()) TakeRow(summary, cells, column);
   }
   return summary;

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <utility>
 
+#include "base/printable.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/sweep/answer_columns.h"
 
 namespace haptometer::tools {
@@ -39,7 +41,7 @@ void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::stri
     if (number && std::isfinite(*number)) fmt::format_to(std::back_inserter(row), "{}", *number);
     row += ',';
   }
-  row += CellOf(answer ? AnswerRemark(*answer) : sim::WithoutPath(answer.error(), scene));
+  row += cli::CellOf(answer ? AnswerRemark(*answer) : sim::WithoutPath(answer.error(), scene));
 }
 
 Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
@@ -56,7 +58,7 @@ std::string TableHeader::Text() const {
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
   std::vector<std::string> cells;
   cells.reserve(columns.size());
-  for (const std::string& column : columns) cells.push_back(CellOf(column));
+  for (const std::string& column : columns) cells.push_back(cli::CellOf(column));
   return text + fmt::format("{}\n", fmt::join(cells, ","));
 }
 
@@ -66,7 +68,7 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   const std::uint32_t digest = question.scene.Digest(TextsOf(axes));
   TableHeader header;
   header.question = {fmt::format("# haptometer sweep {}", HAPTOMETER_VERSION),
-                     fmt::format("# scene = {}", name)};
+                     fmt::format("# scene = {}", Printable(name))};
   header.columns = {"point"};
   for (const sim::SweepAxis& axis : axes) {
     header.question.push_back(fmt::format("# vary = {}={}", axis.key, sim::WordOf(axis)));
@@ -104,7 +106,7 @@ std::string DifferenceOf(const TableHeader& there, const TableHeader& here) {
 std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values) {
   std::string row = fmt::format("{},", point + 1);
   for (const sim::SweepValue& value : values) {
-    row += CellOf(value.text);
+    row += cli::CellOf(value.text);
     row += ',';
   }
   return row;
@@ -116,34 +118,6 @@ std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
   AppendAnswer(row, AnswerOf(question, values), question.scene.path());
   row += '\n';
   return row;
-}
-
-std::string CellOf(std::string_view text) {
-  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
-  std::string cell = "\"";
-  for (const char c : text) {
-    if (c == '"') cell += '"';
-    cell += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return cell + "\"";
-}
-
-std::vector<std::string> CellsOf(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool in_quotes = false;
-  for (std::size_t at = 0; at < line.size(); ++at) {
-    const char c = line[at];
-    if (c == '"' && in_quotes && at + 1 < line.size() && line[at + 1] == '"') {
-      cells.back() += line[++at];
-    } else if (c == '"') {
-      in_quotes = !in_quotes;
-    } else if (c == ',' && !in_quotes) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
 }
 
 }  // namespace haptometer::tools

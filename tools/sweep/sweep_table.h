@@ -37,11 +37,4 @@ struct TableHeader {
 /// A whole row, with its line end. A point that cannot be answered has empty cells and a remark.
 [[nodiscard]] std::string RowOf(const SweepQuestion& question, std::uint64_t point);
 
-/// `text` as a cell: in quotes where it holds a comma, a quote or a line's end, which becomes a
-/// blank.
-[[nodiscard]] std::string CellOf(std::string_view text);
-
-/// The cells of a line, without their quotes.
-[[nodiscard]] std::vector<std::string> CellsOf(std::string_view line);
-
 }  // namespace haptometer::tools

@@ -12,6 +12,8 @@
 #include <fstream>
 #include <utility>
 
+#include "tools/cli/csv_cell.h"
+#include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {
@@ -51,7 +53,7 @@ Result<std::uint64_t> CountRows(TableReader& reader, const SweepQuestion& questi
         row < rows &&
         line->starts_with(RowBegin(question.shard.PointOf(row),
                                    question.points.At(question.shard.PointOf(row)))) &&
-        CellsOf(*line).size() == reader.header().columns.size();
+        cli::CellsOf(*line).size() == reader.header().columns.size();
     if (is_ours) continue;
     return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", row + 1),
                  "was it edited? name another file, or say --overwrite");
@@ -74,15 +76,9 @@ TableFile::~TableFile() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-Result<TableFile> TableFile::Open(const std::string& path, bool may_exist) {
-  const int flags = O_WRONLY | O_CREAT | O_CLOEXEC | (may_exist ? 0 : O_EXCL);
-  constexpr mode_t kMode = 0666;  // the user's mask takes its part
-  TableFile file(path, open(path.c_str(), flags, kMode));
+Result<TableFile> TableFile::Open(const std::string& path) {
+  TableFile file(path, open(path.c_str(), O_WRONLY | O_CLOEXEC));
   if (file.descriptor_ < 0) {
-    if (errno == EEXIST) {
-      return Usage(path, "already exists",
-                   "go on with it by --resume, name another file, or say --overwrite");
-    }
     return Usage(path, std::string("cannot be written: ") + std::strerror(errno), "name another");
   }
   struct stat status{};
@@ -103,19 +99,31 @@ Result<void> TableFile::CutAt(std::uint64_t bytes) {
 
 Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& header,
                                    bool replace) {
-  auto file = Open(path, replace);
-  if (!file) return file;
-  if (auto cut = file->CutAt(0); !cut) return std::unexpected(cut.error());
-  if (auto written = file->Append(header.Text()); !written) {
-    return std::unexpected(written.error());
+  // an older table keeps its place until the new one has begun
+  const std::string text = header.Text();
+  auto begun = cli::OutputFile::Begin(path, cli::kSweepTableOutput, replace);
+  if (!begun) {
+    Error error = begun.error();
+    if (error.what == "already exists") {
+      error.remedy = "go on with it by --resume, name another file, or say --overwrite";
+    }
+    return std::unexpected(std::move(error));
   }
+  // rows are appended to it, and read again for the summary
+  if (auto part = begun->PathForLibrary(); !part) return std::unexpected(part.error());
+  auto written = begun->Write(text);
+  if (written) written = begun->Finish();
+  if (!written) return std::unexpected(written.error());
+  auto file = Open(path);
+  if (!file) return file;
+  if (auto cut = file->CutAt(text.size()); !cut) return std::unexpected(cut.error());
   return file;
 }
 
 Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
                                     const SweepQuestion& question) {
   if (IsBegunOnly(path, header.Text())) return Begin(path, header, true);
-  auto file = Open(path, true);  // locked before it is read
+  auto file = Open(path);  // locked before it is read
   if (!file) return file;
   auto reader = TableReader::Open(path);
   if (!reader) return std::unexpected(reader.error());
@@ -128,11 +136,16 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
 }
 
 Result<void> TableFile::Append(std::string_view rows) {
+  const off_t end = lseek(descriptor_, 0, SEEK_CUR);
   while (!rows.empty()) {
     const ssize_t written = write(descriptor_, rows.data(), rows.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) {
-      return Failed(path_, std::string("cannot be written: ") + std::strerror(errno),
+      const int failure = errno;
+      // no part of a row is left behind
+      if (ftruncate(descriptor_, end) != 0) { /* --resume cuts it off */
+      }
+      return Failed(path_, std::string("cannot be written: ") + std::strerror(failure),
                     "make room, then go on with --resume");
     }
     rows.remove_prefix(static_cast<std::size_t>(written));

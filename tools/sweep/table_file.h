@@ -15,9 +15,8 @@ namespace haptometer::tools {
 /// that was ended, by whatever means, can be gone on with.
 class TableFile {
  public:
-  /// Begins a table. Errors: Cause::kUsage where one is there and `replace` is false, or where no
-  /// file can be made; Cause::kFailed when the disk fails; Cause::kUsage when another run is
-  /// writing it.
+  /// Begins a table with its header as a cli::OutputFile, so that an older one goes (if `replace`)
+  /// once the new one is there. Errors: as cli::OutputFile.
   [[nodiscard]] static Result<TableFile> Begin(const std::string& path, const TableHeader& header,
                                                bool replace);
 
@@ -38,7 +37,7 @@ class TableFile {
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
 
   /// Writes whole rows, and syncs the disk about once a second. Errors (Cause::kFailed): the
-  /// disk's.
+  /// disk's; what was written of `rows` is cut off again.
   [[nodiscard]] Result<void> Append(std::string_view rows);
 
   /// Syncs what was written. Errors (Cause::kFailed): the disk's.
@@ -46,7 +45,7 @@ class TableFile {
 
  private:
   TableFile(std::string path, int descriptor);
-  [[nodiscard]] static Result<TableFile> Open(const std::string& path, bool may_exist);
+  [[nodiscard]] static Result<TableFile> Open(const std::string& path);
   [[nodiscard]] Result<void> CutAt(std::uint64_t bytes);
 
   std::string path_;

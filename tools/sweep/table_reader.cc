@@ -3,6 +3,9 @@
 #include <charconv>
 #include <filesystem>
 
+#include "base/input_file.h"
+#include "tools/cli/csv_cell.h"
+
 namespace haptometer::tools {
 namespace {
 
@@ -25,6 +28,7 @@ TableReader::TableReader(const std::string& path) : path_(path), file_(path, std
 Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
+  NoteInput(path);
   TableReader reader(path);
   if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
   return reader;
@@ -48,7 +52,7 @@ Result<void> TableReader::ReadHeader() {
     header_.question.push_back(*std::move(line));
   }
   if (!line) return unknown();
-  header_.columns = CellsOf(*line);
+  header_.columns = cli::CellsOf(*line);
   const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 1 &&
                         header_.columns.front() == "point" && header_.columns.back() == "remark";
   if (!is_known) return unknown();

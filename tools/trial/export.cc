@@ -2,23 +2,19 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "base/check.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
+#include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
-#include "tools/cli/whole_file.h"
 #include "tools/trial/told_recording.h"
 #include "tools/trial/words.h"
-#include "trial/block.h"
-#include "trial/byte_sink.h"
 #include "trial/export/csv.h"
 #include "trial/export/hdf5.h"
 #include "trial/export/mat.h"
@@ -86,14 +82,20 @@ Result<std::vector<std::string>> FilesOf(const std::vector<std::string>& words) 
   return files;
 }
 
-// a sink that writes to stdout
-Result<void> ToStdout(std::string_view bytes) {
-  if (std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size() &&
-      std::fflush(stdout) == 0) {
-    return {};
+const cli::OutputKind& KindOf(Format format) {
+  switch (format) {
+    case Format::kCsv:
+      return cli::kRowsOutput;
+    case Format::kHdf5:
+      return cli::kHdf5Output;
+    case Format::kNpy:
+      return cli::kNpyOutput;
+    case Format::kWav:
+      return cli::kWavOutput;
+    case Format::kMat:
+      return cli::kMatOutput;
   }
-  return Failed("stdout", std::string("could not be written: ") + std::strerror(errno),
-                "say -o FILE to write to a file");
+  HAPTOMETER_CHECK(false, "format {}", static_cast<int>(format));
 }
 
 // what goes out as one run of bytes
@@ -106,18 +108,6 @@ Result<void> WriteBytes(Format format, const trial::Record& record, const trial:
   return {};
 }
 
-Result<void> WriteBytesTo(const std::string& path, Format format, const trial::Record& record,
-                          bool overwrite) {
-  auto sink =
-      trial::CreateFileSink(path, overwrite ? trial::IfExists::kReplace : trial::IfExists::kRefuse);
-  if (!sink) return std::unexpected(sink.error());
-  auto done = WriteBytes(format, record, [&](std::string_view bytes) {
-    return trial::WriteAll(sink->get(), trial::BytesOfText(bytes));
-  });
-  if (done) done = (*sink)->Sync();
-  return done;
-}
-
 // `error` with the export's own words where the disk failed
 Error Explained(Error error, const std::string& input, const std::string& output) {
   if (error.cause != Cause::kFailed) {
@@ -128,32 +118,17 @@ Error Explained(Error error, const std::string& input, const std::string& output
           "make room and export again; the recording itself is unchanged"};
 }
 
-// a device takes the bytes as they come; a file gets its name when it is whole
 Result<void> ExportOne(const Wanted& wanted, Format format, const std::string& input,
                        const trial::ImportOptions& import) {
   const auto recording = ReadAndTell(kText.name, input, import);
   if (!recording) return std::unexpected(recording.error());
-  if (wanted.output.empty()) {
-    const auto done = WriteBytes(format, recording->record, ToStdout);
-    if (!done && done.error().where != "stdout") {
-      return std::unexpected(Explained(done.error(), input, "stdout"));
-    }
-    return done;
-  }
-  std::error_code ignored;
-  const bool is_device = fs::exists(wanted.output, ignored) &&
-                         !fs::is_regular_file(wanted.output, ignored) &&
-                         !fs::is_directory(wanted.output, ignored);
-  if (is_device && wanted.overwrite) {
-    const auto done = WriteBytesTo(wanted.output, format, recording->record, true);
-    if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
-    return {};
-  }
-  auto file = cli::WholeFile::Begin(wanted.output, wanted.overwrite);
+  const std::string output = wanted.output.empty() ? "/dev/stdout" : wanted.output;
+  auto file = cli::OutputFile::Begin(output, KindOf(format), wanted.overwrite);
   if (!file) return std::unexpected(file.error());
-  auto done = WriteBytesTo(file->part(), format, recording->record, true);
+  auto done = WriteBytes(format, recording->record,
+                         [&](std::string_view bytes) { return file->Write(bytes); });
   if (done) done = file->Finish();
-  if (!done) return std::unexpected(Explained(done.error(), input, wanted.output));
+  if (!done) return std::unexpected(Explained(done.error(), input, output));
   return {};
 }
 
@@ -198,11 +173,13 @@ Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std:
 // all `inputs` into one file; what cannot be read is reported and the others are exported still.
 // Returns the exit status.
 template <typename Writer>
-Result<int> ExportAll(const Wanted& wanted, const std::vector<std::string>& inputs,
+Result<int> ExportAll(const Wanted& wanted, Format format, const std::vector<std::string>& inputs,
                       const trial::ImportOptions& import) {
-  auto file = cli::WholeFile::Begin(wanted.output, wanted.overwrite);
+  auto file = cli::OutputFile::Begin(wanted.output, KindOf(format), wanted.overwrite);
   if (!file) return std::unexpected(file.error());
-  auto writer = Writer::Create(file->part());
+  const auto part = file->PathForLibrary();
+  if (!part) return std::unexpected(part.error());
+  auto writer = Writer::Create(*part);
   if (!writer) return std::unexpected(Explained(writer.error(), "", wanted.output));
   Names names;
   int status = 0;
@@ -237,8 +214,12 @@ Result<int> Export(const Wanted& wanted) {
   if (!import) return std::unexpected(import.error());
   const auto inputs = FilesOf(wanted.files);
   if (!inputs) return std::unexpected(inputs.error());
-  if (format == Format::kHdf5) return ExportAll<trial::Hdf5Writer>(wanted, *inputs, *import);
-  if (format == Format::kMat) return ExportAll<trial::MatWriter>(wanted, *inputs, *import);
+  if (format == Format::kHdf5) {
+    return ExportAll<trial::Hdf5Writer>(wanted, *format, *inputs, *import);
+  }
+  if (format == Format::kMat) {
+    return ExportAll<trial::MatWriter>(wanted, *format, *inputs, *import);
+  }
   if (inputs->size() > 1) {
     return Usage("-o", fmt::format("a file of this kind holds one trial, not {}", inputs->size()),
                  "give one, or write all into one .h5 or .mat");
@@ -255,8 +236,8 @@ int RunTrialExport(int argc, const char* const* argv) {
   cli::Options options(kText);
   options.Positionals("files", &wanted.files,
                       "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5, or a folder of them");
-  options.Text("-o,--output", &wanted.output, "FILE",
-               "The file to write, .csv, .h5, .npy, .wav or .mat (CSV to stdout)");
+  options.Output("-o,--output", &wanted.output, "FILE",
+                 "The file to write, .csv, .h5, .npy, .wav or .mat (CSV to stdout)");
   options.Flag("--overwrite,--force", &wanted.overwrite, "Replace FILE where it exists");
   cli::DeclareImport(&options, &wanted.import);
   if (const auto status = options.Parse(argc, argv)) return *status;
@@ -265,6 +246,7 @@ int RunTrialExport(int argc, const char* const* argv) {
                                          "say haptometer trial info FILE --json"});
   }
   const auto status = Export(wanted);
+  if (!status && wanted.output.empty() && cli::IsUnread()) return cli::kUnreadStatus;
   return status ? *status : cli::ReportError(kText.name, status.error());
 }
 

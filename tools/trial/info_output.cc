@@ -8,7 +8,9 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
+#include "base/printable.h"
 #include "tools/cli/json.h"
+#include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/trial/trial_panel.h"
 
@@ -83,7 +85,7 @@ double WorstUncertainty(const Record& record) {
 
 // "  label           text"; nothing where there is no text
 void Line(std::string_view label, std::string_view text) {
-  if (!text.empty()) fmt::print("  {:<16}{}\n", label, text);
+  if (!text.empty()) cli::Print(fmt::format("  {:<16}{}\n", label, Printable(text)));
 }
 
 // a number in six digits and without an exponent where it has any meaning
@@ -194,7 +196,7 @@ void PrintThumbnail(const Record& record) {
   // gnuplot leaves room above the title
   const std::size_t first = std::min(text->find_first_not_of(" \n"), text->size());
   const std::size_t line_end = text->rfind('\n', first);
-  fmt::print("{}", text->substr(line_end == std::string::npos ? 0 : line_end + 1));
+  cli::Print(text->substr(line_end == std::string::npos ? 0 : line_end + 1));
 }
 
 // whether the recorder finished; null where the file cannot tell
@@ -276,7 +278,7 @@ Json ListOf(const std::vector<T>& items) {
 }  // namespace
 
 void PrintTrialInfo(const std::string& path, const Recording& recording) {
-  fmt::print("{}\n", path);
+  cli::Print(Printable(path) + "\n");
   PrintMetadata(recording.record.metadata);
   for (const Channel& channel : recording.record.channels) PrintChannel(channel);
   PrintTimes(recording);
@@ -318,7 +320,7 @@ void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
             {"remarks", recording.report.remarks},
             {"file_bytes", recording.report.file_bytes}};
   json.update(ToJson(record.metadata));
-  fmt::print("{}", cli::JsonText(json));
+  cli::Print(cli::JsonText(json));
 }
 
 }  // namespace haptometer::tools

@@ -55,8 +55,8 @@ int RunTrialPlot(int argc, const char* const* argv) {
   cli::ImportWords import;
   cli::Options options(kText);
   options.Positional("file", &input, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
-  options.Text("-o,--output,--plot", &output, "FILE.svg|png|pdf",
-               "The plot to write; an older one is replaced");
+  options.Output("-o,--output,--plot", &output, "FILE.svg|png|pdf",
+                 "The plot to write; an older one of ours is replaced");
   cli::DeclareImport(&options, &import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto done = Draw(input, output, import);

@@ -215,7 +215,7 @@ int RunTune(int argc, const char* const* argv) {
   }
   const auto answer = Answer(*question);
   if (!answer) return cli::ReportError(kVerb, answer.error());
-  fmt::print("{}", options.json() ? TuneJson(*answer) : TuneText(*answer));
+  cli::Print(options.json() ? TuneJson(*answer) : TuneText(*answer));
   if (words.plot.empty()) return 0;
   if (auto drawn = DrawTune(words.plot, *answer); !drawn) {
     return cli::ReportError(kVerb, drawn.error());

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/printable.h"
 #include "sim/scene_file.h"
 #include "tools/simulate/drive_text.h"
 
@@ -129,7 +130,7 @@ Result<void> ReadScene(const TuneWords& words, TuneQuestion& question) {
   }
   const auto scene = sim::ReadSceneFile(words.scenes.front());
   if (!scene) return std::unexpected(scene.error());
-  question.name = words.scenes.front();
+  question.name = Printable(words.scenes.front());
   if (scene->grip.stiffness_n_per_m > 0 || scene->grip.damping_n_s_per_m > 0 || scene->grip.holds) {
     return CannotAnswer(words.scenes.front(), "holds the case, which tune does not know",
                         "set [mounting] kind = \"free\"");
@@ -287,8 +288,8 @@ void Declare(cli::Options& options, TuneWords& words) {
                  "Only adapters with which the mover travels no further, to either side");
   options.Text("--latency", &words.latency, "s",
                "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
-  options.Text("--plot", &words.plot, "FILE",
-               "Draw the objective around the optimum, and the ridge");
+  options.Output("--plot", &words.plot, "FILE",
+                 "Draw the objective around the optimum, and the ridge");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
   options.Choice("--receptor-grid", &words.receptor_grid, {"cell", "edge"},
                  "Receptors in the middle of their cells, or from edge to edge", Shown::kHelpAll);

@@ -21,14 +21,14 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Number {
   const char* name;
-  std::string_view colour;
+  plot::Colour colour;
 };
 // apart in grey too (Okabe and Ito, 2008)
-constexpr std::array<Number, 5> kNumbers{{{"motor side's mass", "#0072b2"},
-                                          {"skin side's mass", "#d55e00"},
-                                          {"spring", "#009e73"},
-                                          {"damper", "#cc79a7"},
-                                          {"contact's area", "#e69f00"}}};
+constexpr std::array<Number, 5> kNumbers{{{"motor side's mass", plot::kBlue},
+                                          {"skin side's mass", plot::kOrange},
+                                          {"spring", plot::kGreen},
+                                          {"damper", plot::kPurple},
+                                          {"contact's area", plot::kYellow}}};
 constexpr std::size_t kSpring = 2, kArea = 4;
 
 double& PartOf(sim::AdapterPoint& point, std::size_t number) {
@@ -55,7 +55,7 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
   for (std::size_t number = 0; number < kNumbers.size(); ++number) {
     if (number == kArea && answer.question.problem.fixed_skin) continue;
     plot::Series curve{.title = kNumbers[number].name,
-                       .style = fmt::format("lines lw 1.5 lc rgb '{}'", kNumbers[number].colour),
+                       .style = plot::Lines(kNumbers[number].colour, 1.5),
                        .x = Factors(),
                        .y = {}};
     for (const double factor : curve.x) {
@@ -73,11 +73,10 @@ std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& v
 
 plot::Series Rebalanced(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  plot::Series curve{
-      .title = "spring, the skin side's mass chosen anew",
-      .style = fmt::format("lines lw 1.5 dt 2 lc rgb '{}'", kNumbers[kSpring].colour),
-      .x = Factors(),
-      .y = {}};
+  plot::Series curve{.title = "spring, the skin side's mass chosen anew",
+                     .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
+                     .x = Factors(),
+                     .y = {}};
   for (const double factor : curve.x) {
     const sim::SpringCost cost = sim::CostOfSpring(
         question.objective, question.problem, question.receptors, answer.optimum.point, factor);
@@ -119,7 +118,7 @@ plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source
   if (std::isinf(problem.mover_limit_m)) return panel;
   const double limit_um = problem.mover_limit_m * 1e6;
   panel.series.push_back({.title = "allowed",
-                          .style = fmt::format("lines lw 2 lc rgb '{}'", plot::kGrey),
+                          .style = plot::Lines(plot::kGrey, 2),
                           .x = {0.7, 1.3},
                           .y = {limit_um, limit_um}});
   return panel;
@@ -127,10 +126,8 @@ plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source
 
 plot::Panel RidgePanel(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
-  plot::Series ridge{.title = "the best with that mass",
-                     .style = fmt::format("lines lw 1.5 lc rgb '{}'", plot::kBlue),
-                     .x = {},
-                     .y = {}};
+  plot::Series ridge{
+      .title = "the best with that mass", .style = plot::Lines(plot::kBlue, 1.5), .x = {}, .y = {}};
   for (const sim::RidgePoint& point :
        sim::RidgeOf(question.objective, question.problem, question.receptors, kRidgeMasses)) {
     ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);

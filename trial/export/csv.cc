@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "trial/export/exported_times.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/csv_comment.h"
 
@@ -47,6 +48,7 @@ std::string ChannelLines(const Channel& channel, std::size_t number, bool has_ow
 
 std::string_view TimesWord(const Record& record) {
   if (record.raw_times_s.empty()) return "grid";
+  if (record.times_are_known) return "known";
   return record.timing == Timing::kPolled ? "polled" : "arrived";
 }
 
@@ -58,7 +60,7 @@ std::string Head(const Record& record, StatusColumns status_columns) {
         "stretch", fmt::format("{} {} {} {} {}", stretch.first_row, stretch.rows, stretch.start_s,
                                stretch.rate_hz, stretch.time_uncertainty_s));
   }
-  std::string columns = "time_s";
+  std::string columns = HasArrivalTimes(record) ? "time_s,arrival_s" : "time_s";
   const std::vector<std::string> names = CsvColumnNames(record.channels);
   for (std::size_t c = 0; c < names.size(); ++c) {
     const bool has_own_unit = names[c].starts_with("channel_") || names[c].starts_with("trig");
@@ -76,9 +78,9 @@ std::string Head(const Record& record, StatusColumns status_columns) {
 
 void AppendRow(const Record& record, std::size_t row, StatusColumns status_columns,
                std::string* text) {
-  const double time_s = record.raw_times_s.empty() ? TimeOf(record, row) : record.raw_times_s[row];
   auto out = std::back_inserter(*text);
-  fmt::format_to(out, "{}", time_s);
+  fmt::format_to(out, "{}", ExportedTimeOf(record, row));
+  if (HasArrivalTimes(record)) fmt::format_to(out, ",{}", record.raw_times_s[row]);
   for (const Channel& channel : record.channels) {
     if (IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row])) {
       fmt::format_to(out, ",{}", channel.values[row]);

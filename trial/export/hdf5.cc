@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "trial/block.h"
+#include "trial/export/exported_times.h"
 #include "trial/hdf5_id.h"
 #include "trial/import/csv_column.h"
 #include "trial/trial_json.h"
@@ -200,7 +201,7 @@ Result<void> WriteRaw(const Hdf5Id& trial, const std::vector<std::string>& names
 
 Result<void> WriteTimes(const Hdf5Id& group, const Record& record) {
   std::vector<double> times_s(record.rows);
-  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = TimeOf(record, row);
+  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
   auto done = WriteColumn(group, hdf5::kTimes, times_s);
   if (done && !record.raw_times_s.empty()) {
     done = WriteColumn(group, hdf5::kRawTimes, record.raw_times_s);
@@ -239,6 +240,7 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
   for (const std::string& remark : recording.report.remarks) remarks += remark + "\n";
   if (done) done = WriteText(group, hdf5::kRemarks, remarks);
   if (done) done = WriteFlag(group, hdf5::kClosed, recording.report.closed);
+  if (done && recording.record.times_are_known) done = WriteFlag(group, hdf5::kTimesAreKnown, true);
   return done;
 }
 

@@ -9,6 +9,7 @@
 
 #include "trial/block.h"
 #include "trial/byte_source.h"
+#include "trial/export/exported_times.h"
 #include "trial/import/csv_column.h"
 #include "trial/trial_json.h"
 
@@ -89,7 +90,7 @@ std::string Ascii(const std::string& json) {
 
 void AddTimes(const Record& record, Struct* variable) {
   std::vector<double> times_s(record.rows);
-  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = TimeOf(record, row);
+  for (std::size_t row = 0; row < record.rows; ++row) times_s[row] = ExportedTimeOf(record, row);
   variable->Column("time_s", times_s);
   if (!record.raw_times_s.empty()) variable->Column("raw_time_s", record.raw_times_s);
   // column by column, as MATLAB keeps a matrix

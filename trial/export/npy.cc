@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "trial/block.h"
+#include "trial/export/exported_times.h"
 #include "trial/import/csv_column.h"
 
 namespace haptometer::trial {
@@ -49,7 +50,7 @@ Result<void> WriteNpy(const Record& record, const PieceSink& sink) {
   if (record.channels.empty()) return CannotAnswer("", "the record holds no channel");
   std::string bytes = Head(record);
   for (std::size_t row = 0; row < record.rows; ++row) {
-    AppendLittleEndian(TimeOf(record, row), &bytes);
+    AppendLittleEndian(ExportedTimeOf(record, row), &bytes);
     for (const Channel& channel : record.channels) {
       AppendLittleEndian(channel.values[row], &bytes);
       AppendLittleEndian(static_cast<std::uint8_t>(channel.statuses[row]), &bytes);

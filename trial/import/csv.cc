@@ -37,9 +37,10 @@ std::string FormatRemark(const ForeignTable& table, bool is_told) {
     channels += fmt::format("{}{}", channels.empty() ? "" : ", ", column.name);
     if (!column.unit.empty()) channels += fmt::format(" [{}]", column.unit);
   }
-  return fmt::format("read as {} {} ({}--format {}), channels {}",
+  return fmt::format("read as {} {} ({}--format {}), {}channels {}",
                      table.format == TableFormat::kPlain ? "a" : "the layout of", facts.title,
-                     is_told ? "" : "found; ", facts.name, channels);
+                     is_told ? "" : "found; ", facts.name,
+                     table.separator == ' ' ? "cells separated by blanks, " : "", channels);
 }
 
 // Turns lines into a record.
@@ -52,6 +53,7 @@ class Parser {
   }
 
   Result<Record> Parse() {
+    if (auto bounded = CheckLines(whole_, name_); !bounded) return std::unexpected(bounded.error());
     if (auto done = JoinBlocks(); !done) return std::unexpected(done.error());
     while (NextLine()) {
       const auto done = line_.starts_with('#') ? ReadCsvComment(line_, Here(), &comments_)
@@ -111,6 +113,7 @@ class Parser {
     }
     auto columns = ReadCsvColumns(header.cells, name_);
     if (!columns) return std::unexpected(columns.error());
+    NameChannels(&*columns);
     if (auto done = KeepChannel(options_, name_, &*columns); !done) return done;
     BeginRows({.separator = header.separator, .columns = std::move(*columns)});
     return {};
@@ -168,13 +171,36 @@ class Parser {
         {.separator = table.separator, .columns = std::move(table.columns), .is_foreign = true});
   }
 
+  // an export's "# channel.2.name = CH2" is what the channel is called, too
+  void NameChannels(std::vector<CsvColumn>* columns) const {
+    for (CsvColumn& column : *columns) {
+      if (column.kind != CsvColumnKind::kValue) continue;
+      const auto found = comments_.channel_keys.find(fmt::format("{}.name", column.channel));
+      if (found != comments_.channel_keys.end()) column.name = found->second;
+    }
+  }
+
   void BeginRows(CsvRows::Layout layout) {
     separator_ = layout.separator;
+    // of arrival times and the straightened ones beside them one is read; the other follows from it
+    const bool reads_arrivals =
+        !layout.is_foreign && comments_.timing != Timing::kUniform &&
+        std::ranges::count(layout.columns, CsvColumnKind::kArrival, &CsvColumn::kind) > 0;
+    for (CsvColumn& column : layout.columns) {
+      const bool is_arrival = column.kind == CsvColumnKind::kArrival;
+      if (column.kind != CsvColumnKind::kTime && !is_arrival) continue;
+      column.kind = is_arrival == reads_arrivals ? CsvColumnKind::kTime : CsvColumnKind::kLeftOut;
+    }
+    for (const CsvColumn& column : layout.columns) {
+      if (column.kind == CsvColumnKind::kValue) channel_numbers_.push_back(column.channel);
+    }
     const auto time = std::ranges::find(layout.columns, CsvColumnKind::kTime, &CsvColumn::kind);
     time_column_ = static_cast<std::size_t>(time - layout.columns.begin()) + 1;
-    layout.times_may_stand = comments_.timing == Timing::kArrival;
+    // a row takes a byte a column, its line end among them
+    const std::size_t most_rows = rest_.size() / layout.columns.size();
     rows_.Begin(std::move(layout));
-    rows_.Reserve(1 + static_cast<std::size_t>(std::ranges::count(rest_, '\n')));
+    const auto lines = static_cast<std::size_t>(std::ranges::count(rest_, '\n'));
+    rows_.Reserve(1 + std::min(lines, most_rows));
   }
 
   Result<Record> Complete() {
@@ -195,17 +221,15 @@ class Parser {
     SetChannelKeys();
     if (auto done = SetTimes(); !done) return std::unexpected(done.error());
     if (auto agreed = CheckRate(); !agreed) return std::unexpected(agreed.error());
+    if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     return std::move(record_);
   }
 
   Result<void> SetTimes() {
     if (!is_foreign_) {
-      if (std::move(rows_.segments()[0].times)
-              .Complete(comments_.timing, std::move(comments_.stretches), &record_)) {
-        return {};
-      }
-      return CannotAnswer(name_, "has times that lie closer than a rate can say",
-                          "check the unit of its time column");
+      record_.times_are_known = comments_.times_are_known;
+      return SetOwnTimes(name_, comments_.timing, std::move(comments_.stretches), &rows_, &record_,
+                         &remarks_);
     }
     if (stated_rows_ && *stated_rows_ != record_.rows) {
       remarks_.push_back(
@@ -219,7 +243,8 @@ class Parser {
     for (std::size_t c = 0; c < record_.channels.size(); ++c) {
       Channel& channel = record_.channels[c];
       auto text = [&](const char* key) -> const std::string* {
-        const auto found = comments_.channel_keys.find(fmt::format("{}.{}", c + 1, key));
+        const auto found =
+            comments_.channel_keys.find(fmt::format("{}.{}", channel_numbers_[c], key));
         return found == comments_.channel_keys.end() ? nullptr : &found->second;
       };
       auto number = [&](const char* key, double otherwise) {
@@ -262,6 +287,7 @@ class Parser {
   char separator_ = ',';
   std::size_t time_column_ = 0;  // from 1 on
   TimeWords words_;
+  std::vector<std::size_t> channel_numbers_;  // of the channels that are read, in the file, from 1
   std::optional<std::size_t> stated_rows_;
   CsvComments comments_;
   CsvRows rows_;

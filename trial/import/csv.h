@@ -15,9 +15,9 @@ namespace haptometer::trial {
 /// Header line: `time_s`, and columns whose names carry role and unit: displacement_m, voltage_v,
 /// current_a, trigger, each also in prefixed units (displacement_mm, voltage_mv, time_ms),
 /// converted to SI; other names become ChannelRole::kOther. `status` applies to all channels,
-/// `status_2` to the second. Separator comma, semicolon or tab (with the latter two a decimal comma
-/// is understood); a byte-order mark and CRLF are tolerated. trial/import/csv_column.h has the
-/// rules.
+/// `status_2` to the second. Separator comma, semicolon, tab or blanks (with the latter three a
+/// decimal comma is understood); a byte-order mark and CRLF are tolerated.
+/// trial/import/csv_column.h has the rules.
 ///
 /// `# key = value`: keys with a place in Metadata go there (`label.NAME` to the labels), all others
 /// to metadata.fields as text, as do those of impulse.csv. An empty cell, `nan` or `inf` is

@@ -78,12 +78,18 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
   if (const auto channel = NumberAfter(name, "status_")) {
     return CsvColumn{.kind = CsvColumnKind::kStatus, .name = name, .unit = "", .channel = *channel};
   }
+  if (name == "arrival_s") {
+    return CsvColumn{.kind = CsvColumnKind::kArrival, .name = "arrival", .unit = "s"};
+  }
   if (BeginsWithWord(name, "trigger")) {
-    return CsvColumn{.role = ChannelRole::kTrigger, .name = name, .unit = ""};
+    return CsvColumn{
+        .role = ChannelRole::kTrigger, .name = name, .unit = "", .printed = std::string(cell)};
   }
   const auto quantity = std::ranges::find_if(
       kQuantities, [&](const Quantity& q) { return BeginsWithWord(name, q.name); });
-  if (quantity == kQuantities.end()) return CsvColumn{.name = std::string(cell), .unit = ""};
+  if (quantity == kQuantities.end()) {
+    return CsvColumn{.name = std::string(cell), .unit = "", .printed = std::string(cell)};
+  }
   // the unit stands behind the last underscore
   const std::size_t bar = name.rfind('_');
   const std::string_view suffix =
@@ -97,7 +103,15 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
                    .role = quantity->role,
                    .name = name.substr(0, bar),
                    .unit = std::string(unit->si_unit),
-                   .factor = unit->factor};
+                   .factor = unit->factor,
+                   .printed = std::string(cell)};
+}
+
+void NumberChannels(std::vector<CsvColumn>* columns) {
+  std::size_t number = 0;
+  for (CsvColumn& column : *columns) {
+    if (column.kind == CsvColumnKind::kValue) column.channel = ++number;
+  }
 }
 
 Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view>& cells,
@@ -114,6 +128,9 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
     return CannotAnswer(where, "no time column is named in its first line", kHeaderRemedy);
   }
   if (times > 1) return CannotAnswer(where, "two columns are named time", "keep one of them");
+  if (std::ranges::count(columns, CsvColumnKind::kArrival, &CsvColumn::kind) > 1) {
+    return CannotAnswer(where, "two columns are named arrival_s", "keep one of them");
+  }
   if (values == 0) {
     return CannotAnswer(where, "no column beside the time holds values", kHeaderRemedy);
   }
@@ -124,6 +141,7 @@ Result<std::vector<CsvColumn>> ReadCsvColumns(const std::vector<std::string_view
           fmt::format("there are {} channels, counted from 1", values));
     }
   }
+  NumberChannels(&columns);
   return columns;
 }
 

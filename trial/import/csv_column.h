@@ -12,7 +12,8 @@
 
 namespace haptometer::trial {
 
-enum class CsvColumnKind : std::uint8_t { kTime, kValue, kStatus, kLeftOut };
+/// kArrival: when the row arrived, beside a straightened time.
+enum class CsvColumnKind : std::uint8_t { kTime, kArrival, kValue, kStatus, kLeftOut };
 
 /// What a column's name says of it.
 struct CsvColumn {
@@ -24,7 +25,10 @@ struct CsvColumn {
   double offset = 0;                       ///< SI; of times that count from elsewhere than 0
   bool is_clock = false;  ///< kTime: a time on the wall's clock (ReadClock), counted from the first
   bool is_count = false;  ///< kTime: whole numbers, of which no digit is rounded
-  std::size_t channel = 0;  ///< kStatus: the channel it is about, counted from 1; 0: all of them
+  /// kStatus: the channel that it is about, counted from 1; 0: all of them. kValue: its own number
+  /// among the file's channels, where it is known.
+  std::size_t channel = 0;
+  std::string printed{};  ///< the whole cell that named it: "CH1 (V)", "voltage_v"
 };
 
 /// Gives a value column a unit, its factor, and the role of what is measured in it.
@@ -36,13 +40,16 @@ void SetPrintedUnit(std::string_view printed, CsvColumn* column);
 [[nodiscard]] Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where);
 
 /// Reads a header line's cells: `time_s` (also _ms, _us, _ns), `displacement_mm`, `voltage_v`,
-/// `current_ma`, `displacement_2_m`, `trigger`, `status`, `status_2`; any other name is a channel
-/// of role kOther without a unit. Upper and lower case are alike.
+/// `current_ma`, `displacement_2_m`, `arrival_s`, `trigger`, `status`, `status_2`; any other name
+/// is a channel of role kOther without a unit. Upper and lower case are alike.
 ///
 /// Errors (Cause::kCannotAnswer), naming `where`: no time column, two of them, no other column, a
 /// time, displacement, voltage or current without a unit that is known.
 [[nodiscard]] Result<std::vector<CsvColumn>> ReadCsvColumns(
     const std::vector<std::string_view>& cells, const std::string& where);
+
+/// Numbers the value columns (CsvColumn::channel) from 1.
+void NumberChannels(std::vector<CsvColumn>* columns);
 
 /// A column name for each of `channels`, such that ReadCsvColumns gives role and unit back:
 /// "displacement_m", "displacement_2_m", "trigger", "channel_3". No two are alike. Exports to other

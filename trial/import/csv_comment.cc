@@ -6,24 +6,14 @@
 #include <cmath>
 #include <optional>
 
+#include "base/printable.h"
 #include "trial/import/printed_number.h"
+#include "trial/metadata_texts.h"
 
 namespace haptometer::trial {
 namespace {
 
-// the keys of Metadata that hold text
-using TextMember = std::string Metadata::*;
-constexpr std::array<std::pair<std::string_view, TextMember>, 8> kTextKeys{
-    {{"source", &Metadata::source},
-     {"sensor", &Metadata::sensor},
-     {"head", &Metadata::head},
-     {"hold", &Metadata::hold},
-     {"laser_spot", &Metadata::laser_spot},
-     {"utc_start", &Metadata::utc_start},
-     {"host", &Metadata::host},
-     {"command_line", &Metadata::command_line}}};
-
-// those that hold a number
+// the keys of Metadata that hold a number
 using NumberMember = std::optional<double> Metadata::*;
 constexpr std::array<std::pair<std::string_view, NumberMember>, 4> kNumberKeys{
     {{"sampling_s", &Metadata::sampling_s},
@@ -90,7 +80,8 @@ std::optional<Stretch> ReadStretch(std::string_view value) {
 bool TakeLayout(std::string_view key, std::string_view value, CsvComments* comments) {
   if (key == "times") {
     if (value == "arrived") comments->timing = Timing::kArrival;
-    if (value == "polled") comments->timing = Timing::kPolled;
+    if (value == "polled" || value == "known") comments->timing = Timing::kPolled;
+    comments->times_are_known = value == "known";
     return true;
   }
   if (key == "stretch") {
@@ -117,7 +108,7 @@ Result<void> ReadCsvComment(std::string_view line, const std::string& where,
   }
   const std::string_view key = Trimmed(line.substr(0, equals));
   const std::string_view value = Trimmed(line.substr(equals + 1));
-  for (const auto& [name, member] : kTextKeys) {
+  for (const auto& [name, member] : kMetadataTexts) {
     if (key != name) continue;
     metadata.*member = value;
     return {};
@@ -137,16 +128,12 @@ Result<void> ReadCsvComment(std::string_view line, const std::string& where,
 
 std::string CsvCommentLine(std::string_view key, std::string_view value) {
   if (value.empty()) return "";
-  std::string line = fmt::format("# {} = {}", key, value);
-  for (char& c : line) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return line + "\n";
+  return Printable(fmt::format("# {} = {}", key, value)) + "\n";
 }
 
 std::string CsvMetadataLines(const Metadata& metadata) {
   std::string lines;
-  for (const auto& [key, member] : kTextKeys) lines += CsvCommentLine(key, metadata.*member);
+  for (const auto& [key, member] : kMetadataTexts) lines += CsvCommentLine(key, metadata.*member);
   for (const auto& [key, member] : kNumberKeys) {
     if (metadata.*member) lines += CsvCommentLine(key, fmt::format("{}", *(metadata.*member)));
   }

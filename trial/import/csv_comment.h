@@ -15,8 +15,10 @@ namespace haptometer::trial {
 struct CsvComments {
   Metadata metadata{};
   std::vector<Stretch> stretches{};  ///< `# stretch = FIRST_ROW ROWS START_S RATE_HZ UNCERTAINTY_S`
-  /// `# times = grid | arrived | polled`; but for a grid the column holds times as they came.
+  /// `# times = grid | arrived | polled | known`: with the latter three arrival_s (or time_s, where
+  /// there is no arrival_s) holds times as they came.
   Timing timing = Timing::kUniform;
+  bool times_are_known = false;  ///< Record::times_are_known
   /// `# channel.2.name = CH2`: {"2.name": "CH2"}
   std::map<std::string, std::string> channel_keys{};
 };
@@ -29,8 +31,8 @@ struct CsvComments {
 [[nodiscard]] Result<void> ReadCsvComment(std::string_view line, const std::string& where,
                                           CsvComments* comments);
 
-/// The `# key = value` lines that ReadCsvComment turns back into `metadata`. Line breaks within a
-/// value become blanks.
+/// The `# key = value` lines that ReadCsvComment turns back into `metadata`. What is not printable
+/// in a value is escaped (base/printable.h).
 [[nodiscard]] std::string CsvMetadataLines(const Metadata& metadata);
 
 /// One `# key = value` line; nothing for an empty value.

@@ -150,9 +150,7 @@ Result<void> CsvRows::TakeTime(std::string_view cell, const CsvColumn& column) {
 
 Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvColumn& column) {
   const auto& times_s = segments_.back().times.times_s();
-  // lines that came in one burst have one arrival time, and too few digits give several rows one
-  const bool may_stand = layout_.times_may_stand || layout_.is_foreign;
-  if (!times_s.empty() && (may_stand ? time_s < times_s.back() : time_s <= times_s.back())) {
+  if (!times_s.empty() && time_s < times_s.back()) {
     if (!layout_.is_foreign || segments_.size() == kMostSegments) {
       return CannotAnswer(Here(),
                           fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
@@ -161,7 +159,13 @@ Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvC
     }
     segments_.push_back({.first_row = rows_, .line = line_number_});
   }
-  PrintedTimes& times = segments_.back().times;
+  // lines that came in one burst have one arrival time, and too few digits give several rows one
+  Segment& segment = segments_.back();
+  if (!segment.times.times_s().empty() && time_s == segment.times.times_s().back() &&
+      segment.repeat_line == 0) {
+    segment.repeat_line = line_number_;
+  }
+  PrintedTimes& times = segment.times;
   if (column.is_count) {
     times.AddCount(time_s);
   } else {

@@ -21,16 +21,16 @@ class CsvRows {
     char separator = ',';
     std::vector<CsvColumn> columns{};
     /// A table of another program: rows may be padded with empty cells, values may be words such
-    /// as OVER (ReadNoNumber), times may repeat, and times that fall begin a new segment.
+    /// as OVER (ReadNoNumber), and times that fall begin a new segment.
     bool is_foreign = false;
-    bool times_may_stand = false;  ///< arrival times: a burst has one
   };
 
   /// Rows that follow each other with times that do not fall.
   struct Segment {
     std::size_t first_row = 0;
     std::size_t rows = 0;
-    std::size_t line = 0;  ///< of its first row
+    std::size_t line = 0;         ///< of its first row
+    std::size_t repeat_line = 0;  ///< of its first row with the time of the row before
     PrintedTimes times{};
   };
 

@@ -44,6 +44,26 @@ void KeepWords(const TableBeginning& beginning, std::size_t lines_used, ForeignT
   }
 }
 
+Result<void> ApplyScale(std::optional<double> scale, ChannelRole role,
+                        std::vector<CsvColumn>* columns) {
+  if (!scale) return {};
+  const auto is_value = [](const CsvColumn& c) { return c.kind == CsvColumnKind::kValue; };
+  const bool is_alone = std::ranges::count_if(*columns, is_value) == 1;
+  bool is_used = false;
+  for (CsvColumn& column : *columns) {
+    // the only channel there is, of which nothing says what it measures, is meant
+    const bool is_meant = column.role == role || (is_alone && column.role == ChannelRole::kOther);
+    if (!is_value(column) || !is_meant) continue;
+    column.role = role;
+    column.unit = role == ChannelRole::kVoltage ? "V" : "m";
+    column.factor = *scale;
+    is_used = true;
+  }
+  if (is_used) return {};
+  return Usage("--scale", fmt::format("is about a {}, and no column is one", Name(role)),
+               fmt::format("say --columns time_s,{}", Name(role)));
+}
+
 class Finder {
  public:
   Finder(std::string_view text, const std::string& name, const ImportOptions& options)
@@ -65,6 +85,7 @@ class Finder {
     }
     auto read = ReadColumns(*beginning);
     if (!read) return std::unexpected(read.error());
+    NumberChannels(&table_.columns);
     KeepWords(*beginning, *read, &table_);
     if (auto done = AddInstrumentWords(*beginning, name_, &table_); !done) {
       return std::unexpected(done.error());
@@ -85,8 +106,10 @@ class Finder {
           "leave --format out, or name another");
     }
     if (options_.columns.empty()) return std::nullopt;
-    return CannotAnswer(name_, "has no two lines of numbers for --columns to name",
-                        "give a file with a row of numbers a line");
+    return CannotAnswer(
+        name_, "has no two lines of numbers for --columns to name",
+        "give a file with a row of numbers a line, separated by commas, semicolons, "
+        "tabs or blanks");
   }
 
   // columns and clock; how many lines above were used for it
@@ -100,11 +123,9 @@ class Finder {
       return std::size_t{0};
     }
     if (options_.columns.empty() && table_.format == TableFormat::kRigolSequence) {
-      auto done = ReadSequence(beginning, name_, &table_);
-      if (!done) return std::unexpected(done.error());
-      return std::size_t{2};
+      return ReadSequence(beginning, name_, &table_);
     }
-    auto named = ReadNamedColumns(beginning, table_.format, name_, options_);
+    auto named = ReadNamedColumns(beginning, {table_.format, table_.clock}, name_, options_);
     if (!named) return std::unexpected(named.error());
     table_.columns = std::move(named->columns);
     table_.remarks = std::move(named->remarks);
@@ -125,32 +146,13 @@ class Finder {
       return CannotAnswer(name_, "no column beside the time holds values", "say --columns");
     }
     for (const CsvColumn& column : table_.columns) {
-      if (column.channel > static_cast<std::size_t>(values)) {
+      if (column.kind == CsvColumnKind::kStatus &&
+          column.channel > static_cast<std::size_t>(values)) {
         return CannotAnswer(name_,
                             fmt::format("'{}' is about a channel that is not there", column.name));
       }
     }
-    if (auto done = ApplyScale(options_.scale_m, ChannelRole::kDisplacement); !done) return done;
-    return ApplyScale(options_.scale_v, ChannelRole::kVoltage);
-  }
-
-  Result<void> ApplyScale(std::optional<double> scale, ChannelRole role) {
-    if (!scale) return {};
-    const auto is_value = [](const CsvColumn& c) { return c.kind == CsvColumnKind::kValue; };
-    const bool is_alone = std::ranges::count_if(table_.columns, is_value) == 1;
-    bool is_used = false;
-    for (CsvColumn& column : table_.columns) {
-      // the only channel there is, of which nothing says what it measures, is meant
-      const bool is_meant = column.role == role || (is_alone && column.role == ChannelRole::kOther);
-      if (!is_value(column) || !is_meant) continue;
-      column.role = role;
-      column.unit = role == ChannelRole::kVoltage ? "V" : "m";
-      column.factor = *scale;
-      is_used = true;
-    }
-    if (is_used) return {};
-    return Usage("--scale", fmt::format("is about a {}, and no column is one", Name(role)),
-                 fmt::format("say --columns time_s,{}", Name(role)));
+    return ApplyScales(options_, &table_.columns);
   }
 
   std::string_view text_;
@@ -166,7 +168,8 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
   if (options.channel.empty()) return {};
   const std::string wanted = Typed(options.channel);
   const auto is_it = [&](const CsvColumn& column) {
-    return column.kind == CsvColumnKind::kValue && Typed(column.name) == wanted;
+    return column.kind == CsvColumnKind::kValue &&
+           (Typed(column.name) == wanted || Typed(column.printed) == wanted);
   };
   const auto found = std::ranges::count_if(*columns, is_it);
   if (found != 1) {
@@ -177,11 +180,24 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
                     NamesOf(*columns)),
         found == 0 ? "say --channel with one of these" : "say --columns, with - for the others");
   }
+  const std::size_t number = std::ranges::find_if(*columns, is_it)->channel;
   for (CsvColumn& column : *columns) {
-    const bool is_other = column.kind == CsvColumnKind::kValue && !is_it(column);
-    if (is_other || column.channel > 0) column = CsvColumn{.kind = CsvColumnKind::kLeftOut};
+    const bool is_value = column.kind == CsvColumnKind::kValue;
+    const bool is_status = column.kind == CsvColumnKind::kStatus && column.channel != 0;
+    if ((is_value || is_status) && column.channel != number) {
+      column = CsvColumn{.kind = CsvColumnKind::kLeftOut};
+    } else if (is_status) {
+      column.channel = 1;
+    }
   }
   return {};
+}
+
+Result<void> ApplyScales(const ImportOptions& options, std::vector<CsvColumn>* columns) {
+  if (auto done = ApplyScale(options.scale_m, ChannelRole::kDisplacement, columns); !done) {
+    return done;
+  }
+  return ApplyScale(options.scale_v, ChannelRole::kVoltage, columns);
 }
 
 Result<std::optional<ForeignTable>> FindForeignTable(std::string_view text, const std::string& name,

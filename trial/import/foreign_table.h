@@ -44,8 +44,14 @@ struct ForeignTable {
                                                                    const std::string& name,
                                                                    const ImportOptions& options);
 
-/// Leaves out all value columns but the one called options.channel, where that is not empty.
-/// Errors (Cause::kCannotAnswer), naming `name` and the channels: none is called so, or several.
+/// Gives displacements options.scale_m, voltages options.scale_v; the only channel, of which
+/// nothing says what it measures, is meant by either. Errors (Cause::kUsage): no channel is.
+[[nodiscard]] Result<void> ApplyScales(const ImportOptions& options,
+                                       std::vector<CsvColumn>* columns);
+
+/// Leaves out all value columns but the one called options.channel, by its name or as its whole
+/// cell is printed, where that is not empty; `columns` are numbered (NumberChannels). Errors
+/// (Cause::kCannotAnswer), naming `name` and the channels: none is called so, or several.
 [[nodiscard]] Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
                                        std::vector<CsvColumn>* columns);
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
 #include "trial/hdf5_id.h"
 #include "trial/import/csv_column.h"
 #include "trial/trial_json.h"
@@ -115,32 +116,66 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-// the groups at the root that hold a trial's header
-std::vector<std::string> TrialsIn(const Hdf5Id& file) {
+// what stands at the root, at most `most` of it
+std::vector<std::string> NamesIn(const Hdf5Id& file, hsize_t most) {
   std::vector<std::string> names;
   H5G_info_t info{};
   if (H5Gget_info(file.id(), &info) < 0) return names;
-  for (hsize_t i = 0; i < info.nlinks; ++i) {
+  for (hsize_t i = 0; i < std::min(info.nlinks, most); ++i) {
     char name[1024];
     const auto length = H5Lget_name_by_idx(file.id(), ".", H5_INDEX_NAME, H5_ITER_INC, i, name,
                                            sizeof name, H5P_DEFAULT);
-    if (length <= 0 || length >= static_cast<ssize_t>(sizeof name)) continue;
-    const std::string header = std::string(name) + "/" + hdf5::kHeader;
+    if (length > 0 && length < static_cast<ssize_t>(sizeof name)) names.emplace_back(name);
+  }
+  return names;
+}
+
+// the groups at the root that hold a trial's header
+std::vector<std::string> TrialsIn(const Hdf5Id& file) {
+  std::vector<std::string> names;
+  for (std::string& name : NamesIn(file, std::numeric_limits<hsize_t>::max())) {
+    const std::string header = name + "/" + hdf5::kHeader;
     H5O_info_t object{};
-    if (H5Oget_info_by_name(file.id(), name, &object, H5P_DEFAULT) < 0 ||
+    if (H5Oget_info_by_name(file.id(), name.c_str(), &object, H5P_DEFAULT) < 0 ||
         object.type != H5O_TYPE_GROUP) {
       continue;
     }
-    if (H5Lexists(file.id(), header.c_str(), H5P_DEFAULT) > 0) names.emplace_back(name);
+    if (H5Lexists(file.id(), header.c_str(), H5P_DEFAULT) > 0) names.push_back(std::move(name));
   }
   return names;
+}
+
+// "the dataset values (2 x 1000), the group set": the first few objects, for a message
+std::string ObjectsIn(const Hdf5Id& file) {
+  constexpr hsize_t kShown = 4;
+  std::vector<std::string> objects;
+  for (const std::string& name : NamesIn(file, kShown)) {
+    const Hdf5Id dataset(H5Dopen2(file.id(), name.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!dataset.ok()) {
+      objects.push_back(fmt::format("the group {}", name));
+      continue;
+    }
+    const Hdf5Id space(H5Dget_space(dataset.id()), H5Sclose);
+    hsize_t shape[H5S_MAX_RANK] = {};
+    const int rank = H5Sget_simple_extent_dims(space.id(), shape, nullptr);
+    objects.push_back(fmt::format("the dataset {} ({})", name,
+                                  fmt::join(shape, shape + std::max(rank, 0), " x ")));
+  }
+  if (objects.empty()) return "nothing";
+  H5G_info_t info{};
+  const bool is_more = H5Gget_info(file.id(), &info) >= 0 && info.nlinks > kShown;
+  return fmt::format("{}{}", fmt::join(objects, ", "), is_more ? " and more" : "");
 }
 
 Result<std::string> Choose(const Hdf5Id& file, const std::string& path, const std::string& name) {
   const std::vector<std::string> names = TrialsIn(file);
   if (names.empty()) {
-    return CannotAnswer(path, "is an HDF5 file without a trial of this program",
-                        "export its columns as a CSV with time_s");
+    return CannotAnswer(
+        path,
+        fmt::format("is an HDF5 file of another program: no group at its root holds a trial ({}); "
+                    "it holds {}",
+                    hdf5::kHeader, ObjectsIn(file)),
+        "export the dataset's columns as a CSV whose header line is such as time_s,displacement_m");
   }
   if (name.empty() && names.size() == 1) return names.front();
   if (!name.empty() && std::ranges::find(names, name) != names.end()) return name;
@@ -187,6 +222,7 @@ Result<void> ReadTimes(const Group& group, Record* record) {
   if (!raw) return std::unexpected(raw.error());
   if (raw->size() != record->rows) return group.Wrong(hdf5::kRawTimes, "has another length");
   record->raw_times_s = std::move(*raw);
+  record->times_are_known = group.Flag(hdf5::kTimesAreKnown);
   return {};
 }
 
@@ -261,6 +297,7 @@ Result<Recording> ReadGroup(const Group& group) {
 Result<Recording> ReadHdf5(const std::string& path, const std::string& name) {
   // errors are told by us, not by libhdf5 on stderr
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  NoteInput(path);
   const Hdf5Id file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file.ok()) {
     return CannotAnswer(path, "is a damaged HDF5 file, or is still being written", kRemedy);

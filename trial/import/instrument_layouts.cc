@@ -149,6 +149,83 @@ std::vector<HantekBlock> HantekBlocks(std::string_view text) {
   return blocks;
 }
 
+// what stands above a Rigol's rows
+struct SequenceHead {
+  std::vector<std::pair<std::string_view, std::string_view>> channels{};  // a column: title, unit
+  bool has_numbers = false;                                               // in the first column
+  std::optional<double> start_s{};
+  std::optional<double> increment_s{};
+  std::size_t lines = 0;
+};
+
+// the number behind "t0 =" or "tInc =", with or without an s
+std::optional<double> NumberBehindSign(std::string_view cell) {
+  cell = Trimmed(cell.substr(cell.find('=') + 1));
+  if (cell.ends_with('s') || cell.ends_with('S')) cell.remove_suffix(1);
+  return ReadNumberWithComma(Trimmed(cell));
+}
+
+SequenceHead SequenceHeadOf(const TableBeginning& beginning) {
+  SequenceHead head;
+  const auto cells_of = [&](std::size_t back) {
+    return back > beginning.above.size()
+               ? Cells{}
+               : SplitCells(beginning.above[beginning.above.size() - back].text,
+                            beginning.rows[0].separator);
+  };
+  Cells units = cells_of(1);
+  const bool is_one_line = std::ranges::any_of(
+      units, [](std::string_view cell) { return LowerCase(cell).starts_with("tinc"); });
+  const Cells names = is_one_line ? std::exchange(units, {}) : cells_of(2);
+  head.lines = is_one_line ? 1 : 2;
+  units.resize(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string title = LowerCase(names[i]);
+    std::string_view name = names[i];
+    std::string_view unit = units[i];
+    if (is_one_line && name.size() > 1 && FindUnit(name.substr(name.size() - 1))) {
+      unit = name.substr(name.size() - 1);
+      name.remove_suffix(1);
+    }
+    if (title == "start") head.start_s = ReadNumberWithComma(units[i]);
+    if (title == "increment") head.increment_s = ReadNumberWithComma(units[i]);
+    if (title.starts_with("t0")) head.start_s = NumberBehindSign(names[i]);
+    if (title.starts_with("tinc")) head.increment_s = NumberBehindSign(names[i]);
+    const bool is_clock = title == "start" || title == "increment" || title.starts_with("t0") ||
+                          title.starts_with("tinc");
+    if (i == 0) head.has_numbers = title == "x" || LowerCase(unit) == "sequence";
+    if (is_clock || (i == 0 && head.has_numbers)) name = "";
+    head.channels.emplace_back(name, unit);
+  }
+  return head;
+}
+
+// Saleae's digital channels are 0, 1 or X; analog ones have decimals, and their unit is the volt
+void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
+  const auto is_level = [](std::string_view cell) {
+    return cell == "0" || cell == "1" || cell == "X" || cell == "x" || cell.empty();
+  };
+  bool is_digital = false;
+  bool is_assumed = false;
+  for (std::size_t i = 0; i < table->columns.size(); ++i) {
+    CsvColumn& column = table->columns[i];
+    if (column.kind != CsvColumnKind::kValue || !column.unit.empty()) continue;
+    const bool has_levels = std::ranges::all_of(
+        beginning.rows, [&](const TableCells& row) { return is_level(row.cells[i]); });
+    is_digital = is_digital || has_levels;
+    if (has_levels || column.role != ChannelRole::kOther) continue;
+    SetPrintedUnit("V", &column);
+    is_assumed = true;
+  }
+  if (is_digital) {
+    table->remarks.emplace_back(
+        "digital channels list their transitions alone: rows are no samples");
+  }
+  if (is_assumed) {
+    table->remarks.emplace_back("the values' unit is not in the file; Saleae Logic 2 writes V");
+  }
+}
+
 }  // namespace
 
 std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
@@ -164,46 +241,38 @@ std::vector<CsvColumn> SideColumns(const TableBeginning& beginning) {
   return columns;
 }
 
-Result<void> ReadSequence(const TableBeginning& beginning, const std::string& name,
-                          ForeignTable* table) {
-  const Cells names = beginning.above.size() < 2
-                          ? Cells{}
-                          : SplitCells(beginning.above[beginning.above.size() - 2].text,
-                                       beginning.rows[0].separator);
-  const Cells units = beginning.above.empty()
-                          ? Cells{}
-                          : SplitCells(beginning.above.back().text, beginning.rows[0].separator);
-  std::optional<double> start_s;
-  std::optional<double> increment_s;
-  table->columns.assign(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
-  for (std::size_t i = 1; i < std::min(names.size(), units.size()); ++i) {
-    const std::string title = LowerCase(names[i]);
-    if (title == "start") start_s = ReadNumberWithComma(units[i]);
-    if (title == "increment") increment_s = ReadNumberWithComma(units[i]);
-    if (!title.starts_with("ch") || i >= beginning.width()) continue;
-    table->columns[i] = {.name = std::string(names[i])};
-    SetPrintedUnit(units[i], &table->columns[i]);
-  }
-  if (!start_s || !increment_s || !std::isfinite(*start_s) || !std::isfinite(1 / *increment_s) ||
-      !(*increment_s > 0)) {
-    return CannotAnswer(name, "has no Start and Increment below its names, or no sound ones",
+Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::string& name,
+                                 ForeignTable* table) {
+  const SequenceHead head = SequenceHeadOf(beginning);
+  if (!head.start_s || !head.increment_s || !std::isfinite(*head.start_s) ||
+      !std::isfinite(1 / *head.increment_s) || !(*head.increment_s > 0)) {
+    return CannotAnswer(name, "has no Start and Increment beside its names, or no sound ones",
                         "say --format plain with --columns and --rate");
   }
+  table->columns.assign(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
+  for (std::size_t i = 0; i < std::min(head.channels.size(), beginning.width()); ++i) {
+    const auto& [title, unit] = head.channels[i];
+    if (title.empty()) continue;
+    table->columns[i] = {.name = std::string(title), .printed = std::string(title)};
+    SetPrintedUnit(unit, &table->columns[i]);
+  }
+  table->clock = StatedClock{*head.increment_s, head.start_s, "Increment"};
+  if (!head.has_numbers) return head.lines;
   table->columns[0] = {.kind = CsvColumnKind::kTime,
                        .name = "time",
                        .unit = "s",
-                       .factor = *increment_s,
-                       .offset = *start_s,
+                       .factor = *head.increment_s,
+                       .offset = *head.start_s,
                        .is_count = true};
   const double first = ReadNumber(beginning.rows[0].cells[0]).value_or(0);
-  table->clock = StatedClock{*increment_s, *start_s + first * *increment_s, "Increment"};
+  *table->clock->start_s += first * *head.increment_s;
   if (first != 0) {
     table->remarks.push_back(fmt::format(
         "its rows begin at number {}: times are Start + number x Increment; if Start is the first "
         "row's, all are {:.6g} s earlier",
-        beginning.rows[0].cells[0], first * *increment_s));
+        beginning.rows[0].cells[0], first * *head.increment_s));
   }
-  return {};
+  return head.lines;
 }
 
 Result<void> AddInstrumentWords(const TableBeginning& beginning, const std::string& name,
@@ -223,10 +292,7 @@ Result<void> AddInstrumentWords(const TableBeginning& beginning, const std::stri
       NameChannels(ValuesOf(beginning.keys, "Source"), table);
       return {};
     case TableFormat::kSaleae:
-      if (std::ranges::all_of(table->columns, [](const CsvColumn& c) { return c.unit != "V"; })) {
-        table->remarks.emplace_back(
-            "digital channels list their transitions alone: rows are no samples");
-      }
+      MindSaleaeKinds(beginning, table);
       return {};
     default:
       return {};

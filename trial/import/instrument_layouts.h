@@ -14,12 +14,14 @@ namespace haptometer::trial {
 /// the next two.
 [[nodiscard]] std::vector<CsvColumn> SideColumns(const TableBeginning& beginning);
 
-/// Columns and clock of "X,CH1,Start,Increment" over "Sequence,Volt,START,INCREMENT": row with
-/// number n is at Start + n Increment (Rigol). A table whose numbers do not begin at 0 is remarked
-/// upon, because the maker does not say whether Start is that of number 0 or of the first row.
-/// Errors (Cause::kCannotAnswer): no Start or Increment above 0.
-[[nodiscard]] Result<void> ReadSequence(const TableBeginning& beginning, const std::string& name,
-                                        ForeignTable* table);
+/// Columns and clock of a Rigol: "X,CH1,Start,Increment" over "Sequence,Volt,START,INCREMENT",
+/// where row with number n is at Start + n Increment; the same without X and numbers, where the
+/// first row is at Start; or one line "CH1V,t0 = START,tInc = INCREMENT". Gives how many lines
+/// above it used. A table whose numbers do not begin at 0 is remarked upon, because the maker does
+/// not say whether Start is that of number 0 or of the first row. Errors (Cause::kCannotAnswer): no
+/// Start or Increment above 0.
+[[nodiscard]] Result<std::size_t> ReadSequence(const TableBeginning& beginning,
+                                               const std::string& name, ForeignTable* table);
 
 /// What the lines above say in the way of `table->format` alone: segments of a LeCroy, the table of
 /// channels of an NI PXI, starts of an NI ELVIS, names of a Rigol UltraScope's or Siglent's

@@ -11,9 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "trial/import/csv_column.h"
+#include "trial/import/csv_rows.h"
+#include "trial/import/foreign_table.h"
+#include "trial/import/named_columns.h"
 #include "trial/import/printed_number.h"
 #include "trial/import/printed_times.h"
-#include "trial/import/printed_unit.h"
+#include "trial/import/row_times.h"
 #include "trial/import/segmented_times.h"
 #include "trial/import/table_cells.h"
 
@@ -27,23 +31,36 @@ constexpr const char* kRemedy = "write the file again, or export it as a CSV wit
 
 enum class XColumns : std::uint8_t { kNone, kOne, kMulti };
 
+using Keys = std::map<std::string, std::vector<std::string>, std::less<>>;
+
+// the keys of a segment's header by the specification, in lower case; any of them may be the first
+constexpr std::array<std::string_view, 17> kSegmentKeys{
+    "channels",     "samples",     "date",        "time",         "notes",       "test_name",
+    "test_numbers", "test_series", "uut_m/n",     "uut_name",     "uut_s/n",     "x_dimension",
+    "x0",           "delta_x",     "y_dimension", "x_unit_label", "y_unit_label"};
+
 // one segment's header and rows
 struct Segment {
-  std::map<std::string, std::vector<std::string>, std::less<>> keys{};
+  Keys keys{};
   std::vector<std::string> names{};  // of the channels
-  PrintedTimes times{};
-  std::size_t rows = 0;
+  CsvRows::Segment rows{};
 };
+
+bool AreEqual(double a, double b) {
+  return std::abs(a - b) <= 1e-6 * std::max(std::abs(a), std::abs(b));
+}
 
 class Parser {
  public:
-  Parser(std::string_view text, const std::string& name) : rest_(text), name_(name) {}
+  Parser(std::string_view text, const std::string& name, const ImportOptions& options,
+         std::vector<std::string>* remarks)
+      : rest_(text), name_(name), options_(options), remarks_(*remarks) {}
 
   Result<Record> Parse() {
+    if (auto bounded = CheckLines(rest_, name_); !bounded) return std::unexpected(bounded.error());
     if (auto done = ReadFileHeader(); !done) return std::unexpected(done.error());
     while (NextLine()) {
-      const bool begins_segment = LowerCase(Cells().front()) == "channels";
-      const auto done = begins_segment ? ReadSegmentHeader() : ReadDataLine();
+      const auto done = BeginsSegment() ? ReadSegmentHeader() : ReadDataLine();
       if (!done) return std::unexpected(done.error());
     }
     if (auto done = FinishSegment(); !done) return std::unexpected(done.error());
@@ -74,11 +91,16 @@ class Parser {
     return SplitCells(line_, separator_);
   }
 
+  [[nodiscard]] bool BeginsSegment() const {
+    return std::ranges::find(kSegmentKeys, LowerCase(Cells().front())) != kSegmentKeys.end();
+  }
+
   // "key<separator>value<separator>value..." up to the header's end
-  Result<void> ReadKeys(std::map<std::string, std::vector<std::string>, std::less<>>* keys) {
+  Result<void> ReadKeys(Keys* keys) {
     do {
       const auto cells = Cells();
       if (cells.front() == kHeaderEnd) return {};
+      if (keys->size() == kMostHeaderLines) return Wrong("the header has too many lines");
       auto& values = (*keys)[std::string(cells.front())];
       values.assign(cells.begin() + 1, cells.end());
       while (!values.empty() && values.back().empty()) values.pop_back();
@@ -86,11 +108,12 @@ class Parser {
     return Wrong("the header does not end");
   }
 
-  [[nodiscard]] static std::string First(
-      const std::map<std::string, std::vector<std::string>, std::less<>>& keys,
-      std::string_view key) {
+  // the value of a key for channel number `channel`, or its only one
+  [[nodiscard]] static std::string ValueOf(const Keys& keys, std::string_view key,
+                                           std::size_t channel = 0) {
     const auto found = keys.find(key);
-    return found == keys.end() || found->second.empty() ? "" : found->second.front();
+    if (found == keys.end() || found->second.empty()) return "";
+    return channel < found->second.size() ? found->second[channel] : found->second.front();
   }
 
   Result<void> ReadFileHeader() {
@@ -103,9 +126,9 @@ class Parser {
       if (second.find(',') != std::string_view::npos) separator_ = ',';
     }
     if (auto done = ReadKeys(&file_keys_); !done) return done;
-    const std::string decimal = First(file_keys_, "Decimal_Separator");
+    const std::string decimal = ValueOf(file_keys_, "Decimal_Separator");
     decimal_comma_ = decimal.empty() ? separator_ != ',' : decimal == ",";
-    const std::string x_columns = LowerCase(First(file_keys_, "X_Columns"));
+    const std::string x_columns = LowerCase(ValueOf(file_keys_, "X_Columns"));
     if (x_columns == "no") x_columns_ = XColumns::kNone;
     if (x_columns == "multi") x_columns_ = XColumns::kMulti;
     for (const auto& [key, values] : file_keys_) {
@@ -119,8 +142,14 @@ class Parser {
   Result<void> ReadSegmentHeader() {
     if (auto done = FinishSegment(); !done) return done;
     segment_ = {};
+    segment_.rows.first_row = record_.rows;
     is_in_data_ = false;
     if (auto done = ReadKeys(&segment_.keys); !done) return done;
+    const std::string dimension = ValueOf(segment_.keys, "X_Dimension");
+    if (!dimension.empty() && LowerCase(dimension) != "time") {
+      return CannotAnswer(Here(), fmt::format("its X is no time: X_Dimension is {}", dimension),
+                          "save the signal over time, not its spectrum");
+    }
     return {};
   }
 
@@ -129,9 +158,14 @@ class Parser {
     const auto cells = Cells();
     if (cells.front() == kHeaderEnd) return {};
     if (!is_in_data_ && LowerCase(cells.front()) == "x_value") return ReadNames(cells);
+    if (std::ranges::all_of(cells, &std::string_view::empty)) return {};
+    // a special block holds what its writer likes
+    if (LowerCase(cells.front()) == "***start_special***") {
+      while (NextLine() && LowerCase(Cells().front()) != "***end_special***") {
+      }
+      return {};
+    }
     if (!is_in_data_) {
-      // blank lines and special blocks between segments
-      if (std::ranges::all_of(cells, &std::string_view::empty)) return {};
       if (cells.front().starts_with("***")) return {};
       return Wrong("stands where a line of names (X_Value ...) should");
     }
@@ -149,32 +183,73 @@ class Parser {
     if (segment_.names.empty() || segment_.names.size() > 1024) {
       return Wrong("names no channel, or too many");
     }
-    if (record_.channels.empty()) {
-      SetChannels();
-    } else if (segment_.names.size() != record_.channels.size()) {
+    if (columns_.empty()) return SetChannels();
+    if (segment_.names.size() != columns_.size()) {
       return Wrong(fmt::format("begins a segment of {} channels where the first has {}",
-                               segment_.names.size(), record_.channels.size()));
+                               segment_.names.size(), columns_.size()));
     }
     return {};
   }
 
-  void SetChannels() {
-    const auto units = segment_.keys.find("Y_Unit_Label");
+  // the channels by the first segment's header and by what is said of them
+  Result<void> SetChannels() {
     for (std::size_t c = 0; c < segment_.names.size(); ++c) {
-      Channel channel;
-      channel.name = segment_.names[c];
-      double factor = 1;
+      CsvColumn column{.name = segment_.names[c], .printed = segment_.names[c]};
+      const auto units = segment_.keys.find("Y_Unit_Label");
       if (units != segment_.keys.end() && c < units->second.size()) {
-        channel.unit = units->second[c];
-        if (const auto unit = FindUnit(channel.unit)) {
-          channel.unit = unit->si_unit;
-          channel.role = RoleOfUnit(unit->si_unit);
-          factor = unit->factor;
-        }
+        column.unit = units->second[c];
+        SetPrintedUnit(units->second[c], &column);
       }
-      factors_.push_back(factor);
+      columns_.push_back(std::move(column));
+    }
+    if (auto done = TakeToldColumns(); !done) return done;
+    NumberChannels(&columns_);
+    if (auto done = KeepChannel(options_, name_, &columns_); !done) return done;
+    if (auto done = ApplyScales(options_, &columns_); !done) return done;
+    for (const CsvColumn& column : columns_) {
+      if (column.kind != CsvColumnKind::kValue) continue;
+      Channel channel;
+      channel.name = column.name;
+      channel.role = column.role;
+      channel.unit = column.unit;
       record_.channels.push_back(std::move(channel));
     }
+    if (record_.channels.empty()) return CannotAnswer(name_, "no column is left", "say --columns");
+    return {};
+  }
+
+  // names for the channels, or for X and the channels
+  Result<void> TakeToldColumns() {
+    const std::size_t told = options_.columns.size();
+    if (told == 0) return {};
+    const bool has_x = told == columns_.size() + 1;
+    if (!has_x && told != columns_.size()) {
+      return Usage(
+          "--columns",
+          fmt::format("names {} columns where {} has {} channels{}", told, name_, columns_.size(),
+                      x_columns_ == XColumns::kNone ? "" : " beside X_Value"),
+          "name each from the left, - for one to leave out");
+    }
+    for (std::size_t i = 0; i < told; ++i) {
+      auto column = ReadToldColumn(options_.columns[i], options_);
+      if (!column) return std::unexpected(column.error());
+      const bool is_x = has_x && i == 0;
+      const bool is_left_out = column->kind == CsvColumnKind::kLeftOut;
+      if (is_x ? !is_left_out && column->kind != CsvColumnKind::kTime
+               : !is_left_out && column->kind != CsvColumnKind::kValue) {
+        return Usage("--columns",
+                     fmt::format("'{}' stands for {}", options_.columns[i],
+                                 is_x ? "X_Value, which is the time" : "a channel"),
+                     "name X_Value time_s (or -), then the channels");
+      }
+      if (is_x) {
+        x_is_read_ = !is_left_out;
+        x_factor_ = column->factor;
+      } else {
+        columns_[i - (has_x ? 1 : 0)] = std::move(*column);
+      }
+    }
+    return {};
   }
 
   [[nodiscard]] std::optional<double> Number(std::string_view cell) const {
@@ -182,7 +257,7 @@ class Parser {
   }
 
   Result<void> ReadRow(const std::vector<std::string_view>& cells) {
-    const std::size_t channels = record_.channels.size();
+    const std::size_t channels = columns_.size();
     const bool is_multi = x_columns_ == XColumns::kMulti;
     // without X its column is mostly there and empty
     const bool has_x_cell =
@@ -192,14 +267,17 @@ class Parser {
     if (cells.size() < needed) {
       return Wrong(fmt::format("has {} cells where {} are needed", cells.size(), needed));
     }
-    if (x_columns_ != XColumns::kNone) {
+    if (segment_.rows.rows == 0) segment_.rows.line = line_number_;
+    if (x_columns_ != XColumns::kNone && x_is_read_) {
       if (auto done = TakeX(cells, is_multi ? channels : 1); !done) return done;
     }
+    std::size_t number = 0;
     for (std::size_t c = 0; c < channels; ++c) {
+      if (columns_[c].kind != CsvColumnKind::kValue) continue;
       const std::string_view cell = cells[is_multi ? 2 * c + 1 : first + c];
-      if (auto done = TakeValue(cell, c); !done) return done;
+      if (auto done = TakeValue(cell, columns_[c], &record_.channels[number++]); !done) return done;
     }
-    ++segment_.rows;
+    ++segment_.rows.rows;
     ++record_.rows;
     if (cells.size() > needed && !cells[needed].empty()) {
       record_.metadata.notes.push_back(fmt::format("row {}: {}", record_.rows - 1, cells[needed]));
@@ -210,7 +288,9 @@ class Parser {
   // the row's X; of several columns all must say the same
   Result<void> TakeX(const std::vector<std::string_view>& cells, std::size_t columns) {
     const auto x = Number(cells[0]);
-    if (!x || !std::isfinite(*x)) return Wrong(fmt::format("'{}' is no X value", cells[0]));
+    if (!x || !std::isfinite(*x * x_factor_)) {
+      return Wrong(fmt::format("'{}' is no X value", cells[0]));
+    }
     for (std::size_t i = 1; i < columns; ++i) {
       const auto other = Number(cells[2 * i]);
       if (!other || *other != *x) {
@@ -220,60 +300,130 @@ class Parser {
                             "write channels of one clock into one file");
       }
     }
-    const auto& times_s = segment_.times.times_s();
-    if (!times_s.empty() && *x <= times_s.back()) {
-      return Wrong(fmt::format("X value {} does not grow", cells[0]));
+    const double time_s = *x * x_factor_;
+    PrintedTimes& times = segment_.rows.times;
+    if (!times.times_s().empty() && time_s <= times.times_s().back()) {
+      if (time_s < times.times_s().back()) {
+        return Wrong(fmt::format("X value {} does not grow", cells[0]));
+      }
+      if (segment_.rows.repeat_line == 0) segment_.rows.repeat_line = line_number_;
     }
-    segment_.times.Add(cells[0], *x, 1);
+    times.Add(cells[0], time_s, x_factor_);
     return {};
   }
 
-  Result<void> TakeValue(std::string_view cell, std::size_t channel_number) {
+  Result<void> TakeValue(std::string_view cell, const CsvColumn& column, Channel* channel) {
     std::optional<double> value = kNan;
     if (!cell.empty()) value = Number(cell);
     if (!value) return Wrong(fmt::format("'{}' is no number", cell));
-    Channel& channel = record_.channels[channel_number];
-    const bool is_value = std::isfinite(*value * factors_[channel_number]);
-    channel.values.push_back(is_value ? *value * factors_[channel_number] : kNan);
-    channel.statuses.push_back(is_value ? SampleStatus::kOk : SampleStatus::kInvalid);
+    const bool is_value = std::isfinite(*value * column.factor);
+    channel->values.push_back(is_value ? *value * column.factor : kNan);
+    channel->statuses.push_back(is_value ? SampleStatus::kOk : SampleStatus::kInvalid);
     return {};
+  }
+
+  // X0, Delta_X and Samples of one channel; nothing where there is no clock
+  struct ChannelClock {
+    double start_s = 0;
+    double interval_s = 0;
+    std::optional<double> samples{};
+  };
+  [[nodiscard]] std::optional<ChannelClock> ClockOf(std::size_t channel) const {
+    ChannelClock clock;
+    clock.start_s = Number(ValueOf(segment_.keys, "X0", channel)).value_or(0);
+    clock.interval_s = Number(ValueOf(segment_.keys, "Delta_X", channel)).value_or(0);
+    clock.samples = Number(ValueOf(segment_.keys, "Samples", channel));
+    const bool is_sound = clock.interval_s > 0 && std::isfinite(1 / clock.interval_s) &&
+                          std::isfinite(clock.interval_s) && std::isfinite(clock.start_s);
+    // a single sample has no interval, whatever Delta_X says
+    if (!is_sound || (clock.samples && *clock.samples <= 1)) return std::nullopt;
+    return clock;
+  }
+
+  // the clock that the channels that are read have in common
+  Result<std::optional<ChannelClock>> CommonClock() const {
+    std::optional<ChannelClock> common;
+    std::size_t first = 0;
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      const auto clock = ClockOf(c);
+      if (columns_[c].kind != CsvColumnKind::kValue || !clock) continue;
+      if (!common) {
+        common = clock;
+        first = c;
+        continue;
+      }
+      const bool is_late = std::abs(clock->start_s - common->start_s) > 0.5 * common->interval_s;
+      if (AreEqual(clock->interval_s, common->interval_s) && !is_late) continue;
+      return CannotAnswer(
+          name_,
+          fmt::format(
+              "its channels have clocks of their own: '{}' begins at {:.6g} s with a sample "
+              "every {:.6g} s (Delta_X), '{}' at {:.6g} s with one every {:.6g} s",
+              segment_.names[first], common->start_s, common->interval_s, segment_.names[c],
+              clock->start_s, clock->interval_s),
+          "read one of them: --channel");
+    }
+    return common;
   }
 
   // the segment's rows get their times
   Result<void> FinishSegment() {
-    if (segment_.rows == 0) return {};
+    if (segment_.rows.rows == 0) return {};
+    ++segments_;
+    if (options_.segment && *options_.segment != segments_) {
+      Truncate(0);
+      return {};
+    }
+    const auto clock = CommonClock();
+    if (!clock) return std::unexpected(clock.error());
+    TimeWords words;
+    if (*clock) words.clock = StatedClock{(*clock)->interval_s, (*clock)->start_s, "Delta_X"};
+    // X values are those of the first channel
+    const auto first = ClockOf(0);
+    const bool x_is_ours = x_columns_ == XColumns::kMulti || !*clock || !first ||
+                           AreEqual(first->interval_s, (*clock)->interval_s);
+    if (!x_is_ours && (*clock)->samples &&
+        *(*clock)->samples < static_cast<double>(segment_.rows.rows)) {
+      Truncate(static_cast<std::size_t>(*(*clock)->samples));
+    }
     Record part;
-    part.rows = segment_.rows;
-    if (x_columns_ == XColumns::kNone) {
-      const auto x0 = Number(First(segment_.keys, "X0")).value_or(0);
-      const auto delta = Number(First(segment_.keys, "Delta_X"));
-      if (!delta || !(*delta > 0) || !std::isfinite(*delta) || !std::isfinite(x0)) {
+    part.rows = segment_.rows.rows;
+    if (x_columns_ == XColumns::kNone || !x_is_read_ || !x_is_ours) {
+      if (!words.clock && !options_.rate_hz) {
         return Wrong("its segment has neither X values nor a Delta_X above 0");
       }
-      part.stretches = {{.rows = part.rows, .start_s = x0, .rate_hz = 1 / *delta}};
-    } else if (part.rows == 1) {
-      return Wrong("ends a segment of one row, which has no rate");
-    } else {
-      // X values grow, but perhaps by less than a rate can say
-      if (!std::move(segment_.times).Complete(Timing::kUniform, {}, &part)) {
-        return Wrong("ends a segment whose X values lie too close to have a rate");
-      }
+      part.stretches = {UniformTimes(words, options_, part.rows, &remarks_)};
+      return Append(part);
     }
-    return Append(part);
+    auto read =
+        ReadSegmentTimes(name_, words, options_, std::move(segment_.rows), &left_out_, &remarks_);
+    if (!read) return std::unexpected(read.error());
+    return Append(*read);
+  }
+
+  // keeps the first `rows` rows of the segment
+  void Truncate(std::size_t rows) {
+    const std::size_t kept = segment_.rows.first_row + rows;
+    for (Channel& channel : record_.channels) {
+      channel.values.resize(kept);
+      channel.statuses.resize(kept);
+    }
+    record_.rows = kept;
+    segment_.rows.rows = rows;
   }
 
   Result<void> Append(const Record& part) {
-    const std::string time = First(segment_.keys, "Time");
-    const auto clock_s = ReadClock(time.empty() ? First(file_keys_, "Time") : time);
+    const std::string time = ValueOf(segment_.keys, "Time");
+    const auto clock_s = ReadClock(time.empty() ? ValueOf(file_keys_, "Time") : time);
     const double start_s = part.stretches.front().start_s;
     double shift_s = 0;
     if (!has_first_) {
       has_first_ = true;
       first_clock_s_ = clock_s;
-      first_date_ = First(segment_.keys, "Date");
+      first_date_ = ValueOf(segment_.keys, "Date");
       first_start_s_ = start_s;
     } else if (!times_.IsBehind(start_s) && clock_s && first_clock_s_ && !time.empty() &&
-               First(segment_.keys, "Date") == first_date_) {
+               ValueOf(segment_.keys, "Date") == first_date_) {
       // X begins again: only the clock on the wall tells the pause
       shift_s = *clock_s - *first_clock_s_ + first_start_s_ - start_s;
     }
@@ -282,26 +432,43 @@ class Parser {
   }
 
   Result<Record> Complete() {
+    if (options_.segment && *options_.segment > segments_) {
+      return CannotAnswer(name_,
+                          fmt::format("has {} segment{}", segments_, segments_ == 1 ? "" : "s"),
+                          "say --segment with one of them, counted from 1");
+    }
+    if (options_.format) {
+      remarks_.emplace_back(
+          "a LabVIEW measurement has a layout of its own; --format is passed over");
+    }
     if (record_.rows < 2) {
       return CannotAnswer(name_,
                           fmt::format("holds {} row{}", record_.rows, record_.rows == 1 ? "" : "s"),
                           "a measurement needs at least two");
     }
+    if (options_.rate_hz) record_.metadata.nominal_rate_hz = options_.rate_hz;
     std::move(times_).Complete(&record_);
+    LeaveOutRows(left_out_, &record_);
     return std::move(record_);
   }
 
   std::string_view rest_;
-  std::string name_;
+  const std::string& name_;
+  const ImportOptions& options_;
+  std::vector<std::string>& remarks_;
   std::string_view line_;
   std::size_t line_number_ = 0;
   char separator_ = '\t';
   bool decimal_comma_ = false;
   XColumns x_columns_ = XColumns::kOne;
-  std::map<std::string, std::vector<std::string>, std::less<>> file_keys_;
+  Keys file_keys_;
   Segment segment_;
   bool is_in_data_ = false;
-  std::vector<double> factors_;
+  std::vector<CsvColumn> columns_;  // of the channels
+  bool x_is_read_ = true;
+  double x_factor_ = 1;  // seconds
+  std::size_t segments_ = 0;
+  std::vector<std::size_t> left_out_;  // rows of the record
   std::optional<double> first_clock_s_;
   std::string first_date_;
   double first_start_s_ = 0;
@@ -314,8 +481,10 @@ class Parser {
 
 bool IsLvm(std::string_view text) { return text.starts_with(kMagic); }
 
-Result<Record> ParseLvm(std::string_view text, const std::string& name) {
-  return Parser(text, name).Parse();
+Result<Record> ParseLvm(std::string_view text, const std::string& name,
+                        const ImportOptions& options, std::vector<std::string>* remarks) {
+  std::vector<std::string> ignored;
+  return Parser(text, name, options, remarks != nullptr ? remarks : &ignored).Parse();
 }
 
 }  // namespace haptometer::trial

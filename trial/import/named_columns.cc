@@ -20,7 +20,8 @@ bool IsOneOf(std::string_view word, std::initializer_list<std::string_view> word
 }
 
 bool IsTimeName(std::string_view name) {
-  return IsOneOf(name, {"time", "t", "x-axis", "x", "second", "seconds", "zeit", "x_value"});
+  return IsOneOf(name, {"time", "t", "x-axis", "x", "second", "seconds", "zeit", "x_value",
+                        "relative time", "elapsed time", "timestamp", "time stamp"});
 }
 
 bool IsUnitOfTime(std::string_view text) {
@@ -62,9 +63,13 @@ std::string_view UnitCell(std::string_view cell) {
 
 class Head {
  public:
-  Head(const TableBeginning& beginning, TableFormat format, const std::string& name,
+  Head(const TableBeginning& beginning, const TableWords& words, const std::string& name,
        const ImportOptions& options)
-      : beginning_(beginning), facts_(FactsOf(format)), name_(name), options_(options) {}
+      : beginning_(beginning),
+        facts_(FactsOf(words.format)),
+        clock_(words.clock),
+        name_(name),
+        options_(options) {}
 
   Result<NamedColumns> Read() {
     if (auto done = options_.columns.empty() ? FromHeader() : FromOptions(); !done) {
@@ -83,23 +88,16 @@ class Head {
     if (options_.columns.size() != width) {
       return Usage(
           "--columns",
-          fmt::format("names {} columns where {} has {}", options_.columns.size(), name_, width),
+          fmt::format("names {} columns where {} has {}, separated by {}", options_.columns.size(),
+                      name_, width, NameOfSeparator(beginning_.rows[0].separator)),
           "name each from the left, - for one to leave out");
     }
     // the line above is the header that the options replace
     named_.lines_used = beginning_.Above(1).size() == Width() ? 1 : 0;
     named_.columns.reserve(Width());
     for (const std::string& word : options_.columns) {
-      // with a scale the column needs no unit of its own
-      const bool is_scaled =
-          (options_.scale_m && word == "displacement") || (options_.scale_v && word == "voltage");
-      auto column = ReadCsvColumn(
-          is_scaled ? (word == "voltage" ? "voltage_v" : "displacement_m") : word, "--columns");
-      if (!column) {
-        Error error = column.error();
-        error.cause = Cause::kUsage;
-        return std::unexpected(std::move(error));
-      }
+      auto column = ReadToldColumn(word, options_);
+      if (!column) return std::unexpected(column.error());
       named_.columns.push_back(std::move(*column));
     }
     named_.columns.resize(Width(), CsvColumn{.kind = CsvColumnKind::kLeftOut});
@@ -113,6 +111,12 @@ class Head {
     if (IsLineOfUnits(names) && names_above.size() == names.size() && !AreKeys(names_above)) {
       units = std::exchange(names, std::move(names_above));
     }
+    auto comment = beginning_.LastComment();
+    const bool is_in_comment = comment.size() == Width() && NamesTime(comment);
+    if (is_in_comment) {
+      names = std::move(comment);
+      units.clear();
+    }
     if (names.size() * 2 == Width() && beginning_.rows[0].separator == ',') {
       return CommaError(names);
     }
@@ -122,7 +126,7 @@ class Head {
     }
     if (names.size() != Width() || AreKeys(names)) return WithoutNames();
     units.resize(Width());
-    named_.lines_used = units[0].empty() ? 1 : 2;
+    named_.lines_used = is_in_comment ? 0 : units[0].empty() ? 1 : 2;
     for (std::size_t i = 0; i < names.size(); ++i) {
       auto column = ColumnOf(names[i], UnitCell(units[i]), i);
       if (!column) return std::unexpected(column.error());
@@ -150,6 +154,14 @@ class Head {
 
   [[nodiscard]] bool IsEmptyBelow(std::size_t column) const {
     return beginning_.rows[0].cells[column].empty() && beginning_.rows[1].cells[column].empty();
+  }
+
+  [[nodiscard]] bool NamesTime(const std::vector<std::string_view>& cells) const {
+    const auto is_time = [&](std::string_view cell) {
+      const auto own = ReadCsvColumn(cell, name_);
+      return (own && own->kind == CsvColumnKind::kTime) || IsTimeName(SplitUnit(cell).name);
+    };
+    return std::ranges::any_of(cells, is_time);
   }
 
   // a line such as "Sample Interval:,1e-9" right above two columns names none of them
@@ -193,6 +205,15 @@ class Head {
       named_.columns[filled[0]] = CsvColumn{.name = "channel_1"};
       return {};
     }
+    const auto traces = ValuesOf(beginning_.keys, "TraceName");
+    if (clock_ && !filled.empty() && traces.size() == filled.size()) {
+      named_.columns.assign(Width(), {.kind = CsvColumnKind::kLeftOut});
+      for (std::size_t i = 0; i < filled.size(); ++i) {
+        named_.columns[filled[i]] = CsvColumn{.name = std::string(traces[i])};
+      }
+      FillUnits();
+      return {};
+    }
     return NoNames(filled);
   }
 
@@ -201,7 +222,8 @@ class Head {
         "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil), "
         "or say --columns";
     const std::string what =
-        fmt::format("no line names its {} column{}", Width(), Width() == 1 ? "" : "s");
+        fmt::format("no line names its {} column{}{}", Width(), Width() == 1 ? "" : "s",
+                    beginning_.rows[0].separator == ' ' ? " (separated by blanks)" : "");
     if (filled.size() == 1) {
       return CannotAnswer(name_, "holds one column, without a name and without times",
                           "say --rate 10kHz, and what it is: --scale, or --columns voltage_v");
@@ -246,7 +268,8 @@ class Head {
     const auto unit = FindUnit(printed);
     const bool is_time = IsTimeName(title) || (number == 0 && IsUnitOfTime(printed));
     if (is_time) return TimeOfColumn(cell, unit ? unit : FindUnit(title), number);
-    CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell)};
+    CsvColumn column{.name = std::string(unit && !title.empty() ? title : cell),
+                     .printed = std::string(cell)};
     if (unit) SetUnit(*unit, &column);
     return column;
   }
@@ -267,16 +290,17 @@ class Head {
       }
       if (!unit && facts_.format != TableFormat::kTektronixDpo) unit = PrintedUnit{"s", 1};
     }
-    if (!unit && options_.rate_hz) unit = UnitByRate(Step(number));
+    if (!unit && options_.rate_hz) unit = UnitByRate(Step(number), *options_.rate_hz);
+    if (!unit && clock_) unit = UnitByRate(Step(number), 1 / clock_->interval_s);
     if (!unit || unit->si_unit != "s") return TimeError(cell, number);
     column.factor = unit->factor;
     return column;
   }
 
-  // the unit in which the rows come at the rate that was said
-  [[nodiscard]] std::optional<PrintedUnit> UnitByRate(double step) const {
+  // the unit in which the rows come at a rate that was said
+  [[nodiscard]] static std::optional<PrintedUnit> UnitByRate(double step, double rate_hz) {
     for (const double factor : {1.0, 1e-3, 1e-6, 1e-9}) {
-      if (std::abs(step * factor * *options_.rate_hz - 1) < 0.01) return PrintedUnit{"s", factor};
+      if (std::abs(step * factor * rate_hz - 1) < 0.01) return PrintedUnit{"s", factor};
     }
     return std::nullopt;
   }
@@ -295,7 +319,9 @@ class Head {
   // units of values that stand elsewhere than beside their names
   void FillUnits() {
     auto stated = ValuesOf(beginning_.keys, "Vertical Units");
-    if (stated.empty()) stated = ValuesOf(beginning_.keys, "YUnits");
+    for (const char* key : {"YUnits", "VUnit"}) {
+      if (stated.empty()) stated = ValuesOf(beginning_.keys, key);
+    }
     std::size_t channel = 0;
     bool is_assumed = false;
     for (CsvColumn& column : named_.columns) {
@@ -318,6 +344,7 @@ class Head {
 
   const TableBeginning& beginning_;
   const TableFormatFacts& facts_;
+  const std::optional<StatedClock>& clock_;
   const std::string& name_;
   const ImportOptions& options_;
   NamedColumns named_;
@@ -326,9 +353,23 @@ class Head {
 
 }  // namespace
 
-Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning, TableFormat format,
+Result<CsvColumn> ReadToldColumn(const std::string& word, const ImportOptions& options) {
+  std::string name = word;
+  if (options.scale_m && word == "displacement") name = "displacement_m";
+  if (options.scale_v && word == "voltage") name = "voltage_v";
+  auto column = ReadCsvColumn(name, "--columns");
+  if (!column) {
+    Error error = column.error();
+    error.cause = Cause::kUsage;
+    return std::unexpected(std::move(error));
+  }
+  column->printed = word;
+  return column;
+}
+
+Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning, const TableWords& words,
                                       const std::string& name, const ImportOptions& options) {
-  return Head(beginning, format, name, options).Read();
+  return Head(beginning, words, name, options).Read();
 }
 
 }  // namespace haptometer::trial

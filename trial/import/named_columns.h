@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "base/result.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/import_options.h"
+#include "trial/import/stated_clock.h"
 #include "trial/import/table_beginning.h"
 
 namespace haptometer::trial {
@@ -18,18 +20,32 @@ struct NamedColumns {
   std::vector<std::string> remarks{};  ///< what was assumed, a sentence each
 };
 
+/// The column that `word` of options.columns names; "displacement" and "voltage" need no unit where
+/// a scale is theirs. Errors (Cause::kUsage): as ReadCsvColumn.
+[[nodiscard]] Result<CsvColumn> ReadToldColumn(const std::string& word,
+                                               const ImportOptions& options);
+
+/// What is known of a table beside its lines.
+struct TableWords {
+  TableFormat format = TableFormat::kPlain;
+  std::optional<StatedClock> clock{};  ///< as the lines above state it
+};
+
 /// Reads names and units: "Time [ms]", "Laser (mm)", "t / s", "C1 in V", or a line of units below
 /// the names ("(ms),(V)", "second,Volt"); else the keys above (Tektronix's "Vertical Units"); else
-/// what the format is known for, which is remarked upon. A column of a unit of time is the time; a
-/// spectrum beside the table (Hz and what follows) and a row number ("nr", "sample") are left out;
-/// a unit of length makes a displacement, one of voltage or current a voltage or current.
-/// options.columns replaces all this.
+/// what the format is known for, which is remarked upon. Names may stand in the # line right above
+/// the numbers, if they name a time there, and in Yokogawa's key "TraceName". A time without a unit
+/// has the one in which the rows come at options.rate_hz or at the stated clock. A column of a unit
+/// of time is the time; a spectrum beside the table (Hz and what follows) and a row number ("nr",
+/// "sample") are left out; a unit of length makes a displacement, one of voltage or current a
+/// voltage or current. options.columns replaces all this.
 ///
 /// Errors (Cause::kCannotAnswer), naming `name`: a time without a unit and columns without names
 /// (both readings are named), decimal commas that cannot be told from separators.
 /// Cause::kUsage: options.columns names more or fewer columns than there are.
 [[nodiscard]] Result<NamedColumns> ReadNamedColumns(const TableBeginning& beginning,
-                                                    TableFormat format, const std::string& name,
+                                                    const TableWords& words,
+                                                    const std::string& name,
                                                     const ImportOptions& options);
 
 }  // namespace haptometer::trial

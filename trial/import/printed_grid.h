@@ -8,22 +8,21 @@
 
 namespace haptometer::trial {
 
-/// The clocked stretches behind printed times, or nothing where the printed digits do not explain
-/// how the times differ from grids.
+/// The clocked stretches behind printed times, or nothing where the times' resolution does not
+/// explain how they differ from grids.
 ///
 /// A new stretch begins where an interval is more than half a period longer than the median one.
 /// Within a stretch of n rows the period is (last - first) / (n - 1); short stretches take the
-/// longest one's period where it fits them. A time may differ from its grid by the rounding of its
-/// own digits
-/// (`half_digits_s`, half a unit of the last printed place) and of the end points', plus a
-/// millionth of a period for clocks that were summed up.
+/// longest one's period where it fits them. A time may differ from its grid by its own
+/// resolution and the end points', plus a millionth of a period for clocks that were summed up.
 ///
 /// Times that repeat, because their digits are coarser than the period, are one stretch on the
-/// least-squares line, each time weighted by its digits, if that gives every time back within a
-/// unit of its last digit; rows that are missing cannot be seen there.
+/// least-squares line, each time weighted by its resolution, if that gives every time back within
+/// twice that; rows that are missing cannot be seen there.
 ///
-/// `times_s`: at least two, not falling; `half_digits_s`: one a time. Cost: O(rows).
+/// `times_s`: at least two, not falling; `resolutions_s`: how far each may lie from what was
+/// meant (PrintedTimes). Cost: O(rows).
 [[nodiscard]] std::optional<std::vector<Stretch>> PrintedGrid(
-    std::span<const double> times_s, std::span<const double> half_digits_s);
+    std::span<const double> times_s, std::span<const double> resolutions_s);
 
 }  // namespace haptometer::trial

@@ -59,7 +59,9 @@ std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
 
 std::optional<double> ReadClock(std::string_view text) {
   text = Trimmed(text);
-  if (const std::size_t blank = text.rfind(' '); blank != std::string_view::npos) {
+  // "2024-05-06T12:00:00.5Z"
+  if (text.ends_with('Z')) text.remove_suffix(1);
+  if (const std::size_t blank = text.find_last_of(" T"); blank != std::string_view::npos) {
     text.remove_prefix(blank + 1);
   }
   double seconds = 0;

@@ -26,7 +26,8 @@ namespace haptometer::trial {
 [[nodiscard]] std::optional<SampleStatus> ReadNoNumber(std::string_view cell);
 
 /// Seconds since midnight of a time on the clock, "12:00:47.056435" or with a decimal comma; a date
-/// before it ("5/7/2021  12:00:47.056435") is passed over. Nothing where `text` is none.
+/// before it ("5/7/2021  12:00:47.056435", "2021-07-05T12:00:47Z") is passed over. Nothing where
+/// `text` is none.
 [[nodiscard]] std::optional<double> ReadClock(std::string_view text);
 
 }  // namespace haptometer::trial

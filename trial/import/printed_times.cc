@@ -1,6 +1,8 @@
 #include "trial/import/printed_times.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -16,6 +18,15 @@ namespace {
 
 // the fits of recorded times count nanoseconds; an oscilloscope prints closer ones
 constexpr double kShortestPeriodS = 1e-6;
+
+// whether `number` is `rounded` printed with the fewest digits that give it back
+bool IsShortest(double number, float rounded) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), rounded).ptr;
+  double shortest = 0;
+  std::from_chars(text.data(), end, shortest);
+  return std::abs(shortest - number) <= 4 * 0x1p-53 * std::abs(number);
+}
 
 // The least-squares line through times that grow, and how far they lie from it (RMS).
 std::optional<Stretch> MeanLine(std::span<const double> times_s) {
@@ -64,7 +75,7 @@ PrintedTimes::Digits PrintedTimes::DigitsOf(std::string_view text) {
 }
 
 void PrintedTimes::Add(std::string_view printed, double time_s, double factor) {
-  if (!times_s_.empty() && time_s == times_s_.back()) ++repeated_;
+  if (!times_s_.empty() && time_s == times_s_.back()) repeated_.push_back(times_s_.size());
   times_s_.push_back(time_s);
   const Digits digits = DigitsOf(printed);
   most_.decimals = std::max(most_.decimals, digits.decimals);
@@ -73,7 +84,7 @@ void PrintedTimes::Add(std::string_view printed, double time_s, double factor) {
 }
 
 void PrintedTimes::AddCount(double time_s) {
-  if (!times_s_.empty() && time_s == times_s_.back()) ++repeated_;
+  if (!times_s_.empty() && time_s == times_s_.back()) repeated_.push_back(times_s_.size());
   times_s_.push_back(time_s);
   is_count_ = true;
 }
@@ -84,33 +95,63 @@ double PrintedTimes::HalfDigit(double time_s) const {
   const double printed = std::abs(time_s / factor_);
   const double magnitude = printed > 0 ? std::floor(std::log10(printed)) : -most_.decimals;
   const double place = std::max<double>(-most_.decimals, magnitude + 1 - most_.significant);
-  const double half = 0.5 * std::pow(10.0, place);
-  // eight or nine digits are those of a 32-bit float, which is rounded by 2^-24 of itself
-  const bool may_be_float = most_.significant == 8 || most_.significant == 9;
-  return (may_be_float ? std::max(half, 0x1p-24 * printed) : half) * factor_;
+  return 0.5 * std::pow(10.0, place) * factor_;
 }
 
-std::vector<double> PrintedTimes::HalfDigits() const {
-  std::vector<double> half;
-  half.reserve(times_s_.size());
-  for (const double time_s : times_s_) half.push_back(HalfDigit(time_s));
-  return half;
+// whether the digits of every row may be those of a 32-bit float, of the time since `origin_s` in
+// units of 1/`scale` of the printed one
+bool PrintedTimes::MayBeFloats(double scale, double origin_s) const {
+  // no float needs more digits to be told from its neighbours
+  const bool may_be_shortest = most_.significant <= 9 && scale == 1 && origin_s == 0;
+  const double origin_half_s = origin_s == 0 ? 0 : HalfDigit(origin_s);
+  return std::ranges::all_of(times_s_, [&](double time_s) {
+    const double number = (time_s - origin_s) / factor_ * scale;
+    const double half = (HalfDigit(time_s) + origin_half_s) / factor_ * scale;
+    const auto rounded = static_cast<float>(number);
+    const double arithmetic = 4 * 0x1p-53 * std::abs(time_s / factor_ * scale);
+    if (std::abs(number - static_cast<double>(rounded)) <= half + arithmetic) return true;
+    return may_be_shortest && IsShortest(number, rounded);
+  });
+}
+
+// what a 32-bit float leaves out of a time, where there may be one behind the digits; else 0
+double PrintedTimes::FloatRounding() const {
+  const double span_s = times_s_.back() - times_s_.front();
+  const double largest_s = std::max(std::abs(times_s_.front()), std::abs(times_s_.back()));
+  const double rounding_s = 0x1p-24 * (largest_s + span_s);
+  constexpr double kNegligible = 1e-3;
+  if (rounding_s <= kNegligible * span_s / static_cast<double>(times_s_.size())) return rounding_s;
+  for (const double origin_s : {0.0, times_s_.front()}) {
+    for (const double scale : {1.0, 1e-3, 1e-6, 1e-9, 1e3, 1e6}) {
+      if (MayBeFloats(scale, origin_s)) return rounding_s;
+    }
+  }
+  return 0;
+}
+
+std::vector<double> PrintedTimes::Resolutions() const {
+  const double rounding_s = is_count_ ? 0 : FloatRounding();
+  std::vector<double> resolutions_s;
+  resolutions_s.reserve(times_s_.size());
+  for (const double time_s : times_s_) resolutions_s.push_back(HalfDigit(time_s) + rounding_s);
+  return resolutions_s;
 }
 
 std::optional<Stretch> PrintedTimes::By(const StatedClock& clock) const {
   const auto at = [&](std::size_t i) { return static_cast<double>(i) * clock.interval_s; };
-  // the starts that the digits of all rows leave; where some are cut off instead of rounded, that
+  const std::vector<double> resolutions_s = Resolutions();
+  // the starts that all rows leave; where some are cut off instead of rounded, that
   // moves the start alone; a little more for the arithmetic on clock times
   double least_s = -std::numeric_limits<double>::infinity();
   double most_s = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < times_s_.size(); ++i) {
-    const double bound_s = (1 + 1e-4) * HalfDigit(times_s_[i]) + 1e-6 * clock.interval_s;
+    const double bound_s = (1 + 1e-4) * resolutions_s[i] + 1e-6 * clock.interval_s;
     least_s = std::max(least_s, times_s_[i] - bound_s - at(i));
     most_s = std::min(most_s, times_s_[i] + bound_s - at(i));
   }
   if (!(least_s <= most_s)) return std::nullopt;
   Stretch stretch{.rows = times_s_.size(), .rate_hz = 1 / clock.interval_s};
-  const double slack_s = 2 * HalfDigit(times_s_[0]) + 1e-6 * clock.interval_s;
+  const double slack_s = 2 * resolutions_s[0] + 1e-6 * clock.interval_s;
   if (clock.start_s) {
     if (*clock.start_s < least_s - slack_s || *clock.start_s > most_s + slack_s) {
       return std::nullopt;
@@ -157,29 +198,47 @@ std::vector<Stretch> PrintedTimes::MeanLines(const Record& record) const {
                                            : FitPolledTimes(time_ns, time_ns, nominal_rate_hz);
 }
 
-bool PrintedTimes::Complete(Timing timing, std::vector<Stretch> stated, Record* record) && {
+bool PrintedTimes::HasFewRepeated() const {
+  constexpr std::size_t kRowsARepeat = 100;
+  return repeated_.size() * kRowsARepeat <= times_s_.size();
+}
+
+std::optional<std::vector<std::size_t>> PrintedTimes::Complete(Timing timing,
+                                                               std::vector<Stretch> stated,
+                                                               Record* record) && {
   const bool times_are_raw = timing != Timing::kUniform;
   record->timing = timing;
+  record->rows = times_s_.size();
+  std::vector<std::size_t> left_out;
   if (Describe(stated, timing)) {
     record->stretches = std::move(stated);
     if (times_are_raw) record->raw_times_s = std::move(times_s_);
-    return true;
+    return left_out;
   }
   if (!times_are_raw) {
-    if (auto grid = PrintedGrid(times_s_, HalfDigits())) {
-      record->stretches = std::move(*grid);
-      return true;
+    auto grid = PrintedGrid(times_s_, Resolutions());
+    if (!grid && !repeated_.empty()) {
+      if (!HasFewRepeated()) return std::nullopt;
+      left_out = std::move(repeated_);
+      times_s_.erase(std::ranges::unique(times_s_).begin(), times_s_.end());
+      record->rows = times_s_.size();
+      grid = PrintedGrid(times_s_, Resolutions());
     }
-    if (repeated_ > 0) return false;
+    if (grid) {
+      record->stretches = std::move(*grid);
+      return left_out;
+    }
     record->timing = Timing::kPolled;
     record->times_are_known = true;
   }
   // neither a grid nor explained: the mean line, beside the times as they stand
   record->stretches = MeanLines(*record);
   record->raw_times_s = std::move(times_s_);
-  return std::ranges::all_of(record->stretches,
-                             [](const Stretch& s) { return std::isfinite(s.rate_hz); }) &&
-         !record->stretches.empty();
+  const bool is_sound =
+      !record->stretches.empty() && std::ranges::all_of(record->stretches, [](const Stretch& s) {
+        return std::isfinite(s.rate_hz);
+      });
+  return is_sound ? std::optional(std::move(left_out)) : std::nullopt;
 }
 
 }  // namespace haptometer::trial

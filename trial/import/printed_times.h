@@ -12,6 +12,19 @@
 namespace haptometer::trial {
 
 /// The times of a table as they were printed, and what they say of the clock behind them.
+///
+/// A printed time lies within its resolution of the time that was meant: half a unit of its last
+/// digit, and what a 32-bit float leaves out, in which many exporters keep times,
+///   2^-24 (max |t| + (t_last - t_first)),
+/// once for the time and once for the product of row and interval in front of an offset. The latter
+/// counts
+///   - where every row's digits are those of a 32-bit float, of the time or of the time since the
+///     first row, in the printed unit or a power of a thousand of it; digits of other numbers
+///     contradict that in the first rows (with 9 digits at most one number in six passes);
+///   - where it is below a thousandth of the mean interval, whatever the digits.
+/// So jitter above a thousandth of an interval is found unless the file holds 32-bit floats; there
+/// it is found above 1.2e-7 to 2.4e-7 of the record's length (1 % of an interval up to some 40 000
+/// rows). A missing or a doubled row is a whole interval and found in any case.
 class PrintedTimes {
  public:
   /// Room for `rows` times.
@@ -26,22 +39,27 @@ class PrintedTimes {
 
   [[nodiscard]] const std::vector<double>& times_s() const { return times_s_; }
 
-  /// Times that are the same as the one before, as when too few digits are printed.
-  [[nodiscard]] std::size_t repeated() const { return repeated_; }
+  /// Rows whose time is that of the row before, as when too few digits are printed.
+  [[nodiscard]] const std::vector<std::size_t>& repeated() const { return repeated_; }
 
-  /// The rows by a clock that was stated beside them, where the printed digits explain how the
+  /// The rows by a clock that was stated beside them, where their resolution explains how the
   /// times differ from it; it begins where it says, else at the start that fits the times best.
   /// Nothing where they do not, as when rows are missing.
   [[nodiscard]] std::optional<Stretch> By(const StatedClock& clock) const;
 
-  /// Sets timing, stretches and raw times of `record`, whose rows are these (at least two).
+  /// Sets timing, stretches, raw times and `rows` of `record`, whose rows are these (at least two),
+  /// and gives the rows that it left out, which the caller takes from the channels.
   ///
   /// `timing`: kUniform for times that a clock made, others for times as they came. `stated`: the
   /// stretches that the file itself gives, used where they still describe the rows. Otherwise a
-  /// grid where the printed digits explain the times (trial/import/printed_grid.h), else the mean
-  /// line beside the times as they stand. False, and `record` is not to be used: times repeat and
-  /// no grid explains it, or they lie closer than a rate can say.
-  [[nodiscard]] bool Complete(Timing timing, std::vector<Stretch> stated, Record* record) &&;
+  /// grid where their resolution explains the times (trial/import/printed_grid.h), else the mean
+  /// line beside the times as they stand. Of times that repeat without a grid that explains it, at
+  /// most one row in a hundred is left out: a row that was written twice, or two readings with one
+  /// time. Nothing, and `record` is not to be used: more of them do, or times lie closer than a
+  /// rate can say.
+  [[nodiscard]] std::optional<std::vector<std::size_t>> Complete(Timing timing,
+                                                                 std::vector<Stretch> stated,
+                                                                 Record* record) &&;
 
  private:
   // how a time is rounded: places behind the point and digits that count
@@ -52,13 +70,16 @@ class PrintedTimes {
   [[nodiscard]] static Digits DigitsOf(std::string_view text);
   [[nodiscard]] bool Describe(std::span<const Stretch> stretches, Timing timing) const;
   [[nodiscard]] std::vector<Stretch> MeanLines(const Record& record) const;
+  [[nodiscard]] bool HasFewRepeated() const;
   [[nodiscard]] double HalfDigit(double time_s) const;
-  [[nodiscard]] std::vector<double> HalfDigits() const;
+  [[nodiscard]] bool MayBeFloats(double scale, double origin_s) const;
+  [[nodiscard]] double FloatRounding() const;
+  [[nodiscard]] std::vector<double> Resolutions() const;
 
   std::vector<double> times_s_{};
   Digits most_{};  // a file prints a number of decimals or of digits, and drops zeros at the end
   double factor_ = 1;
-  std::size_t repeated_ = 0;
+  std::vector<std::size_t> repeated_{};
   bool is_count_ = false;
 };
 

@@ -21,34 +21,43 @@ double RateOf(const Record& part) {
   return std::ranges::max_element(part.stretches, {}, &Stretch::rows)->rate_hz;
 }
 
+// why the times of `segment` are of no use
+std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::size_t repeated,
+                               std::size_t repeat_line) {
+  if (repeated == 0) {
+    return CannotAnswer(name, "has times that lie closer than a rate can say",
+                        "check the unit of its time column");
+  }
+  return CannotAnswer(
+      name,
+      fmt::format("{} of {} rows {} the time of the row before (first in line {}), and no even "
+                  "grid explains it",
+                  repeated, rows, repeated == 1 ? "has" : "have", repeat_line),
+      "print the times with more digits, or remove these rows; only where no row is missing, "
+      "leave the times out (--columns) and say --rate");
+}
+
+std::string LeftOutRemark(std::size_t left_out, std::size_t rows, std::size_t repeat_line) {
+  const bool is_one = left_out == 1;
+  return fmt::format("{} of {} rows {} the time of the row before and {} left out ({} {})",
+                     left_out, rows, is_one ? "has" : "have", is_one ? "is" : "are",
+                     is_one ? "line" : "the first in line", repeat_line);
+}
+
 class TimeSetter {
  public:
   TimeSetter(const std::string& name, const TimeWords& words, const ImportOptions& options,
              std::vector<std::string>* remarks)
       : name_(name), words_(words), options_(options), remarks_(*remarks) {}
 
-  // no times but by the rate
-  void Uniform(Record* record) {
-    const auto& clock = words_.clock;
-    Stretch stretch{.rows = record->rows};
-    stretch.rate_hz = options_.rate_hz ? *options_.rate_hz : 1 / clock->interval_s;
-    const bool is_replaced =
-        options_.rate_hz && clock && !IsRate(*options_.rate_hz, 1 / clock->interval_s, 1e-3);
-    if (is_replaced) {
-      remarks_.push_back(fmt::format("--rate {:.6g} Hz replaces {:.6g} Hz by '{}'",
-                                     *options_.rate_hz, 1 / clock->interval_s, clock->from));
-    } else if (clock && clock->start_s) {
-      stretch.start_s = *clock->start_s;
-    } else {
-      remarks_.emplace_back("the time of the first row is not in the file; it is put at 0 s");
-    }
-    record->stretches = {stretch};
-  }
-
   Result<void> One(Segment segment, Record* record) {
     auto part = Read(std::move(segment));
     if (!part) return std::unexpected(part.error());
-    Adopt(std::move(*part), record);
+    record->stretches = std::move(part->stretches);
+    record->raw_times_s = std::move(part->raw_times_s);
+    record->timing = part->timing;
+    record->times_are_known = part->times_are_known;
+    LeaveOutRows(left_out_, record);
     return {};
   }
 
@@ -68,25 +77,8 @@ class TimeSetter {
       }
     }
     std::move(times).Complete(record);
+    LeaveOutRows(left_out_, record);
     return {};
-  }
-
- private:
-  static void Adopt(Record part, Record* record) {
-    record->stretches = std::move(part.stretches);
-    record->raw_times_s = std::move(part.raw_times_s);
-    record->timing = part.timing;
-    record->times_are_known = part.times_are_known;
-  }
-
-  std::unexpected<Error> WhichSegment(const std::vector<Segment>& segments) const {
-    return CannotAnswer(
-        name_,
-        fmt::format(
-            "its times begin again at line {}: either {} segments, of which it does not say "
-            "when they were, or rows out of order",
-            segments[1].line, segments.size()),
-        fmt::format("read one of them (--segment 1 to {}), or sort the rows", segments.size()));
   }
 
   // one segment's times as a record without channels
@@ -97,7 +89,7 @@ class TimeSetter {
       return CannotAnswer(fmt::format("{}: line {}", name_, segment.line),
                           "is a segment of one row, which has no rate", "remove the line");
     }
-    const std::size_t repeated = segment.times.repeated();
+    const std::size_t repeated = segment.times.repeated().size();
     if (words_.clock) {
       if (const auto stretch = segment.times.By(*words_.clock)) {
         part.stretches = {*stretch};
@@ -105,20 +97,31 @@ class TimeSetter {
       }
     }
     const double first_s = segment.times.times_s().front();
-    if (!std::move(segment.times).Complete(Timing::kUniform, {}, &part)) {
-      return CannotAnswer(
-          name_,
-          fmt::format("{} of {} times are those of the row before, and no even grid explains it",
-                      repeated, segment.rows),
-          "print the times with more digits, or leave them out (--columns) and say --rate");
-    }
-    if (repeated > 0) {
+    const auto left_out = std::move(segment.times).Complete(Timing::kUniform, {}, &part);
+    if (!left_out) return NoTimes(name_, segment.rows, repeated, segment.repeat_line);
+    for (const std::size_t row : *left_out) left_out_.push_back(segment.first_row + row);
+    if (!left_out->empty()) {
+      remarks_.push_back(LeftOutRemark(left_out->size(), segment.rows, segment.repeat_line));
+    } else if (repeated > 0) {
       remarks_.push_back(
           fmt::format("{} of {} times are those of the row before, too few digits being printed; "
                       "they are rebuilt on the even grid that explains all",
                       repeated, segment.rows));
     }
     return Agree(std::move(part), first_s);
+  }
+
+  [[nodiscard]] const std::vector<std::size_t>& left_out() const { return left_out_; }
+
+ private:
+  std::unexpected<Error> WhichSegment(const std::vector<Segment>& segments) const {
+    return CannotAnswer(
+        name_,
+        fmt::format(
+            "its times begin again at line {}: either {} segments, of which it does not say "
+            "when they were, or rows out of order",
+            segments[1].line, segments.size()),
+        fmt::format("read one of them (--segment 1 to {}), or sort the rows", segments.size()));
   }
 
   // times and header must say the same
@@ -142,6 +145,7 @@ class TimeSetter {
   const TimeWords& words_;
   const ImportOptions& options_;
   std::vector<std::string>& remarks_;
+  std::vector<std::size_t> left_out_;  // rows of the record
 };
 
 // the rows of `segment` alone
@@ -157,6 +161,68 @@ void Cut(const Segment& segment, Record* record) {
 
 }  // namespace
 
+void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record) {
+  if (rows.empty()) return;
+  for (Channel& channel : record->channels) {
+    std::size_t kept = 0;
+    auto next = rows.begin();
+    for (std::size_t row = 0; row < channel.values.size(); ++row) {
+      if (next != rows.end() && *next == row) {
+        ++next;
+        continue;
+      }
+      channel.values[kept] = channel.values[row];
+      channel.statuses[kept] = channel.statuses[row];
+      ++kept;
+    }
+    channel.values.resize(kept);
+    channel.statuses.resize(kept);
+  }
+  record->rows -= rows.size();
+}
+
+Stretch UniformTimes(const TimeWords& words, const ImportOptions& options, std::size_t rows,
+                     std::vector<std::string>* remarks) {
+  const auto& clock = words.clock;
+  Stretch stretch{.rows = rows};
+  stretch.rate_hz = options.rate_hz ? *options.rate_hz : 1 / clock->interval_s;
+  const bool is_replaced =
+      options.rate_hz && clock && !IsRate(*options.rate_hz, 1 / clock->interval_s, 1e-3);
+  if (is_replaced) {
+    remarks->push_back(fmt::format("--rate {:.6g} Hz replaces {:.6g} Hz by '{}'", *options.rate_hz,
+                                   1 / clock->interval_s, clock->from));
+  } else if (clock && clock->start_s) {
+    stretch.start_s = *clock->start_s;
+  } else {
+    remarks->emplace_back("the time of the first row is not in the file; it is put at 0 s");
+  }
+  return stretch;
+}
+
+Result<Record> ReadSegmentTimes(const std::string& name, const TimeWords& words,
+                                const ImportOptions& options, CsvRows::Segment segment,
+                                std::vector<std::size_t>* left_out,
+                                std::vector<std::string>* remarks) {
+  TimeSetter setter(name, words, options, remarks);
+  auto part = setter.Read(std::move(segment));
+  left_out->insert(left_out->end(), setter.left_out().begin(), setter.left_out().end());
+  return part;
+}
+
+Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Stretch> stretches,
+                         CsvRows* rows, Record* record, std::vector<std::string>* remarks) {
+  Segment segment = std::move(rows->segments()[0]);
+  const std::size_t repeated = segment.times.repeated().size();
+  const auto left_out = std::move(segment.times).Complete(timing, std::move(stretches), record);
+  if (!left_out) return NoTimes(name, segment.rows, repeated, segment.repeat_line);
+  record->rows = segment.rows;
+  LeaveOutRows(*left_out, record);
+  if (!left_out->empty()) {
+    remarks->push_back(LeftOutRemark(left_out->size(), segment.rows, segment.repeat_line));
+  }
+  return {};
+}
+
 Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                              const ImportOptions& options, CsvRows* rows, Record* record,
                              std::vector<std::string>* remarks) {
@@ -171,11 +237,12 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
     if (rows->has_times()) {
       Segment wanted = std::move(segments[*options.segment - 1]);
       Cut(wanted, record);
+      wanted.first_row = 0;
       return setter.One(std::move(wanted), record);
     }
   }
   if (!rows->has_times()) {
-    setter.Uniform(record);
+    record->stretches = {UniformTimes(words, options, record->rows, remarks)};
     return {};
   }
   if (segments.size() == 1) return setter.One(std::move(segments[0]), record);

@@ -18,6 +18,31 @@ struct TimeWords {
   std::vector<double> segment_starts_s{};
 };
 
+/// The times of one segment, as a record without channels, by the rules of SetForeignTimes. Rows
+/// that are left out (PrintedTimes::Complete) are appended to `left_out`, counted as `segment`
+/// counts its first one.
+[[nodiscard]] Result<Record> ReadSegmentTimes(const std::string& name, const TimeWords& words,
+                                              const ImportOptions& options,
+                                              CsvRows::Segment segment,
+                                              std::vector<std::size_t>* left_out,
+                                              std::vector<std::string>* remarks);
+
+/// Times of `rows` rows without any of their own, by options.rate_hz or words.clock; one is there.
+[[nodiscard]] Stretch UniformTimes(const TimeWords& words, const ImportOptions& options,
+                                   std::size_t rows, std::vector<std::string>* remarks);
+
+/// Takes `rows`, which grow, from all channels of `record`.
+void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
+
+/// Sets the times of `record` from its only segment's, those of a table of our own, whose lines
+/// above the rows state `timing` and `stretches`. Rows that are left out (PrintedTimes::Complete)
+/// are taken from the channels and go to `remarks`.
+/// Errors (Cause::kCannotAnswer), naming `name`: times that repeat without a grid that explains it,
+/// or that lie closer than a rate can say.
+[[nodiscard]] Result<void> SetOwnTimes(const std::string& name, Timing timing,
+                                       std::vector<Stretch> stretches, CsvRows* rows,
+                                       Record* record, std::vector<std::string>* remarks);
+
 /// Sets stretches, timing and raw times of `record` from its segments, of which options.segment
 /// keeps one (then `record`'s channels are cut to its rows); `rows.segments()` are used up.
 ///

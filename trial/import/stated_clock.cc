@@ -77,11 +77,14 @@ struct IntervalKey {
   std::optional<double> (*read)(std::string_view);
 };
 
-constexpr std::array<IntervalKey, 10> kIntervalKeys{{{"sampleinterval", IntervalOf},
+constexpr std::array<IntervalKey, 13> kIntervalKeys{{{"sampleinterval", IntervalOf},
                                                      {"samplinginterval", IntervalOf},
                                                      {"deltat", IntervalOf},
                                                      {"xinc", IntervalOf},
                                                      {"increment", IntervalOf},
+                                                     {"hresolution", IntervalOf},
+                                                     {"timeinterval", IntervalOf},
+                                                     {"samplingperiod", IntervalOf},
                                                      {"clock", IntervalOf},
                                                      {"samplerate", IntervalOfRate},
                                                      {"samplingrate", IntervalOfRate},
@@ -101,7 +104,8 @@ std::optional<double> StartOf(const std::vector<TableKey>& keys, double interval
   for (const char* key : {"Trigger Point", "Zero Index"}) {
     if (const auto index = number(key)) return -*index * interval_s;
   }
-  return number("XOrg");
+  const auto start_s = number("XOrg");
+  return start_s ? start_s : number("HOffset");
 }
 
 }  // namespace

@@ -32,9 +32,9 @@ struct StatedClock {
 };
 
 /// The sample interval that `keys` state: "Sample Interval", "delta t", "XInc", "Increment",
-/// "CLOCK" as a time, or "Sample Rate", "Sampling Frequency (Hz)" as a rate, each with a unit or in
-/// SI; and the start: "XOrg", or minus "Trigger Point" or "Zero Index" intervals (which may be
-/// fractional).
+/// "CLOCK", Yokogawa's "HResolution" and the like as a time, or "Sample Rate", "Sampling Frequency
+/// (Hz)" as a rate, each with a unit or in SI; and the start: "XOrg", "HOffset", or minus "Trigger
+/// Point" or "Zero Index" intervals (which may be fractional).
 ///
 /// Nothing where none is stated. Errors (Cause::kCannotAnswer), naming `name`: values of one line
 /// or of two lines that contradict each other.

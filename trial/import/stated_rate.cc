@@ -21,7 +21,7 @@ std::optional<double> RateIn(std::string_view text) {
   const std::size_t unit = text.find("Hz");
   if (unit == std::string_view::npos || unit == 0) return std::nullopt;
   const char prefix = text[unit - 1];
-  const double factor = prefix == 'k' ? 1e3 : prefix == 'M' ? 1e6 : 1;
+  const double factor = prefix == 'k' ? 1e3 : prefix == 'M' ? 1e6 : prefix == 'G' ? 1e9 : 1;
   const auto number = NumberBefore(text, factor == 1 ? unit : unit - 1);
   if (!number || !(*number > 0) || !std::isfinite(*number)) return std::nullopt;
   return *number * factor;

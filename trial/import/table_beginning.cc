@@ -23,7 +23,8 @@ class Lines {
           .text = LineWithTabs(text_.substr(at_, end - at_)), .offset = at_, .number = number_};
       at_ = end + 1;
       ++number_;
-      if (!Trimmed(line.text).empty()) return line;
+      // empty cells alone are a blank line, too
+      if (line.text.find_first_not_of(" \t;,") != std::string_view::npos) return line;
     }
     return std::nullopt;
   }
@@ -34,6 +35,17 @@ class Lines {
   std::size_t number_ = 0;
 };
 
+// the parts of `words` between two blanks or more
+std::vector<std::string_view> SplitAtWideBlanks(std::string_view words) {
+  std::vector<std::string_view> cells;
+  for (words = Trimmed(words); !words.empty();) {
+    const std::size_t end = words.find("  ");
+    cells.push_back(Trimmed(words.substr(0, end)));
+    words = end == std::string_view::npos ? "" : Trimmed(words.substr(end));
+  }
+  return cells;
+}
+
 void Keep(TableLine line, char separator, TableBeginning* found) {
   line.key = ReadTableKey(line.text, separator);
   if (line.key) {
@@ -42,18 +54,38 @@ void Keep(TableLine line, char separator, TableBeginning* found) {
   }
   if (line.text.starts_with('#')) {
     found->comments.push_back(line.text);
+    found->ends_in_comment = true;
   } else {
+    found->ends_in_comment = false;
     found->above.push_back(std::move(line));
   }
 }
 
 }  // namespace
 
-std::vector<std::string_view> TableBeginning::Above(std::size_t back) const {
-  if (back > above.size()) return {};
-  auto cells = SplitCells(above[above.size() - back].text, rows[0].separator);
+std::vector<std::string_view> TableBeginning::CellsOfWords(std::string_view words) const {
+  auto cells = SplitCells(words, rows[0].separator);
+  // above numbers between blanks names may have blanks of their own
+  if (rows[0].separator == ' ' && cells.size() != width()) {
+    for (const char other : {'\t', ';', ','}) {
+      if (auto split = SplitCells(words, other); split.size() == width()) return split;
+    }
+    if (auto split = SplitAtWideBlanks(words); split.size() == width()) return split;
+  }
   while (cells.size() > width() && cells.back().empty()) cells.pop_back();
   return cells;
+}
+
+std::vector<std::string_view> TableBeginning::Above(std::size_t back) const {
+  if (back > above.size()) return {};
+  return CellsOfWords(above[above.size() - back].text);
+}
+
+std::vector<std::string_view> TableBeginning::LastComment() const {
+  if (comments.empty() || !ends_in_comment) return {};
+  const std::size_t first = comments.back().find_first_not_of("# \t");
+  return first == std::string_view::npos ? std::vector<std::string_view>{}
+                                         : CellsOfWords(comments.back().substr(first));
 }
 
 std::optional<TableBeginning> FindTableBeginning(std::string_view text) {
@@ -94,7 +126,8 @@ std::optional<TableBeginning> FindSideTable(std::string_view text, std::size_t f
     if (!is_row || cells.cells[0].empty() || cells.cells[1].empty()) continue;
     found.keys.push_back({cells.cells[0], {cells.cells[1]}, line->number + 1});
   }
-  if (found.rows[1].cells.size() != found.width()) return std::nullopt;
+  // a text without lines has no table
+  if (found.width() == 0 || found.rows[1].cells.size() != found.width()) return std::nullopt;
   return found;
 }
 

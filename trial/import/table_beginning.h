@@ -21,17 +21,24 @@ struct TableLine {
 
 /// What stands above a table's numbers, and its first two rows.
 struct TableBeginning {
-  std::vector<TableLine> above{};            ///< without blank lines and # lines
+  std::vector<TableLine> above{};            ///< without lines of empty cells and # lines
   std::vector<TableKey> keys{};              ///< of all lines above, # lines too
   std::vector<std::string_view> comments{};  ///< the # lines
   std::array<TableCells, 2> rows{};
-  std::size_t offset = 0;  ///< of the first row
-  std::size_t line = 0;    ///< lines before it
+  std::size_t offset = 0;        ///< of the first row
+  std::size_t line = 0;          ///< lines before it
+  bool ends_in_comment = false;  ///< the line right above is a # line
 
   [[nodiscard]] std::size_t width() const { return rows[0].cells.size(); }
   /// The line `back` lines above the numbers as cells of their separator, without the empty ones
   /// that a separator at its end makes; empty where there is none.
   [[nodiscard]] std::vector<std::string_view> Above(std::size_t back) const;
+  /// The same of the last # line, without its # and where nothing but # lines stands below it; a
+  /// program that marks its line of names as a comment (numpy.savetxt) puts it there.
+  [[nodiscard]] std::vector<std::string_view> LastComment() const;
+
+ private:
+  [[nodiscard]] std::vector<std::string_view> CellsOfWords(std::string_view words) const;
 };
 
 /// The first two lines of numbers that follow each other with as many cells, and what is above

@@ -19,7 +19,7 @@ constexpr std::array<TableFormatFacts, 21> kFormats{{
     {kTektronixTds, "tektronix-tds", "Tektronix TDS/TBS/DPO2000", "s", ""},
     {kTektronixDpo, "tektronix-dpo", "Tektronix MSO/DPO3000-4000", "s", ""},
     {kTektronixMso, "tektronix-mso", "Tektronix MSO 4/5/6", "s", ""},
-    {kRigolSequence, "rigol-sequence", "Rigol DS1000Z/2000A/4000", "", ""},
+    {kRigolSequence, "rigol-sequence", "Rigol DS1000Z/2000A/4000/MSO5000", "", ""},
     {kRigolSeconds, "rigol-seconds", "Rigol DS1000E", "", ""},
     {kRigolVolts, "rigol-volts", "Rigol DS1102D", "s", ""},
     {kRigolDs1204, "rigol-ds1204", "Rigol DS1204B", "", ""},
@@ -67,6 +67,9 @@ class Signs {
   [[nodiscard]] bool Begins(std::string_view sign) const {
     return std::ranges::any_of(lines_, [&](const auto& l) { return l.starts_with(sign); });
   }
+  [[nodiscard]] bool Contains(std::string_view sign) const {
+    return std::ranges::any_of(lines_, [&](const auto& l) { return l.contains(sign); });
+  }
   // a line that begins with `sign` right above one that begins with `below`
   [[nodiscard]] bool Pair(std::string_view sign, std::string_view below) const {
     for (std::size_t i = 0; i + 1 < lines_.size(); ++i) {
@@ -96,7 +99,10 @@ TableFormat FindScope(const Signs& signs) {
     return signs.Begins("zeroindex,") ? kTektronixMso : kTektronixDpo;
   }
   if (signs.Begins("recordlength,analog:") || signs.Pair("source,ch", "second,")) return kSiglent;
-  if (signs.Pair("x,ch", "sequence,")) return kRigolSequence;
+  if (signs.Pair("x,ch", "sequence,") || signs.Contains(",start,increment") ||
+      signs.Contains(",tinc=")) {
+    return kRigolSequence;
+  }
   if (signs.Begins("numberofdatapoints")) return kRigolUltrascope;
   if (signs.Pair("x,ch", "second,")) return kRigolSeconds;
   if (signs.Begins("x,ch1(v)") || signs.Begins("x,ch2(v)")) return kRigolVolts;

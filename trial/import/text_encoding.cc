@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "base/printable.h"
+
 namespace haptometer::trial {
 namespace {
 
@@ -52,35 +54,11 @@ std::string FromUtf16(std::string_view raw, bool is_big_endian) {
   return text;
 }
 
-// the bytes of the character at `at`, 0 where they are no UTF-8
-std::size_t CharacterSize(std::string_view text, std::size_t at) {
-  const unsigned first = Byte(text[at]);
-  const std::size_t size = first < 0x80   ? 1
-                           : first < 0xc2 ? 0
-                           : first < 0xe0 ? 2
-                           : first < 0xf0 ? 3
-                           : first < 0xf5 ? 4
-                                          : 0;
-  if (size == 0 || at + size > text.size()) return 0;
-  for (std::size_t i = 1; i < size; ++i) {
-    if ((Byte(text[at + i]) & 0xc0U) != 0x80) return 0;
-  }
-  const unsigned second = size > 2 ? Byte(text[at + 1]) : 0x80;
-  // longer than needed, surrogates, beyond the last code point
-  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
-                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
-  return is_wrong ? 0 : size;
-}
-
 bool IsUtf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size();) {
-    if (Byte(text[i]) < 0x80) {
-      ++i;
-      continue;
-    }
-    const std::size_t size = CharacterSize(text, i);
-    if (size == 0) return false;
-    i += size;
+  while (!text.empty()) {
+    const std::size_t bytes = Utf8CharacterBytes(text);
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
   }
   return true;
 }

@@ -249,7 +249,7 @@ std::optional<int> NumberOf(std::string_view data) {
 
 bool Answers(const Reply& reply, Command command) {
   return reply.kind == KindOf(command) ||
-         (reply.kind == ReplyKind::kError && reply.data == Name(command));
+         (reply.kind == ReplyKind::kError && reply.data.ends_with(Name(command)));
 }
 
 }  // namespace haptometer::acquire::dl

@@ -115,7 +115,8 @@ struct Spelling {
 /// The number that SR's data spell: `4`, `+00004`, `-000000001`; nothing for other text.
 [[nodiscard]] std::optional<int> NumberOf(std::string_view data);
 
-/// Whether `reply` answers `command`: by its own reply or by an error that names it.
+/// Whether `reply` answers `command`: by its own reply or by an error that names it. Half a command
+/// that somebody else left in the unit may stand before its name (`ER,SM0,00`).
 [[nodiscard]] bool Answers(const Reply& reply, Command command);
 
 }  // namespace haptometer::acquire::dl

@@ -153,6 +153,11 @@ inline constexpr int kHighPassFilter = 14;
 /// amplifier.
 [[nodiscard]] MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command = Command::kM0);
 
+/// What request and reply of M0 or MS need on the wire at least, in ns: no reply comes sooner. The
+/// outputs of MS have one digit in some editions.
+[[nodiscard]] MonotonicNs LeastExchangeNs(int baud, std::size_t units,
+                                          Command command = Command::kM0);
+
 /// How often the unit refreshes the values that M0 reads, in ns: 7, 9, 13, 15, 19, 21, 25, 27 ms
 /// with 1 to 8 amplifiers (IB and GT-70A Editions, as the longest time; the figure for IL was not
 /// at hand), 27 ms beyond.

@@ -99,6 +99,11 @@ std::optional<double> HighPassHz(int code) {
   return kHighPasses_hz[static_cast<std::size_t>(code)];
 }
 
+MonotonicNs LeastExchangeNs(int baud, std::size_t units, Command command) {
+  const std::size_t value_bytes = command == Command::kMs ? 10 : 8;
+  return WireTimeNs(8 + value_bytes * units, baud);
+}
+
 MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command) {
   constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4, and 8 for each value
   const std::size_t value_bytes = command == Command::kMs ? 11 : 8;

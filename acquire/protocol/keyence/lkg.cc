@@ -162,7 +162,11 @@ std::string FormatErrorReply(std::string_view command, int number) {
 }
 
 bool Answers(const Reply& reply, Command command) {
-  if (reply.kind == ReplyKind::kError) return SameWord(reply.refused, Name(command));
+  const std::string_view name = Name(command);
+  if (reply.kind == ReplyKind::kError) {
+    const std::size_t before = reply.refused.size() - std::min(name.size(), reply.refused.size());
+    return SameWord(reply.refused.substr(before), name);
+  }
   return reply.kind == ReplyKind::kCommand && reply.command == command;
 }
 

@@ -88,7 +88,8 @@ struct Reply {
 /// `ER,M1,01\r`.
 [[nodiscard]] std::string FormatErrorReply(std::string_view command, int number);
 
-/// Whether `reply` answers `command`: by its own reply or by an error that names it.
+/// Whether `reply` answers `command`: by its own reply or by an error that names it. Half a command
+/// that somebody else left in the controller may stand before its name (`ER,SM1,00`).
 [[nodiscard]] bool Answers(const Reply& reply, Command command);
 
 }  // namespace haptometer::acquire::lkg

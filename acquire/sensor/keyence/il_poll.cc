@@ -44,7 +44,9 @@ LineMeaning IlPoll::Read(std::string_view line, std::span<trial::Sample> samples
   if (reply->kind == ReplyKind::kDr || dl::Answers(*reply, step_command_)) {
     return LineMeaning::kOther;
   }
-  if (reply->kind == ReplyKind::kError) return LineMeaning::kRefusal;
+  if (reply->kind == ReplyKind::kError) {
+    return dl::Answers(*reply, command_) ? LineMeaning::kRefusal : LineMeaning::kOther;
+  }
   if (!Fits(*reply)) return LineMeaning::kDamaged;
   const std::size_t amplifiers = channels_.size();
   for (std::size_t i = 0; i < amplifiers; ++i) {

@@ -13,11 +13,10 @@ bool IsDirect(dl::Command command) {
   return command != dl::Command::kM0 && command != dl::Command::kMs;
 }
 
-// whether `reply` is to `request`: an error may name half a command that somebody else left behind
+// whether `reply` is to `request`
 bool IsReplyTo(const dl::Request& request, const dl::Reply& reply) {
-  if (reply.kind == dl::ReplyKind::kError) return true;
   if (!dl::Answers(reply, request.command)) return false;
-  return !IsDirect(request.command) ||
+  return reply.kind == dl::ReplyKind::kError || !IsDirect(request.command) ||
          (reply.unit == request.unit && reply.number == request.number);
 }
 

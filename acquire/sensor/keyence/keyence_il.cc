@@ -275,12 +275,19 @@ std::vector<std::string> KeyenceIl::Remarks() const {
       remarks.push_back(i == 0 ? remark : fmt::format("amplifier {:02}: {}", units[i], remark));
     }
   }
+  for (std::string& remark : line_.Remarks()) remarks.push_back(std::move(remark));
   return remarks;
 }
 
 MonotonicNs KeyenceIl::Begin() {
+  const bool has_baud = setup_.unit == IlUnit::kDlRs1a;
   return line_.Begin(
-      poll_, {.channels = poll_.samples(), .refresh_ns = RefreshNs(), .rate_hz = setup_.rate_hz});
+      poll_,
+      {.channels = poll_.samples(),
+       .refresh_ns = RefreshNs(),
+       .rate_hz = setup_.rate_hz,
+       .wire_ns =
+           has_baud ? dl_rs1a::LeastExchangeNs(setup_.baud, settings_.size(), setup_.command) : 0});
 }
 
 }  // namespace haptometer::acquire

@@ -64,7 +64,9 @@ LineMeaning LkgPoll::Read(std::string_view line, std::span<trial::Sample> sample
   if (reply->kind == ReplyKind::kOutput || lkg::Answers(*reply, step_command_)) {
     return LineMeaning::kOther;
   }
-  if (reply->kind == ReplyKind::kError) return LineMeaning::kRefusal;
+  if (reply->kind == ReplyKind::kError) {
+    return lkg::Answers(*reply, command_) ? LineMeaning::kRefusal : LineMeaning::kOther;
+  }
   if (reply->command != command_) return LineMeaning::kDamaged;
   for (std::size_t i = 0; i < reply->outs; ++i) {
     const auto counts = CountsAt(reply->values[i], decimals_);
@@ -83,9 +85,7 @@ Result<std::optional<Reply>> KeyenceLkg::Ask(const std::atomic<bool>& stop) {
   std::optional<Reply> reply;
   const auto take = [&](std::string_view line) {
     reply = lkg::ParseReply(line);
-    // an error may name half a command that somebody else left behind
-    const bool answers =
-        reply && (reply->kind == ReplyKind::kError || lkg::Answers(*reply, setup_.command));
+    const bool answers = reply && lkg::Answers(*reply, setup_.command);
     if (!answers) reply.reset();
     return answers;
   };
@@ -153,22 +153,29 @@ void KeyenceLkg::MakeHeader(int decimals) {
 }
 
 std::vector<std::string> KeyenceLkg::Remarks() const {
-  // request and reply on the wire; what the controller needs comes on top
-  const std::size_t bytes = poll_.PollRequest().size() + 3 + 9 * lkg::ValuesOf(setup_.command);
-  const double wire_hz = 1.0 / SecondsFromNs(WireTimeNs(bytes, setup_.baud));
+  const double wire_hz = 1.0 / SecondsFromNs(LeastExchangeNs());
   const double most_hz = setup_.rate_hz ? std::min(*setup_.rate_hz, wire_hz) : wire_hz;
-  return {
+  std::vector<std::string> remarks{
       fmt::format("an LK-G at {} baud gives less than {:.0f} readings/s: motion up to {:.0f} Hz at "
                   "best can be observed (rate / 2.56); its data storage and its analog output are "
                   "faster",
                   setup_.baud, most_hz, HighestObservableHz(most_hz)),
       "the controller's sampling, averaging and filters are not read: note them with --label"};
+  for (std::string& remark : line_.Remarks()) remarks.push_back(std::move(remark));
+  return remarks;
+}
+
+// request and reply on the wire; what the controller needs comes on top
+MonotonicNs KeyenceLkg::LeastExchangeNs() const {
+  const std::size_t bytes = poll_.PollRequest().size() + 3 + 9 * lkg::ValuesOf(setup_.command);
+  return WireTimeNs(bytes, setup_.baud);
 }
 
 MonotonicNs KeyenceLkg::Begin() {
   return line_.Begin(poll_, {.channels = header_.channels.size(),
                              .refresh_ns = setup_.refresh_ns.value_or(0),
-                             .rate_hz = setup_.rate_hz});
+                             .rate_hz = setup_.rate_hz,
+                             .wire_ns = LeastExchangeNs()});
 }
 
 }  // namespace haptometer::acquire

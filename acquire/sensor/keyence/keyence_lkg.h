@@ -69,6 +69,7 @@ class KeyenceLkg final : public Sensor {
   }
 
  private:
+  [[nodiscard]] MonotonicNs LeastExchangeNs() const;
   Result<std::optional<lkg::Reply>> Ask(const std::atomic<bool>& stop);
   Error NoNumber(const std::optional<lkg::Reply>& last) const;
   void MakeHeader(int decimals);

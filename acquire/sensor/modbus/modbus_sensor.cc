@@ -30,6 +30,8 @@ ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, 
       link_(std::move(link)),
       clock_(clock) {
   frame_.reserve(kLongestModbusAdu);
+  held_registers_.reserve(kLongestModbusAdu);
+  if (is_rtu()) exchanges_ = ResponseDeadline(RtuExchangeNs(profile_));
   timestamp_.reserve(kLongestModbusAdu);
 }
 
@@ -38,7 +40,13 @@ ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, 
 bool ModbusSensor::Send(ReadRequest request, Phase next) {
   // whatever is there now answers nothing that is still asked; over TCP its identifier says so, and
   // a call is saved while all is well
-  if (is_rtu() || bad_rows_ > 0) discarded_bytes_ += link_->Flush();
+  if (is_rtu() || bad_rows_ > 0) {
+    const std::size_t flushed = link_->Flush();
+    discarded_bytes_ += flushed;
+    const bool is_answered = phase_ == Phase::kFree && next == Phase::kWaiting;
+    const bool is_reply = flushed >= ReplyBytes(link_->framing(), request.count);
+    if (is_rtu() && is_answered && is_reply && replies_.taken > 0) ++replies_.surplus;
+  }
   request.transaction = next_transaction_++;
   frame_.clear();
   AppendReadRequest(link_->framing(), request, frame_);
@@ -73,6 +81,7 @@ ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
 MonotonicNs ModbusSensor::Begin() {
   const MonotonicNs now = clock_.Now();
   next_poll_ns_ = settle_since_ns_ = now;
+  is_held_ = false;
   if (phase_ == Phase::kWaiting && !is_rtu()) {
     phase_ = Phase::kFree;  // its identifier will tell
   } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
@@ -120,7 +129,8 @@ Outcome ModbusSensor::AskForReading() {
 }
 
 Outcome ModbusSensor::Wait(Reading& reading) {
-  const MonotonicNs deadline = request_ns_ + profile_.response_timeout_ns;
+  const MonotonicNs deadline =
+      request_ns_ + (is_held_ ? exchanges_.UsualNs() : profile_.response_timeout_ns);
   const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
   switch (reply.arrival) {
     case ModbusArrival::kGone:
@@ -129,15 +139,24 @@ Outcome ModbusSensor::Wait(Reading& reading) {
       if (has_checks_ && IsReplyTo(CheckRequest(profile_), reply)) {
         // to one of several that were sent; all of them are older than this reading
         discarded_bytes_ += reply.bytes.size();
-        return Outcome::kNothing;
+        break;
       }
-      return TakeReply(Parse(reply), reading);
+      [[fallthrough]];
     case ModbusArrival::kDamaged:
-      return TakeReply(Parse(reply), reading);
+      if (const auto taken = TakeReply(Parse(reply), reading); taken != Outcome::kNothing) {
+        return taken;
+      }
+      if (is_held_) return Outcome::kNothing;  // with another deadline
+      break;
     case ModbusArrival::kNothing:
       break;
   }
+  // replies to other requests do not prolong the wait
   if (clock_.Now() < deadline) return Outcome::kNothing;
+  if (is_held_) {
+    // nothing followed: it is the reply
+    return Accept(held_sample_, held_registers_, held_ns_, reading);
+  }
   if (!other_transaction_) ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
   return GiveFault(reading, ModbusFault::kTimeout);
 }
@@ -156,8 +175,28 @@ Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
     return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
                    has_checks_ ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
   }
-  const Outcome given = GiveRow(reading, DecodeReading(profile_, reply.registers), Phase::kFree, 0);
-  MarkRepeated(reply.registers, reading);
+  const MonotonicNs now = clock_.Now();
+  const trial::Sample sample = DecodeReading(profile_, reply.registers);
+  if (std::exchange(is_held_, now - request_ns_ < exchanges_.EarliestNs())) {
+    ++replies_.surplus;
+    discarded_bytes_ += ReplyBytes(link_->framing(), request_.count);
+  }
+  if (!is_held_) return Accept(sample, reply.registers, now, reading);
+  held_sample_ = sample;
+  held_registers_.assign(reply.registers);
+  held_ns_ = now;
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::Accept(trial::Sample sample, std::string_view registers, MonotonicNs reply_ns,
+                             Reading& reading) {
+  const MonotonicNs exchange_ns = reply_ns - request_ns_;
+  if (exchange_ns < exchanges_.wire_ns()) ++replies_.too_soon;
+  ++replies_.taken;
+  if (is_rtu()) exchanges_.Note(exchange_ns);
+  const Outcome given = GiveRow(reading, sample, Phase::kFree, 0);
+  reading.reply_ns = reply_ns;
+  MarkRepeated(registers, reading);
   return given;
 }
 
@@ -251,6 +290,7 @@ Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next
   reading.time_ns = request_ns_;
   reading.reply_ns = clock_.Now();
   reading.samples.assign(1, sample);
+  is_held_ = false;
   phase_ = next;
   drain_until_ns_ = drain_until_ns;
   settle_since_ns_ = reading.reply_ns;

@@ -9,6 +9,7 @@
 #include "acquire/sensor/modbus/modbus_errors.h"
 #include "acquire/sensor/modbus/sensor_profile.h"
 #include "acquire/sensor/repeat_marker.h"
+#include "acquire/sensor/response_deadline.h"
 #include "acquire/sensor/sensor.h"
 #include "acquire/transport/modbus_link.h"
 
@@ -40,9 +41,13 @@ struct ModbusSetup {
 /// length has come. A device that answers in order has then sent everything that is older, however
 /// late it was, and the next reply of a reading's length is that of the next reading.
 ///
-/// What remains: a device that answers twice or out of order; and one of which Start() found that
-/// it does not answer the check with registers. There only `longest_reply_ns` of waiting stands
-/// between a late reply and the next request, and Remarks() says so.
+/// A device may also answer twice. A reply that comes sooner than one can
+/// (sensor/response_deadline.h) is held back until a usual exchange has passed: a further one that
+/// comes until then is the right one. So no row is given sooner than the wire allows.
+///
+/// What remains: a device that answers out of order; and one of which Start() found that it does
+/// not answer the check with registers. There only `longest_reply_ns` of waiting stands between a
+/// late reply and the next request, and Remarks() says so.
 class ModbusSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor and be the one of the link's deadlines.
@@ -88,6 +93,8 @@ class ModbusSensor final : public Sensor {
   Outcome TakeReply(const ReadReply& reply, Reading& reading);
   Outcome Drain(Reading& reading);
   Outcome WaitForStep(Reading& reading);
+  Outcome Accept(trial::Sample sample, std::string_view registers, MonotonicNs reply_ns,
+                 Reading& reading);
   void MarkRepeated(std::string_view registers, Reading& reading);
   Outcome GiveRow(Reading& reading, trial::Sample sample, Phase next, MonotonicNs drain_until_ns);
   Outcome GiveFault(Reading& reading, ModbusFault fault);
@@ -116,6 +123,12 @@ class ModbusSensor final : public Sensor {
   bool has_checks_ = false;          ///< the device answers checks with registers
   bool next_step_is_check_ = false;  ///< else a reading's reply is still owed
   bool start_was_silent_ = false;    ///< a reply to Start() may still come
+  ResponseDeadline exchanges_;       ///< RTU: when a reply can be the one to its request
+  trial::Sample held_sample_;        ///< of a reply that came too soon
+  std::string held_registers_;
+  MonotonicNs held_ns_ = 0;
+  bool is_held_ = false;  ///< it waits for a further one
+  ReplyCounts replies_;
   std::uint64_t discarded_bytes_ = 0;
 };
 

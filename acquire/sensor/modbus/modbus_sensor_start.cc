@@ -152,6 +152,9 @@ std::vector<std::string> ModbusSensor::Remarks() const {
   if (const std::string errors = InWords(errors_); !errors.empty()) {
     remarks.push_back("errors on the wire: " + errors);
   }
+  for (std::string& remark : DoubtfulReplies(replies_, exchanges_.wire_ns())) {
+    remarks.push_back(std::move(remark));
+  }
   return remarks;
 }
 

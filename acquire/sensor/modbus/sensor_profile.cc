@@ -165,14 +165,16 @@ ReadRequest CheckRequest(const SensorProfile& profile) {
   return request;
 }
 
-MonotonicNs RtuPeriodNs(const SensorProfile& profile) {
+MonotonicNs RtuExchangeNs(const SensorProfile& profile) {
   constexpr std::size_t kRequestBytes = 8;
   const std::size_t characters =
       kRequestBytes + ReplyBytes(ModbusFraming::kRtu, static_cast<std::size_t>(profile.count));
-  const int bits = BitsPerCharacter(profile.wire);
+  return WireTimeNs(characters, profile.wire.baud, BitsPerCharacter(profile.wire));
+}
+
+MonotonicNs RtuPeriodNs(const SensorProfile& profile) {
   const MonotonicNs silent_ns = SilentIntervalNs(profile.wire);
-  return WireTimeNs(characters, profile.wire.baud, bits) + silent_ns +
-         std::max(silent_ns, profile.least_gap_ns);
+  return RtuExchangeNs(profile) + silent_ns + std::max(silent_ns, profile.least_gap_ns);
 }
 
 double HighestRateHz(const SensorProfile& profile) {

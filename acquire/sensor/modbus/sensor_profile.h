@@ -102,6 +102,9 @@ struct SensorProfile {
 [[nodiscard]] ReadRequest ReadingRequest(const SensorProfile& profile);
 [[nodiscard]] ReadRequest CheckRequest(const SensorProfile& profile);
 
+/// What both frames of a reading need on an RTU wire, in ns: no reply comes sooner.
+[[nodiscard]] MonotonicNs RtuExchangeNs(const SensorProfile& profile);
+
 /// Shortest time in ns from request to request on an RTU wire of its own, of a sensor that answers
 /// at once: both frames and two silent intervals. 13 registers at 57600 baud 8E1: 11.0 ms.
 [[nodiscard]] MonotonicNs RtuPeriodNs(const SensorProfile& profile);

@@ -71,10 +71,10 @@ TEST(HardRecords, NoReadingsSayIs) {
 
 TEST(HardRecords, ReadingsThatAreNoNumbersAreCounted) {
   EXPECT_EQ(Refusal(std::vector<double>(500, kNaN)),
-            "none of its 500 readings is a measurement (not a number 500); check the target and "
+            "none of its 500 readings is a measurement (without a value 500); check the target and "
             "the sensor's range");
   EXPECT_EQ(Refusal(std::vector<double>(3, -kInf)),
-            "none of its 3 readings is a measurement (not a number 3); check the target and the "
+            "none of its 3 readings is a measurement (without a value 3); check the target and the "
             "sensor's range");
 }
 

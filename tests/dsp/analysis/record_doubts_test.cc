@@ -75,6 +75,9 @@ TEST(RecordDoubts, MillisecondsReadAsSecondsAreGuessed) {
   EXPECT_FALSE(analysis.answered);
   EXPECT_THAT(analysis.remarks,
               Contains(HasSubstr("a guess: read as time_ms, the times would be 5000 readings")));
+  record.metadata.nominal_rate_hz = kRateHz / 1000;  // somebody said so
+  EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("a guess"))));
+  record.metadata.nominal_rate_hz.reset();
   record.metadata.sensor = "keyence-il";  // that is a slow one
   EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("a guess"))));
 }

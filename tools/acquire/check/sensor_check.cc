@@ -55,8 +55,8 @@ int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
   if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
   const CheckFindings findings = FindingsOf(trial->record, trial->summary, band);
   const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
-  fmt::print("{}", options.json() ? CheckJson(sensor.header(), findings, question, items)
-                                  : CheckText(items));
+  cli::Print(options.json() ? CheckJson(sensor.header(), findings, question, items)
+                            : CheckText(items));
   return cli::InterruptedStatus(IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer));
 }
 

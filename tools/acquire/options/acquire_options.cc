@@ -61,7 +61,7 @@ Result<void> CheckAcquire(const AcquireOptions& wanted) {
     return Usage("--smallest-rms", "is what a check asks for", "add --check");
   }
   if (wanted.check) return CheckAlone(wanted);
-  if (!wanted.recording.output.empty()) return CheckOutput(wanted.recording, wanted.sensor);
+  if (!wanted.recording.output.empty()) return CheckOutput(wanted.recording);
   if (wanted.live) return {};
   return Usage("-o", "is missing",
                "name the trial to write, e.g. -o trial.bin, or look with --live or --check");

@@ -10,6 +10,7 @@
 #include "tools/acquire/sensor_kind.h"
 #include "tools/acquire/trial_name.h"
 #include "tools/cli/key_values.h"
+#include "tools/cli/output_file.h"
 #include "tools/longest_time.h"
 
 namespace haptometer::tools {
@@ -89,8 +90,8 @@ Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOption
 }  // namespace
 
 void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
-  options.Text("-o,--output", &wanted.output, "FILE|DIR/",
-               "The trial to write; a directory names it by start, sensor and labels");
+  options.Output("-o,--output", &wanted.output, "FILE|DIR/",
+                 "The trial to write; a directory names it by start, sensor and labels");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Stop after this time (with a trigger: each shot's)");
   options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
@@ -132,7 +133,7 @@ Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const Sensor
   return plan;
 }
 
-Result<void> CheckOutput(const RecordingOptions& wanted, const SensorOptions& sensor) {
+Result<void> CheckOutput(const RecordingOptions& wanted) {
   const std::string& output = wanted.output;
   std::error_code error;
   if (IsDirectoryName(output)) {
@@ -145,17 +146,7 @@ Result<void> CheckOutput(const RecordingOptions& wanted, const SensorOptions& se
     }
     return {};
   }
-  if (IsSensor(sensor.sensor, SensorType::kReplay) && fs::equivalent(sensor.port, output, error)) {
-    return Usage(output, "is the trial that is played", "give another file to -o");
-  }
-  if (!wanted.overwrite && fs::exists(fs::symlink_status(output, error))) {
-    return Usage(output, "already exists", "name another file, or say --overwrite");
-  }
-  const fs::path directory = fs::path(output).parent_path();
-  if (!directory.empty() && !fs::is_directory(directory, error)) {
-    return Usage(output, "lies in a directory that does not exist", "make it, or name another");
-  }
-  return {};
+  return cli::CheckOutput(output, cli::kTrialOutput, wanted.overwrite);
 }
 
 Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,

@@ -53,9 +53,9 @@ struct RecordingPlan {
 [[nodiscard]] Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted,
                                                   const SensorOptions& sensor, std::time_t now);
 
-/// Whether a trial can be written to wanted.output. Errors (Cause::kUsage): it exists, its
-/// directory does not, it is what is played.
-[[nodiscard]] Result<void> CheckOutput(const RecordingOptions& wanted, const SensorOptions& sensor);
+/// Whether a trial can be written to wanted.output. Errors: as cli::CheckOutput; Cause::kUsage for
+/// a directory that does not exist, or in which something is to be replaced.
+[[nodiscard]] Result<void> CheckOutput(const RecordingOptions& wanted);
 
 /// The recorder's limits, once the sensor is known: the trigger on its channels, and the wall's
 /// time to come as an instant of `clock`. Errors: those of ResolveTrigger.

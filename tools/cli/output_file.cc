@@ -1,0 +1,330 @@
+#include "tools/cli/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+#include "base/input_file.h"
+
+namespace haptometer::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kBeginBytes = 1U << 20;
+constexpr std::size_t kLargestMarkedBytes = 1U << 30;
+constexpr mode_t kNewMode = 0666;  // the user's mask takes its part
+constexpr mode_t kPermissions = 0777;
+
+// where an output's bytes go
+struct Place {
+  std::string target;             // no link any more
+  std::optional<int> descriptor;  // of this process, that the path names
+  struct stat status{};           // of what is there
+  bool exists = false;
+
+  [[nodiscard]] bool is_file() const { return !descriptor && (!exists || S_ISREG(status.st_mode)); }
+};
+
+std::unexpected<Error> CannotBeWritten(const std::string& path, int failure) {
+  return Failed(path, std::string("cannot be written: ") + std::strerror(failure),
+                "is there room, and may you write there?");
+}
+
+// the descriptor that `path` names: /dev/stdout, /dev/fd/3
+std::optional<int> DescriptorOf(std::string_view path) {
+  if (path == "/dev/stdout") return STDOUT_FILENO;
+  if (path == "/dev/stderr") return STDERR_FILENO;
+  for (const std::string_view folder : {"/dev/fd/", "/proc/self/fd/"}) {
+    if (!path.starts_with(folder)) continue;
+    int number = -1;
+    const char* const end = path.data() + path.size();
+    const auto [stop, failure] = std::from_chars(path.data() + folder.size(), end, number);
+    if (failure == std::errc{} && stop == end) return number;
+  }
+  return std::nullopt;
+}
+
+Result<Place> PlaceOf(const std::string& path) {
+  constexpr int kMostLinks = 40;  // as the system's own
+  Place place;
+  place.target = path;
+  for (int links = 0; links <= kMostLinks; ++links) {
+    place.descriptor = DescriptorOf(place.target);
+    if (place.descriptor) {
+      place.exists = fstat(*place.descriptor, &place.status) == 0;
+      if (!place.exists) return CannotBeWritten(path, errno);
+      return place;
+    }
+    if (lstat(place.target.c_str(), &place.status) != 0) {
+      if (errno != ENOENT && errno != ENOTDIR) return CannotBeWritten(path, errno);
+      if (links > 0) return Usage(path, "is a link to nothing", "name another file");
+      return place;
+    }
+    place.exists = true;
+    if (!S_ISLNK(place.status.st_mode)) return place;
+    std::error_code failure;
+    const fs::path next = fs::read_symlink(place.target, failure);
+    if (failure) return CannotBeWritten(path, failure.value());
+    place.target = fs::path(place.target).parent_path() / next;
+  }
+  return CannotBeWritten(path, ELOOP);
+}
+
+std::string FolderOf(const std::string& target) {
+  const fs::path folder = fs::path(target).parent_path();
+  return folder.empty() ? "." : folder.string();
+}
+
+Result<void> CheckFolder(const std::string& path, const std::string& target) {
+  std::error_code ignored;
+  const std::string folder = FolderOf(target);
+  if (!fs::is_directory(folder, ignored)) {
+    return Usage(path, "lies in a directory that does not exist", "make it, or name another");
+  }
+  if (access(folder.c_str(), W_OK) != 0) return CannotBeWritten(path, errno);
+  return {};
+}
+
+// the first `most` bytes of an open file
+std::string BeginOf(int descriptor, std::size_t most) {
+  std::string content;
+  std::array<char, 1U << 16> piece{};
+  while (content.size() < most) {
+    const ssize_t got =
+        pread(descriptor, piece.data(), piece.size(), static_cast<off_t>(content.size()));
+    if (got <= 0) break;
+    content.append(piece.data(), static_cast<std::size_t>(got));
+  }
+  return content;
+}
+
+// of a file that is there
+Result<void> CheckReplaceable(const std::string& path, const std::string& target,
+                              const OutputKind& kind, bool overwrite) {
+  if (!kind.is_marked && !overwrite) {
+    return Usage(path, "already exists", "name another file, or say --overwrite");
+  }
+  if (access(target.c_str(), W_OK) != 0) return CannotBeWritten(path, errno);
+  const int descriptor = open(target.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return CannotBeWritten(path, errno);
+  const bool is_busy = flock(descriptor, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const std::string content =
+      BeginOf(descriptor, kind.is_marked ? kLargestMarkedBytes : kBeginBytes);
+  close(descriptor);
+  if (is_busy) {
+    return Usage(path, "is being written by another program", "wait for it, or name another file");
+  }
+  if (IsOfKind(content, kind)) return {};
+  if (kind.is_marked) {
+    return Usage(path, fmt::format("is there and is not {}, or was changed since", kind.name),
+                 "name another file, or remove that one");
+  }
+  return Usage(path, fmt::format("is there and is not {}", kind.name),
+               "name another file: --overwrite replaces a file of the same kind only");
+}
+
+Result<void> CheckPlace(const std::string& path, const Place& place, const OutputKind& kind,
+                        bool overwrite) {
+  if (place.exists && IsNotedInput(place.status)) {
+    return Usage(path, "is an input of this command", "name another file to write");
+  }
+  if (!place.is_file()) {
+    const mode_t mode = place.status.st_mode;
+    if (S_ISDIR(mode)) return Usage(path, "is a directory", "name a file");
+    if (S_ISBLK(mode) || S_ISSOCK(mode)) {
+      return Usage(path, "is there and is no file", "name another");
+    }
+    return {};
+  }
+  if (auto folder = CheckFolder(path, place.target); !folder) return folder;
+  return place.exists ? CheckReplaceable(path, place.target, kind, overwrite) : Result<void>{};
+}
+
+std::string RandomName() {
+  std::uint64_t number = 0;
+  // where there is no randomness yet, O_EXCL alone keeps what is there
+  if (getrandom(&number, sizeof number, GRND_NONBLOCK) < 0)
+    number = static_cast<std::uint64_t>(getpid());
+  return fmt::format(".haptometer-{:016x}.part", number);
+}
+
+// so that a loss of power does not take the name back; not every file system can
+void SyncFolder(const std::string& target) {
+  const int folder = open(FolderOf(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  static_cast<void>(fsync(folder));
+  close(folder);
+}
+
+// the part becomes `target`, where nothing is; errno otherwise
+bool NameNew(const std::string& part, const std::string& target) {
+  if (renameat2(AT_FDCWD, part.c_str(), AT_FDCWD, target.c_str(), RENAME_NOREPLACE) == 0) {
+    return true;
+  }
+  if (errno != EINVAL && errno != ENOSYS) return false;
+  // a file system without it: the name is taken exclusively, then given to the part
+  const int taken = open(target.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kNewMode);
+  if (taken < 0) return false;
+  close(taken);
+  if (rename(part.c_str(), target.c_str()) == 0) return true;
+  const int failure = errno;
+  unlink(target.c_str());
+  errno = failure;
+  return false;
+}
+
+}  // namespace
+
+Result<void> CheckOutput(const std::string& path, const OutputKind& kind, bool overwrite) {
+  const auto place = PlaceOf(path);
+  return place ? CheckPlace(path, *place, kind, overwrite) : std::unexpected(place.error());
+}
+
+bool AreOneOutput(const std::string& one, const std::string& other) {
+  const auto first = PlaceOf(one);
+  const auto second = PlaceOf(other);
+  if (!first || !second || !first->is_file() || !second->is_file()) return false;
+  if (first->exists != second->exists) return false;
+  if (first->exists) {
+    return first->status.st_dev == second->status.st_dev &&
+           first->status.st_ino == second->status.st_ino;
+  }
+  std::error_code ignored;
+  const auto whole = [&](const Place& place) {
+    return fs::weakly_canonical(fs::absolute(place.target, ignored), ignored);
+  };
+  return whole(*first) == whole(*second);
+}
+
+Result<OutputFile> OutputFile::Begin(const std::string& path, const OutputKind& kind,
+                                     bool overwrite) {
+  auto place = PlaceOf(path);
+  if (!place) return std::unexpected(place.error());
+  if (auto good = CheckPlace(path, *place, kind, overwrite); !good) {
+    return std::unexpected(good.error());
+  }
+  OutputFile file(path, kind, overwrite);
+  file.target_ = place->target;
+  if (place->is_file()) {
+    if (auto made = file.MakePart(); !made) return std::unexpected(made.error());
+    return file;
+  }
+  // what was printed before comes before
+  std::fflush(nullptr);
+  file.descriptor_ = place->descriptor
+                         ? fcntl(*place->descriptor, F_DUPFD_CLOEXEC, 0)
+                         : open(place->target.c_str(), O_WRONLY | O_APPEND | O_NOCTTY | O_CLOEXEC);
+  if (file.descriptor_ < 0) return file.NotWritten(errno);
+  return file;
+}
+
+OutputFile::OutputFile(std::string path, OutputKind kind, bool overwrite)
+    : path_(std::move(path)), kind_(kind), overwrite_(overwrite) {}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      target_(std::move(other.target_)),
+      part_(std::exchange(other.part_, {})),
+      kind_(other.kind_),
+      overwrite_(other.overwrite_),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!part_.empty()) unlink(part_.c_str());
+}
+
+std::unexpected<Error> OutputFile::NotWritten(int failure) const {
+  return CannotBeWritten(path_, failure);
+}
+
+Result<void> OutputFile::MakePart() {
+  constexpr int kMostTries = 100;
+  for (int tries = 0; tries < kMostTries; ++tries) {
+    const std::string part = fs::path(target_).parent_path() / RandomName();
+    descriptor_ = open(part.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kNewMode);
+    if (descriptor_ >= 0) {
+      part_ = part;
+      return {};
+    }
+    if (errno != EEXIST) break;
+  }
+  return NotWritten(errno);
+}
+
+Result<void> OutputFile::Write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return NotWritten(written < 0 ? errno : ENOSPC);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return {};
+}
+
+Result<std::string> OutputFile::PathForLibrary() const {
+  if (part_.empty()) {
+    return Usage(path_,
+                 fmt::format("is no regular file, and {} is not written in one piece", kind_.name),
+                 "name a file");
+  }
+  return fmt::format("/proc/self/fd/{}", descriptor_);
+}
+
+Result<void> OutputFile::Finish() {
+  const int synced = fsync(descriptor_);
+  // pipes and devices cannot be synced and need not be
+  if (synced != 0 && !(part_.empty() && (errno == EINVAL || errno == EROFS))) {
+    return NotWritten(errno);
+  }
+  if (part_.empty()) return {};
+  auto done = TakePlace();
+  if (done) SyncFolder(target_);
+  return done;
+}
+
+Result<void> OutputFile::TakePlace() {
+  if (NameNew(part_, target_)) {
+    part_.clear();
+    return {};
+  }
+  if (errno != EEXIST) return NotWritten(errno);
+  // as at the beginning: what is there now may be another file
+  if (auto good = CheckOutput(target_, kind_, overwrite_); !good) {
+    Error error = good.error();
+    error.where = path_;
+    return std::unexpected(std::move(error));
+  }
+  struct stat older{};
+  if (lstat(target_.c_str(), &older) != 0 || !S_ISREG(older.st_mode)) return NotWritten(EEXIST);
+  // its owner first, because a change of owner takes permissions away
+  static_cast<void>(fchown(descriptor_, older.st_uid, older.st_gid) == 0);
+  static_cast<void>(fchmod(descriptor_, older.st_mode & kPermissions) == 0);
+  if (rename(part_.c_str(), target_.c_str()) != 0) return NotWritten(errno);
+  part_.clear();
+  return {};
+}
+
+Result<void> WriteOutput(const std::string& path, const OutputKind& kind, bool overwrite,
+                         std::string_view content) {
+  auto file = OutputFile::Begin(path, kind, overwrite);
+  if (!file) return std::unexpected(file.error());
+  if (auto written = file->Write(content); !written) return written;
+  return file->Finish();
+}
+
+}  // namespace haptometer::cli

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/result.h"
+#include "tools/cli/output_kind.h"
+
+namespace haptometer::cli {
+
+/// Whether `path` may be written now. This is the one rule for every file that a command makes:
+///
+/// 1. An input of the same command is never written, under whatever name: inputs are the files that
+///    its words name and those that it opened to read (NoteInput), compared by device and inode.
+/// 2. An existing file is replaced only if it is of `kind` and either `overwrite` was said or it is
+///    a picture or page with haptometer's own mark (output_kind.h), unchanged since. No file of
+///    another kind, no read-only file and none that another program is writing (flock) is replaced.
+/// 3. A link to an existing file stands for that file. A link to nothing, a directory, a disk and a
+///    socket are refused.
+/// 4. Pipes, terminals and devices (/dev/null) are written as they are, and /dev/stdout,
+///    /dev/stderr, /dev/fd/N as the open files that they name.
+///
+/// Errors: Cause::kUsage where the rule forbids it or the directory does not exist; Cause::kFailed
+/// where the system does not permit writing there. Reads an existing file that is a picture or page
+/// whole, of others 1 MiB.
+[[nodiscard]] Result<void> CheckOutput(const std::string& path, const OutputKind& kind,
+                                       bool overwrite);
+
+/// Whether both paths lead to one file, there already or not. Devices and pipes are none.
+[[nodiscard]] bool AreOneOutput(const std::string& one, const std::string& other);
+
+/// A file that is written under a name of its own beside its place and takes its place only when it
+/// is whole and on the disk, so that a full disk costs no older file and leaves none behind.
+///
+/// The part's name is random and made exclusively, following no link. A new file gets the
+/// permissions that open() would give; one in the place of an older keeps that one's, and its owner
+/// where the system permits. Where rule 4 of CheckOutput holds, the bytes go straight there.
+class OutputFile {
+ public:
+  /// Errors: as CheckOutput; Cause::kFailed where no part can be made.
+  [[nodiscard]] static Result<OutputFile> Begin(const std::string& path, const OutputKind& kind,
+                                                bool overwrite);
+
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+  /// Removes what was not finished.
+  ~OutputFile();
+
+  /// Writes all of `bytes` behind what was written. Errors: Cause::kFailed.
+  [[nodiscard]] Result<void> Write(std::string_view bytes);
+
+  /// The part's path for a library that opens files by name. Errors (Cause::kUsage): it is no
+  /// regular file, where such a library could not go back.
+  [[nodiscard]] Result<std::string> PathForLibrary() const;
+
+  /// Syncs the part and gives it its place. Errors: Cause::kFailed when the disk fails;
+  /// Cause::kUsage when a file has come to be there meanwhile that CheckOutput forbids to replace.
+  [[nodiscard]] Result<void> Finish();
+
+ private:
+  OutputFile(std::string path, OutputKind kind, bool overwrite);
+  [[nodiscard]] Result<void> MakePart();
+  [[nodiscard]] Result<void> TakePlace();
+  [[nodiscard]] std::unexpected<Error> NotWritten(int failure) const;
+
+  std::string path_;    // as given, for messages
+  std::string target_;  // where links lead
+  std::string part_;    // empty: none, or finished
+  OutputKind kind_;
+  bool overwrite_;
+  int descriptor_ = -1;
+};
+
+/// Writes `content` as an OutputFile. Errors: as its.
+[[nodiscard]] Result<void> WriteOutput(const std::string& path, const OutputKind& kind,
+                                       bool overwrite, std::string_view content);
+
+}  // namespace haptometer::cli
