@@ -89,11 +89,13 @@ class Decision {
     VerdictOf(effect).ground = ground;
   }
 
-  // Under smooth effects there may be more than one motion to settle to, and what the transient
-  // reached chose among them.
+  // Where the motion is limited or bent by more than one effect there may be more than one to
+  // settle to, and what the transient reached chose among them.
   bool MaySettleElsewhere() const {
-    const bool settles = !scene_.duration_s || StartOf(scene_) == Start::kSteady;
-    return settles && (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]);
+    if (scene_.duration_s && StartOf(scene_) != Start::kSteady) return false;
+    if (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]) return true;
+    const bool both = all_[PlaceOf(Effect::kTravelStops)] && all_[PlaceOf(Effect::kContactLoss)];
+    return both && (scene_.duration_s || choice_.periodic || choice_.chaotic);
   }
 
   void LeaveOutWhatIsNeverReached() {

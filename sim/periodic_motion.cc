@@ -21,11 +21,11 @@ namespace haptometer::sim {
 namespace {
 
 constexpr int kMostHalvings = 8;
-// over the map's error: a step that need not be taken, a residual that is a fixed point's, and one
-// that is a shorter period's
+// over the map's error: a step that need not be taken, and a residual that is a fixed point's
 constexpr double kDone = 3;
 constexpr double kFixed = 1e3;
-constexpr double kSame = 1e4;
+// over each state's largest value: within this two motions may be the same
+constexpr double kSame = 1e-5;
 // of each state's largest value: apart from this nothing recurs, within that the transient is over
 constexpr double kNear = 0.2;
 constexpr double kThere = 1e-7;
@@ -86,6 +86,7 @@ class Shooting {
     PeriodPoint point;
     Eigen::MatrixXd jacobian;
     double residual = 0;
+    double error = 0;
   };
 
   // after Newton's steps; nothing if they lead nowhere. They end where they become small, not where
@@ -99,7 +100,10 @@ class Shooting {
       jacobian = Jacobian(point);
     }
     if (!jacobian || !(Size(*residual) <= kFixed * map_.error())) return {};
-    return End{.point = point, .jacobian = *jacobian, .residual = Size(*residual)};
+    return End{.point = point,
+               .jacobian = *jacobian,
+               .residual = Size(*residual),
+               .error = LeftOf(*jacobian, *residual)};
   }
 
   // dP^k/dx in units of the scale, one period after the other
@@ -164,6 +168,13 @@ class Shooting {
     return (end->x - point.x).cwiseQuotient(scale_);
   }
 
+  // how far the fixed point is: what is left of Newton's step, whatever its signs
+  static double LeftOf(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual) {
+    const Eigen::Index n = jacobian.rows();
+    const Eigen::MatrixXd inverse = (Eigen::MatrixXd::Identity(n, n) - jacobian).inverse();
+    return (inverse.cwiseAbs() * residual.cwiseAbs()).maxCoeff();
+  }
+
   // As much of a step as makes the next one, by the same Jacobian, clearly smaller (Deuflhard's
   // natural test: residuals of slow and fast states do not compare); false: none does, or there is
   // no way left to go.
@@ -216,36 +227,40 @@ struct Shot {
   Eigen::VectorXd scale;
 };
 
-// The shortest of the periods that divide `periods` and bring the point back.
-int ShortestPeriod(Shooting& shooting, const PeriodPoint& point, int periods, double map_error) {
+Shot ShotOf(const Shooting::End& end, int periods, bool stable, const Eigen::VectorXd& scale) {
+  return Shot{.motion = {.drive_periods = periods,
+                         .point = end.point,
+                         .multipliers = LargestFirst(end.jacobian.eigenvalues()),
+                         .stable = stable,
+                         .residual = end.residual,
+                         .error = end.error},
+              .jacobian = end.jacobian,
+              .scale = scale};
+}
+
+// The stable motion of a shorter period of which a motion is a repetition. Where it hardly repeats
+// itself sooner, by a multiplier near -1, the point lies beside it by more than the residual.
+std::optional<Shot> ShortestOf(CountedMap& map, const Shooting::End& end, int periods,
+                               const Eigen::VectorXd& scale, int newton_steps) {
   for (int part = 1; part < periods; ++part) {
     if (periods % part != 0) continue;
-    const std::optional<double> apart = shooting.ReturnsWithin(point, part);
-    if (apart && *apart <= kSame * map_error) return part;
+    Shooting shooting(map, part, scale);
+    const std::optional<double> apart = shooting.ReturnsWithin(end.point, part);
+    if (!apart || *apart > kSame) continue;
+    const std::optional<Shooting::End> shorter = shooting.From(end.point, newton_steps);
+    if (!shorter || Apart(map, shorter->point, end.point, scale) > kSame) continue;
+    if (IsStable(shooting, *shorter, map.error())) return ShotOf(*shorter, part, true, scale);
   }
-  return periods;
+  return {};
 }
 
 std::optional<Shot> Shoot(CountedMap& map, const PeriodPoint& from, int periods, int newton_steps) {
   const Eigen::VectorXd scale = map.ScaleOf(from);
   Shooting shooting(map, periods, scale);
-  std::optional<Shooting::End> end = shooting.From(from, newton_steps);
+  const std::optional<Shooting::End> end = shooting.From(from, newton_steps);
   if (!end) return {};
-  const int shortest = ShortestPeriod(shooting, end->point, periods, map.error());
-  Shooting again(map, shortest, scale);
-  if (shortest < periods) {
-    std::optional<Eigen::MatrixXd> jacobian = again.Jacobian(end->point);
-    if (!jacobian) return {};
-    end->jacobian = std::move(*jacobian);
-  }
-  const bool stable = IsStable(again, *end, map.error());
-  return Shot{.motion = {.drive_periods = shortest,
-                         .point = end->point,
-                         .multipliers = LargestFirst(end->jacobian.eigenvalues()),
-                         .stable = stable,
-                         .residual = end->residual},
-              .jacobian = end->jacobian,
-              .scale = scale};
+  if (auto shorter = ShortestOf(map, *end, periods, scale, newton_steps)) return shorter;
+  return ShotOf(*end, periods, IsStable(shooting, *end, map.error()), scale);
 }
 
 // Runs the search.
@@ -328,7 +343,8 @@ class Search {
                        .point = Now(),
                        .multipliers = {},
                        .stable = true,
-                       .residual = nearest_},
+                       .residual = nearest_,
+                       .error = kFixed * nearest_},
             .jacobian = {},
             .scale = map_.ScaleOf(Now())};
   }

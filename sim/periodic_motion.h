@@ -20,8 +20,11 @@ struct PeriodicMotion {
   Eigen::VectorXcd multipliers{};
   /// All multipliers within the unit circle, by more than their error.
   bool stable = false;
-  double residual =
-      0;  ///< how far the point returns beside itself, over each state's largest value
+  /// How far the point returns beside itself, over each state's largest value.
+  double residual = 0;
+  /// How far from the motion the point may be, |(I - M)^-1| |residual|, likewise over each state's
+  /// largest value.
+  double error = 0;
   /// How far the end of the transient was from it, over each state's largest value.
   double from_transient = 0;
   PeriodMeans means{};

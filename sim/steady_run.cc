@@ -9,6 +9,7 @@
 
 #include "sim/linear_model.h"
 #include "sim/period_map.h"
+#include "sim/piecewise_motion.h"
 #include "sim/piecewise_scene.h"
 #include "sim/smooth_scene.h"
 #include "sim/solver_ladder.h"
@@ -20,6 +21,8 @@ namespace haptometer::sim {
 namespace {
 
 constexpr int kPlayedPeriods = 8;
+// a state's largest value over what is reported of it
+constexpr double kRmsOverLargest = 10;
 
 // at least eight periods of the drive, and whole ones of the motion
 int PeriodsPlayed(int drive_periods) {
@@ -50,6 +53,28 @@ SteadyRun PlayLinear(const EffectiveScene& scene) {
   steady.start = PiecewiseStartOf(linear.scene);
   steady.run = RunScene(linear, PlayedS(scene), steady.start);
   return steady;
+}
+
+// Whether the transient from rest stays clear of stops and keeps contact until it has died out, so
+// that it comes to the linear steady motion.
+bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady) {
+  constexpr int kMostPeriods = 4096;
+  constexpr double kDiedOut = 1e-6;
+  PiecewiseLinearSystem system = AssemblePiecewise(scene.scene, scene.piecewise);
+  if (system.transitions.empty()) return true;
+  const double frequency_hz = scene.scene.drive.frequency_hz;
+  PiecewiseMotion motion(std::move(system), scene.scene.drive, AtRest(scene), frequency_hz);
+  const Eigen::VectorXd scale = (steady.array() == 0).select(1.0, steady.cwiseAbs());
+  const auto apart = [&] {
+    return (motion.Positions() - steady).cwiseQuotient(scale).cwiseAbs().maxCoeff();
+  };
+  const double begin = apart();
+  for (int period = 0; period < kMostPeriods; ++period) {
+    motion.Next();
+    if (!motion.events().empty() || motion.stalled_at_s()) return false;
+    if (apart() <= kDiedOut * begin) return true;
+  }
+  return true;
 }
 
 SteadyRun PlaySuperposed(const EffectiveScene& scene) {
@@ -105,6 +130,13 @@ void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const Piece
   steady.chaotic = std::move(search.chaotic);
 }
 
+// Of a periodic motion that was played for a few periods: rounding adds up over as many as it takes
+// deviations to die out, and the point that it began at may lie beside it.
+double ErrorForEver(double error_of_run, const PeriodicMotion& motion) {
+  const double stays = motion.multipliers.size() > 0 ? std::abs(motion.multipliers(0)) : 0;
+  return error_of_run / (1 - stays) + kRmsOverLargest * motion.error;
+}
+
 SteadyRun PlayLimited(const EffectiveScene& scene) {
   SteadyRun steady;
   const PeriodMap map(AssemblePiecewise(scene.scene, scene.piecewise), scene.scene.drive);
@@ -122,6 +154,7 @@ SteadyRun PlayLimited(const EffectiveScene& scene) {
   EffectiveScene whole = scene;
   whole.window_periods = PeriodsPlayed(periods);
   steady.run = RunScene(whole, PlayedS(scene, periods), steady.start);
+  steady.run->error_estimate = ErrorForEver(steady.run->error_estimate, *search.found);
   steady.periodic = std::move(search.found);
   return steady;
 }
@@ -259,8 +292,12 @@ std::optional<double> WindowUncertainty(const SceneRun& run, int window_periods)
 SteadyRun PlaySteady(const EffectiveScene& scene) {
   if (!scene.IsLinear()) return PlaySmooth(scene);
   if (!scene.scene.finger.tones.empty()) return PlaySuperposed(scene);
-  if (SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) return PlayLinear(scene);
-  return PlayLimited(scene);
+  if (!SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) return PlayLimited(scene);
+  // the transient may meet a limit and stay with it
+  SteadyRun linear = PlayLinear(scene);
+  if (TransientIsFree(scene, linear.start.x)) return linear;
+  SteadyRun limited = PlayLimited(scene);
+  return limited.run && limited.run->events.empty() ? linear : limited;
 }
 
 }  // namespace haptometer::sim

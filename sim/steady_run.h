@@ -27,9 +27,10 @@ struct SteadyRun {
 /// Periods of the drive in the run of a chaotic motion.
 inline constexpr int kChaosRunPeriods = 512;
 
-/// The linear steady motion where it stays clear of stops and keeps contact, else the motion that
-/// the transient from rest, or from the stated initial state, leads to (periodic_motion.h): one
-/// that repeats itself every 1 to 32 periods of the drive, or a chaotic one's averages.
+/// The motion that the transient from rest, or from the stated initial state, leads to: the linear
+/// steady motion where that transient and the motion itself stay clear of stops and keep contact,
+/// else what periodic_motion.h finds: a motion that repeats itself every 1 to 32 periods of the
+/// drive, or a chaotic one's averages.
 ///
 /// **Tremor** has no period in common with the drive. In a linear steady motion that nothing limits
 /// it is superposed (superposition.h): the run then has RMS and power over a long time, the mover's
@@ -42,7 +43,7 @@ inline constexpr int kChaosRunPeriods = 512;
 /// made smaller as in RunScene; error_estimate is ErrorOf the last two motions.
 ///
 /// The scene must have a linear steady state (SolveSteadyState's error_estimate below 1). Cost: ten
-/// microseconds for a linear one, from 100 periods of PiecewiseMotion for another, from 300 of
+/// microseconds for a linear one without limits, a millisecond with them, from 100 periods of PiecewiseMotion for another, from 300 of
 /// SmoothMotion for a smooth one, some 0.3 s.
 [[nodiscard]] SteadyRun PlaySteady(const EffectiveScene& scene);
 

@@ -168,7 +168,9 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
     if (!choice) return std::unexpected(choice.error());
     const sim::EffectiveScene effective = sim::WithEffects(scene, choice->on);
     answer.steady = sim::SolveSteadyState(effective.scene);
-    if (!sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
+    // the transient from the start may lead to a limited motion beside a free one
+    const bool limited = choice->periodic || choice->chaotic;
+    if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
     answer.effects = std::move(*choice);
   }
   if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
