@@ -63,7 +63,8 @@ Result<std::string> ReadInputFile(const std::string& path, std::uint64_t limit_b
     content.append(piece, static_cast<std::size_t>(file.gcount()));
     if (content.size() > limit_bytes) {
       return CannotAnswer(path, fmt::format("is larger than {} MiB", limit_bytes >> 20),
-                          "cut it, or give a trial.bin, which is read in pieces");
+                          "is it the file that was meant? of a recording give the trial.bin, "
+                          "which is read in pieces");
     }
   }
   if (file.bad()) return CannotAnswer(path, "could not be read to its end", "check the disk");

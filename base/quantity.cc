@@ -190,9 +190,11 @@ Result<double> UnitFactor(const DimensionRow& row, std::string_view symbol, std:
                fmt::format("did you mean {}{}?", number, customary));
 }
 
-// `value` times a factor whose inverse is a whole number where it is below 1
+// `value` times a factor whose inverse is a whole number where it is below 1. What would underflow
+// to 0 stays as small as it is written: that is no 0, and beyond what is possible.
 double Times(double value, double factor) {
-  return factor < 1 ? value / std::round(1 / factor) : value * factor;
+  const double product = factor < 1 ? value / std::round(1 / factor) : value * factor;
+  return product == 0 ? value : product;
 }
 
 // The number at the front of `text` times a unit's factor. A power of ten moves the decimal point,
@@ -209,7 +211,7 @@ double InSi(std::string_view text, const Number& number, double factor) {
   double value = 0;
   const auto [end, failure] =
       std::from_chars(shifted.data(), shifted.data() + shifted.size(), value);
-  return failure == std::errc{} ? value : Times(number.value, factor);
+  return failure == std::errc{} && value != 0 ? value : Times(number.value, factor);
 }
 
 bool IsPossible(double value, const DimensionRow& row) {

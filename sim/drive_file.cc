@@ -96,36 +96,37 @@ std::optional<double> NumberIn(std::string_view line) {
   return whole && std::abs(value) <= kLargestVoltageV ? std::optional(value) : std::nullopt;
 }
 
-// the lines of a file, without its byte order mark and the empty lines at its end
-std::vector<std::string_view> LinesOf(std::string_view text) {
+// the content of a file, without its byte order mark and the empty lines at its end
+std::string_view Content(std::string_view text) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
-  std::vector<std::string_view> lines;
-  while (!text.empty()) {
-    const std::size_t end = std::min(text.find('\n'), text.size());
-    lines.push_back(Bare(text.substr(0, end)));
-    text.remove_prefix(std::min(end + 1, text.size()));
-  }
-  while (!lines.empty() && lines.back().empty()) lines.pop_back();
-  return lines;
+  return text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
+}
+
+// takes the first line off `text`
+std::string_view NextLine(std::string_view* text) {
+  const std::size_t end = std::min(text->find('\n'), text->size());
+  const std::string_view line = Bare(text->substr(0, end));
+  text->remove_prefix(std::min(end + 1, text->size()));
+  return line;
 }
 
 // the file's voltages, or what is wrong with it
 Result<std::vector<double>> ReadVoltages(const std::string& path) {
   const auto text = ReadInputFile(path, kLargestFileBytes);
   if (!text) return std::unexpected(text.error());
-  const std::vector<std::string_view> lines = LinesOf(*text);
-  if (lines.empty() || lines[0] != kColumn) {
+  std::string_view rest = Content(*text);
+  if (NextLine(&rest) != kColumn) {
     return CannotAnswer(path + ":1", fmt::format("is not the column's name {}", kColumn),
                         "begin the file with it");
   }
   std::vector<double> voltages_v;
-  voltages_v.reserve(lines.size() - 1);
-  for (std::size_t k = 1; k < lines.size(); ++k) {
-    const std::optional<double> value = NumberIn(lines[k]);
+  for (std::size_t number = 2; !rest.empty(); ++number) {
+    const std::string_view line = NextLine(&rest);
+    const std::optional<double> value = NumberIn(line);
     if (!value) {
-      return CannotAnswer(fmt::format("{}:{}", path, k + 1),
-                          fmt::format("\"{}\" is no voltage", lines[k]),
+      return CannotAnswer(fmt::format("{}:{}", path, number),
+                          fmt::format("\"{}\" is no voltage", line),
                           fmt::format("write a number of volts, up to {:g}", kLargestVoltageV));
     }
     voltages_v.push_back(*value);

@@ -75,7 +75,7 @@ def judge(arguments):
         force_off = abs(least - truth["contact_force_least_n"]) / scale
     stated = run["error_estimate"]
     result |= {"off": off, "which": which, "force_off": force_off, "stated": stated, "reference": own,
-               "events": truth["events"], "beyond": run.get("predictable_until_s")}
+               "events": truth["events"], "beyond": run["known_until_s"]}
     if own > 1e-2 * max(off, 1e-12) and own > 1e-9:
         verdict = "unpredictable"
     elif stated is None:

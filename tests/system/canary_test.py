@@ -391,6 +391,37 @@ def recordings(run):
         run(*(word.replace("\0", "") for word in words), statuses=(1, 2, 3))
 
 
+def talking(server, answer):
+    """Says `answer` at once and to every question, until nobody listens."""
+    while True:
+        try:
+            peer, _ = server.accept()
+        except OSError:
+            return
+        with peer:
+            try:
+                peer.sendall(answer)
+                while peer.recv(4096):
+                    peer.sendall(answer)
+            except OSError:
+                pass
+
+
+def devices(run):
+    """A device that says anything, to every question."""
+    for sensor in ("keyence-il", "keyence-en1", "keyence-lkg", "stream", "modbus"):
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            thread = threading.Thread(target=talking, args=(server, (EVIL + "\r\n").encode()))
+            thread.start()
+            words = ["--port", "127.0.0.1:%d" % server.getsockname()[1], "--sensor", sensor]
+            words += ["--profile", "wt53r"] if sensor == "modbus" else []
+            run("acquire", "--check", *words, "--duration", "500ms", statuses=(1, 3))
+            if sensor in ("keyence-il", "stream"):
+                run("acquire", *words, "-o", "d.bin", "--duration", "500ms", statuses=(1, 3))
+            server.shutdown(socket.SHUT_RDWR)
+        thread.join()
+
+
 def answering(server, answer):
     while True:
         try:
@@ -430,7 +461,7 @@ def status(run):
         path.unlink()
 
 
-PARTS = [trials, file_names, foreign_files, studies, fits, scenes, recordings, status]
+PARTS = [trials, file_names, foreign_files, studies, fits, scenes, recordings, devices, status]
 
 
 def main():

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -52,7 +53,7 @@ TEST_F(SweepVerb, GoesOnFromAnyByteToTheSameBytes) {
     const std::string whole = Table(words, "whole.csv", more);
     std::vector<std::string> resumed = more;
     resumed.front() = "--resume";
-    const std::size_t rows = whole.find("remark\n");
+    const std::size_t rows = whole.find("row_crc32\n");
     for (std::size_t length = 0; length <= whole.size(); ++length) {
       const bool is_at_line_end = whole[std::min(length, whole.size() - 1)] == '\n' ||
                                   (length > 0 && whole[length - 1] == '\n');
@@ -91,20 +92,86 @@ TEST_F(SweepVerb, GoesOnOnlyWithItsOwnTable) {
   refused(kGrid, {"--shard", "1/2"}, "was begun with no --shard, not 1/2");
   EXPECT_EQ(Content("t.csv"), whole);
 
-  // rows that it would not write: another value, a cell too few, one row too many
-  const std::string value = std::string(whole).replace(whole.find("\n5,205,"), 7, "\n5,206,");
+  // rows that it would not write: of another length, a cell too few, one row too many
+  const std::string value = std::string(whole).replace(whole.find("\n5,205,"), 7, "\n5,2061,");
   const std::string last = whole.substr(whole.rfind('\n', whole.size() - 2) + 1);
   for (const auto& [edited, row] :
-       {std::pair(value, "row 5"), std::pair(whole + last, "row 34"),
-        std::pair(whole.substr(0, whole.size() - last.size()) + "33,250,2000,1\n", "row 33")}) {
+       {std::pair(value, "row 5 was changed and has another length"),
+        std::pair(whole + last, "row 34 is not what this sweep makes"),
+        std::pair(whole.substr(0, whole.size() - last.size()) + "33,250,2000,1\n",
+                  "row 33 was changed and has another length")}) {
     (void)File("t.csv", edited);
-    refused(kGrid, {}, std::string(row) + " is not what this sweep makes");
+    refused(kGrid, {}, row);
     EXPECT_EQ(Content("t.csv"), edited);
   }
   (void)File("t.csv", "time_s,voltage_v\n1,2\n");
   const Outcome foreign = Sweep(kGrid, "t.csv", {"--resume"});
   EXPECT_EQ(foreign.status, 3);
   EXPECT_THAT(foreign.err, HasSubstr("t.csv: is no table of haptometer sweep"));
+}
+
+// the table of a version that wrote no checksums
+std::string WithoutChecksums(const std::string& table) {
+  std::istringstream lines(table);
+  std::string older;
+  for (std::string line; std::getline(lines, line);) {
+    older += line.starts_with('#') ? line : line.substr(0, line.rfind(','));
+    older += '\n';
+  }
+  return older;
+}
+
+// any digit of any row: of a value, of a varied key, of the point, of the checksum itself
+TEST_F(SweepVerb, ComputesARowAgainInWhichADigitChanged) {
+  const std::string whole = Table(kGrid, "whole.csv");
+  const std::size_t rows = whole.find("row_crc32\n") + 10;
+  std::size_t tried = 0;
+  for (std::size_t at = rows; at < whole.size(); at += 61) {
+    const std::size_t digit = whole.find_first_of("0123456789", at);
+    if (digit == std::string::npos) break;
+    std::string changed = whole;
+    changed[digit] = changed[digit] == '7' ? '3' : '7';
+    (void)File("t.csv", changed);
+    const Outcome outcome = Sweep(kGrid, "t.csv", {"--resume"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("1 row did not match its checksum and was computed again"));
+    ASSERT_EQ(Content("t.csv"), whole) << "byte " << digit;
+    ++tried;
+  }
+  EXPECT_GT(tried, 60U);
+}
+
+TEST_F(SweepVerb, ComputesAllChangedRowsAgainBeforeItGoesOn) {
+  const std::string whole = Table(kGrid, "whole.csv");
+  std::string changed = whole.substr(0, whole.find("\n21,"));
+  for (const char* row : {"\n3,", "\n11,", "\n20,"}) {
+    char& digit = changed[changed.find("e-05", changed.find(row)) - 3];
+    digit = digit == '4' ? '5' : '4';
+  }
+  (void)File("t.csv", changed + "\n21,22");
+  const Outcome outcome = Sweep(kGrid, "t.csv", {"--resume"});
+  EXPECT_THAT(outcome.err, HasSubstr("3 rows did not match their checksum and were computed"));
+  EXPECT_EQ(Content("t.csv"), whole);
+}
+
+TEST_F(SweepVerb, MergesNoRowInWhichADigitChanged) {
+  (void)Table(kSampled, "1.csv", {"--shard", "1/2"});
+  std::string second = Table(kSampled, "2.csv", {"--shard", "2/2"});
+  char& digit = second[second.find("e-05", second.find("\n14,")) - 3];
+  digit = digit == '4' ? '5' : '4';
+  (void)File("2.csv", second);
+  const Outcome outcome = Sweep({"--merge", Path("1.csv"), Path("2.csv")}, "whole.csv");
+  EXPECT_EQ(outcome.status, 3) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("holds a row that was changed or is none: '14,"));
+}
+
+TEST_F(SweepVerb, ReadsNoTableWithoutChecksums) {
+  (void)File("t.csv", WithoutChecksums(Table(kGrid, "whole.csv")));
+  for (const Outcome& outcome :
+       {Sweep(kGrid, "t.csv", {"--resume"}), Sweep({"--merge", Path("t.csv")}, "merged.csv")}) {
+    EXPECT_EQ(outcome.status, 3);
+    EXPECT_THAT(outcome.err, HasSubstr("was made by an older version, without checksums"));
+  }
 }
 
 TEST_F(SweepVerb, ReplacesATableOnlyWhereItIsToldTo) {

@@ -88,11 +88,18 @@ Result<StatusSocket> StatusSocket::Listen(std::string path) {
   }
   // who may look at the directory may ask: a status gives no power
   chmod(path.c_str(), 0666);
-  return StatusSocket(std::move(listener), std::move(path));
+  struct stat made{};
+  if (lstat(path.c_str(), &made) != 0) return NoSocket(path, errno);
+  return StatusSocket(std::move(listener), std::move(path), made.st_ino);
 }
 
 StatusSocket::~StatusSocket() {
-  if (listener_.get() >= 0) unlink(path_.c_str());
+  if (listener_.get() < 0) return;
+  // somebody may have put another file in its place
+  struct stat found{};
+  const bool is_ours =
+      lstat(path_.c_str(), &found) == 0 && S_ISSOCK(found.st_mode) && found.st_ino == inode_;
+  if (is_ours) unlink(path_.c_str());
 }
 
 void StatusSocket::AnswerOne(MonotonicNs longest_ns,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <functional>
 #include <string>
 #include <vector>
@@ -28,11 +30,12 @@ class StatusSocket {
   void AnswerOne(MonotonicNs longest_ns, const std::function<std::string()>& text) const;
 
  private:
-  StatusSocket(acquire::OwnedDescriptor listener, std::string path)
-      : listener_(std::move(listener)), path_(std::move(path)) {}
+  StatusSocket(acquire::OwnedDescriptor listener, std::string path, ino_t inode)
+      : listener_(std::move(listener)), path_(std::move(path)), inode_(inode) {}
 
   acquire::OwnedDescriptor listener_;
   std::string path_;
+  ino_t inode_;  // of the socket that was made there
 };
 
 /// What the daemon at `path` answers, within `longest_ns`. Errors (Cause::kCannotAnswer): nobody

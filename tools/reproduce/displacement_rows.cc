@@ -13,6 +13,7 @@
 #include "sim/poles.h"
 #include "sim/steady_state.h"
 #include "sim/time_response.h"
+#include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {
@@ -117,6 +118,15 @@ ThesisRow RatioRow(const Three& exact_m) {
           .remark = fmt::format("the printed pair of Table 2.3 gives {:.3f}", adapter / direct)};
 }
 
+// the three numbers of the table
+std::vector<RowMeasure> TableMeasures() {
+  const auto rms = [](const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; };
+  return {{kKeys[0], [=](const ThesisModel& m) { return rms(WithoutAdapter(m, kCaseAreaM2)); }},
+          {kKeys[1],
+           [=](const ThesisModel& m) { return rms(WithoutAdapter(m, kSimulatedConeAreaM2)); }},
+          {kKeys[2], [=](const ThesisModel& m) { return rms(WithAdapter(m, kIa2AreaM2)); }}};
+}
+
 std::string RangeRemark(const ThesisModel& model) {
   ThesisModel other = model;
   other.skin_range = sim::SkinRange::kTable;
@@ -147,10 +157,13 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
                            "linearly between samples {:.2f} ms apart, the run and the step that "
                            "bring all three nearest (within {:.2f} %)",
                            run->duration_s, 1e3 * run->step_s, 100 * run->worst),
-           .gives = run->rms_m[i]});
+           .gives = run->rms_m[i],
+           .kind = CauseKind::kTuned});
     }
     rows.push_back(std::move(row));
   }
+  const auto rounded = FromRoundedInputs(model, TableMeasures());
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].candidates.push_back(rounded[i]);
   rows.front().remark = RangeRemark(model);
   rows.back().remark = SettlingRemark(scenes.back());
   rows.push_back(RatioRow(exact_m));

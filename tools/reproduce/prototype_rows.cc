@@ -9,6 +9,7 @@
 #include "sim/piecewise_motion.h"
 #include "sim/piecewise_scene.h"
 #include "sim/steady_state.h"
+#include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {
@@ -127,6 +128,21 @@ std::vector<ThesisRow> AssumedRows(const ThesisModel& model) {
           BreakingContactRow(adapter)};
 }
 
+std::vector<RowMeasure> PrototypeMeasures() {
+  return {{"built-ia1",
+           [](const ThesisModel& m) {
+             return Ratio(Prototype(m, kIa1AreaM2), WithoutAdapter(m, kCaseAreaM2));
+           }},
+          {"gain-at-175hz",
+           [](ThesisModel m) {
+             m.drive.frequency_hz = kMatchingFrequencyHz;
+             return Ratio(WithAdapter(m, kIa2AreaM2), WithoutAdapter(m, kCaseAreaM2));
+           }},
+          {"contact-force", [](const ThesisModel& m) {
+             return sim::SolveSteadyState(WithAdapter(m, kIa2AreaM2)).skin_force_peak_n;
+           }}};
+}
+
 }  // namespace
 
 std::vector<ThesisRow> PrototypeRows(const ThesisModel& model) {
@@ -134,6 +150,7 @@ std::vector<ThesisRow> PrototypeRows(const ThesisModel& model) {
   for (const auto& more : {WeightRows(model), BuiltRows(model), PowerRows(), AssumedRows(model)}) {
     rows.insert(rows.end(), more.begin(), more.end());
   }
+  ExplainByRounding(model, PrototypeMeasures(), &rows);
   return rows;
 }
 

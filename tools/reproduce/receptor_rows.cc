@@ -6,6 +6,7 @@
 
 #include "sim/receptors.h"
 #include "sim/steady_state.h"
+#include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {
@@ -97,17 +98,27 @@ std::vector<ThesisRow> ReceptorRows(const ThesisModel& model) {
       field, case_radius_m, sim::SolveSteadyState(WithoutAdapter(model, kCaseAreaM2)).skin_rms_m);
   const double printed_ratio =
       ThesisNumberOf("stimulus-adapter").value / ThesisNumberOf("stimulus-direct").value;
-  return {{.key = "receptors", .ours = sim::StimulatedReceptors(field, kMostRadiusM)},
-          {.key = "all-receptors-cell", .ours = AllFrom(sim::ReceptorGrid::kCellCentred)},
-          {.key = "all-receptors-edge", .ours = AllFrom(sim::ReceptorGrid::kEdgeToEdge)},
-          {.key = "stimulus-adapter",
-           .ours = cell.stimulus_m,
-           .candidates = StimulusCauses(model, edge),
-           .remark = LargestRemark(cell, edge)},
-          {.key = "stimulus-direct", .ours = direct_m, .candidates = {PrintedDirect()}},
-          {.key = "stimulus-ratio",
-           .ours = cell.stimulus_m / direct_m,
-           .candidates = {{.text = "the two printed numbers", .gives = printed_ratio}}}};
+  std::vector<ThesisRow> rows{
+      {.key = "receptors", .ours = sim::StimulatedReceptors(field, kMostRadiusM)},
+      {.key = "all-receptors-cell", .ours = AllFrom(sim::ReceptorGrid::kCellCentred)},
+      {.key = "all-receptors-edge", .ours = AllFrom(sim::ReceptorGrid::kEdgeToEdge)},
+      {.key = "stimulus-adapter",
+       .ours = cell.stimulus_m,
+       .candidates = StimulusCauses(model, edge),
+       .remark = LargestRemark(cell, edge)},
+      {.key = "stimulus-direct", .ours = direct_m, .candidates = {PrintedDirect()}},
+      {.key = "stimulus-ratio",
+       .ours = cell.stimulus_m / direct_m,
+       .candidates = {{.text = "the two printed numbers", .gives = printed_ratio}}}};
+  const auto direct = [&](const ThesisModel& m) {
+    return sim::SkinStimulus(field, case_radius_m,
+                             sim::SolveSteadyState(WithoutAdapter(m, kCaseAreaM2)).skin_rms_m);
+  };
+  const auto adapter = [](const ThesisModel& m) {
+    return LargestStimulus(m, sim::ReceptorGrid::kCellCentred).stimulus_m;
+  };
+  ExplainByRounding(model, {{"stimulus-direct", direct}, {"stimulus-adapter", adapter}}, &rows);
+  return rows;
 }
 
 }  // namespace haptometer::tools

@@ -43,15 +43,31 @@ Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain) {
 }
 
 std::size_t CountOf(const Reproduction& reproduction, RowVerdict verdict) {
-  return static_cast<std::size_t>(std::ranges::count(reproduction.rows, verdict, VerdictOf));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      reproduction.rows,
+      [&](const ThesisRow& row) { return !row.generated && VerdictOf(row) == verdict; }));
+}
+
+std::size_t CountOf(const Reproduction& reproduction, CauseKind kind) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      reproduction.rows,
+      [&](const ThesisRow& row) { return !row.generated && ExplainedBy(row) == kind; }));
+}
+
+std::size_t CircularRows(const Reproduction& reproduction) {
+  return static_cast<std::size_t>(
+      std::ranges::count(reproduction.rows, true, &ThesisRow::generated));
 }
 
 std::vector<std::string> ReproductionAssumptions() {
   return {"printed values are true to half their last digit; 8200 N/m to 50 N/m, 220 Hz to 5 Hz",
           "equation 2.3 with the coil's reaction on the case, as matrix 2.5 has it",
           "the skin's stiffness up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m",
-          "no cause is proved: each is a candidate whose number was computed",
-          "rows marked * are of generated trials, not of the thesis's recordings"};
+          "no cause is proved: each is a candidate whose number was computed; a tuned one has a "
+          "number that was chosen by what is printed, and rounding is sought as the set of inputs "
+          "that comes nearest",
+          "rows marked * are of trials generated with the printed number, not of the thesis's "
+          "recordings: they test the analysis alone"};
 }
 
 }  // namespace haptometer::tools

@@ -25,8 +25,12 @@ struct Reproduction {
 /// RunChain.
 [[nodiscard]] Result<Reproduction> Reproduce(const ThesisModel& model, bool with_chain);
 
-/// How many rows have that verdict.
+/// How many rows have that verdict, those of generated trials not counted.
 [[nodiscard]] std::size_t CountOf(const Reproduction& reproduction, RowVerdict verdict);
+/// How many rows are explained by a cause of that kind and by none that was chosen less freely.
+[[nodiscard]] std::size_t CountOf(const Reproduction& reproduction, CauseKind kind);
+/// How many rows are of trials that were generated with the printed number as their truth.
+[[nodiscard]] std::size_t CircularRows(const Reproduction& reproduction);
 
 /// What the numbers rest on, one sentence each.
 [[nodiscard]] std::vector<std::string> ReproductionAssumptions();

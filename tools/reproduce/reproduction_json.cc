@@ -27,10 +27,23 @@ Json IntervalJson(const std::optional<dsp::Interval>& interval) {
   return Json::array({cli::NumberOrNull(interval->lower), cli::NumberOrNull(interval->upper)});
 }
 
+std::string_view KindWord(CauseKind kind) {
+  switch (kind) {
+    case CauseKind::kReading:
+      return "reading";
+    case CauseKind::kTuned:
+      return "tuned";
+    case CauseKind::kRounding:
+      return "rounding";
+  }
+  return "reading";
+}
+
 Json CandidatesJson(const ThesisRow& row) {
   Json list = Json::array();
   for (const CandidateCause& cause : row.candidates) {
     list.push_back({{"text", cause.text},
+                    {"kind", KindWord(cause.kind)},
                     {"gives", cli::NumberOrNull(cause.gives)},
                     {"from_rounded_interval", IntervalJson(cause.from_rounded)},
                     {"as_printed", Hits(row.number(), cause)}});
@@ -87,8 +100,11 @@ std::string ReproductionJson(const Reproduction& reproduction,
   return cli::JsonText({{"rows", std::move(rows)},
                         {"reproduced", CountOf(reproduction, RowVerdict::kReproduced)},
                         {"explained", CountOf(reproduction, RowVerdict::kExplained)},
+                        {"explained_by_rounding", CountOf(reproduction, CauseKind::kRounding)},
+                        {"explained_by_tuned", CountOf(reproduction, CauseKind::kTuned)},
                         {"disagree", CountOf(reproduction, RowVerdict::kDisagrees)},
                         {"not_printed", CountOf(reproduction, RowVerdict::kNotPrinted)},
+                        {"circular", CircularRows(reproduction)},
                         {"chain", ChainJson(reproduction.chain)},
                         {"files", written},
                         {"assumptions", ReproductionAssumptions()}});

@@ -45,7 +45,7 @@ std::string OursText(const ThesisRow& row) {
 
 std::string CauseText(const ThesisNumber& number, const CandidateCause& cause) {
   return fmt::format(
-      "candidate cause: {}: {}{}", cause.text,
+      "{}: {}: {}{}", Name(cause.kind), cause.text,
       WithUnit(fmt::format("{:.5g}", cause.gives / number.unit.si), number.unit.name),
       Hits(number, cause) ? ", as printed" : "");
 }
@@ -127,11 +127,15 @@ RowWords WordsOf(const ChainRow& row) {
 }
 
 std::string CountsText(const Reproduction& reproduction) {
-  return fmt::format("{} reproduced, {} explained by a candidate, {} disagree; {} not printed",
-                     CountOf(reproduction, RowVerdict::kReproduced),
-                     CountOf(reproduction, RowVerdict::kExplained),
-                     CountOf(reproduction, RowVerdict::kDisagrees),
-                     CountOf(reproduction, RowVerdict::kNotPrinted));
+  return fmt::format(
+      "{} reproduced, {} explained by a candidate (of these {} only by the rounding of inputs, {} "
+      "only by a tuned number), {} disagree; {} not printed; {} are of trials made with the "
+      "printed "
+      "number itself and not counted",
+      CountOf(reproduction, RowVerdict::kReproduced), CountOf(reproduction, RowVerdict::kExplained),
+      CountOf(reproduction, CauseKind::kRounding), CountOf(reproduction, CauseKind::kTuned),
+      CountOf(reproduction, RowVerdict::kDisagrees), CountOf(reproduction, RowVerdict::kNotPrinted),
+      CircularRows(reproduction));
 }
 
 std::string ReproductionText(const Reproduction& reproduction) {

@@ -5,6 +5,7 @@
 
 #include "sim/steady_state.h"
 #include "tools/reproduce/rise.h"
+#include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {
@@ -31,6 +32,17 @@ std::string Judged(const std::optional<double>& full_s) {
       *full_s > kErrorsFromS ? "beyond" : "within");
 }
 
+double FullTime(const ThesisModel& model) {
+  const sim::Scene adapter = WithAdapter(model, kIa2AreaM2);
+  return TimeToReach(adapter, kFullPart * PeakOf(adapter)).value_or(1);
+}
+
+double StartRatio(const ThesisModel& model) {
+  return Over(TimeToReach(WithAdapter(model, kIa2AreaM2), kEarlyLevelM),
+              TimeToReach(WithoutAdapter(model, kCaseAreaM2), kEarlyLevelM))
+      .value_or(10);
+}
+
 }  // namespace
 
 std::vector<ThesisRow> RiseRows(const ThesisModel& model) {
@@ -45,15 +57,18 @@ std::vector<ThesisRow> RiseRows(const ThesisModel& model) {
   const std::string full = direct_full_s
                                ? fmt::format("direct at 90 % after {:.2f} ms", 1e3 * *direct_full_s)
                                : std::string();
-  return {{.key = "rise-ratio", .ours = Over(adapter_full_s, direct_full_s), .remark = full},
-          {.key = "amplitude-ratio", .ours = PeakOf(adapter) / PeakOf(direct)},
-          {.key = "start-ratio",
-           .ours = Over(adapter_s, direct_s),
-           .remark = "the curves are not the same: the heavier skin side starts later"},
-          {.key = "latency-adapter", .ours = adapter_full_s, .remark = Judged(adapter_full_s)},
-          {.key = "start-direct", .ours = direct_s},
-          {.key = "start-cone", .ours = cone_s},
-          {.key = "start-adapter", .ours = adapter_s}};
+  std::vector<ThesisRow> rows{
+      {.key = "rise-ratio", .ours = Over(adapter_full_s, direct_full_s), .remark = full},
+      {.key = "amplitude-ratio", .ours = PeakOf(adapter) / PeakOf(direct)},
+      {.key = "start-ratio",
+       .ours = Over(adapter_s, direct_s),
+       .remark = "the curves are not the same: the heavier skin side starts later"},
+      {.key = "latency-adapter", .ours = adapter_full_s, .remark = Judged(adapter_full_s)},
+      {.key = "start-direct", .ours = direct_s},
+      {.key = "start-cone", .ours = cone_s},
+      {.key = "start-adapter", .ours = adapter_s}};
+  ExplainByRounding(model, {{"latency-adapter", FullTime}, {"start-ratio", StartRatio}}, &rows);
+  return rows;
 }
 
 }  // namespace haptometer::tools

@@ -31,7 +31,14 @@ struct ThesisModel {
                        .damping_n_s_per_m = 0.01};
   /// The thesis prints two and does not say which it used.
   sim::SkinRange skin_range = sim::SkinRange::kText;
+  /// What the ends of the skin's law differ by from the printed ones, at the least and the largest
+  /// contact area.
+  sim::Skin least_skin{};
+  sim::Skin largest_skin{};
 };
+
+/// The skin under a contact of that area.
+[[nodiscard]] sim::Skin SkinOf(const ThesisModel& model, double contact_area_m2);
 
 /// The LRA on a contact of that area: its case, or a rigid massless cone.
 [[nodiscard]] sim::Scene WithoutAdapter(const ThesisModel& model, double contact_area_m2);

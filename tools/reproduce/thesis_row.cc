@@ -28,6 +28,18 @@ std::string_view Name(RowVerdict verdict) {
   return "disagrees";
 }
 
+std::string_view Name(CauseKind kind) {
+  switch (kind) {
+    case CauseKind::kReading:
+      return "candidate cause";
+    case CauseKind::kTuned:
+      return "tuned candidate";
+    case CauseKind::kRounding:
+      return "within rounding";
+  }
+  return "candidate cause";
+}
+
 bool IsAsPrinted(const ThesisNumber& number, double value) {
   const double printed = SiValue(number);
   switch (number.relation) {
@@ -59,6 +71,17 @@ RowVerdict VerdictOf(const ThesisRow& row) {
   const bool explained = std::ranges::any_of(
       row.candidates, [&](const CandidateCause& cause) { return Hits(number, cause); });
   return explained ? RowVerdict::kExplained : RowVerdict::kDisagrees;
+}
+
+std::optional<CauseKind> ExplainedBy(const ThesisRow& row) {
+  if (VerdictOf(row) != RowVerdict::kExplained) return std::nullopt;
+  for (const CauseKind kind : {CauseKind::kReading, CauseKind::kRounding}) {
+    const bool hits = std::ranges::any_of(row.candidates, [&](const CandidateCause& cause) {
+      return cause.kind == kind && Hits(row.number(), cause);
+    });
+    if (hits) return kind;
+  }
+  return CauseKind::kTuned;
 }
 
 std::optional<double> DeviationOf(const ThesisRow& row) {

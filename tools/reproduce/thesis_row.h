@@ -11,6 +11,16 @@
 
 namespace haptometer::tools {
 
+/// What kind of cause it is: how freely it was chosen says how much its hit is worth.
+enum class CauseKind : std::uint8_t {
+  kReading,   ///< nothing in it was chosen by what is printed
+  kTuned,     ///< a number in it was chosen so that it comes near to what is printed
+  kRounding,  ///< inputs that round to the printed ones, sought so that it comes near
+};
+
+/// "candidate cause", "tuned candidate", "within rounding".
+[[nodiscard]] std::string_view Name(CauseKind kind);
+
 /// A reading of the thesis, or a fault in its simulation, under which our model gives another
 /// number.
 struct CandidateCause {
@@ -19,6 +29,7 @@ struct CandidateCause {
   /// What it gives where it is worked out from printed numbers, whose last digits are rounded;
   /// nothing: `gives` alone.
   std::optional<dsp::Interval> from_rounded{};
+  CauseKind kind = CauseKind::kReading;
 };
 
 /// How printed and computed number stand to each other.
@@ -41,7 +52,9 @@ struct ThesisRow {
   std::optional<dsp::Interval> interval{};
   std::vector<CandidateCause> candidates{};  ///< causes; none is proved
   std::string remark{};
-  bool generated = false;  ///< `ours` is of trials that this run generated, not of the thesis's
+  /// `ours` is of trials that this run generated with the printed number as their truth: that it
+  /// comes out again is no finding about the thesis.
+  bool generated = false;
 
   [[nodiscard]] const ThesisNumber& number() const { return ThesisNumberOf(key); }
 };
@@ -54,6 +67,9 @@ struct ThesisRow {
 [[nodiscard]] bool Hits(const ThesisNumber& number, const CandidateCause& cause);
 
 [[nodiscard]] RowVerdict VerdictOf(const ThesisRow& row);
+
+/// Of a row that is explained, the kind of the cause that was chosen least freely.
+[[nodiscard]] std::optional<CauseKind> ExplainedBy(const ThesisRow& row);
 
 /// ours / printed - 1; nothing where no value is printed, or only a bound.
 [[nodiscard]] std::optional<double> DeviationOf(const ThesisRow& row);

@@ -10,6 +10,7 @@
 #include "base/input_file.h"
 #include "base/nearest.h"
 #include "base/printable.h"
+#include "base/quantity.h"
 #include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {
@@ -21,6 +22,9 @@ std::string_view Trimmed(std::string_view text) {
   return text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
 }
 
+constexpr std::uint64_t kMostBytes = 1ULL << 24;
+constexpr std::size_t kMostNames = 4096;
+
 // cells of anybody's file, made printable here
 std::vector<std::string> PrintableCellsOf(std::string_view line) {
   std::vector<std::string> cells = cli::CellsOf(line);
@@ -29,6 +33,10 @@ std::vector<std::string> PrintableCellsOf(std::string_view line) {
 }
 
 Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) {
+  if (names.size() > kMostNames) {
+    return CannotAnswer(table->name, fmt::format("has more than {} columns", kMostNames),
+                        "is it a table with names in its first line?");
+  }
   for (const std::string& name : names) {
     if (!table->columns.emplace(name, std::vector<std::string>{}).second) {
       return CannotAnswer(table->name, fmt::format("has two columns {}", name), "rename one");
@@ -68,7 +76,7 @@ Result<void> CheckColumns(const TextTable& table, const std::vector<std::string>
 }  // namespace
 
 Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::string>& required) {
-  const auto text = ReadInputFile(path, 1ULL << 28);
+  const auto text = ReadInputFile(path, kMostBytes);
   if (!text) return std::unexpected(text.error());
   TextTable table;
   table.name = path;
@@ -105,6 +113,11 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
                           fmt::format("{} '{}' is no number", column, cells[i]), "mend that cell");
+    }
+    if (!PossibleQuantity({numbers[i], 0}, Dimension::kNone, column)) {
+      return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
+                          fmt::format("{} '{}' is beyond any measurement", column, cells[i]),
+                          "mend that cell");
     }
   }
   return numbers;

@@ -16,15 +16,15 @@ struct TextTable {
   [[nodiscard]] std::size_t rows() const { return lines.size(); }
 };
 
-/// Lines that begin with '#' and empty ones are passed over; cells may stand in double quotes (RFC
-/// 4180, without line ends within them). Errors (Cause::kCannotAnswer): the file's, a line with
-/// another number of cells, a name twice, no row, a `required` column that is not there, with the
-/// nearest.
+/// At most 16 MiB and 4096 columns. Lines that begin with '#' and empty ones are passed over; cells
+/// may stand in double quotes (RFC 4180, without line ends within them). Errors
+/// (Cause::kCannotAnswer): the file's, larger, a line with another number of cells, a name twice,
+/// no row, a `required` column that is not there, with the nearest.
 [[nodiscard]] Result<TextTable> ReadTextTable(const std::string& path,
                                               const std::vector<std::string>& required);
 
-/// The numbers of a column. Errors (Cause::kCannotAnswer): a cell that is no finite number, with
-/// its line.
+/// The numbers of a column. Errors (Cause::kCannotAnswer): a cell that is no finite number, or
+/// one of a magnitude that no measurement has (base/quantity.h), with its line.
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
 

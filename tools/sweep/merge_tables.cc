@@ -6,7 +6,6 @@
 #include <queue>
 #include <utility>
 
-#include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
@@ -51,10 +50,10 @@ Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads
   }
   if (!row) return {};
   const auto point = PointOfRow(*row);
-  if (!point || *point > reader.header().points ||
-      cli::CellsOf(*row).size() != reader.header().columns.size()) {
-    return CannotAnswer(reader.path(), fmt::format("holds a row that is none: '{:.40}'", *row),
-                        "compute that shard again");
+  if (!point || *point > reader.header().points || !reader.IsRow(*row)) {
+    return CannotAnswer(reader.path(),
+                        fmt::format("holds a row that was changed or is none: '{:.40}'", *row),
+                        "go on with it by --resume, which computes such a row again");
   }
   heads.push({*point, table, *std::move(row)});
   return {};

@@ -50,6 +50,15 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
   return made;
 }
 
+// what was found in a table that is gone on with
+void TellOldRows(const TableFile& file, const std::string& table) {
+  if (file.mended_rows() == 0) return;
+  const bool is_one = file.mended_rows() == 1;
+  cli::Remark(kVerb, fmt::format("{}: {} row{} did not match {} checksum and {} computed again",
+                                 table, file.mended_rows(), is_one ? "" : "s",
+                                 is_one ? "its" : "their", is_one ? "was" : "were"));
+}
+
 // The table, drawn where that is asked for, and what it comes to.
 Result<SweepSummary> Conclude(const SweepWords& words, const BestWish& wish) {
   auto summary = Summarise(words.output, wish);
@@ -70,6 +79,7 @@ Result<bool> Compute(const SweepWords& words) {
   auto file = words.resume ? TableFile::Resume(words.output, header, *question)
                            : TableFile::Begin(words.output, header, words.overwrite);
   if (!file) return std::unexpected(file.error());
+  TellOldRows(*file, words.output);
   cli::CatchInterrupts();
   const auto made = MakeRows(*question, ThreadsOf(words), *file, words.output);
   if (!made) return std::unexpected(made.error());

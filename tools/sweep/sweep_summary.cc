@@ -45,11 +45,13 @@ void TakeBest(SweepSummary& summary, const std::vector<std::string>& cells, std:
 void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::size_t column) {
   ++summary.rows;
   const auto first = cells.begin() + 1 + static_cast<std::ptrdiff_t>(summary.header.varied);
-  if (std::any_of(first, cells.end() - 1, [](const std::string& cell) { return !cell.empty(); })) {
+  const std::size_t remark = summary.header.columns.size() - 2;
+  const auto end = cells.begin() + static_cast<std::ptrdiff_t>(remark);
+  if (std::any_of(first, end, [](const std::string& cell) { return !cell.empty(); })) {
     ++summary.answered;
     TakeBest(summary, cells, column);
   } else if (summary.first_remark.empty()) {
-    summary.first_remark = fmt::format("point {}: {}", cells.front(), cells.back());
+    summary.first_remark = fmt::format("point {}: {}", cells.front(), cells[remark]);
   }
 }
 

@@ -6,11 +6,13 @@
 #include <cmath>
 #include <filesystem>
 #include <iterator>
+#include <span>
 #include <utility>
 
 #include "base/printable.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/sweep/answer_columns.h"
+#include "trial/crc32.h"
 
 namespace haptometer::tools {
 namespace {
@@ -19,6 +21,10 @@ std::string SamplingOf(const sim::SweepPoints& points) {
   if (!points.sampling()) return "grid";
   return fmt::format("latin hypercube, {} samples, seed {}", points.sampling()->samples,
                      points.sampling()->seed);
+}
+
+std::uint32_t ChecksumOf(std::string_view row) {
+  return trial::Crc32(std::as_bytes(std::span(row)));
 }
 
 // the texts that an axis may give the scene: files, perhaps
@@ -80,6 +86,7 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
   for (const AnswerColumn& column : AnswerColumns()) header.columns.emplace_back(column.name);
   header.columns.emplace_back("remark");
+  header.columns.emplace_back(kChecksumColumn);
   header.varied = axes.size();
   header.points = question.points.size();
   if (question.shard.count > 1) {
@@ -116,8 +123,13 @@ std::string RowOf(const SweepQuestion& question, std::uint64_t point) {
   const std::vector<sim::SweepValue> values = question.points.At(point);
   std::string row = RowBegin(point, values);
   AppendAnswer(row, AnswerOf(question, values), question.scene.path());
-  row += '\n';
-  return row;
+  return fmt::format("{},{}\n", row, ChecksumOf(row));
+}
+
+bool MatchesChecksum(std::string_view row) {
+  const std::size_t comma = row.rfind(',');
+  return comma != std::string_view::npos &&
+         row.substr(comma + 1) == fmt::format("{}", ChecksumOf(row.substr(0, comma)));
 }
 
 }  // namespace haptometer::tools

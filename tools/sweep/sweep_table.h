@@ -11,8 +11,11 @@
 
 namespace haptometer::tools {
 
+/// The last column: CRC-32 of what stands before it in its row, without the comma between.
+inline constexpr std::string_view kChecksumColumn = "row_crc32";
+
 /// What stands above a table's rows: `# key = value` lines that name the question, and a line of
-/// column names: point (from 1), the varied keys, the answer's numbers, remark.
+/// column names: point (from 1), the varied keys, the answer's numbers, remark, row_crc32.
 struct TableHeader {
   std::vector<std::string> question;  ///< the lines without the shard's, in order
   std::string shard;                  ///< "2/7"; empty: the whole
@@ -34,7 +37,11 @@ struct TableHeader {
 /// The beginning of a row, with the comma behind it: the point and its values.
 [[nodiscard]] std::string RowBegin(std::uint64_t point, const std::vector<sim::SweepValue>& values);
 
-/// A whole row, with its line end. A point that cannot be answered has empty cells and a remark.
+/// A whole row with its checksum and line end. A point that cannot be answered has empty cells and
+/// a remark.
 [[nodiscard]] std::string RowOf(const SweepQuestion& question, std::uint64_t point);
+
+/// Whether the last cell of a row, without its line end, is the checksum of what stands before it.
+[[nodiscard]] bool MatchesChecksum(std::string_view row);
 
 }  // namespace haptometer::tools

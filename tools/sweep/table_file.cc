@@ -11,8 +11,8 @@
 #include <cstring>
 #include <fstream>
 #include <utility>
+#include <vector>
 
-#include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
 #include "tools/sweep/table_reader.h"
 
@@ -44,21 +44,50 @@ Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header)
                "name another file, or say --overwrite");
 }
 
-// How many rows stand there, each as this question makes it.
-Result<std::uint64_t> CountRows(TableReader& reader, const SweepQuestion& question) {
+// a row that does not match its checksum
+struct ChangedRow {
+  std::uint64_t row = 0;    // from 0
+  std::uint64_t begin = 0;  // its first byte in the file
+  std::size_t length = 0;   // with its line end
+};
+
+// What stands in a table that is gone on with.
+struct OldRows {
+  std::uint64_t count = 0;
+  std::vector<ChangedRow> changed;
+};
+
+// The rows that stand there, each as this question makes it, or changed since.
+Result<OldRows> ReadOldRows(TableReader& reader, const SweepQuestion& question) {
   const std::uint64_t rows = question.shard.RowsOf(question.points.size());
-  std::uint64_t row = 0;
-  for (auto line = reader.Next(); line; line = reader.Next(), ++row) {
-    const bool is_ours =
-        row < rows &&
-        line->starts_with(RowBegin(question.shard.PointOf(row),
-                                   question.points.At(question.shard.PointOf(row)))) &&
-        cli::CellsOf(*line).size() == reader.header().columns.size();
-    if (is_ours) continue;
-    return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", row + 1),
-                 "was it edited? name another file, or say --overwrite");
+  OldRows old;
+  std::uint64_t begin = reader.read_bytes();
+  for (auto line = reader.Next(); line; line = reader.Next(), ++old.count) {
+    const std::uint64_t point = question.shard.PointOf(old.count);
+    const bool is_ours = old.count < rows && reader.IsRow(*line) &&
+                         line->starts_with(RowBegin(point, question.points.At(point)));
+    const bool is_changed = old.count < rows && !MatchesChecksum(*line);
+    if (!is_ours && !is_changed) {
+      return Usage(reader.path(), fmt::format("row {} is not what this sweep makes", old.count + 1),
+                   "was it edited? name another file, or say --overwrite");
+    }
+    if (!is_ours) old.changed.push_back({old.count, begin, line->size() + 1});
+    begin = reader.read_bytes();
   }
-  return row;
+  return old;
+}
+
+// The changed rows, computed again; each has to fit into its place.
+Result<std::vector<std::string>> RowsAgain(const std::vector<ChangedRow>& changed,
+                                           const SweepQuestion& question, const std::string& path) {
+  std::vector<std::string> rows;
+  for (const ChangedRow& old : changed) {
+    rows.push_back(RowOf(question, question.shard.PointOf(old.row)));
+    if (rows.back().size() == old.length) continue;
+    return Usage(path, fmt::format("row {} was changed and has another length", old.row + 1),
+                 "remove it and all rows below, then go on with --resume");
+  }
+  return rows;
 }
 
 }  // namespace
@@ -70,6 +99,7 @@ TableFile::TableFile(TableFile&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       rows_(other.rows_),
+      mended_rows_(other.mended_rows_),
       synced_ns_(other.synced_ns_) {}
 
 TableFile::~TableFile() {
@@ -128,11 +158,26 @@ Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& 
   auto reader = TableReader::Open(path);
   if (!reader) return std::unexpected(reader.error());
   if (auto same = CheckQuestion(*reader, header); !same) return std::unexpected(same.error());
-  const auto rows = CountRows(*reader, question);
+  const auto old = ReadOldRows(*reader, question);
+  if (!old) return std::unexpected(old.error());
+  const auto rows = RowsAgain(old->changed, question, path);
   if (!rows) return std::unexpected(rows.error());
-  file->rows_ = *rows;
+  for (std::size_t k = 0; k < rows->size(); ++k) {
+    if (auto put = file->PutAt(old->changed[k].begin, (*rows)[k]); !put) {
+      return std::unexpected(put.error());
+    }
+  }
+  file->rows_ = old->count;
+  file->mended_rows_ = old->changed.size();
   if (auto cut = file->CutAt(reader->read_bytes()); !cut) return std::unexpected(cut.error());
   return file;
+}
+
+Result<void> TableFile::PutAt(std::uint64_t begin, std::string_view row) {
+  const auto written = pwrite(descriptor_, row.data(), row.size(), static_cast<off_t>(begin));
+  if (written == static_cast<ssize_t>(row.size())) return {};
+  return Failed(path_, std::string("cannot be mended: ") + std::strerror(errno),
+                "try again with --resume");
 }
 
 Result<void> TableFile::Append(std::string_view rows) {

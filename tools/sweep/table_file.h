@@ -21,9 +21,10 @@ class TableFile {
                                                bool replace);
 
   /// Goes on with the table at `path`, or begins it where there is none or not a whole header. What
-  /// stands behind its last whole row is cut off.
+  /// stands behind its last whole row is cut off. A row that does not match its checksum is
+  /// computed again and put in its place. A table of an older version goes on without checksums.
   /// Errors: as Begin; Cause::kUsage for a table of another question or shard, with the difference,
-  /// and for rows that this question does not make.
+  /// and for rows that this question does not make, or that were changed in their length.
   [[nodiscard]] static Result<TableFile> Resume(const std::string& path, const TableHeader& header,
                                                 const SweepQuestion& question);
 
@@ -36,6 +37,9 @@ class TableFile {
   /// Rows that were there.
   [[nodiscard]] std::uint64_t rows() const { return rows_; }
 
+  /// Of them those that did not match their checksums and were computed again.
+  [[nodiscard]] std::uint64_t mended_rows() const { return mended_rows_; }
+
   /// Writes whole rows, and syncs the disk about once a second. Errors (Cause::kFailed): the
   /// disk's; what was written of `rows` is cut off again.
   [[nodiscard]] Result<void> Append(std::string_view rows);
@@ -47,10 +51,12 @@ class TableFile {
   TableFile(std::string path, int descriptor);
   [[nodiscard]] static Result<TableFile> Open(const std::string& path);
   [[nodiscard]] Result<void> CutAt(std::uint64_t bytes);
+  [[nodiscard]] Result<void> PutAt(std::uint64_t begin, std::string_view row);
 
   std::string path_;
   int descriptor_;
   std::uint64_t rows_ = 0;
+  std::uint64_t mended_rows_ = 0;
   SystemClock clock_;
   MonotonicNs synced_ns_;
 };

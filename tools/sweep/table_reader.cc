@@ -14,6 +14,8 @@ constexpr std::string_view kVary = "# vary = ";
 constexpr std::string_view kPoints = "# points = ";
 constexpr std::string_view kShard = "# shard = ";
 
+constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
+
 std::optional<std::uint64_t> LeadingCount(std::string_view text) {
   std::uint64_t count = 0;
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
@@ -53,21 +55,33 @@ Result<void> TableReader::ReadHeader() {
   }
   if (!line) return unknown();
   header_.columns = cli::CellsOf(*line);
-  const bool is_known = header_.points > 0 && header_.columns.size() > header_.varied + 1 &&
-                        header_.columns.front() == "point" && header_.columns.back() == "remark";
-  if (!is_known) return unknown();
+  const std::size_t columns = header_.columns.size();
+  const bool is_known =
+      header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == "point";
+  if (is_known && header_.columns.back() == "remark") {
+    return CannotAnswer(path_, "was made by an older version, without checksums of its rows",
+                        "make it again");
+  }
+  if (!is_known || header_.columns.back() != kChecksumColumn) return unknown();
   return {};
 }
 
 std::optional<std::string> TableReader::Next() {
   std::string line;
-  if (!std::getline(file_, line)) return std::nullopt;
-  if (file_.eof()) {  // without a line end
-    ends_amid_row_ = true;
-    return std::nullopt;
+  for (int c = file_.get(); c != std::ifstream::traits_type::eof(); c = file_.get()) {
+    if (c == '\n') {
+      read_bytes_ += line.size() + 1;
+      return line;
+    }
+    if (line.size() == kMostRowBytes) break;
+    line += static_cast<char>(c);
   }
-  read_bytes_ += line.size() + 1;
-  return line;
+  ends_amid_row_ = !line.empty();
+  return std::nullopt;
+}
+
+bool TableReader::IsRow(const std::string& row) const {
+  return cli::CellsOf(row).size() == header_.columns.size() && MatchesChecksum(row);
 }
 
 std::optional<std::uint64_t> PointOfRow(std::string_view row) {

@@ -9,7 +9,7 @@
 
 namespace haptometer::tools {
 
-/// Reads a table that `sweep` wrote, row by row; memory of one row.
+/// Reads a table that `sweep` wrote, row by row; memory of one row, which ends at 1 MiB.
 class TableReader {
  public:
   /// Errors (Cause::kCannotAnswer): no file, or none that begins as such a table, whole header and
@@ -21,6 +21,10 @@ class TableReader {
 
   /// The next whole row, without its line end; nothing behind the last.
   [[nodiscard]] std::optional<std::string> Next();
+
+  /// Whether `row` is one as this table's rows are written: with a cell a column, and with the
+  /// checksum of its cells where the table has checksums.
+  [[nodiscard]] bool IsRow(const std::string& row) const;
 
   /// Whether the file ends amid a row: its writer was ended there.
   [[nodiscard]] bool ends_amid_row() const { return ends_amid_row_; }
