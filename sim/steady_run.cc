@@ -175,8 +175,8 @@ class SmoothSearch {
       SteadyRun fine = Refined(MapOf(ladder.tolerance()), *coarse.periodic, ladder.tolerance());
       if (!fine.run) return fine;
       work += fine.run->work;
-      fine.run->work = work;
       fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, ladder.finer());
+      fine.run->work = work;
       if (ladder.EndsWith(fine.run->error_estimate)) return fine;
       coarse = std::move(fine);
     }

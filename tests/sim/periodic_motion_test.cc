@@ -10,12 +10,14 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "sim/linear_model.h"
 #include "sim/piecewise_scene.h"
 #include "sim/smooth_scene.h"
 #include "sim/steady_state.h"
+#include "sim/watch.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 
@@ -326,6 +328,26 @@ TEST(PeriodicMotion, SixPeriodsBesideOne) {
     nearest_m = std::min(nearest_m, std::abs(search.found->point.x(kMover) - mover_m));
   }
   EXPECT_ABS(nearest_m, 0, 1e-14, "the printed digits");
+}
+
+TEST(PeriodicMotion, ASearchReportsItsWork) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const PeriodMap map = ExactMap(scene, {});
+  std::vector<double> shares;
+  {
+    const WatchedWork watched([&](std::string_view what, double share) {
+      EXPECT_EQ(what, "looking for the steady motion");
+      shares.push_back(share);
+    });
+    ASSERT_TRUE(FindPeriodicMotion(map, RestOf(scene, map)).found.has_value());
+  }
+  ASSERT_GT(shares.size(), 2);
+  EXPECT_TRUE(std::ranges::is_sorted(shares));
+  EXPECT_GT(shares.back(), 0);
+  EXPECT_LT(shares.back(), 1);
+  const std::size_t so_far = shares.size();
+  ReportWork("nobody looks on", 1);
+  EXPECT_EQ(shares.size(), so_far);
 }
 
 TEST(PeriodicMotion, WhatIsNotFoundIsSaid) {
