@@ -89,8 +89,8 @@ inline constexpr double kLargestPredictedError = 1e-3;
 [[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
 
 /// What a run is wrong by that was played with `finer` times less tolerance than another: the
-/// largest deviation between them, the waveform's included, over finer/10, and 1e-12 of rounding.
-/// In every scene of the tests (smooth_motion.h) a hundred times less tolerance leaves less than a
+/// largest deviation between them, the waveform's included, over finer/10, and rounding: 1e-12 and
+/// 2.2e-16 a step. In every scene of the tests (smooth_motion.h) a hundred times less tolerance leaves less than a
 /// tenth of the error.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 

@@ -84,7 +84,11 @@ def random_scene(seed, effects=None, tolerance=None, periods=None):
         travel = log_uniform(draw, 1e-4, 1e-3)  # where the cubic doubles the stiffness
         scene["stiffening"] = {"cubic_n_per_m3": number(actuator["stiffness_n_per_m"] / travel**2)}
     if "contact_loss" in pair:
-        scene["skin"]["preload_n"] = number(log_uniform(draw, 0.01, 0.5))
+        # held to the skin where gravity pulls away from it
+        masses = sum(value for part in ("actuator", "adapter") for key, value in scene.get(part, {}).items()
+                     if key.endswith("mass_kg"))
+        weight = masses * abs(scene.get("gravity", {}).get("acceleration_m_per_s2", 0))
+        scene["skin"]["preload_n"] = number(max(log_uniform(draw, 0.01, 0.5), 1.5 * weight))
     if "tremor" in pair:
         scene["tremor"] = {"amplitude_m": number(log_uniform(draw, 1e-5, 3e-4)), "frequency_hz": number(draw.uniform(4, 12))}
     if "coil_heating" in pair:
