@@ -332,7 +332,7 @@ TEST(PeriodicMotion, SixPeriodsBesideOne) {
 
 TEST(PeriodicMotion, ASearchReportsItsWork) {
   const Scene scene = FromRest(tests::AdapterScene());
-  const PeriodMap map = ExactMap(scene, {});
+  const PeriodMap map = ExactMap(scene, {.stops = TravelStops{.gap_up_m = 1, .gap_down_m = 1}});
   std::vector<double> shares;
   {
     const WatchedWork watched([&](std::string_view what, double share) {
