@@ -20,6 +20,7 @@ inline void RunVerb(int (*run)(int argc, const char* const* argv),
                     const std::vector<std::string>& words) {
   DiscardOutput();
   std::vector<const char*> argv;
+  argv.reserve(words.size() + 1);
   for (const std::string& word : words) argv.push_back(word.c_str());
   argv.push_back(nullptr);
   const int status = run(static_cast<int>(words.size()), argv.data());

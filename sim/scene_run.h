@@ -89,9 +89,9 @@ inline constexpr double kLargestPredictedError = 1e-3;
 [[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
 
 /// What a run is wrong by that was played with `finer` times less tolerance than another: the
-/// largest deviation between them, the waveform's included, over finer/10, and rounding: 1e-12 and
-/// 2.2e-16 a step. In every scene of the tests (smooth_motion.h) a hundred times less tolerance leaves less than a
-/// tenth of the error.
+/// largest deviation between them, the waveform's included, over finer/64, and rounding: 1e-12 and
+/// 2.2e-16 a step. In random scenes a hundred times less tolerance left up to 0.31 of the
+/// deviation.
 [[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
