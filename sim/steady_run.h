@@ -43,8 +43,8 @@ inline constexpr int kChaosRunPeriods = 512;
 /// made smaller as in RunScene; error_estimate is ErrorOf the last two motions.
 ///
 /// The scene must have a linear steady state (SolveSteadyState's error_estimate below 1). Cost: ten
-/// microseconds for a linear one without limits, a millisecond with them, from 100 periods of PiecewiseMotion for another, from 300 of
-/// SmoothMotion for a smooth one, some 0.3 s.
+/// microseconds for a linear one without limits, a millisecond with them, from 100 periods of
+/// PiecewiseMotion for another, from 300 of SmoothMotion for a smooth one, some 0.3 s.
 [[nodiscard]] SteadyRun PlaySteady(const EffectiveScene& scene);
 
 /// After how many periods of the drive, 1 to 32, the end of a run repeats itself: the smallest k
