@@ -50,10 +50,10 @@ class Decision {
     if (!everything.answered) {
       return CannotAnswer(where, everything.problem, RemedyOf(everything));
     }
-    // an exact motion is known as well as it can be
+    // an exact motion is known as well as it can be, averages to their standard uncertainty
     const double asked = everything.run.solver ? scene_.tolerance
                                                : std::max(scene_.tolerance, kLargestPredictedError);
-    if (!(everything.run.error_estimate <= asked)) {
+    if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
       return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));
     }
     everything_ = everything.run;
@@ -77,6 +77,8 @@ class Decision {
   void Take(PlayedScene played) {
     choice_.run = std::move(played.run);
     choice_.periodic = std::move(played.periodic);
+    choice_.chaotic = std::move(played.chaotic);
+    choice_.end = played.end;
   }
   bool Asked(Effect effect) const { return scene_.effects[effect] == Wish::kAuto; }
   EffectVerdict& VerdictOf(Effect effect) { return choice_.verdicts[PlaceOf(effect)]; }
@@ -87,11 +89,13 @@ class Decision {
     VerdictOf(effect).ground = ground;
   }
 
-  // Under smooth effects there may be more than one motion to settle to, and what the transient
-  // reached chose among them.
+  // Where the motion is limited or bent by more than one effect there may be more than one to
+  // settle to, and what the transient reached chose among them.
   bool MaySettleElsewhere() const {
-    const bool settles = !scene_.duration_s || StartOf(scene_) == Start::kSteady;
-    return settles && (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]);
+    if (scene_.duration_s && StartOf(scene_) != Start::kSteady) return false;
+    if (all_[PlaceOf(Effect::kStiffening)] || all_[PlaceOf(Effect::kCoilHeating)]) return true;
+    const bool both = all_[PlaceOf(Effect::kTravelStops)] && all_[PlaceOf(Effect::kContactLoss)];
+    return both && (scene_.duration_s || choice_.periodic || choice_.chaotic);
   }
 
   void LeaveOutWhatIsNeverReached() {
@@ -195,6 +199,34 @@ class Decision {
 
 }  // namespace
 
+namespace {
+
+// What the end of a run is like, and the run again over a window of whole periods of its own where
+// ten of the drive are none.
+void LookAtEnd(EffectiveScene scene, const PiecewiseStart& start, double temperature_rise_k,
+               PlayedScene& played) {
+  constexpr int kTenPeriods = 10;
+  const bool limited = !played.run.events.empty() || !scene.IsLinear();
+  const double lasts = *scene.scene.duration_s * scene.scene.drive.frequency_hz;
+  if (!limited || scene.scene.drive.kind != DriveKind::kSine || lasts < kTenPeriods) return;
+  played.end = RunEnd{.drive_periods = PeriodAtEnd(played.run),
+                      .window_uncertainty = std::nullopt,
+                      .ten_periods_rms_m = played.run.skin_rms_m};
+  if (!played.end->drive_periods) {
+    played.end->window_uncertainty = WindowUncertainty(played.run, kTenPeriods);
+    return;
+  }
+  const int k = *played.end->drive_periods;
+  if (kTenPeriods % k == 0) return;
+  const int most = static_cast<int>(std::min(lasts * (1 + 1e-12), 1e6)) / k * k;
+  scene.window_periods = std::min((kTenPeriods + k - 1) / k * k, most);
+  const double error = played.run.error_estimate;
+  played.run = RunScene(scene, *scene.scene.duration_s, start, temperature_rise_k);
+  played.run.error_estimate = std::max(played.run.error_estimate, error);
+}
+
+}  // namespace
+
 PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);
   PlayedScene played;
@@ -211,13 +243,17 @@ PlayedScene PlayWith(const Scene& scene, EffectSet on) {
     steady.start = StartIn(effective);
   }
   if (scene.duration_s) {
-    const double start_error = steady.run ? steady.run->error_estimate : 0;
-    played.run =
-        RunScene(effective, *scene.duration_s, std::move(steady.start), steady.temperature_rise_k);
+    // of a chaotic motion the run begins at one of its points, which is exact
+    const double start_error = steady.run && !steady.chaotic ? steady.run->error_estimate : 0;
+    played.run = RunScene(effective, *scene.duration_s, steady.start, steady.temperature_rise_k);
+    if (!played.run.stalled_at_s) {
+      LookAtEnd(effective, steady.start, steady.temperature_rise_k, played);
+    }
     played.run.error_estimate += start_error;
   } else {
     played.run = std::move(*steady.run);
     played.periodic = std::move(steady.periodic);
+    played.chaotic = std::move(steady.chaotic);
   }
   played.answered = !played.run.stalled_at_s && played.run.IsFinite();
   if (!played.answered) played.problem = ProblemOf(played.run);

@@ -32,13 +32,26 @@ struct EffectVerdict {
   double change = 0;
 };
 
+/// How the end of a run under a sine looks, in which stops, contact or smooth effects took part.
+struct RunEnd {
+  /// After how many periods of the drive it repeats itself; the run's window then holds whole ones
+  /// of these: ten periods where that divides ten, else the least multiple above ten that fits.
+  std::optional<int> drive_periods;
+  /// Where it does not: by what the window's RMS of the skin varies from window to window
+  /// (steady_run.h); absent: the run is too short to tell.
+  std::optional<double> window_uncertainty;
+  double ten_periods_rms_m = 0;  ///< RMS of the skin over the last ten periods
+};
+
 /// A scene's effects decided, with the run that decided it.
 struct EffectChoice {
   EffectSet on;
   std::array<EffectVerdict, kEffectNames.size()> verdicts{};
   SceneRun run;  ///< of the choice
-  /// Of a scene without a duration, how the run repeats itself; absent: it is linear.
+  /// Of a scene without a duration, how the run repeats itself; absent: it is linear, or
   std::optional<PeriodicMotion> periodic;
+  std::optional<ChaoticMotion> chaotic;  ///< it never does, and the run's numbers are averages
+  std::optional<RunEnd> end;             ///< of a scene with a duration that something limits
   double change = 0;     ///< of the asked quantity, by all that was left out together, measured
   std::size_t runs = 1;  ///< that the decision took
 };
@@ -48,6 +61,8 @@ struct PlayedScene {
   bool answered = false;  ///< false: no steady motion was found, a stall, no number
   SceneRun run;
   std::optional<PeriodicMotion> periodic;
+  std::optional<ChaoticMotion> chaotic;
+  std::optional<RunEnd> end;
   std::string problem;  ///< why there is no answer
 };
 

@@ -20,6 +20,9 @@ struct EffectiveScene {
   /// the same outputs; 0: OutputRateHz(scene).
   double outputs_rate_hz = 0;
 
+  /// Of a sine at the end of a run: what its numbers are of.
+  int window_periods = 10;
+
   [[nodiscard]] double RateHz() const {
     return outputs_rate_hz > 0 ? outputs_rate_hz : OutputRateHz(scene);
   }

@@ -86,42 +86,58 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
 
 template <typename Motion>
 std::expected<PeriodStep, std::string_view> PeriodMap::Play(Motion& motion, int periods,
-                                                            int outputs, bool with_means) const {
+                                                            int outputs, bool with_means,
+                                                            const Visit& visit) const {
+  const auto here = [&] {
+    double theta_k = 0;
+    if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
+    return PointOf(motion.mode(), motion.x(), theta_k);
+  };
   Eigen::VectorXd largest = motion.Positions().cwiseAbs();
-  for (int i = 0; i < periods * outputs; ++i) {
+  for (int i = 1; i <= periods * outputs; ++i) {
     motion.Next();
     if (motion.stalled_at_s()) return std::unexpected(motion.stall_reason());
+    if (visit && i % outputs == 0) visit(here());
     if (with_means) largest = largest.cwiseMax(motion.Positions().cwiseAbs());
   }
-  double theta_k = 0;
-  if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
-  PeriodStep step{.point = PointOf(motion.mode(), motion.x(), theta_k), .steps = motion.steps()};
+  PeriodStep step{.point = here(), .steps = motion.steps()};
   if (!with_means) return step;
   const double duration_s = periods / drive_.frequency_hz;
   const std::vector<double> squares = motion.SquareIntegrals();
   const auto n = static_cast<Eigen::Index>(squares.size()) - 1;
+  const EnergyLedger ledger = motion.Ledger();
   step.means =
       PeriodMeans{.mean_squares = Eigen::Map<const Eigen::VectorXd>(squares.data(), n) / duration_s,
                   .travel_mean_square = squares.back() / duration_s,
-                  .power_w = motion.Ledger().input_j / duration_s,
+                  .power_w = ledger.input_j / duration_s,
+                  .coil_w = ledger.dissipated_j[system_.coil_element] / duration_s,
                   .largest = largest,
                   .events = motion.events().size()};
   return step;
 }
 
 std::expected<PeriodStep, std::string_view> PeriodMap::After(const PeriodPoint& point, int periods,
-                                                             bool with_means) const {
+                                                             bool with_means,
+                                                             const Visit& visit) const {
   const int outputs = with_means ? kOutputsPerPeriod : 1;
   const double rate_hz = outputs * drive_.frequency_hz;
   if (!settings_) {
-    PiecewiseMotion motion(system_.linear, drive_, StartOf(point), rate_hz, with_means);
-    return Play(motion, periods, outputs, with_means);
+    if (with_means) {
+      PiecewiseMotion motion(system_.linear, drive_, StartOf(point), rate_hz, true);
+      return Play(motion, periods, outputs, true, visit);
+    }
+    if (exact_ == nullptr) {
+      exact_ = std::make_unique<PiecewiseMotion>(system_.linear, drive_, StartOf(point), rate_hz);
+    } else {
+      exact_->Restart(StartOf(point));
+    }
+    return Play(*exact_, periods, outputs, false, visit);
   }
   SmoothSettings settings = *settings_;
   settings.with_energy = with_means;
   const double theta_k = system_.heating ? point.x(point.x.size() - 1) : 0;
   SmoothMotion motion(system_, drive_, StartOf(point), rate_hz, settings, theta_k);
-  return Play(motion, periods, outputs, with_means);
+  return Play(motion, periods, outputs, with_means, visit);
 }
 
 }  // namespace haptometer::sim

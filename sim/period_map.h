@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <expected>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string_view>
 
@@ -27,6 +29,7 @@ struct PeriodMeans {
   Eigen::VectorXd mean_squares;   ///< of each of the system's positions (LinearModel's states)
   double travel_mean_square = 0;  ///< of xv - xa, in m^2
   double power_w = 0;             ///< taken from the source
+  double coil_w = 0;              ///< of it into the coil's resistance
   Eigen::VectorXd largest;        ///< of |position|, over 64 outputs a period
   std::size_t events = 0;
 };
@@ -46,9 +49,14 @@ class PeriodMap {
   /// SmoothMotion at settings.tolerance.
   PeriodMap(SmoothSystem system, const SineDrive& drive, const SmoothSettings& settings);
 
+  /// Is shown where a motion is after each of its periods.
+  using Visit = std::function<void(const PeriodPoint&)>;
+
+  /// Matrices of the exact motion are kept from one call to the next.
   [[nodiscard]] std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point,
                                                                   int periods,
-                                                                  bool with_means = false) const;
+                                                                  bool with_means = false,
+                                                                  const Visit& visit = {}) const;
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
@@ -59,17 +67,20 @@ class PeriodMap {
   [[nodiscard]] Eigen::VectorXd ScaleOf(const PeriodPoint& point) const;
   /// Relative: 1e-13 of the exact motion, the tolerance of the other.
   [[nodiscard]] double error() const { return error_; }
+  /// Whether a point's last coordinate is the coil's temperature.
+  [[nodiscard]] bool heats() const { return system_.heating.has_value(); }
 
  private:
   template <typename Motion>
   [[nodiscard]] std::expected<PeriodStep, std::string_view> Play(Motion& motion, int periods,
-                                                                 int outputs,
-                                                                 bool with_means) const;
+                                                                 int outputs, bool with_means,
+                                                                 const Visit& visit) const;
 
   SmoothSystem system_;
   SineDrive drive_;
   std::optional<SmoothSettings> settings_;  // absent: exact
   double error_;
+  mutable std::unique_ptr<PiecewiseMotion> exact_;  // without means
 };
 
 }  // namespace haptometer::sim

@@ -7,22 +7,38 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <expected>
+#include <limits>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include "sim/watch.h"
 
 namespace haptometer::sim {
 
 namespace {
 
-constexpr std::array<int, 3> kPeriods{1, 2, 4};
-constexpr int kTransients = 3;
 constexpr int kMostHalvings = 8;
-// over the map's error: a step that need not be taken, a residual that is a fixed point's, and one
-// that is a shorter period's
+// over the map's error: a step that need not be taken, and a residual that is a fixed point's
 constexpr double kDone = 3;
 constexpr double kFixed = 1e3;
-constexpr double kSame = 1e4;
+// over each state's largest value: within this two motions may be the same
+constexpr double kSame = 1e-5;
+// of each state's largest value: apart from this nothing recurs, within that the transient is over
+constexpr double kNear = 0.2;
+constexpr double kThere = 1e-7;
+// what the linear map must foretell of a step for the rest of the transient to be known
+constexpr double kForetold = 0.3;
+constexpr int kWarmingSteps = 8;
+constexpr int kPeriodsPerWarmingStep = 64;
+constexpr int kBatches = 32;
+constexpr int kPairPeriodsPerBatch = 32;
+constexpr int kMeanPeriodsPerBatch = 128;
+constexpr double kSure = 4;  // standard uncertainties
+
+double Size(const Eigen::VectorXd& scaled) { return scaled.cwiseAbs().maxCoeff(); }
 
 // The map, whose work a search counts; beyond its limit nothing is known of any point.
 class CountedMap {
@@ -32,15 +48,19 @@ class CountedMap {
 
   bool IsSpent() const { return search_.steps > most_steps_; }
   std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point, int periods,
-                                                    bool with_means = false) {
+                                                    bool with_means = false,
+                                                    const PeriodMap::Visit& visit = {}) {
     if (IsSpent()) return std::unexpected("the search needs too many steps");
-    std::expected<PeriodStep, std::string_view> step = map_.After(point, periods, with_means);
+    auto step = map_.After(point, periods, with_means, visit);
     search_.periods_played += periods;
     if (step) search_.steps += step->steps;
+    ReportWork("looking for the steady motion",
+               static_cast<double>(search_.steps) / static_cast<double>(most_steps_));
     return step;
   }
   Eigen::VectorXd ScaleOf(const PeriodPoint& point) const { return map_.ScaleOf(point); }
   double error() const { return map_.error(); }
+  bool heats() const { return map_.heats(); }
 
  private:
   const PeriodMap& map_;
@@ -48,16 +68,25 @@ class CountedMap {
   PeriodicSearch& search_;
 };
 
+// How far two states are apart, over the scale; without the coil's temperature.
+double Apart(const CountedMap& map, const PeriodPoint& a, const PeriodPoint& b,
+             const Eigen::VectorXd& scale) {
+  if (a.mode != b.mode) return std::numeric_limits<double>::infinity();
+  const Eigen::Index n = a.x.size() - (map.heats() ? 1 : 0);
+  return Size((a.x - b.x).cwiseQuotient(scale).head(n));
+}
+
 // The fixed points of P^k near a point.
 class Shooting {
  public:
-  Shooting(CountedMap& map, int periods, const Eigen::VectorXd& scale)
-      : map_(map), periods_(periods), scale_(scale) {}
+  Shooting(CountedMap& map, int periods, Eigen::VectorXd scale)
+      : map_(map), periods_(periods), scale_(std::move(scale)) {}
 
   struct End {
     PeriodPoint point;
     Eigen::MatrixXd jacobian;
     double residual = 0;
+    double error = 0;
   };
 
   // after Newton's steps; nothing if they lead nowhere. They end where they become small, not where
@@ -71,24 +100,27 @@ class Shooting {
       jacobian = Jacobian(point);
     }
     if (!jacobian || !(Size(*residual) <= kFixed * map_.error())) return {};
-    return End{.point = point, .jacobian = *jacobian, .residual = Size(*residual)};
+    return End{.point = point,
+               .jacobian = *jacobian,
+               .residual = Size(*residual),
+               .error = LeftOf(*jacobian, *residual)};
   }
 
-  // dP^k/dx by central differences, in units of the scale
+  // dP^k/dx in units of the scale, one period after the other
   std::optional<Eigen::MatrixXd> Jacobian(const PeriodPoint& point, double larger = 1) {
-    const Eigen::Index n = point.x.size();
-    const double step = larger * std::cbrt(map_.error());
-    Eigen::MatrixXd jacobian(n, n);
-    for (Eigen::Index k = 0; k < n; ++k) {
-      std::array<Eigen::VectorXd, 2> ends;
-      for (const std::size_t side : {0U, 1U}) {
-        PeriodPoint moved = point;
-        moved.x(k) += (side == 0 ? -step : step) * scale_(k);
-        const std::optional<PeriodPoint> end = After(moved, periods_);
-        if (!end || end->mode != point.mode) return {};
-        ends[side] = end->x;
-      }
-      jacobian.col(k) = (ends[1] - ends[0]).cwiseQuotient(scale_) / (2 * step);
+    std::vector<PeriodPoint> points{point};
+    if (!map_.After(point, periods_, false, [&](const PeriodPoint& p) { points.push_back(p); })) {
+      return {};
+    }
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(point.x.size(), point.x.size());
+    Eigen::VectorXd scale = scale_;
+    for (std::size_t k = 0; k + 1 < points.size(); ++k) {
+      const bool closes = k + 2 == points.size() && points[k + 1].mode == point.mode;
+      const Eigen::VectorXd next = closes ? scale_ : map_.ScaleOf(points[k + 1]);
+      const auto one = JacobianOfOne(points[k], points[k + 1], scale, next, larger);
+      if (!one) return {};
+      jacobian = (*one * jacobian).eval();
+      scale = next;
     }
     return jacobian;
   }
@@ -101,11 +133,31 @@ class Shooting {
   }
 
  private:
-  static double Size(const Eigen::VectorXd& scaled) { return scaled.cwiseAbs().maxCoeff(); }
+  // by central differences; shorter ones where the ends lie in other modes
+  std::optional<Eigen::MatrixXd> JacobianOfOne(const PeriodPoint& from, const PeriodPoint& to,
+                                               const Eigen::VectorXd& scale,
+                                               const Eigen::VectorXd& scale_after, double larger) {
+    constexpr int kMostTries = 3;
+    double step = larger * std::cbrt(map_.error());
+    for (int i = 0; i < kMostTries; ++i, step /= 8) {
+      Eigen::MatrixXd jacobian(to.x.size(), from.x.size());
+      Eigen::Index k = 0;
+      for (; k < from.x.size(); ++k) {
+        std::array<PeriodPoint, 2> moved{from, from};
+        moved[0].x(k) -= step * scale(k);
+        moved[1].x(k) += step * scale(k);
+        const std::optional<PeriodPoint> below = After(moved[0], 1), above = After(moved[1], 1);
+        if (!below || !above || below->mode != to.mode || above->mode != to.mode) break;
+        jacobian.col(k) = (above->x - below->x).cwiseQuotient(scale_after) / (2 * step);
+      }
+      if (k == from.x.size()) return jacobian;
+    }
+    return {};
+  }
 
   std::optional<PeriodPoint> After(const PeriodPoint& point, int periods) {
-    std::expected<PeriodStep, std::string_view> step = map_.After(point, periods);
-    if (!step) return {};
+    auto step = map_.After(point, periods);
+    if (!step || !step->point.x.allFinite()) return {};
     return std::move(step->point);
   }
 
@@ -114,6 +166,13 @@ class Shooting {
     const std::optional<PeriodPoint> end = After(point, periods_);
     if (!end || end->mode != point.mode) return {};
     return (end->x - point.x).cwiseQuotient(scale_);
+  }
+
+  // how far the fixed point is: what is left of Newton's step, whatever its signs
+  static double LeftOf(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual) {
+    const Eigen::Index n = jacobian.rows();
+    const Eigen::MatrixXd inverse = (Eigen::MatrixXd::Identity(n, n) - jacobian).inverse();
+    return (inverse.cwiseAbs() * residual.cwiseAbs()).maxCoeff();
   }
 
   // As much of a step as makes the next one, by the same Jacobian, clearly smaller (Deuflhard's
@@ -139,7 +198,7 @@ class Shooting {
 
   CountedMap& map_;
   int periods_;
-  const Eigen::VectorXd& scale_;
+  Eigen::VectorXd scale_;
 };
 
 Eigen::VectorXcd LargestFirst(Eigen::VectorXcd values) {
@@ -161,63 +220,319 @@ bool IsStable(Shooting& shooting, const Shooting::End& end, double map_error) {
   return again && largest < 1 - 10 * std::abs(Largest(*again) - largest);
 }
 
-// A motion of k periods that has no shorter one.
-std::optional<PeriodicMotion> Shoot(CountedMap& map, const PeriodPoint& from, int periods,
-                                    int newton_steps) {
+// A periodic motion with what its stability was told from.
+struct Shot {
+  PeriodicMotion motion;
+  Eigen::MatrixXd jacobian;  // empty: none
+  Eigen::VectorXd scale;
+};
+
+Shot ShotOf(const Shooting::End& end, int periods, bool stable, const Eigen::VectorXd& scale) {
+  return Shot{.motion = {.drive_periods = periods,
+                         .point = end.point,
+                         .multipliers = LargestFirst(end.jacobian.eigenvalues()),
+                         .stable = stable,
+                         .residual = end.residual,
+                         .error = end.error},
+              .jacobian = end.jacobian,
+              .scale = scale};
+}
+
+// The stable motion of a shorter period of which a motion is a repetition. Where it hardly repeats
+// itself sooner, by a multiplier near -1, the point lies beside it by more than the residual.
+std::optional<Shot> ShortestOf(CountedMap& map, const Shooting::End& end, int periods,
+                               const Eigen::VectorXd& scale, int newton_steps) {
+  for (int part = 1; part < periods; ++part) {
+    if (periods % part != 0) continue;
+    Shooting shooting(map, part, scale);
+    const std::optional<double> apart = shooting.ReturnsWithin(end.point, part);
+    if (!apart || *apart > kSame) continue;
+    const std::optional<Shooting::End> shorter = shooting.From(end.point, newton_steps);
+    if (!shorter || Apart(map, shorter->point, end.point, scale) > kSame) continue;
+    if (IsStable(shooting, *shorter, map.error())) return ShotOf(*shorter, part, true, scale);
+  }
+  return {};
+}
+
+std::optional<Shot> Shoot(CountedMap& map, const PeriodPoint& from, int periods, int newton_steps) {
   const Eigen::VectorXd scale = map.ScaleOf(from);
   Shooting shooting(map, periods, scale);
-  std::optional<Shooting::End> end = shooting.From(from, newton_steps);
+  const std::optional<Shooting::End> end = shooting.From(from, newton_steps);
   if (!end) return {};
-  if (periods > 1) {
-    const std::optional<double> apart = shooting.ReturnsWithin(end->point, periods / 2);
-    if (apart && *apart <= kSame * map.error()) return {};
-  }
-  std::expected<PeriodStep, std::string_view> whole = map.After(end->point, periods, true);
-  if (!whole) return {};
-  const Eigen::VectorXd apart = (end->point.x - from.x).cwiseQuotient(scale);
-  const bool stable = IsStable(shooting, *end, map.error());
-  PeriodicMotion motion{.drive_periods = periods,
-                        .point = std::move(end->point),
-                        .multipliers = LargestFirst(end->jacobian.eigenvalues()),
-                        .stable = stable,
-                        .residual = end->residual,
-                        .from_transient = apart.cwiseAbs().maxCoeff(),
-                        .means = std::move(*whole->means)};
-  return motion;
+  if (auto shorter = ShortestOf(map, *end, periods, scale, newton_steps)) return shorter;
+  return ShotOf(*end, periods, IsStable(shooting, *end, map.error()), scale);
 }
+
+// Runs the search.
+class Search {
+ public:
+  Search(const PeriodMap& map, const PeriodicSettings& settings)
+      : settings_(settings), map_(map, settings.most_steps, search_) {}
+
+  PeriodicSearch From(const PeriodPoint& start) {
+    Remember(start);
+    for (int until = settings_.transient_periods;; until *= 2) {
+      if (!Advance(until - transient_)) break;
+      if (Look() || !tried_stall_.empty()) break;
+      if (2 * until > settings_.most_periods || map_.IsSpent()) break;
+    }
+    if (!search_.found && tried_stall_.empty() && !map_.IsSpent()) JudgeWhatIsLeft();
+    if (!search_.found) search_.tried = Tried();
+    return std::move(search_);
+  }
+
+ private:
+  [[nodiscard]] const PeriodPoint& Now() const { return points_.back(); }
+
+  void Remember(const PeriodPoint& point) {
+    points_.push_back(point);
+    if (points_.size() > kMostDrivePeriods + 1) points_.pop_front();
+  }
+
+  // goes on with the transient; false: it stalls or the work is spent
+  bool Advance(int periods) {
+    constexpr int kPeriodsAtOnce = 64;
+    for (int left = periods; left > 0; left -= kPeriodsAtOnce) {
+      const int now = std::min(left, kPeriodsAtOnce);
+      const PeriodPoint from = Now();
+      const auto step = map_.After(from, now, false, [&](const PeriodPoint& p) { Remember(p); });
+      transient_ += now;
+      if (step) continue;
+      tried_stall_ = map_.IsSpent() ? "" : step.error();
+      return false;
+    }
+    return true;
+  }
+
+  // the periods after which the state seems to come back, the likeliest first
+  std::vector<int> Recurrences() {
+    const Eigen::VectorXd scale = map_.ScaleOf(Now());
+    std::vector<double> apart;
+    for (std::size_t k = 1; k < points_.size(); ++k) {
+      apart.push_back(Apart(map_, Now(), points_[points_.size() - 1 - k], scale));
+    }
+    nearest_ =
+        apart.empty() ? std::numeric_limits<double>::infinity() : *std::ranges::min_element(apart);
+    std::vector<int> periods;
+    for (const double within : {3.0, 30.0}) {
+      const auto first = std::ranges::find_if(apart, [&](double a) {
+        return a <= kNear && a <= within * std::max(nearest_, kFixed * map_.error());
+      });
+      if (first == apart.end()) continue;
+      const int k = static_cast<int>(first - apart.begin()) + 1;
+      if (std::ranges::find(periods, k) == periods.end()) periods.push_back(k);
+    }
+    return periods;
+  }
+
+  // Looks for a periodic motion where the transient is; true: found.
+  bool Look() {
+    for (const int periods : Recurrences()) {
+      std::optional<Shot> shot = Shoot(map_, Now(), periods, settings_.newton_steps);
+      if (!shot && nearest_ <= kFixed * map_.error()) shot = AsItRecurs(periods);
+      if (!shot || !shot->motion.stable) continue;
+      if (!Settles(*shot)) return false;
+      return Take(std::move(*shot));
+    }
+    return false;
+  }
+
+  // the transient's own end, where the map has no derivative that Newton could use
+  Shot AsItRecurs(int periods) {
+    return {.motion = {.drive_periods = periods,
+                       .point = Now(),
+                       .multipliers = {},
+                       .stable = true,
+                       .residual = nearest_,
+                       .error = kFixed * nearest_},
+            .jacobian = {},
+            .scale = map_.ScaleOf(Now())};
+  }
+
+  bool Take(Shot shot) {
+    auto whole = map_.After(shot.motion.point, shot.motion.drive_periods, true);
+    if (!whole) return false;
+    shot.motion.means = std::move(*whole->means);
+    search_.found = std::move(shot.motion);
+    return true;
+  }
+
+  // Whether the transient comes to the motion.
+  bool Settles(Shot& shot) {
+    constexpr int kPeriodsBetween = 64;
+    const int k = shot.motion.drive_periods;
+    double apart = Apart(map_, Now(), shot.motion.point, shot.scale);
+    shot.motion.from_transient = apart;
+    if (map_.heats() && !Warm(shot.motion)) return false;
+    apart = Apart(map_, Now(), shot.motion.point, shot.scale);
+    for (int setbacks = 0; transient_ < 2 * settings_.most_periods;) {
+      if (apart <= std::max(kThere, kFixed * map_.error())) return true;
+      const double before = apart;
+      if (!Advance(k * std::max(1, kPeriodsBetween / k))) return false;
+      apart = Apart(map_, Now(), shot.motion.point, shot.scale);
+      if (apart > before / 2 && IsForetold(shot, apart)) return true;
+      if (!(apart < before) && ++setbacks > 2) return false;
+    }
+    return false;
+  }
+
+  // leads the coil's temperature to the motion's; true also where it is there by itself
+  bool Warm(const PeriodicMotion& motion) {
+    const Eigen::Index theta = motion.point.x.size() - 1;
+    const int k = motion.drive_periods;
+    const double begin_k = Now().x(Now().x.size() - 1), end_k = motion.point.x(theta);
+    for (int step = 1; step <= kWarmingSteps; ++step) {
+      PeriodPoint warmer = Now();
+      warmer.x(warmer.x.size() - 1) = begin_k + (end_k - begin_k) * step / kWarmingSteps;
+      Remember(warmer);
+      if (!Advance(k * std::max(1, kPeriodsPerWarmingStep / k))) return false;
+    }
+    return true;
+  }
+
+  // whether the linear map tells what the next periods leave of the deviation, to far less than
+  // they take of it
+  bool IsForetold(const Shot& shot, double apart) {
+    if (shot.jacobian.size() == 0 || Now().mode != shot.motion.point.mode) return false;
+    const auto after = map_.After(Now(), shot.motion.drive_periods);
+    if (!after || after->point.mode != shot.motion.point.mode) return false;
+    const auto deviation = [&](const PeriodPoint& point) -> Eigen::VectorXd {
+      return (point.x - shot.motion.point.x).cwiseQuotient(shot.scale);
+    };
+    const double missed = Size(deviation(after->point) - shot.jacobian * deviation(Now()));
+    const double taken = (1 - std::abs(shot.motion.multipliers(0))) * apart;
+    return missed <= kForetold * taken + kFixed * map_.error();
+  }
+
+  // --------------------------------------------------------------------------------- no repetition
+
+  // the exponent, a last look, and averages where it is positive
+  void JudgeWhatIsLeft() {
+    if (!MeasureExponent()) return;
+    if (Look() || map_.IsSpent()) return;
+    if (exponent_ > kSure * exponent_uncertainty_) Average();
+  }
+
+  // Benettin's pair of motions, batch by batch
+  bool MeasureExponent() {
+    const double apart = std::sqrt(map_.error());
+    std::vector<double> batches;
+    Eigen::VectorXd way = Eigen::VectorXd::Constant(Now().x.size(), apart);
+    for (int batch = 0; batch < kBatches; ++batch) {
+      double sum = 0;
+      int counted = 0;
+      for (int i = 0; i < kPairPeriodsPerBatch; ++i) {
+        const Eigen::VectorXd scale = map_.ScaleOf(Now());
+        if (way.size() != scale.size()) way = Eigen::VectorXd::Constant(scale.size(), apart);
+        PeriodPoint beside = Now();
+        beside.x += way.normalized().cwiseProduct(scale) * apart;
+        const auto other = map_.After(beside, 1);
+        if (!other || !Advance(1)) return false;
+        if (other->point.mode != Now().mode) continue;
+        way = (other->point.x - Now().x).cwiseQuotient(map_.ScaleOf(Now()));
+        sum += std::log(way.norm() / apart);
+        ++counted;
+      }
+      if (counted > 0) batches.push_back(sum / counted);
+    }
+    const auto [mean, uncertainty] = MeanOf(batches);
+    exponent_ = mean;
+    exponent_uncertainty_ = uncertainty;
+    is_measured_ = true;
+    return true;
+  }
+
+  // mean and its standard uncertainty
+  static std::pair<double, double> MeanOf(const std::vector<double>& batches) {
+    const auto count = static_cast<double>(batches.size());
+    double mean = 0, square = 0;
+    for (const double value : batches) mean += value / count;
+    for (const double value : batches) square += (value - mean) * (value - mean);
+    return {mean, std::sqrt(square / (count - 1) / count)};
+  }
+
+  void Average() {
+    std::vector<PeriodMeans> batches;
+    ChaoticMotion chaotic{.point = Now(),
+                          .exponent = exponent_,
+                          .exponent_standard_uncertainty = exponent_uncertainty_,
+                          .periods = kBatches * kMeanPeriodsPerBatch,
+                          .means = {},
+                          .standard_uncertainties = {}};
+    for (int batch = 0; batch < kBatches; ++batch) {
+      const auto step = map_.After(Now(), kMeanPeriodsPerBatch, true);
+      if (!step) return;
+      Remember(step->point);
+      batches.push_back(*step->means);
+    }
+    const auto fill = [&](auto&& field) {
+      std::vector<double> values;
+      values.reserve(batches.size());
+      for (PeriodMeans& batch : batches) values.push_back(field(batch));
+      const auto [mean, uncertainty] = MeanOf(values);
+      field(chaotic.means) = mean;
+      field(chaotic.standard_uncertainties) = uncertainty;
+    };
+    chaotic.means.mean_squares = batches[0].mean_squares;
+    chaotic.standard_uncertainties.mean_squares = batches[0].mean_squares;
+    for (Eigen::Index k = 0; k < batches[0].mean_squares.size(); ++k) {
+      fill([k](PeriodMeans& means) -> double& { return means.mean_squares(k); });
+    }
+    fill([](PeriodMeans& means) -> double& { return means.travel_mean_square; });
+    fill([](PeriodMeans& means) -> double& { return means.power_w; });
+    fill([](PeriodMeans& means) -> double& { return means.coil_w; });
+    search_.chaotic = std::move(chaotic);
+  }
+
+  std::string Tried() const {
+    if (!tried_stall_.empty()) {
+      return fmt::format("the motion stalls within {} periods: {}", transient_, tried_stall_);
+    }
+    std::string tried = fmt::format("{} periods of transient", transient_);
+    if (is_measured_) {
+      tried += fmt::format(", deviations grow by {:.2g} +- {:.1g} (standard uncertainty) a period",
+                           exponent_, exponent_uncertainty_);
+    }
+    if (std::isfinite(nearest_)) {
+      tried += fmt::format(", nearest recurrence {:.1g} of the motion's size", nearest_);
+    }
+    tried += fmt::format("; {} periods and {} steps in all", search_.periods_played, search_.steps);
+    if (map_.IsSpent()) tried += ", which are all that is tried";
+    return tried;
+  }
+
+  PeriodicSettings settings_;
+  PeriodicSearch search_;
+  CountedMap map_;
+  std::deque<PeriodPoint> points_;  // of the last 33 periods
+  int transient_ = 0;
+  std::string tried_stall_;
+  double nearest_ = std::numeric_limits<double>::infinity();
+  double exponent_ = 0, exponent_uncertainty_ = 0;
+  bool is_measured_ = false;
+};
 
 }  // namespace
 
 PeriodicSearch FindPeriodicMotion(const PeriodMap& map, const PeriodPoint& start,
                                   const PeriodicSettings& settings) {
-  PeriodicSearch search;
+  return Search(map, settings).From(start);
+}
+
+std::optional<PeriodicMotion> RefinePeriodicMotion(const PeriodMap& map,
+                                                   const PeriodicMotion& motion,
+                                                   const PeriodicSettings& settings,
+                                                   PeriodicSearch& search) {
   CountedMap counted(map, settings.most_steps, search);
-  PeriodPoint point = start;
-  int transient = settings.transient_periods;
-  for (int round = 0; round < kTransients; ++round, transient *= 2) {
-    std::expected<PeriodStep, std::string_view> end = counted.After(point, transient);
-    if (!end) {
-      search.tried +=
-          fmt::format("the motion stalls within {} periods: {}", transient, end.error());
-      return search;
-    }
-    point = std::move(end->point);
-    for (const int periods : kPeriods) {
-      std::optional<PeriodicMotion> motion = Shoot(counted, point, periods, settings.newton_steps);
-      if (motion && motion->stable) {
-        search.found = std::move(motion);
-        return search;
-      }
-      if (motion && !search.found) search.found = std::move(motion);
-    }
-    search.tried += fmt::format("{}{} periods of transient, then Newton for 1, 2 and 4",
-                                round > 0 ? "; " : "", transient);
-    if (counted.IsSpent()) {
-      search.tried += fmt::format("; no more after {} steps", search.steps);
-      break;
-    }
-  }
-  return search;
+  std::optional<Shot> shot =
+      Shoot(counted, motion.point, motion.drive_periods, settings.newton_steps);
+  if (!shot || !shot->motion.stable || shot->motion.drive_periods != motion.drive_periods)
+    return {};
+  auto whole = counted.After(shot->motion.point, motion.drive_periods, true);
+  if (!whole) return {};
+  shot->motion.means = std::move(*whole->means);
+  shot->motion.from_transient = motion.from_transient;
+  return std::move(shot->motion);
 }
 
 }  // namespace haptometer::sim

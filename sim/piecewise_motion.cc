@@ -47,6 +47,25 @@ PiecewiseMotion::PiecewiseMotion(PiecewiseLinearSystem system, Excitation excita
   flow_.error.emplace(n).Step(Eigen::MatrixXd::Identity(n, n), 0x1p-50 * now_.x.cwiseAbs());
 }
 
+void PiecewiseMotion::Restart(PiecewiseStart start) {
+  HAPTOMETER_CHECK(!with_energy_ && origin_s_ == 0, "a motion with energies begins once");
+  HAPTOMETER_CHECK(start.x.size() == system_.modes[start.mode].a.rows(), "{} states",
+                   start.x.size());
+  mode_ = start.mode;
+  now_ = {.x = std::move(start.x), .drive = {}};
+  anchor_ = now_.x;
+  index_ = anchor_index_ = 0;
+  departure_.reset();
+  events_.clear();
+  intervals_ = 0;
+  crowded_events_ = 0;
+  last_event_tick_ = 0;
+  stalled_at_s_.reset();
+  stall_reason_ = {};
+  BeginPiece(0);
+  ForgetRanges();
+}
+
 // Where its pieces differ only in numbers the matrices stay.
 std::size_t PiecewiseMotion::PlaceOfShape() {
   const auto found = std::ranges::find_if(

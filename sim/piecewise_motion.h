@@ -92,6 +92,10 @@ class PiecewiseMotion {
   PiecewiseMotion(const PiecewiseMotion&) = delete;
   PiecewiseMotion& operator=(const PiecewiseMotion&) = delete;
 
+  /// Begins anew at t = 0, with the matrices that it has; no energies, and a grid without an
+  /// origin.
+  void Restart(PiecewiseStart start);
+
   /// Goes on to the next output. Cost without events: 0.03 to 0.1 us; some 15 us for each
   /// event. Nothing happens after a stall.
   void Next();

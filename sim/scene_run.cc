@@ -18,18 +18,19 @@
 #include "sim/smooth_motion.h"
 #include "sim/smooth_scene.h"
 #include "sim/solver_ladder.h"
+#include "sim/watch.h"
 
 namespace haptometer::sim {
 
 namespace {
-
-constexpr double kWindowPeriods = 10;
 
 // outputs from one look at the error to the next: before anything happened, and then
 constexpr std::uint64_t kQuietOutputs = 64;
 constexpr std::uint64_t kBusyOutputs = 4;
 // of integrals of squares and of power, relative (measured: a few 1e-15)
 constexpr double kIntegralRounding = 1e-14;
+// of every number of an exact run, relative (measured: of a peak 2e-13)
+constexpr double kExactRounding = 4e-13;
 // of the solver, relative; and of each of its steps, which can all point the same way (measured:
 // 5e-12 after 90 000 steps)
 constexpr double kSolverRounding = 1e-12;
@@ -46,12 +47,14 @@ constexpr double kMostIntervalsPerOutput = 1e4;
 constexpr std::int64_t kMostSteps = 100'000;
 constexpr std::int64_t kMostStepsPerOutput = 300;
 constexpr std::int64_t kMostStepsOfAll = 30'000'000;
+constexpr std::size_t kReportOutputs = 256;
 
 // The outputs of a run: so many steps from before t = 0 to its very end.
 struct RunGrid {
   OutputGrid outputs;
-  std::size_t count = 0;         // the last output
-  std::size_t window_begin = 0;  // an output
+  std::size_t count = 0;             // the last output
+  std::size_t window_begin = 0;      // an output
+  std::size_t outputs_a_period = 0;  // of a sine
 };
 
 RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
@@ -69,8 +72,10 @@ RunGrid GridOf(const EffectiveScene& effective, double duration_s) {
   if (!whole) grid.outputs.origin_s = std::min(0.0, duration_s - count / grid.outputs.rate_hz);
   // of another drive than a sine all is looked at
   if (scene.drive.kind != DriveKind::kSine) return grid;
+  grid.outputs_a_period =
+      static_cast<std::size_t>(std::llround(grid.outputs.rate_hz / scene.drive.frequency_hz));
   const auto window = static_cast<std::size_t>(
-      std::llround(kWindowPeriods * grid.outputs.rate_hz / scene.drive.frequency_hz));
+      std::llround(effective.window_periods * grid.outputs.rate_hz / scene.drive.frequency_hz));
   grid.window_begin = grid.count > window ? grid.count - window : 0;
   return grid;
 }
@@ -154,7 +159,12 @@ class Playing {
     while (motion_.index() < grid_.count && !motion_.stalled_at_s()) {
       motion_.Next();
       if (motion_.events().size() > most_events) return GiveUp();
+      if (motion_.index() % kReportOutputs == 0) {
+        ReportWork("playing the run",
+                   static_cast<double>(motion_.index()) / static_cast<double>(grid_.count));
+      }
       if (motion_.index() == grid_.window_begin) BeginWindow();
+      TakeMark();
       TakeSkin();
       TakeErrors();
     }
@@ -187,6 +197,13 @@ class Playing {
     current_before_ = CurrentSquares(motion_, scene_.scene.actuator.resistance_ohm);
     input_before_j_ = motion_.Ledger().input_j;
     if (grid_.window_begin == 0) TakeSkin();
+  }
+
+  void TakeMark() {
+    const std::size_t left = grid_.count - motion_.index();
+    if (grid_.outputs_a_period == 0 || left % grid_.outputs_a_period != 0) return;
+    if (left / grid_.outputs_a_period >= kMostMarks) return;
+    run_.marks.push_back({motion_.Positions(), motion_.SquareIntegrals()[0]});
   }
 
   void TakeSkin() {
@@ -241,7 +258,7 @@ class Playing {
     const double amplitude_v = scene_.scene.drive.amplitude_v;
     const double held_v =
         Excitation(scene_.scene.drive, scene_.scene.finger.tones).voltage_error_v();
-    return largest + part(held_v, amplitude_v) + kIntegralRounding;
+    return largest + part(held_v, amplitude_v) + kExactRounding;
   }
 
   SceneRun GiveUp() {

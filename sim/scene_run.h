@@ -20,8 +20,14 @@ struct EventCount {
   double first_s = 0;
 };
 
-/// What the motion of a run comes to over its window: the last ten periods of a sine, or all of it
-/// where it is shorter or its drive is no sine.
+/// Where a run under a sine was at the end of one of its periods.
+struct PeriodMark {
+  Eigen::VectorXd positions;
+  double skin_square_m2_s = 0;  ///< integral of xs^2 since t = 0
+};
+
+/// What the motion of a run comes to over its window: the last EffectiveScene::window_periods of a
+/// sine, ten, or all of it where it is shorter or its drive is no sine.
 struct SceneRun {
   double begin_s = 0;  ///< of the window
   double end_s = 0;
@@ -34,6 +40,8 @@ struct SceneRun {
   /// Least of what presses on the skin beyond what does at rest (RestingForceN), in the whole run.
   double skin_force_least_n = 0;
   double outputs_rate_hz = 0;
+  std::vector<PeriodMark> marks{};   ///< of the last kMostMarks ends of whole periods, counted from
+                                     ///< the run's end; the last is that end
   Eigen::VectorXd skin_m;            ///< xs at the window's outputs, begin_s + i / outputs_rate_hz
   EnergyLedger ledger;               ///< of the whole run
   std::vector<EventCount> events{};  ///< of the whole run, in the order in which they first came
@@ -55,6 +63,8 @@ struct SceneRun {
   /// Whether all that can be asked for is a number.
   [[nodiscard]] bool IsFinite() const;
 };
+
+inline constexpr std::size_t kMostMarks = 129;
 
 /// Outputs within a period of the drive: a peak between two of them is interpolated to 1e-10.
 inline constexpr int kOutputsPerPeriod = 64;

@@ -2,10 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
 
+#include "sim/linear_model.h"
 #include "sim/period_map.h"
+#include "sim/piecewise_motion.h"
 #include "sim/piecewise_scene.h"
 #include "sim/smooth_scene.h"
 #include "sim/solver_ladder.h"
@@ -16,13 +20,17 @@ namespace haptometer::sim {
 
 namespace {
 
-// as often as motions of period 1, 2 and 4 have in common
-constexpr double kPlayedPeriods = 8;
-// before a search with less tolerance, from what the one before found
-constexpr int kShortTransient = 4;
+constexpr int kPlayedPeriods = 8;
+// a state's largest value over what is reported of it
+constexpr double kRmsOverLargest = 10;
 
-double PlayedS(const EffectiveScene& scene) {
-  return kPlayedPeriods / scene.scene.drive.frequency_hz;
+// at least eight periods of the drive, and whole ones of the motion
+int PeriodsPlayed(int drive_periods) {
+  return (kPlayedPeriods + drive_periods - 1) / drive_periods * drive_periods;
+}
+
+double PlayedS(const EffectiveScene& scene, int drive_periods = 1) {
+  return PeriodsPlayed(drive_periods) / scene.scene.drive.frequency_hz;
 }
 
 // the linear steady motion may lie beyond a stop
@@ -33,8 +41,8 @@ PiecewiseStart AtRest(const EffectiveScene& scene) {
 }
 
 std::string NoneFound(const PeriodicSearch& search) {
-  return fmt::format("no stable motion was found that repeats itself every 1, 2 or 4 periods ({})",
-                     search.tried);
+  return fmt::format("no motion was found that repeats itself every 1 to {} periods ({})",
+                     kMostDrivePeriods, search.tried);
 }
 
 SteadyRun PlayLinear(const EffectiveScene& scene) {
@@ -45,6 +53,28 @@ SteadyRun PlayLinear(const EffectiveScene& scene) {
   steady.start = PiecewiseStartOf(linear.scene);
   steady.run = RunScene(linear, PlayedS(scene), steady.start);
   return steady;
+}
+
+// Whether the transient from rest stays clear of stops and keeps contact until it has died out, so
+// that it comes to the linear steady motion.
+bool TransientIsFree(const EffectiveScene& scene, const Eigen::VectorXd& steady) {
+  constexpr int kMostPeriods = 4096;
+  constexpr double kDiedOut = 1e-6;
+  PiecewiseLinearSystem system = AssemblePiecewise(scene.scene, scene.piecewise);
+  if (system.transitions.empty()) return true;
+  const double frequency_hz = scene.scene.drive.frequency_hz;
+  PiecewiseMotion motion(std::move(system), scene.scene.drive, AtRest(scene), frequency_hz);
+  const Eigen::VectorXd scale = (steady.array() == 0).select(1.0, steady.cwiseAbs());
+  const auto apart = [&] {
+    return (motion.Positions() - steady).cwiseQuotient(scale).cwiseAbs().maxCoeff();
+  };
+  const double begin = apart();
+  for (int period = 0; period < kMostPeriods; ++period) {
+    motion.Next();
+    if (!motion.events().empty() || motion.stalled_at_s()) return false;
+    if (apart() <= kDiedOut * begin) return true;
+  }
+  return true;
 }
 
 SteadyRun PlaySuperposed(const EffectiveScene& scene) {
@@ -72,15 +102,59 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   return steady;
 }
 
+// The run of a chaotic motion, which goes on from where the search left it.
+void PlayChaotic(const EffectiveScene& scene, PeriodicSearch search, const PiecewiseStart& start,
+                 SteadyRun& steady) {
+  ChaoticMotion& chaotic = *search.chaotic;
+  const double length_s = kChaosRunPeriods / scene.scene.drive.frequency_hz;
+  EffectiveScene whole = scene;
+  whole.window_periods = kChaosRunPeriods;
+  steady.start = start;
+  SceneRun run = RunScene(whole, length_s, start, steady.temperature_rise_k);
+  const PeriodMeans &means = chaotic.means, &uncertain = chaotic.standard_uncertainties;
+  const LinearModel model = AssembleModel(scene.scene);
+  const Eigen::Index skin = model.skin();
+  run.error_estimate = 0;
+  const auto take = [&](double mean, double uncertainty, double& rms) {
+    rms = std::sqrt(mean);
+    if (mean > 0) run.error_estimate = std::max(run.error_estimate, uncertainty / (2 * mean));
+  };
+  take(means.mean_squares(skin), uncertain.mean_squares(skin), run.skin_rms_m);
+  take(means.mean_squares(LinearModel::kCase), uncertain.mean_squares(LinearModel::kCase),
+       run.case_rms_m);
+  const double R = scene.scene.actuator.resistance_ohm;
+  if (!scene.smooth.heating) take(means.coil_w / R, uncertain.coil_w / R, run.current_rms_a);
+  run.power_w = means.power_w;
+  run.error_estimate = std::max(run.error_estimate, uncertain.power_w / std::abs(means.power_w));
+  steady.run = std::move(run);
+  steady.chaotic = std::move(search.chaotic);
+}
+
+// Of a periodic motion that was played for a few periods: rounding adds up over as many as it takes
+// deviations to die out, and the point that it began at may lie beside it.
+double ErrorForEver(double error_of_run, const PeriodicMotion& motion) {
+  const double stays = motion.multipliers.size() > 0 ? std::abs(motion.multipliers(0)) : 0;
+  return error_of_run / (1 - stays) + kRmsOverLargest * motion.error;
+}
+
 SteadyRun PlayLimited(const EffectiveScene& scene) {
   SteadyRun steady;
   const PeriodMap map(AssemblePiecewise(scene.scene, scene.piecewise), scene.scene.drive);
   const PiecewiseStart start = AtRest(scene);
   PeriodicSearch search = FindPeriodicMotion(map, map.PointOf(start.mode, start.x));
   steady.tried = NoneFound(search);
-  if (!search.found || !search.found->stable) return steady;
+  if (search.chaotic) {
+    const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
+    PlayChaotic(scene, std::move(search), in_it, steady);
+    return steady;
+  }
+  if (!search.found) return steady;
+  const int periods = search.found->drive_periods;
   steady.start = map.StartOf(search.found->point);
-  steady.run = RunScene(scene, PlayedS(scene), steady.start);
+  EffectiveScene whole = scene;
+  whole.window_periods = PeriodsPlayed(periods);
+  steady.run = RunScene(whole, PlayedS(scene, periods), steady.start);
+  steady.run->error_estimate = ErrorForEver(steady.run->error_estimate, *search.found);
   steady.periodic = std::move(search.found);
   return steady;
 }
@@ -95,15 +169,14 @@ class SmoothSearch {
     SolverLadder ladder(scene_.scene.tolerance);
     const PiecewiseStart rest = AtRest(scene_);
     const PeriodMap map = MapOf(ladder.before());
-    SteadyRun coarse = Settle(map, map.PointOf(rest.mode, rest.x), {}, ladder.before());
+    SteadyRun coarse = Settle(map, map.PointOf(rest.mode, rest.x), ladder.before());
     OdeWork work = coarse.run ? coarse.run->work : OdeWork{};
-    for (; coarse.run; ladder.Refine()) {
-      SteadyRun fine = Settle(MapOf(ladder.tolerance()), coarse.periodic->point,
-                              {.transient_periods = kShortTransient}, ladder.tolerance());
+    for (; coarse.periodic; ladder.Refine()) {
+      SteadyRun fine = Refined(MapOf(ladder.tolerance()), *coarse.periodic, ladder.tolerance());
       if (!fine.run) return fine;
       work += fine.run->work;
-      fine.run->work = work;
       fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, ladder.finer());
+      fine.run->work = work;
       if (ladder.EndsWith(fine.run->error_estimate)) return fine;
       coarse = std::move(fine);
     }
@@ -115,23 +188,55 @@ class SmoothSearch {
     return {system_, scene_.scene.drive, SmoothSettings{.tolerance = tolerance}};
   }
 
-  SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, const PeriodicSettings& settings,
-                   double tolerance) const {
+  SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, double tolerance) {
     SteadyRun steady;
-    PeriodicSearch search = FindPeriodicMotion(map, from, settings);
+    PeriodicSearch search = FindPeriodicMotion(map, from);
+    spent_.steps = search.steps;
+    spent_.periods_played = search.periods_played;
     steady.tried = NoneFound(search);
-    if (!search.found || !search.found->stable) return steady;
-    const PeriodPoint& point = search.found->point;
+    if (search.chaotic) {
+      if (scene_.smooth.heating) {
+        steady.tried = "the motion is chaotic while the coil warms";
+        return steady;
+      }
+      const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
+      PlayChaotic(scene_, std::move(search), in_it, steady);
+    } else if (search.found) {
+      Play(map, std::move(*search.found), tolerance, steady);
+    }
+    return steady;
+  }
+
+  SteadyRun Refined(const PeriodMap& map, const PeriodicMotion& coarse, double tolerance) {
+    SteadyRun steady;
+    auto found = RefinePeriodicMotion(map, coarse, {}, spent_);
+    if (found) {
+      Play(map, std::move(*found), tolerance, steady);
+    } else {
+      steady.tried = fmt::format(
+          "the motion that repeats itself every {} periods is not found again with a tolerance of "
+          "{:.0e}; {} steps in all",
+          coarse.drive_periods, tolerance, spent_.steps);
+    }
+    return steady;
+  }
+
+  void Play(const PeriodMap& map, PeriodicMotion motion, double tolerance,
+            SteadyRun& steady) const {
+    const PeriodPoint& point = motion.point;
+    const int periods = motion.drive_periods;
     steady.start = map.StartOf(point);
     if (scene_.smooth.heating) steady.temperature_rise_k = point.x(point.x.size() - 1);
-    steady.run =
-        RunSmoothly(scene_, PlayedS(scene_), steady.start, steady.temperature_rise_k, tolerance);
-    steady.periodic = std::move(search.found);
-    return steady;
+    EffectiveScene whole = scene_;
+    whole.window_periods = PeriodsPlayed(periods);
+    steady.run = RunSmoothly(whole, PlayedS(scene_, periods), steady.start,
+                             steady.temperature_rise_k, tolerance);
+    steady.periodic = std::move(motion);
   }
 
   const EffectiveScene& scene_;
   SmoothSystem system_;
+  PeriodicSearch spent_;  // the work of all searches
 };
 
 SteadyRun PlaySmooth(const EffectiveScene& scene) {
@@ -149,11 +254,50 @@ SteadyRun PlaySmooth(const EffectiveScene& scene) {
 
 }  // namespace
 
+std::optional<int> PeriodAtEnd(const SceneRun& run) {
+  constexpr double kRecurs = 1e-4;  // of the largest of each position in what was marked
+  if (run.marks.size() < 3) return std::nullopt;
+  Eigen::VectorXd largest = run.marks[0].positions.cwiseAbs();
+  for (const PeriodMark& mark : run.marks) largest = largest.cwiseMax(mark.positions.cwiseAbs());
+  largest = (largest.array() > 0).select(largest, 1.0);
+  const std::size_t last = run.marks.size() - 1;
+  for (std::size_t k = 1; k <= kMostDrivePeriods && 2 * k <= last; ++k) {
+    double apart = 0;
+    // all over the last k periods
+    for (std::size_t i = 0; i < k; ++i) {
+      const Eigen::VectorXd difference =
+          run.marks[last - i].positions - run.marks[last - i - k].positions;
+      apart = std::max(apart, difference.cwiseQuotient(largest).cwiseAbs().maxCoeff());
+    }
+    if (apart <= kRecurs) return static_cast<int>(k);
+  }
+  return std::nullopt;
+}
+
+std::optional<double> WindowUncertainty(const SceneRun& run, int window_periods) {
+  const auto periods = static_cast<std::size_t>(window_periods);
+  if (run.marks.size() < 2 * periods + 1) return std::nullopt;
+  // RMS over each window before the last, as far back as is marked
+  std::vector<double> rms;
+  for (std::size_t end = run.marks.size() - 1; end >= periods; end -= periods) {
+    rms.push_back(std::sqrt(std::max(
+        0.0, run.marks[end].skin_square_m2_s - run.marks[end - periods].skin_square_m2_s)));
+  }
+  double mean = 0, square = 0;
+  for (const double value : rms) mean += value / static_cast<double>(rms.size());
+  for (const double value : rms) square += (value - mean) * (value - mean);
+  return mean > 0 ? std::sqrt(square / static_cast<double>(rms.size() - 1)) / mean : 0;
+}
+
 SteadyRun PlaySteady(const EffectiveScene& scene) {
   if (!scene.IsLinear()) return PlaySmooth(scene);
   if (!scene.scene.finger.tones.empty()) return PlaySuperposed(scene);
-  if (SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) return PlayLinear(scene);
-  return PlayLimited(scene);
+  if (!SteadyMotionIsFree(scene, SolveSteadyState(scene.scene))) return PlayLimited(scene);
+  // the transient may meet a limit and stay with it
+  SteadyRun linear = PlayLinear(scene);
+  if (TransientIsFree(scene, linear.start.x)) return linear;
+  SteadyRun limited = PlayLimited(scene);
+  return limited.run && limited.run->events.empty() ? linear : limited;
 }
 
 }  // namespace haptometer::sim

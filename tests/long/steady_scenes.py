@@ -5,7 +5,7 @@
 
 Two thirds of the scenes have stops or contact that can be lost. Each is played from rest by
 scene_reference until its mean square over two following windows of whole periods agrees to 1e-9 or 6400
-periods are over; `simulate` has to give the RMS of that motion, an average with a standard error that
+periods are over; `simulate` has to give the RMS of that motion, an average with a standard uncertainty that
 holds it, or refuse.
 """
 import argparse
@@ -48,12 +48,15 @@ def recurrence(states, limit=1e-7):
 
 
 def transient(program, scene, seconds):
-    """RMS of the motion that the start leads to, after how many periods it repeats, what it is known to."""
+    """RMS of the motion that the start leads to, after how many periods it repeats, what it is known to;
+    None where the integrator stalls."""
     periods = 400
     while True:
         scene["run"]["duration_s"] = periods / scene["drive"]["frequency_hz"]
         text = reference.reference_lines(scene, 1 / scene["drive"]["frequency_hz"], strobe=True, tolerance=1e-18)
         answer = reference.run_reference(program, [text], seconds)[0]
+        if answer.get("stalled"):
+            return None
         squares = answer["period_mean_square_m2"]
         k = recurrence(answer["period_mover_m"]) if len(squares) > 300 else 0
         window = len(squares) // 4 if k == 0 else k
@@ -88,6 +91,9 @@ def judge(arguments):
         truth = transient(program, scene, seconds)
     except subprocess.TimeoutExpired:
         return result | {"verdict": "reference: time"}
+    if truth is None:
+        said = "refused" if done.returncode else "answered"
+        return result | {"verdict": f"reference stalls, {said}", "text": (done.stderr + done.stdout)[-300:]}
     result |= truth
     if done.returncode != 0:
         chaos = truth["period"] == 0
@@ -96,7 +102,7 @@ def judge(arguments):
     answer = json.loads(done.stdout)
     stated = answer["error_estimate"] or 0.0
     average = answer.get("average") or {}
-    error = average.get("skin_rms_standard_error_m")
+    error = average.get("skin_rms_standard_uncertainty_m")
     off = abs(answer["skin_rms_m"] - truth["rms"]) / truth["rms"]
     periodic = answer.get("periodic") or {}
     result |= {"answer": answer["skin_rms_m"], "off": off, "answered_period": periodic.get("drive_periods"), "error": error}

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tools/cli/work_progress.h"
+
 namespace haptometer::cli {
 namespace {
 
@@ -17,6 +19,13 @@ TEST(ProgressBar, SaysNothingOfTheRestBeforeAnythingIsDone) {
 TEST(ProgressBar, IsFullOnlyWhenAllIsDone) {
   EXPECT_EQ(ProgressBar("a", 0.9999, 1), "a  [###################-]  99 %, 0 s left");
   EXPECT_EQ(ProgressBar("a", 2, 1), "a  [####################] 100 %, 0 s left");
+}
+
+TEST(WorkLine, SaysWhatIsDoneForHowLongAndHowToEndIt) {
+  EXPECT_EQ(WorkLine("simulate", "playing the run", 0.379, 12.4),
+            "simulate: playing the run: 37 % of the most work that is tried, 12 s; Ctrl-C ends it");
+  EXPECT_EQ(WorkLine("simulate", "looking", 1.5, 3),
+            "simulate: looking: 100 % of the most work that is tried, 3 s; Ctrl-C ends it");
 }
 
 }  // namespace

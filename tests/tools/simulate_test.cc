@@ -256,6 +256,69 @@ TEST_F(SimulateVerb, FindsThePeriodicMotionUnderStops) {
   EXPECT_THAT(Simulate({scene}).out, HasSubstr("settles to a motion that repeats itself every"));
 }
 
+// undamped compliant stops, between which the adapter scene repeats itself every six periods
+TEST_F(SimulateVerb, NumbersAreOfWholePeriodsOfTheMotion) {
+  std::ifstream base(kFixtures + "/lra_adapter.toml");
+  std::ofstream scene(Path("six.toml"));
+  scene << base.rdbuf()
+        << "[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '0.4mm'\n"
+           "stiffness_n_per_m = 1e6\ndamping_n_s_per_m = 0\n";
+  scene.close();
+  const Outcome settled = Simulate({Path("six.toml"), "--json"});
+  ASSERT_EQ(settled.status, 0) << settled.err;
+  const json steady = json::parse(settled.out);
+  EXPECT_EQ(steady.at("periodic").at("drive_periods"), 6);
+  // by tests/sim/reference/scene_reference.cc
+  EXPECT_REL(steady.at("skin_rms_m").get<double>(), 7.536454150263104e-05, 1e-12,
+             "another integrator in long double");
+  EXPECT_LT(steady.at("error_estimate").get<double>(), 1e-9);
+
+  // a run that ends there: its numbers are of twelve periods, the window stays ten of the drive
+  const Outcome played = Simulate({Path("six.toml"), "--json", "--duration", "3s"});
+  ASSERT_EQ(played.status, 0) << played.err;
+  const json answer = json::parse(played.out);
+  const json& run = answer.at("run");
+  EXPECT_EQ(run.at("drive_periods"), 6);
+  EXPECT_TRUE(run.at("window_relative_uncertainty").is_null());
+  EXPECT_REL(run.at("skin_rms_m").get<double>(), steady.at("skin_rms_m").get<double>(), 1e-10,
+             "3 s of transient");
+  EXPECT_ABS(run.at("window_s").at(0).get<double>(), 3 - 12 / 225.0, 1e-12, "rounding of times");
+  EXPECT_ABS(answer.at("window_s").at(0).get<double>(), 3 - 10 / 225.0, 1e-12, "rounding of times");
+  // which ten periods of the drive miss
+  const double of_ten = answer.at("window_rms_m").get<double>();
+  EXPECT_GT(std::abs(of_ten / run.at("skin_rms_m").get<double>() - 1), 0.01);
+  EXPECT_THAT(Simulate({Path("six.toml"), "--duration", "3s"}).out,
+              HasSubstr("ends in a motion that repeats itself every 6 periods"));
+}
+
+// contact that breaks under little preload never repeats itself
+TEST_F(SimulateVerb, AChaoticMotionIsAnsweredByAverages) {
+  std::ifstream base(kFixtures + "/lra_direct.toml");
+  std::ofstream scene(Path("chaotic.toml"));
+  std::string text(std::istreambuf_iterator<char>(base), {});
+  const std::string skin = "[skin]\n";
+  text.insert(text.find(skin) + skin.size(), "preload_n = 0.07\n");
+  scene << text << "[effects]\ncontact_loss = true\n";
+  scene.close();
+  const Outcome outcome = Simulate({Path("chaotic.toml"), "--json"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const json answer = json::parse(outcome.out);
+  EXPECT_TRUE(answer.at("periodic").is_null());
+  const json& average = answer.at("average");
+  EXPECT_GT(average.at("lyapunov_exponent_per_period").get<double>(),
+            4 * average.at("lyapunov_exponent_standard_uncertainty").get<double>());
+  const double rms_m = answer.at("skin_rms_m").get<double>();
+  const double uncertainty_m = average.at("skin_rms_standard_uncertainty_m").get<double>();
+  EXPECT_GT(uncertainty_m, 1e-6 * rms_m);
+  EXPECT_GE(answer.at("error_estimate").get<double>(), uncertainty_m / rms_m * (1 - 1e-9));
+  const Outcome shown = Simulate({Path("chaotic.toml")});
+  EXPECT_THAT(shown.out, HasSubstr("settles to a chaotic motion"));
+  // a long run of it has lost its digits
+  const Outcome run = Simulate({Path("chaotic.toml"), "--duration", "2s"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_THAT(run.err, HasSubstr("beyond prediction"));
+}
+
 // a sensor over the scene sees what the run has
 TEST_F(SimulateVerb, RecordsAMotionWithImpacts) {
   const std::string scene = Scene(

@@ -89,11 +89,16 @@ sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
 }
 
 sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
-  const bool settled = SettledRun(answer) != nullptr && answer.effects->periodic;
-  if (!settled || !effective.IsLinear()) return sim::BeginningOf(effective);
+  const bool settled = SettledRun(answer) != nullptr;
+  const bool repeats = settled && answer.effects->periodic;
+  if (!repeats && !(settled && answer.effects->chaotic)) return sim::BeginningOf(effective);
+  const sim::PeriodPoint& point =
+      repeats ? answer.effects->periodic->point : answer.effects->chaotic->point;
   const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
                            effective.scene.drive);
-  return {.start = map.StartOf(answer.effects->periodic->point)};
+  // the coil's temperature is a point's last coordinate
+  const double rise_k = effective.smooth.heating ? point.x(point.x.size() - 1) : 0;
+  return {.start = map.StartOf(point), .temperature_rise_k = rise_k};
 }
 
 MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played) {

@@ -45,6 +45,12 @@ std::optional<WindowAnswer> WindowOf(const SceneAnswer& answer) {
   const sim::SceneRun& run = answer.effects->run;
   const double length_s = kWindowPeriods / answer.scene.drive.frequency_hz;
   if (!answer.scene.duration_s || run.end_s - run.begin_s < length_s * (1 - 1e-9)) return {};
+  if (answer.effects->end) {
+    // the run's numbers may be of other whole periods
+    return WindowAnswer{.begin_s = run.end_s - length_s,
+                        .end_s = run.end_s,
+                        .skin_rms_m = answer.effects->end->ten_periods_rms_m};
+  }
   return WindowAnswer{.begin_s = run.begin_s, .end_s = run.end_s, .skin_rms_m = run.skin_rms_m};
 }
 
@@ -135,7 +141,8 @@ const sim::SceneRun* SettledRun(const SceneAnswer& answer) {
 }
 
 bool IsSuperposed(const SceneAnswer& answer) {
-  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic;
+  return !answer.steady && SettledRun(answer) != nullptr && !answer.effects->periodic &&
+         !answer.effects->chaotic;
 }
 
 Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::string& where) {
@@ -161,7 +168,9 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
     if (!choice) return std::unexpected(choice.error());
     const sim::EffectiveScene effective = sim::WithEffects(scene, choice->on);
     answer.steady = sim::SolveSteadyState(effective.scene);
-    if (!sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
+    // the transient from the start may lead to a limited motion beside a free one
+    const bool limited = choice->periodic || choice->chaotic;
+    if (limited || !sim::SteadyMotionIsFree(effective, *answer.steady)) answer.steady.reset();
     answer.effects = std::move(*choice);
   }
   if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);

@@ -9,11 +9,12 @@
 #include "sim/output_rate.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"
+#include "sim/watch.h"
 #include "sim/waveforms.h"
-#include "tools/cli/late_remark.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
+#include "tools/cli/work_progress.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/simulate/effect_lines.h"
 #include "tools/simulate/motion_numbers.h"
@@ -29,7 +30,6 @@ namespace {
 
 constexpr std::string_view kVerb = "simulate";
 constexpr double kDefaultTrialS = 1;
-constexpr double kLateRemarkS = 3;
 constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
 
 constexpr cli::VerbText kText{
@@ -204,7 +204,7 @@ Result<void> DrawAndWrite(const SimulateOptions& wanted, SimulateAnswer& answer)
 // The motion over the scene's duration, or over some periods of what it settles to; nothing where
 // that is not asked about or too long.
 std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
-  constexpr double kPlayedPeriods = 8;  // as often as motions of period 1, 2 and 4 have in common
+  constexpr double kPlayedPeriods = 8;
   if (!solved.scene.duration_s && SettledRun(solved) == nullptr) return std::nullopt;
   const sim::EffectiveScene effective = EffectiveOf(solved);
   const double rate_hz = effective.RateHz();
@@ -245,12 +245,10 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
     return std::unexpected(added.error());
   }
   const auto solved = [&] {
-    const cli::LateRemark remark(
-        kVerb,
-        scene->duration_s ? "still playing the run; a shorter --duration takes less"
-                          : "still looking for the motion that the scene settles to; --duration "
-                            "0.1s plays a run instead",
-        kLateRemarkS);
+    cli::WorkProgress progress(kVerb, scene->duration_s ? "a shorter --duration takes less"
+                                                        : "--duration 0.1s plays a run instead");
+    const sim::WatchedWork watched(
+        [&](std::string_view what, double share) { progress.Update(what, share); });
     return AnswerScene(*scene, wanted.scene_path);
   }();
   if (!solved) return std::unexpected(solved.error());

@@ -34,7 +34,8 @@ std::string Method(const SceneAnswer& solved) {
   if (solved.plain_run) methods.emplace_back("exact pieces of the drive");
   const bool smooth = solved.effects && solved.effects->run.solver;
   if (solved.window && !smooth) methods.emplace_back("window by the balanced matrix exponential");
-  if (solved.effects && solved.effects->periodic) methods.emplace_back("shooting");
+  if (solved.effects && solved.effects->periodic) methods.emplace_back("transient and shooting");
+  if (solved.effects && solved.effects->chaotic) methods.emplace_back("averages of batches");
   if (solved.effects && !solved.effects->run.events.empty()) {
     methods.emplace_back("events located to rounding");
   }
@@ -135,14 +136,46 @@ std::string NumbersText(const SimulateAnswer& answer) {
   return text + RiseText(numbers);
 }
 
+// what is known of a motion that never repeats itself
+std::string ChaoticText(const sim::ChaoticMotion& motion) {
+  return fmt::format(
+      "  settles to a chaotic motion: small deviations grow by {:.3g} +- {:.1g} (logarithm, each "
+      "period of the drive); RMS values and power are averages over {} periods\n",
+      motion.exponent, motion.exponent_standard_uncertainty, motion.periods);
+}
+
+// how the end of a run with a duration repeats itself
+std::string EndText(const SceneAnswer& solved) {
+  if (!solved.effects->end) return {};
+  const sim::RunEnd& end = *solved.effects->end;
+  if (end.drive_periods) {
+    return fmt::format("  the run ends in a motion that repeats itself every {} period{}\n",
+                       *end.drive_periods, *end.drive_periods == 1 ? "" : "s");
+  }
+  if (!end.window_uncertainty) {
+    return "  the run's end does not repeat itself, and the run is too short to tell what its "
+           "window is uncertain by\n";
+  }
+  return fmt::format(
+      "  the run's end does not repeat itself: its window's RMS is uncertain by {:.2g} of itself "
+      "(standard deviation from window to window)\n",
+      *end.window_uncertainty);
+}
+
 // how the motion repeats itself that a limited scene settles to
 std::string PeriodicText(const SceneAnswer& solved) {
-  if (!solved.effects || !solved.effects->periodic) return {};
+  if (!solved.effects) return {};
+  if (solved.effects->chaotic) return ChaoticText(*solved.effects->chaotic);
+  if (!solved.effects->periodic) return EndText(solved);
   const sim::PeriodicMotion& motion = *solved.effects->periodic;
-  return fmt::format(
-      "  settles to a motion that repeats itself every {} period{} of the drive; a small deviation "
-      "shrinks to {:.2g} of itself each time\n",
-      motion.drive_periods, motion.drive_periods == 1 ? "" : "s", std::abs(motion.multipliers(0)));
+  std::string text =
+      fmt::format("  settles to a motion that repeats itself every {} period{} of the drive",
+                  motion.drive_periods, motion.drive_periods == 1 ? "" : "s");
+  if (motion.multipliers.size() > 0) {
+    text += fmt::format("; a small deviation shrinks to {:.2g} of itself each time",
+                        std::abs(motion.multipliers(0)));
+  }
+  return text + "\n";
 }
 
 // the run that was played
@@ -212,6 +245,23 @@ ordered_json PeriodicJson(const SceneAnswer& solved) {
           {"residual", motion.residual}};
 }
 
+ordered_json AverageJson(const SceneAnswer& solved) {
+  if (!solved.effects || !solved.effects->chaotic) return nullptr;
+  const sim::ChaoticMotion& motion = *solved.effects->chaotic;
+  const sim::SceneRun& run = solved.effects->run;
+  const Eigen::Index skin = sim::AssembleModel(EffectiveOf(solved).scene).skin();
+  const sim::PeriodMeans& uncertain = motion.standard_uncertainties;
+  const auto of_rms = [&](double rms, Eigen::Index state) {
+    return cli::NumberOrNull(uncertain.mean_squares(state) / (2 * rms));
+  };
+  return {{"drive_periods", motion.periods},
+          {"lyapunov_exponent_per_period", motion.exponent},
+          {"lyapunov_exponent_standard_uncertainty", motion.exponent_standard_uncertainty},
+          {"skin_rms_standard_uncertainty_m", of_rms(run.skin_rms_m, skin)},
+          {"case_rms_standard_uncertainty_m", of_rms(run.case_rms_m, sim::LinearModel::kCase)},
+          {"power_standard_uncertainty_w", uncertain.power_w}};
+}
+
 ordered_json RiseJson(const MotionNumbers& numbers) {
   if (!numbers.rise) return nullptr;
   const sim::SkinRise& rise = *numbers.rise;
@@ -230,7 +280,16 @@ ordered_json RunJson(const SceneAnswer& solved) {
   for (const sim::EventCount& event : run.events) {
     events.push_back({{"name", event.name}, {"count", event.count}, {"first_s", event.first_s}});
   }
+  // how its end repeats itself, or what its window is uncertain by
+  ordered_json repeats = nullptr, uncertain = nullptr;
+  if (solved.effects && solved.effects->end) {
+    const sim::RunEnd& end = *solved.effects->end;
+    if (end.drive_periods) repeats = *end.drive_periods;
+    if (end.window_uncertainty) uncertain = cli::NumberOrNull(*end.window_uncertainty);
+  }
   return {{"window_s", {run.begin_s, run.end_s}},
+          {"drive_periods", repeats},
+          {"window_relative_uncertainty", uncertain},
           {"skin_rms_m", run.skin_rms_m},
           {"case_rms_m", run.case_rms_m},
           {"current_rms_a", run.current_rms_a},
@@ -360,6 +419,7 @@ std::string SimulateJson(const SimulateAnswer& answer) {
       {"effects", EffectsJson(solved)},
       {"run", RunJson(solved)},
       {"periodic", PeriodicJson(solved)},
+      {"average", AverageJson(solved)},
       {"assumptions", SimulateAssumptions(answer)},
       {"trial", cli::TextOrNull(answer.trial_path)},
       {"waveforms", cli::TextOrNull(answer.waveforms_path)},

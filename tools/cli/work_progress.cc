@@ -1,0 +1,75 @@
+#include "tools/cli/work_progress.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <utility>
+
+namespace haptometer::cli {
+namespace {
+
+constexpr std::chrono::milliseconds kQuiet{2000};
+constexpr std::chrono::milliseconds kRefresh{200};
+constexpr std::chrono::milliseconds kLineEvery{10'000};
+
+extern "C" void EndAtOnce(int signal) {
+  constexpr char kWipe[] = "\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWipe, sizeof kWipe - 1);
+  ::_exit(128 + signal);
+}
+
+void EndAtInterrupts(bool wanted) {
+  struct sigaction action{};
+  action.sa_handler = wanted ? EndAtOnce : SIG_DFL;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+}  // namespace
+
+WorkProgress::WorkProgress(std::string_view verb, std::string advice)
+    : verb_(verb),
+      advice_(std::move(advice)),
+      begun_ns_(clock_.Now()),
+      on_terminal_(::isatty(STDERR_FILENO) == 1) {
+  EndAtInterrupts(true);
+  telling_ = std::thread([this] {
+    std::unique_lock lock(mutex_);
+    const auto done = [this] { return done_; };
+    for (auto wait = kQuiet; !changed_.wait_for(lock, wait, done);
+         wait = on_terminal_ ? kRefresh : kLineEvery) {
+      Say(SecondsFromNs(clock_.Now() - begun_ns_));
+    }
+  });
+}
+
+WorkProgress::~WorkProgress() {
+  {
+    const std::scoped_lock lock(mutex_);
+    done_ = true;
+  }
+  changed_.notify_all();
+  telling_.join();
+  if (shown_ && on_terminal_) fmt::print(stderr, "\r\033[K");
+  EndAtInterrupts(false);
+}
+
+void WorkProgress::Say(double elapsed_s) {
+  std::string line = WorkLine(verb_, what_, share_, elapsed_s);
+  if (!shown_) line += "; " + advice_;
+  shown_ = true;
+  fmt::print(stderr, "{}{}{}", on_terminal_ ? "\r\033[K" : "", line, on_terminal_ ? "" : "\n");
+  std::fflush(stderr);
+}
+
+std::string WorkLine(std::string_view verb, std::string_view what, double share, double elapsed_s) {
+  return fmt::format("{}: {}: {:.0f} % of the most work that is tried, {:.0f} s; Ctrl-C ends it",
+                     verb, what, std::floor(100 * std::clamp(share, 0.0, 1.0)), elapsed_s);
+}
+
+}  // namespace haptometer::cli
