@@ -56,7 +56,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static const std::string whole = Whole();
   const fuzz::MemoryPath file({reinterpret_cast<const char*>(data), size});
-  static_cast<void>(tools::Summarise(file.path(), {}));
+  [[maybe_unused]] const auto summary = tools::Summarise(file.path(), {});
   const std::string merged =
       std::filesystem::temp_directory_path() / ("sweep_table_fuzz_" + std::to_string(getpid()));
   if (tools::MergeTables({file.path()}, merged, true)) std::filesystem::remove(merged);

@@ -60,14 +60,16 @@ std::size_t CircularRows(const Reproduction& reproduction) {
 }
 
 std::vector<std::string> ReproductionAssumptions() {
+  const std::string generated =
+      "rows marked * are of trials generated with the printed number, not of the thesis's "
+      "recordings: they test the analysis alone";
   return {"printed values are true to half their last digit; 8200 N/m to 50 N/m, 220 Hz to 5 Hz",
           "equation 2.3 with the coil's reaction on the case, as matrix 2.5 has it",
           "the skin's stiffness up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m",
           "no cause is proved: each is a candidate whose number was computed",
-          "a tuned candidate's number was chosen by what is printed; rounding is sought as the set "
-          "of inputs that comes nearest",
-          "rows marked * are of trials generated with the printed number, not of the thesis's "
-          "recordings: they test the analysis alone"};
+          "a tuned candidate's number was chosen by what is printed",
+          "rounding is sought as the set of inputs that comes nearest",
+          generated};
 }
 
 }  // namespace haptometer::tools
