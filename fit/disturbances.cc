@@ -242,7 +242,7 @@ bool IsLarge(const Suspect& suspect, double ringing_v) {
 
 // the most telling disturbance that is not yet part of the fit
 Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackground& background,
-              bool may_have_friction) {
+              bool may_have_friction, bool may_have_blows) {
   const Remainder remainder(fit);
   const double ringing_v = fit.Envelope(0);
   Suspect worst;
@@ -260,6 +260,7 @@ Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackgrou
     const Suspect friction = TryFriction(samples, fit, remainder);
     if (IsLarge(friction, ringing_v) && friction.gain > worst.gain) return friction;
   }
+  if (!may_have_blows) return worst;
   const BlowTrials blow(samples, fit.poles, remainder);
   const auto half = static_cast<std::size_t>(PeriodOf(fit.poles) / (2 * samples.step_s)) + 1;
   const std::size_t end = samples.times_s.size() - std::min(2 * half, samples.times_s.size());
@@ -364,22 +365,36 @@ std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
       1 / PeriodOf(kept.poles), 1 / PeriodOf(other.poles));
 }
 
+// beyond this share of the spring's force it ends within five swings, and is something else
+constexpr double kMostFriction = 0.045;
+
+double SquaresOf(const RingFit& fit) {
+  double sum = 0;
+  for (const double residual : fit.jacobian.residuals) sum += residual * residual;
+  return sum;
+}
+
+// of the spring's force at the first swing
+double FrictionShare(const RingFit& fit, RecordedSignal signal) {
+  const double per_motion =
+      signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  return fit.friction * per_motion / fit.Envelope(0);
+}
+
 // whether friction explains the record better than no friction does, and slows the motion
 bool Holds(const RingFit& without, const RingFit& with, RecordedSignal signal) {
-  const auto squares = [](const RingFit& fit) {
-    double sum = 0;
-    for (const double residual : fit.jacobian.residuals) sum += residual * residual;
-    return sum;
-  };
-  const double left = squares(with);
+  const double left = SquaresOf(with);
   const auto degrees = static_cast<double>(with.jacobian.rows - with.jacobian.columns);
-  // beyond this share of the spring's force it ends within five swings, and is something else
-  constexpr double kMostFriction = 0.045;
-  const double per_motion =
-      signal == RecordedSignal::kVoltage ? std::sqrt(with.poles.stiffness_per_s2) : 1;
-  const double share = with.friction * per_motion / with.Envelope(0);
+  const double share = FrictionShare(with, signal);
   return with.converged && share > 0 && share < kMostFriction &&
-         squares(without) - left > kLeastFrictionGain * left / degrees;
+         SquaresOf(without) - left > kLeastFrictionGain * left / degrees;
+}
+
+// whether more friction than that explains most of what is left
+bool StopsAtOnce(const RingFit& without, const RingFit& with, RecordedSignal signal) {
+  constexpr double kMostLeft = 0.25;
+  return with.converged && FrictionShare(with, signal) >= kMostFriction &&
+         SquaresOf(with) < kMostLeft * SquaresOf(without);
 }
 
 // what makes the part's samples those of a motion without friction
@@ -405,17 +420,14 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
   const bool is_release = record.release_current_a.has_value();
   const double begin_s = (is_release ? start.release_s : start.impact_s) - first_s - middle_s;
   part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
-  const double per_motion =
-      record.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
-  part->friction_share = fit.friction * per_motion / fit.Envelope(0);
+  part->friction_share = FrictionShare(fit, record.signal);
   part->found.push_back(
       fmt::format("dry friction of {:.2g} % of the spring's force at the first swing: fitted along",
                   100 * part->friction_share));
 }
 
-}  // namespace
-
-Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start) {
+// FindDisturbances(), with later blows or as if there were none
+Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool may_have_blows) {
   constexpr double kLightDamping = 0.3;  // of critical
   Disturbances part;
   part.first_sample = start.first_sample;
@@ -437,7 +449,8 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
         may_have_friction &&
         part.poles.decay_per_s < kLightDamping * std::sqrt(part.poles.stiffness_per_s2);
     const Suspect worst =
-        fit.converged ? Worst(samples, fit, part.background, may_have_friction) : Suspect{};
+        fit.converged ? Worst(samples, fit, part.background, may_have_friction, may_have_blows)
+                      : Suspect{};
     if (worst.kind == Suspect::Kind::kBlow) {
       const Disturbances before = part;
       CutAt(record, fit, worst, &part);
@@ -459,6 +472,10 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
       rubbing.has_friction = true;
       const RingFit with = FitRing(samples, part.poles, rubbing);
       may_have_friction = Holds(fit, with, record.signal);
+      if (!may_have_friction && StopsAtOnce(fit, with, record.signal)) {
+        part.no_ring_down = "is stopped by dry friction within its first swings";
+        return part;
+      }
       part.background.has_friction = may_have_friction;
       if (may_have_friction) part.poles = with.poles;
     } else {
@@ -481,8 +498,25 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
       return part;
     }
   }
+  part.evidence.cuts = cuts;
   part.no_ring_down = "is disturbed again and again: no ring-down is left alone";
   return part;
+}
+
+}  // namespace
+
+Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start) {
+  Disturbances part = Search(record, start, true);
+  if (part.no_ring_down.empty() || part.evidence.cuts <= kMostCuts) return part;
+  // What is cut again and again may be no blows but something small and lasting, as another mode or
+  // a slow tail: what the whole leaves decides.
+  Disturbances whole = Search(record, start, false);
+  if (!whole.no_ring_down.empty()) return part;
+  whole.found.push_back(
+      fmt::format("{:.2g} % of its power is explained by no single decaying oscillation: another "
+                  "mode or a slow tail is beside it",
+                  100 * std::max(whole.evidence.misfit_share, 0.0)));
+  return whole;
 }
 
 }  // namespace haptometer::fit

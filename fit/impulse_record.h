@@ -45,6 +45,7 @@ struct ImpulseRecord {
   std::optional<Quantity> added_mass_kg;  ///< fixed to the mover, with a held case; absent: none
   std::optional<Quantity> voltage_scale;  ///< shown over true volts; absent: 1, exactly
   std::optional<Quantity> time_scale;     ///< shown over true seconds; absent: 1, exactly
+  bool is_cut_before = false;             ///< the record began earlier: its blow may be missing
   std::string unit = "V";                 ///< of the values, for sentences; "m" of a tapped adapter
 };
 

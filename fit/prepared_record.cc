@@ -35,6 +35,21 @@ Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& p
   return start;
 }
 
+// What is known of the blow holds where the record shows it: a part without anything quiet at its
+// begin may be behind it.
+void ForgetMissingBlow(PreparedRecord* prepared) {
+  ImpulseRecord& record = prepared->record;
+  if (!record.is_cut_before || prepared->start.quiet_samples > 0) return;
+  if (record.drop_height_m) {
+    record.drop_height_m.reset();
+    prepared->part.found.emplace_back("nothing quiet before it: the drop height is not used");
+  }
+  if (record.release_current_a) {
+    record.release_current_a.reset();
+    prepared->part.found.emplace_back("nothing quiet before it: the released current is not used");
+  }
+}
+
 Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   auto start = FindRingStart(record);
   if (!start) return std::unexpected(start.error());
@@ -66,6 +81,7 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
                         "record three decay times of one free ring-down");
   }
   if (prepared.part.background.has_friction) prepared.start.poles = prepared.part.poles;
+  ForgetMissingBlow(&prepared);
   if (!prepared.part.follows_a_later_blow) return prepared;
 
   start = StartOfPart(prepared.record, prepared.part);
@@ -104,6 +120,7 @@ struct Onset {
 
 std::optional<Onset> OnsetBehindSlow(const ImpulseRecord& record) {
   constexpr double kCalm = 0.35;  // of the largest amplitude, before the onset
+  constexpr double kSlow = 0.2;   // of the range behind the onset, at least before it
   const std::vector<double> values = Filled(record.voltage_v);
   std::vector<double> differences(values.size());
   for (std::size_t n = 1; n < values.size(); ++n) differences[n] = values[n] - values[n - 1];
@@ -122,6 +139,13 @@ std::optional<Onset> OnsetBehindSlow(const ImpulseRecord& record) {
   if (risen < 2 * whole) return std::nullopt;
   const auto before = std::max_element(amplitudes.begin(), amplitudes.begin() + risen - whole);
   if (*before > kCalm * amplitudes[static_cast<std::size_t>(largest)]) return std::nullopt;
+  // behind silence it is a blow, which needs no such search
+  const auto range = [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+    const auto [low, high] = std::minmax_element(values.begin() + first, values.begin() + end);
+    return *high - *low;
+  };
+  const auto size = static_cast<std::ptrdiff_t>(values.size());
+  if (range(0, risen - whole) < kSlow * range(risen, size)) return std::nullopt;
   return Onset{static_cast<std::size_t>(risen), period};
 }
 

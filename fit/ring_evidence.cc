@@ -19,7 +19,6 @@ constexpr double kMostShare = 0.015;
 constexpr double kSurely = 5;  // deviations
 constexpr double kLeastDecays = 0.1;
 constexpr double kMostDamping = 0.7;  // of critical
-constexpr std::size_t kMostCuts = 2;
 // Variance of the mean square of residuals less that of their third differences, for one of white
 // noise: 2, and 2 sum rho^2 = 4.62 of the differences, less twice their covariance of 2.
 constexpr double kDifferenceVariance = 2.62;

@@ -7,6 +7,9 @@
 
 namespace haptometer::fit {
 
+/// Later blows that a record may have.
+inline constexpr std::size_t kMostCuts = 2;
+
 /// What a fitted ring-down leaves that its record's noise does not explain.
 ///
 /// The noise is estimated without the model: from third differences of the residuals of blocks of a

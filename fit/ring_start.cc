@@ -365,8 +365,13 @@ void WriteContact(const ImpulseRecord& record, const std::vector<double>& values
   const double middle = (start->impact_s - record.start_s) / record.step_s;
   const auto stride = static_cast<std::size_t>(std::max(2 * reach / kMostSamples, 1.0));
   Around around;
+  bool has_all = true;  // none is missing, or clipped
   for (auto n = static_cast<std::size_t>(std::max(std::ceil(middle - reach), 0.0));
        static_cast<double>(n) < middle + reach && n < values.size(); n += stride) {
+    if (!std::isfinite(record.voltage_v[n])) {
+      has_all = false;
+      continue;
+    }
     around.times_s.push_back((static_cast<double>(n) - middle) * record.step_s);
     around.values_v.push_back(values[n] - start->offset_v);
   }
@@ -384,7 +389,7 @@ void WriteContact(const ImpulseRecord& record, const std::vector<double>& values
   const auto last = std::ranges::find_if(left.rbegin(), left.rend(), holds) - left.rbegin();
   const double between_s = period_s / 3 / (kLengths - 1);
   start->shortest_contact_s =
-      (1 - kShape) * between_s * std::max(static_cast<double>(first) - 1, 0.0);
+      has_all ? (1 - kShape) * between_s * std::max(static_cast<double>(first) - 1, 0.0) : 0;
   start->longest_contact_s = (1 + kShape) * between_s * static_cast<double>(kLengths - last);
 }
 

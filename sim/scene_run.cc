@@ -388,6 +388,8 @@ double Deviation(AskedQuantity quantity, const SceneRun& run, const SceneRun& re
     case AskedQuantity::kSkinWaveform:
       break;
   }
+  // windows of whole periods are as long as the motions that they are of
+  if (run.skin_m.size() != reference.skin_m.size()) return std::numeric_limits<double>::infinity();
   const double peak_m = reference.skin_m.cwiseAbs().maxCoeff();
   const double apart_m = (run.skin_m - reference.skin_m).cwiseAbs().maxCoeff();
   return apart_m == 0 ? 0 : apart_m / peak_m;

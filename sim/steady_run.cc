@@ -175,7 +175,9 @@ class SmoothSearch {
       SteadyRun fine = Refined(MapOf(ladder.tolerance()), *coarse.periodic, ladder.tolerance());
       if (!fine.run) return fine;
       work += fine.run->work;
-      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, ladder.finer());
+      // what is left of Newton's step may be the same in both
+      const double left = fine.periodic ? kRmsOverLargest * fine.periodic->error : 0;
+      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, ladder.finer()) + left;
       fine.run->work = work;
       if (ladder.EndsWith(fine.run->error_estimate)) return fine;
       coarse = std::move(fine);

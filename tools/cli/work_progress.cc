@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -17,17 +18,16 @@ constexpr std::chrono::milliseconds kQuiet{2000};
 constexpr std::chrono::milliseconds kRefresh{200};
 constexpr std::chrono::milliseconds kLineEvery{10'000};
 
-extern "C" void EndAtOnce(int signal) {
-  constexpr char kWipe[] = "\n";
-  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kWipe, sizeof kWipe - 1);
-  ::_exit(128 + signal);
-}
+constexpr std::array kInterrupts{SIGINT, SIGTERM};
 
-void EndAtInterrupts(bool wanted) {
-  struct sigaction action{};
-  action.sa_handler = wanted ? EndAtOnce : SIG_DFL;
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+// a line stands on the terminal without an end
+volatile std::sig_atomic_t line_is_open = 0;
+
+extern "C" void EndAtOnce(int signal) {
+  if (line_is_open != 0) {
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, "\n", 1);
+  }
+  ::_exit(128 + signal);
 }
 
 }  // namespace
@@ -37,7 +37,13 @@ WorkProgress::WorkProgress(std::string_view verb, std::string advice)
       advice_(std::move(advice)),
       begun_ns_(clock_.Now()),
       on_terminal_(::isatty(STDERR_FILENO) == 1) {
-  EndAtInterrupts(true);
+  struct sigaction ends{};
+  ends.sa_handler = EndAtOnce;
+  for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
+    sigaction(kInterrupts[k], nullptr, &before_[k]);
+    // what is ignored, as by nohup, stays ignored
+    if (before_[k].sa_handler != SIG_IGN) sigaction(kInterrupts[k], &ends, nullptr);
+  }
   telling_ = std::thread([this] {
     std::unique_lock lock(mutex_);
     const auto done = [this] { return done_; };
@@ -56,13 +62,17 @@ WorkProgress::~WorkProgress() {
   changed_.notify_all();
   telling_.join();
   if (shown_ && on_terminal_) fmt::print(stderr, "\r\033[K");
-  EndAtInterrupts(false);
+  line_is_open = 0;
+  for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
+    sigaction(kInterrupts[k], &before_[k], nullptr);
+  }
 }
 
 void WorkProgress::Say(double elapsed_s) {
   std::string line = WorkLine(verb_, what_, share_, elapsed_s);
   if (!shown_) line += "; " + advice_;
   shown_ = true;
+  line_is_open = on_terminal_ ? 1 : 0;
   fmt::print(stderr, "{}{}{}", on_terminal_ ? "\r\033[K" : "", line, on_terminal_ ? "" : "\n");
   std::fflush(stderr);
 }

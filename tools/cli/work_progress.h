@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
+#include <csignal>
 #include <mutex>
 #include <string>
 #include <string_view>
@@ -38,6 +40,7 @@ class WorkProgress {
   SystemClock clock_;
   MonotonicNs begun_ns_;
   bool on_terminal_;
+  std::array<struct sigaction, 2> before_{};  // what SIGINT and SIGTERM did
   bool shown_ = false;
   std::mutex mutex_;
   std::string what_ = "working";

@@ -187,7 +187,7 @@ Result<Window> ParseWindow(const std::string& text) {
   return window;
 }
 
-// the part of a record within a window; what is known of the blow holds for the whole alone
+// the part of a record within a window
 Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
   const auto size = static_cast<double>(record->voltage_v.size());
   const auto position = [&](double time_s) {
@@ -204,6 +204,7 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
   const auto begin = record->voltage_v.begin();
   record->voltage_v = std::vector<double>(begin + first, begin + end);
   record->start_s += static_cast<double>(first) * record->step_s;
+  record->is_cut_before = first > 0;
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <string_view>
@@ -33,10 +34,6 @@ std::vector<std::string> PrintableCellsOf(std::string_view line) {
 }
 
 Result<void> TakeNames(const std::vector<std::string>& names, TextTable* table) {
-  if (names.size() > kMostNames) {
-    return CannotAnswer(table->name, fmt::format("has more than {} columns", kMostNames),
-                        "is it a table with names in its first line?");
-  }
   for (const std::string& name : names) {
     if (!table->columns.emplace(name, std::vector<std::string>{}).second) {
       return CannotAnswer(table->name, fmt::format("has two columns {}", name), "rename one");
@@ -88,6 +85,11 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     rest.remove_prefix(std::min(rest.size(), rest.find('\n')));
     if (!rest.empty()) rest.remove_prefix(1);
     if (line.empty() || line.starts_with('#')) continue;
+    if (static_cast<std::size_t>(std::ranges::count(line, ',')) > kMostNames) {
+      return CannotAnswer(fmt::format("{}:{}", path, number),
+                          fmt::format("has more than {} cells", kMostNames),
+                          "is it a table of one row a line?");
+    }
     if (names.empty()) {
       names = PrintableCellsOf(line);
       if (auto taken = TakeNames(names, &table); !taken) return std::unexpected(taken.error());

@@ -22,7 +22,7 @@ class TableFile {
 
   /// Goes on with the table at `path`, or begins it where there is none or not a whole header. What
   /// stands behind its last whole row is cut off. A row that does not match its checksum is
-  /// computed again and put in its place. A table of an older version goes on without checksums.
+  /// computed again and put in its place.
   /// Errors: as Begin; Cause::kUsage for a table of another question or shard, with the difference,
   /// and for rows that this question does not make, or that were changed in their length.
   [[nodiscard]] static Result<TableFile> Resume(const std::string& path, const TableHeader& header,

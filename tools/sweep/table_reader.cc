@@ -68,13 +68,15 @@ Result<void> TableReader::ReadHeader() {
 
 std::optional<std::string> TableReader::Next() {
   std::string line;
+  std::uint64_t bytes = 0;
   for (int c = file_.get(); c != std::ifstream::traits_type::eof(); c = file_.get()) {
+    ++bytes;
     if (c == '\n') {
-      read_bytes_ += line.size() + 1;
+      read_bytes_ += bytes;
       return line;
     }
-    if (line.size() == kMostRowBytes) break;
-    line += static_cast<char>(c);
+    // of a longer line only the beginning, which is no row
+    if (line.size() < kMostRowBytes) line += static_cast<char>(c);
   }
   ends_amid_row_ = !line.empty();
   return std::nullopt;

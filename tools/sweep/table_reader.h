@@ -23,7 +23,7 @@ class TableReader {
   [[nodiscard]] std::optional<std::string> Next();
 
   /// Whether `row` is one as this table's rows are written: with a cell a column, and with the
-  /// checksum of its cells where the table has checksums.
+  /// checksum of its cells.
   [[nodiscard]] bool IsRow(const std::string& row) const;
 
   /// Whether the file ends amid a row: its writer was ended there.
