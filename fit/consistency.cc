@@ -166,8 +166,6 @@ void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::s
         "the spring {} with travel, and Kv is an average over this ring-down",
         drop.record.name, 100 * frequency.share, frequency.deviations,
         frequency.share < 0 ? "stiffens" : "softens"));
-  }
-  if (frequency.deviations > kDeviations) {
     whole.frequency_widening =
         std::hypot(whole.frequency_widening, std::abs(frequency.share) / whole.frequency.deviation);
   }

@@ -110,6 +110,59 @@ TEST_F(FitLraEvidence, AWindowIsFittedAlone) {
   EXPECT_REL(hertz("1001ms:1.6"), 70.0, 2e-3, "noise, and d/w of 1e-4");
 }
 
+// a fall from 12 mm without rebound strikes the case at 20 ms; closed case, Km = 1
+double Struck(double t) {
+  const double since = t - 0.02;
+  return since < 0 ? 0 : 0.485 * std::exp(-11.5 * since) * std::cos(kTwoPi * 225 * since);
+}
+
+TEST_F(FitLraEvidence, AWindowBehindTheBlowHasNoHeight) {
+  const auto path = Write("drop.csv", 5e-5, 10'000, 1e-3, Struck);
+  const auto fitted = [&](const std::string& window) {
+    return FitLra({path, "--moving-mass", "1.4g", "--held", "--drop-height", "12mm", "--rebound",
+                   "0", "--json", "--window", window});
+  };
+  const Outcome whole = fitted("0.001:");
+  ASSERT_EQ(whole.status, 0) << whole.err;
+  EXPECT_TRUE(json::parse(whole.out).at("parameters").at("Km").at("determined").get<bool>());
+  const Outcome behind = fitted("0.053:");
+  ASSERT_EQ(behind.status, 0) << behind.err;
+  EXPECT_FALSE(json::parse(behind.out).at("parameters").at("Km").at("determined").get<bool>());
+  EXPECT_THAT(behind.out, HasSubstr("the drop height is not used"));
+}
+
+// another mode of 2 % of the amplitude, or an offset that fades, is no series of blows
+TEST_F(FitLraEvidence, SomethingSmallBesideARingIsFittedAndNamed) {
+  for (const auto& beside : std::vector<std::function<double(double)>>{
+           [](double t) { return 0.02 * std::exp(-20 * t) * std::sin(kTwoPi * 291 * t); },
+           [](double t) { return 0.03 * std::exp(-45 * t); }}) {
+    const auto path = Write("ring.csv", 5e-5, 10'000, 1e-3, [&](double t) {
+      const double since = t - 0.02;
+      return since < 0 ? 0 : 2 * Struck(t) + beside(since);
+    });
+    const Outcome outcome = FitLra({path, "--moving-mass", "1.4g", "--held", "--json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const json document = json::parse(outcome.out);
+    EXPECT_THAT(outcome.out, HasSubstr("is explained by no single decaying oscillation"));
+    EXPECT_REL(document.at("natural_frequency_hz").get<double>(), 225.0, 1e-4,
+               "2 % of the amplitude elsewhere, and d/w of 3e-5");
+    EXPECT_REL(document.at("quality_factor").get<double>(), std::numbers::pi * 225 / 11.5, 0.01,
+               "2 % of the amplitude elsewhere");
+  }
+}
+
+// Coulomb: each half swing loses twice the same, here 0.16 of the first: at rest after six
+TEST_F(FitLraEvidence, FrictionThatStopsTheMotionAtOnceIsRefused) {
+  const auto path = Write("rub.csv", 5e-5, 10'000, 1e-3, [](double t) {
+    const double since = t - 0.02;
+    if (since < 0) return 0.0;
+    const double amplitude = 1 - 0.16 * std::floor(2 * 225 * since);
+    return amplitude > 0 ? amplitude * std::sin(kTwoPi * 225 * since) : 0.0;
+  });
+  const Outcome outcome = FitLra({path, "--moving-mass", "1.4g", "--held"});
+  EXPECT_EQ(outcome.status, 3) << outcome.out;
+}
+
 TEST_F(FitLraEvidence, AWindowThatIsNoneIsAWrongCommand) {
   const auto path = Write("ring.csv", 5e-4, 2000, 1e-3,
                           [](double t) { return std::exp(-6 * t) * std::cos(kTwoPi * 40 * t); });

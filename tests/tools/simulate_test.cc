@@ -256,6 +256,20 @@ TEST_F(SimulateVerb, FindsThePeriodicMotionUnderStops) {
   EXPECT_THAT(Simulate({scene}).out, HasSubstr("settles to a motion that repeats itself every"));
 }
 
+// windows of the motion with stops and without are of different length
+TEST_F(SimulateVerb, AWaveformThatAStopMayChangeIsCompared) {
+  std::ifstream base(kFixtures + "/lra_adapter.toml");
+  std::ofstream scene(Path("auto.toml"));
+  scene << base.rdbuf()
+        << "[effects]\ntravel_stops = 'auto'\n[travel_stops]\ngap_m = '0.4mm'\n"
+           "stiffness_n_per_m = 1e6\ndamping_n_s_per_m = 0\n";
+  scene.close();
+  const Outcome outcome = Simulate(
+      {Path("auto.toml"), "--json", "--quantity", "skin_waveform_m", "--tolerance", "1e-6"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(json::parse(outcome.out).at("periodic").at("drive_periods"), 6);
+}
+
 // undamped compliant stops, between which the adapter scene repeats itself every six periods
 TEST_F(SimulateVerb, NumbersAreOfWholePeriodsOfTheMotion) {
   std::ifstream base(kFixtures + "/lra_adapter.toml");

@@ -165,6 +165,18 @@ TEST_F(SweepVerb, MergesNoRowInWhichADigitChanged) {
   EXPECT_THAT(outcome.err, HasSubstr("holds a row that was changed or is none: '14,"));
 }
 
+// rows behind a line that is too long for a row are not cut off
+TEST_F(SweepVerb, RefusesATableWithALineOfMegabytes) {
+  const std::string whole = Table(kGrid, "whole.csv");
+  const std::size_t third = whole.find("\n3,") + 1;
+  const std::string table =
+      whole.substr(0, third) + std::string(1'300'000, 'x') + "\n" + whole.substr(third);
+  (void)File("t.csv", table);
+  const Outcome outcome = Sweep(kGrid, "t.csv", {"--resume"});
+  EXPECT_EQ(outcome.status, 2) << outcome.err;
+  EXPECT_EQ(Content("t.csv"), table);
+}
+
 TEST_F(SweepVerb, ReadsNoTableWithoutChecksums) {
   (void)File("t.csv", WithoutChecksums(Table(kGrid, "whole.csv")));
   for (const Outcome& outcome :

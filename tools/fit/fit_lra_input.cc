@@ -280,6 +280,12 @@ void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* file
   if (errors.empty()) return;
   // where most are none, the others are likely none either
   if (2 * errors.size() > drops.size()) {
+    const std::size_t good = files->size() - fitted_before;
+    if (good > 0) {
+      input->remarks.push_back(fmt::format(
+          "{}: {} of its {} drops could be fitted, too few for a file of drops: not used",
+          file.record.name, good, drops.size()));
+    }
     files->resize(fitted_before);
     input->prepared.resize(fitted_before);
   }
