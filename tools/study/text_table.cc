@@ -87,7 +87,7 @@ Result<TextTable> ReadTextTable(const std::string& path, const std::vector<std::
     if (line.empty() || line.starts_with('#')) continue;
     if (static_cast<std::size_t>(std::ranges::count(line, ',')) > kMostNames) {
       return CannotAnswer(fmt::format("{}:{}", path, number),
-                          fmt::format("has more than {} cells", kMostNames),
+                          fmt::format("has more than {} columns", kMostNames),
                           "is it a table of one row a line?");
     }
     if (names.empty()) {
