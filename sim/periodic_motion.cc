@@ -451,6 +451,20 @@ class Search {
     return {mean, std::sqrt(square / (count - 1) / count)};
   }
 
+  // Whether batches are alike. One that holds most of their variance saw something rare, of which
+  // the others say nothing: then neither the mean nor its uncertainty is known. (Of 32 normal ones
+  // the largest holds some fifth; more than half once in 1e5.)
+  static bool AreAlike(const std::vector<double>& batches, double mean) {
+    constexpr double kMostOfOne = 0.5;
+    double sum = 0, largest = 0;
+    for (const double value : batches) {
+      const double square = (value - mean) * (value - mean);
+      sum += square;
+      largest = std::max(largest, square);
+    }
+    return largest <= kMostOfOne * sum;
+  }
+
   void Average() {
     std::vector<PeriodMeans> batches;
     ChaoticMotion chaotic{.point = Now(),
@@ -465,11 +479,13 @@ class Search {
       Remember(step->point);
       batches.push_back(*step->means);
     }
+    bool are_alike = true;
     const auto fill = [&](auto&& field) {
       std::vector<double> values;
       values.reserve(batches.size());
       for (PeriodMeans& batch : batches) values.push_back(field(batch));
       const auto [mean, uncertainty] = MeanOf(values);
+      are_alike = are_alike && AreAlike(values, mean);
       field(chaotic.means) = mean;
       field(chaotic.standard_uncertainties) = uncertainty;
     };
@@ -481,7 +497,8 @@ class Search {
     fill([](PeriodMeans& means) -> double& { return means.travel_mean_square; });
     fill([](PeriodMeans& means) -> double& { return means.power_w; });
     fill([](PeriodMeans& means) -> double& { return means.coil_w; });
-    search_.chaotic = std::move(chaotic);
+    is_rare_ = !are_alike;
+    if (are_alike) search_.chaotic = std::move(chaotic);
   }
 
   std::string Tried() const {
@@ -492,6 +509,10 @@ class Search {
     if (is_measured_) {
       tried += fmt::format(", deviations grow by {:.2g} +- {:.1g} (standard uncertainty) a period",
                            exponent_, exponent_uncertainty_);
+    }
+    if (is_rare_) {
+      tried += fmt::format(", averages over {} periods hang on one part of them",
+                           kBatches * kMeanPeriodsPerBatch);
     }
     if (std::isfinite(nearest_)) {
       tried += fmt::format(", nearest recurrence {:.1g} of the motion's size", nearest_);
@@ -510,6 +531,7 @@ class Search {
   double nearest_ = std::numeric_limits<double>::infinity();
   double exponent_ = 0, exponent_uncertainty_ = 0;
   bool is_measured_ = false;
+  bool is_rare_ = false;
 };
 
 }  // namespace

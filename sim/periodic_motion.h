@@ -87,8 +87,10 @@ struct PeriodicSettings {
 /// **Chaos**: where nothing repeats itself, the largest Lyapunov exponent is estimated over 1024
 /// periods more from a pair of motions (G. Benettin et al., Meccanica 15, 9-30 (1980)), with its
 /// uncertainty from 32 batches. If it is positive by four of these, averages over 4096 periods
-/// more are the answer. Else (quasi-periodic motion, a longer period, no end of the transient in
-/// the bounded work) there is none, and `tried` says what was seen and what it cost.
+/// more are the answer, unless one of their 32 batches holds more than half of the variance: it
+/// then saw something rare, as a long flight, that the others did not. Else (quasi-periodic motion,
+/// a longer period, no end of the transient in the bounded work) there is none, and `tried` says
+/// what was seen and what it cost.
 ///
 /// Cost: the transient, and 2 n k periods for each Newton step.
 [[nodiscard]] PeriodicSearch FindPeriodicMotion(const PeriodMap& map, const PeriodPoint& start,
