@@ -11,6 +11,7 @@
 
 #include "acquire/sensor/pipe_channels.h"
 #include "base/quantity.h"
+#include "base/result.h"
 #include "fuzz/seeds.h"
 #include "fuzz/verb_run.h"
 #include "tools/acquire/options/trigger_option.h"
@@ -89,6 +90,12 @@ std::vector<std::string> WordsIn(std::string_view text) {
   return words;
 }
 
+// a word is read, or refused in words
+template <class T>
+void RequireReason(const Result<T>& read) {
+  fuzz::Require(read.has_value() || !read.error().what.empty());
+}
+
 // the readers of words that stand behind options
 void ReadWord(const std::string& word) {
   for (int k = 0; k <= static_cast<int>(Dimension::kForceConstant); ++k) {
@@ -98,19 +105,19 @@ void ReadWord(const std::string& word) {
     fuzz::Require(PossibleQuantity(*quantity, dimension, "--x").has_value());
     fuzz::Require(quantity->standard_uncertainty >= 0);
   }
-  static_cast<void>(cli::ParseBand(word));
-  static_cast<void>(cli::ReadKeyValues({word}, "--label"));
-  static_cast<void>(tools::ReadBestWish(word));
-  static_cast<void>(tools::ReadVaryWord(word, tools::RangesAre::kGrid));
-  static_cast<void>(tools::ReadVaryWord(word, tools::RangesAre::kSampled));
-  static_cast<void>(tools::ParseContrast(word));
-  static_cast<void>(tools::ParseWish(word));
-  static_cast<void>(tools::ParseGuesses({word}));
-  static_cast<void>(tools::ParseTrigger(word));
-  static_cast<void>(acquire::ReadPipeChannels(word, acquire::SampleFormat::kText, ""));
+  RequireReason(cli::ParseBand(word));
+  RequireReason(cli::ReadKeyValues({word}, "--label"));
+  RequireReason(tools::ReadBestWish(word));
+  RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kGrid));
+  RequireReason(tools::ReadVaryWord(word, tools::RangesAre::kSampled));
+  RequireReason(tools::ParseContrast(word));
+  RequireReason(tools::ParseWish(word));
+  RequireReason(tools::ParseGuesses({word}));
+  RequireReason(tools::ParseTrigger(word));
+  RequireReason(acquire::ReadPipeChannels(word, acquire::SampleFormat::kText, ""));
   tools::AnalyzeWords analyze;
   analyze.window = word;
-  static_cast<void>(tools::QuestionOf(analyze));
+  RequireReason(tools::QuestionOf(analyze));
 }
 
 }  // namespace

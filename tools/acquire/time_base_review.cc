@@ -10,7 +10,7 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr std::uint64_t kMostRows = 10'000'000;
+constexpr std::uint64_t kMostRows = 1'000'000;
 
 }  // namespace
 

@@ -17,7 +17,7 @@ struct TimeBaseReview {
 
 /// Reads a free-running sensor's trial back and fits its time base, which finds losses that the
 /// clock alone does not show while they happen. Nothing for other timings, for nothing kept, and
-/// beyond ten million rows, whose memory would be a gigabyte (`trial info` says it then).
+/// beyond a million rows, whose memory would be 100 MB (`trial info` says it then).
 /// Cost: about 0.1 us a row.
 [[nodiscard]] std::optional<TimeBaseReview> ReviewTimeBase(
     const std::string& file, trial::Timing timing, const acquire::RecordingSummary& summary);
