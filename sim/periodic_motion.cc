@@ -361,10 +361,8 @@ class Search {
   bool Settles(Shot& shot) {
     constexpr int kPeriodsBetween = 64;
     const int k = shot.motion.drive_periods;
-    double apart = Apart(map_, Now(), shot.motion.point, shot.scale);
-    shot.motion.from_transient = apart;
     if (map_.heats() && !Warm(shot.motion)) return false;
-    apart = Apart(map_, Now(), shot.motion.point, shot.scale);
+    double apart = Apart(map_, Now(), shot.motion.point, shot.scale);
     for (int setbacks = 0; transient_ < 2 * settings_.most_periods;) {
       if (apart <= std::max(kThere, kFixed * map_.error())) return true;
       const double before = apart;
@@ -435,6 +433,7 @@ class Search {
       }
       if (counted > 0) batches.push_back(sum / counted);
     }
+    if (batches.size() < kBatches / 2) return true;
     const auto [mean, uncertainty] = MeanOf(batches);
     exponent_ = mean;
     exponent_uncertainty_ = uncertainty;
@@ -553,7 +552,6 @@ std::optional<PeriodicMotion> RefinePeriodicMotion(const PeriodMap& map,
   auto whole = counted.After(shot->motion.point, motion.drive_periods, true);
   if (!whole) return {};
   shot->motion.means = std::move(*whole->means);
-  shot->motion.from_transient = motion.from_transient;
   return std::move(shot->motion);
 }
 

@@ -25,8 +25,6 @@ struct PeriodicMotion {
   /// How far from the motion the point may be, |(I - M)^-1| |residual|, likewise over each state's
   /// largest value.
   double error = 0;
-  /// How far the end of the transient was from it, over each state's largest value.
-  double from_transient = 0;
   PeriodMeans means{};
 };
 

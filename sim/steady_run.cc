@@ -186,8 +186,11 @@ class SmoothSearch {
   }
 
  private:
+  // A search compares states over periods and takes differences of them: to less than 1e-8 it takes
+  // what is near for what repeats itself.
   PeriodMap MapOf(double tolerance) const {
-    return {system_, scene_.scene.drive, SmoothSettings{.tolerance = tolerance}};
+    constexpr double kMost = 1e-8;
+    return {system_, scene_.scene.drive, SmoothSettings{.tolerance = std::min(tolerance, kMost)}};
   }
 
   SteadyRun Settle(const PeriodMap& map, const PeriodPoint& from, double tolerance) {

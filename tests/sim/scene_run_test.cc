@@ -11,6 +11,7 @@
 
 #include "sim/effect_choice.h"
 #include "sim/linear_model.h"
+#include "sim/scene_file.h"
 #include "sim/sensor_model.h"
 #include "sim/steady_run.h"
 #include "sim/steady_state.h"
@@ -210,6 +211,50 @@ TEST(SteadyRun, SettlesAtTheTemperatureThatItsPowerHolds) {
   EXPECT_LE(steady.run->error_estimate, scene.tolerance);
   const double rise_k = 100 * scene.actuator.resistance_ohm * std::pow(linear.current_rms_a, 2);
   EXPECT_REL(steady.run->temperature_rise_k, rise_k, 1e-3, "a period's error times 2e5");
+}
+
+// what counts as the same state again may not be as loose as the answer: a search with differences
+// of 1e-4 found nothing here
+TEST(SteadyRun, OfALooseToleranceIsTheMotionOfATightOne) {
+  const auto read = ReadSceneText(R"(
+[actuator]
+moving_mass_kg = 0.95e-3
+case_mass_kg = 0.623e-3
+damping_n_s_per_m = 0.0179
+force_constant_n_per_a = 0.835
+resistance_ohm = 26
+inductance_h = 0
+stiffness_n_per_m = 666.4
+[adapter]
+motor_side_mass_kg = 0.133e-3
+skin_side_mass_kg = 4.305e-3
+stiffness_n_per_m = 5240
+damping_n_s_per_m = 0.2014
+[skin]
+stiffness_n_per_m = 703.2
+damping_n_s_per_m = 0.7642
+[drive]
+kind = "sine"
+amplitude_v = 4.315
+frequency_hz = 192.6
+[stiffening]
+cubic_n_per_m3 = 16.75e9
+)",
+                                  "scene.toml");
+  ASSERT_TRUE(read.has_value()) << read.error().Text();
+  Scene scene = *read;
+  scene.tolerance = 1e-6;
+  const SteadyRun tight = PlaySteady(WithEffects(scene, Only({Effect::kStiffening})));
+  ASSERT_TRUE(tight.periodic) << tight.tried;
+  for (const double tolerance : {1e-4, 1e-3, 1e-2}) {
+    scene.tolerance = tolerance;
+    const SteadyRun loose = PlaySteady(WithEffects(scene, Only({Effect::kStiffening})));
+    ASSERT_TRUE(loose.periodic) << tolerance << ": " << loose.tried;
+    EXPECT_EQ(loose.periodic->drive_periods, tight.periodic->drive_periods);
+    EXPECT_LE(loose.run->error_estimate, tolerance);
+    EXPECT_REL(loose.run->skin_rms_m, tight.run->skin_rms_m, loose.run->error_estimate + 1e-6,
+               "what both state");
+  }
 }
 
 // "as if the drive had been on forever" never lies beyond a stop
