@@ -426,6 +426,91 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
                   100 * part->friction_share));
 }
 
+// Whether a strong hum is missing in what precedes the motion: then it stands for something that
+// the motion itself does.
+bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
+                        const RingSamples& samples, const RingFit& fit, double hum_hz) {
+  constexpr double kStrong = 0.2;     // of the ringing
+  constexpr double kMostLeft = 0.25;  // of the hum's power
+  const double seen_s = static_cast<double>(start.quiet_samples) * record.step_s;
+  const double amplitude_v = fit.HumAmplitude();
+  if (amplitude_v < kStrong * fit.Envelope(0) || seen_s * hum_hz < 0.5) return false;
+  std::vector<double> left;
+  for (std::size_t n = 0; n < start.quiet_samples; ++n) {
+    if (!std::isfinite(record.voltage_v[n])) continue;
+    const double angle =
+        2 * std::numbers::pi * hum_hz * (record.start_s + static_cast<double>(n) * record.step_s);
+    left.push_back(record.voltage_v[n] - fit.hum_cosine_v * std::cos(angle) -
+                   fit.hum_sine_v * std::sin(angle));
+  }
+  const double block = samples.step_s / record.step_s;
+  const double noise = SquaresOf(fit) / static_cast<double>(fit.jacobian.residuals.size()) * block;
+  const Eigen::Map<const Eigen::ArrayXd> all(left.data(), static_cast<Eigen::Index>(left.size()));
+  const double square = (all - all.mean()).square().mean();
+  return square - 2 * noise > kMostLeft * 0.5 * amplitude_v * amplitude_v;
+}
+
+// Whether another motion precedes the part: the end of a chirp or of a beat looks like a ring-down
+// when it is cut off. What precedes may be noise, or a ring-down before a later blow; what no
+// decaying oscillation explains of it, beyond noise, is compared with the part's first power.
+bool FollowsAnotherMotion(const ImpulseRecord& record, const RingStart& start,
+                          const Disturbances& part, const RingSamples& samples,
+                          const RingFit& fit) {
+  constexpr double kMostOther = 0.15;
+  constexpr double kSurely = 5;
+  const double period_s = PeriodOf(fit.poles);
+  const auto block = static_cast<std::size_t>(std::lround(samples.step_s / record.step_s));
+  const auto margin = static_cast<std::size_t>(period_s / 4 / record.step_s);
+  const std::size_t first = part.first_sample > start.first_sample ? start.first_sample : 0;
+  if (part.first_sample <= first + margin) return false;
+  const std::size_t end = part.first_sample - margin;
+  const double seen_s = static_cast<double>(end - first) * record.step_s;
+  const RingSamples before = BlocksOf(record, first, end, block);
+  if (before.values_v.size() < kLeastBlocks || seen_s < period_s / 2) return false;
+  const RingFit other = FitRing(before, fit.poles, {});
+  const RingEvidence left = EvidenceOf(before, other, 0);
+  const double share = std::pow(other.Envelope(0) / fit.Envelope(0), 2);
+  return left.lasting_share * share > kMostOther &&
+         left.lasting_share > kSurely * left.lasting_share_deviation;
+}
+
+// whether what is left of the part is one ring-down, and where its tail ends
+void Judge(const ImpulseRecord& record, const RingStart& start, const RingSamples& samples,
+           const RingFit& fit, Disturbances* part) {
+  // what changes with the amplitude is for consistency.h to judge
+  if (fit.friction > 0) WriteLinearLessFriction(record, start, samples, fit, part);
+  const double step_v = ConverterStep(record.voltage_v);
+  const double quiet_v = start.quiet_samples > 0 ? start.quiet_noise_v : 0;
+  const double floor_v =
+      std::max(step_v / std::sqrt(12.0), std::min(quiet_v, 0.1 * fit.Envelope(0))) /
+      std::sqrt(samples.step_s / record.step_s);
+  const std::size_t cuts = part->evidence.cuts;
+  part->evidence = EvidenceOf(samples, fit, floor_v);
+  part->evidence.cuts = cuts;
+  // quiet: nothing but the noise that the ringing leaves, too
+  part->evidence.begins =
+      start.quiet_samples > 0 &&
+      quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
+  part->no_ring_down =
+      NoRingDown(part->evidence, samples, fit, record.drop_height_m || record.release_current_a);
+  const double hum_hz = part->background.hum_hz;
+  if (part->no_ring_down.empty() && !part->follows_a_later_blow &&
+      HumIsMissingBefore(record, start, samples, fit, hum_hz)) {
+    part->no_ring_down = fmt::format(
+        "is no single decaying oscillation: what looks like hum of {:g} Hz does not precede it (a "
+        "chirp or a beat?)",
+        hum_hz);
+  }
+  if (part->no_ring_down.empty() && FollowsAnotherMotion(record, start, *part, samples, fit)) {
+    part->no_ring_down = fmt::format(
+        "is no single decaying oscillation: another motion precedes that of {:.4g} Hz (a chirp "
+        "or a beat?)",
+        1 / PeriodOf(fit.poles));
+  }
+  CutQuantisedTail(record, fit,
+                   start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, part);
+}
+
 // FindDisturbances(), with later blows or as if there were none
 Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool may_have_blows) {
   constexpr double kLightDamping = 0.3;  // of critical
@@ -435,7 +520,6 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
   part.poles = start.poles;
   bool may_have_friction = true;
   std::size_t cuts = 0;
-  const bool is_stated_drop = record.drop_height_m || record.release_current_a;
   for (int round = 0; round < kMostRounds; ++round) {
     const double wanted = PeriodOf(part.poles) / (kSamplesPerPeriod * record.step_s);
     const std::size_t length = part.end_sample - part.first_sample;
@@ -479,22 +563,8 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       part.background.has_friction = may_have_friction;
       if (may_have_friction) part.poles = with.poles;
     } else {
-      // what changes with the amplitude is for consistency.h to judge
-      if (fit.friction > 0) WriteLinearLessFriction(record, start, samples, fit, &part);
-      const double step_v = ConverterStep(record.voltage_v);
-      const double quiet_v = start.quiet_samples > 0 ? start.quiet_noise_v : 0;
-      const double floor_v =
-          std::max(step_v / std::sqrt(12.0), std::min(quiet_v, 0.1 * fit.Envelope(0))) /
-          std::sqrt(static_cast<double>(block));
-      part.evidence = EvidenceOf(samples, fit, floor_v);
       part.evidence.cuts = cuts;
-      // quiet: nothing but the noise that the ringing leaves, too
-      part.evidence.begins =
-          start.quiet_samples > 0 &&
-          quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
-      part.no_ring_down = NoRingDown(part.evidence, samples, fit, is_stated_drop);
-      CutQuantisedTail(record, fit,
-                       start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, &part);
+      Judge(record, start, samples, fit, &part);
       return part;
     }
   }

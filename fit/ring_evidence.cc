@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kMostShare = 0.015;
 constexpr double kSurely = 5;  // deviations
+constexpr double kMostLasting = 0.01;
 constexpr double kLeastDecays = 0.1;
 constexpr double kMostDamping = 0.7;  // of critical
 // Variance of the mean square of residuals less that of their third differences, for one of white
@@ -77,7 +78,7 @@ std::string FrequencyChange(const RingSamples& samples, const RingFit& fit) {
   constexpr std::size_t kLeastPart = 24;  // samples
   constexpr double kPartPeriods = 1.5;
   constexpr double kMostDeviation = 0.02;  // beyond which it is not that of a linear fit
-  if (fit.hum_v > 0 || fit.drift_v != 0) return {};
+  if (fit.HumAmplitude() > 0 || fit.drift_v != 0) return {};
   const double energy_s =
       std::min(1 / fit.poles.decay_per_s, samples.times_s.back() - samples.times_s.front());
   const double part_s = std::max(0.35 * energy_s, kPartPeriods / NaturalHz(fit.poles));
@@ -138,6 +139,19 @@ std::string Other(const RingSamples& samples, const RingFit& fit) {
                      *other_hz);
 }
 
+// the residuals' power beyond noise, of all samples alike
+void WriteWhatLasts(const std::vector<double>& residuals, const RingFit& fit, double floor_v,
+                    RingEvidence* evidence) {
+  const auto rows = static_cast<double>(residuals.size());
+  const std::vector<double> even(residuals.size(), 1.0);
+  const double noise = std::max(NoiseSquare(residuals, even), floor_v * floor_v);
+  double square = 0;
+  for (const double residual : residuals) square += residual * residual / rows;
+  const double first = 0.5 * fit.Envelope(0) * fit.Envelope(0);
+  evidence->lasting_share = (square - noise) / first;
+  evidence->lasting_share_deviation = noise * std::sqrt(kDifferenceVariance / rows) / first;
+}
+
 }  // namespace
 
 RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double floor_v) {
@@ -159,6 +173,7 @@ RingEvidence EvidenceOf(const RingSamples& samples, const RingFit& fit, double f
   }
   RingEvidence evidence;
   if (!(ringing > 0)) return evidence;
+  WriteWhatLasts(residuals, fit, floor_v, &evidence);
   const double noise = std::max(NoiseSquare(residuals, weights), floor_v * floor_v);
   evidence.misfit_share = (misfit - noise * weight_sum * degrees / rows) / ringing;
   evidence.misfit_share_deviation =
@@ -189,6 +204,13 @@ std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
         "is no single decaying oscillation: {:.2g} % of the power at {:.4g} Hz is "
         "not explained by one{}",
         100 * evidence.misfit_share, NaturalHz(fit.poles), Other(samples, fit));
+  }
+  if (evidence.lasting_share > kMostLasting &&
+      evidence.lasting_share > kSurely * evidence.lasting_share_deviation) {
+    return fmt::format(
+        "does not end with its oscillation of {:.4g} Hz: {:.2g} % of its first power stays (a "
+        "chirp, or another source?)",
+        NaturalHz(fit.poles), 100 * evidence.lasting_share);
   }
   return {};
 }

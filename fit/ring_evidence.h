@@ -22,10 +22,13 @@ inline constexpr std::size_t kMostCuts = 2;
 ///     misfit_share = (sum g r^2 - s^2 sum g) / sum g m^2,    g = e^(-2 d t),
 ///
 /// r the residuals, m the ringing, s the noise. White noise of any strength gives 0 within
-/// `misfit_share_deviation`.
+/// `misfit_share_deviation`. With g = 1 and over half of the squared first amplitude the same is
+/// `lasting_share`: what stays when the ringing is gone.
 struct RingEvidence {
   double misfit_share = 0;
   double misfit_share_deviation = 0;
+  double lasting_share = 0;
+  double lasting_share_deviation = 0;
   double decays = 0;            ///< d T: decay times that the fitted part holds
   double decays_deviation = 0;  ///< its standard uncertainty, for white noise
   double damping_ratio = 0;     ///< of critical
@@ -47,8 +50,9 @@ struct RingEvidence {
 ///   true ring-downs of one decay time none is so refused.
 /// - its frequency changes behind its begin, surely (by six deviations) and by more than 5 %.
 /// - the misfit is above 1.5 % of the ringing's power (12 % of its amplitude) and beyond five of
-/// its
-///   deviations (one record of white noise in 10^6). What is left is said, if it can be told.
+///   its deviations (one record of white noise in 10^6). What is left is said, if it can be told.
+/// - what lasts is above 1 % of the first power (an oscillation of 10 % of the first amplitude over
+///   the whole part) and beyond five deviations: a chirp's later course, or another source.
 /// - more than two later blows.
 [[nodiscard]] std::string NoRingDown(const RingEvidence& evidence, const RingSamples& samples,
                                      const RingFit& fit, bool is_stated_drop);

@@ -266,6 +266,8 @@ double RingFit::Envelope(double since_s) const {
   return std::hypot(even_v, quadrature) * std::exp(-poles.decay_per_s * since_s);
 }
 
+double RingFit::HumAmplitude() const { return std::hypot(hum_cosine_v, hum_sine_v); }
+
 RingFit FitRing(const RingSamples& samples, const PolePair& start,
                 const RingBackground& background) {
   HAPTOMETER_CHECK(samples.values_v.size() >= 16, "{} samples", samples.values_v.size());
@@ -309,7 +311,10 @@ RingFit FitRing(const RingSamples& samples, const PolePair& start,
   fit.offset_v = point[kOffset];
   std::size_t next = kOffset + 1;
   if (background.drifts) fit.drift_v = point[next++];
-  if (background.hum_hz > 0) fit.hum_v = std::hypot(point[next], point[next + 1]);
+  if (background.hum_hz > 0) {
+    fit.hum_cosine_v = point[next];
+    fit.hum_sine_v = point[next + 1];
+  }
   return fit;
 }
 

@@ -41,8 +41,9 @@ struct RingFit {
   double even_v = 0;
   double odd_v_per_s = 0;
   double offset_v = 0;
-  double drift_v = 0;   ///< from the first sample to the last
-  double hum_v = 0;     ///< amplitude
+  double drift_v = 0;  ///< from the first sample to the last
+  double hum_cosine_v = 0;
+  double hum_sine_v = 0;
   double friction = 0;  ///< its force over the spring's stiffness, as FrictionRing has it
   bool converged = false;
   /// At the solution: ln decay, ln stiffness, then the linear parts, then the friction; in volts.
@@ -50,6 +51,7 @@ struct RingFit {
 
   /// sqrt of the ringing's energy as an amplitude: its envelope `since_s` after the first sample.
   [[nodiscard]] double Envelope(double since_s) const;
+  [[nodiscard]] double HumAmplitude() const;
 };
 
 /// Fits from `start`; see least_squares.h. At least 16 samples.

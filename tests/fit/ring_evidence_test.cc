@@ -126,6 +126,31 @@ TEST(RingEvidence, AnOscillationThatBeginsInTheRecordIsNoHum) {
   EXPECT_THAT(Refusal(From(Recorded(ringing), 0.01)), HasSubstr("does not decay"));
 }
 
+TEST(RingEvidence, WhatFollowsAnotherMotionIsNone) {
+  // a chirp that ends in an oscillation of 127 Hz: fitted alone it had 127.18 +- 0.02 Hz
+  const auto ringing = [](double t) { return 0.5 * Ringing(t, 127, 40); };
+  EXPECT_THAT(Refusal(Recorded([&](double t) {
+                return t < 0 ? std::sin(kTwoPi * (140 * t + 1500 * t * t)) : ringing(t);
+              })),
+              HasSubstr("another motion precedes"));
+  // noise as large as that is no motion
+  EXPECT_EQ(Refusal(Recorded(ringing, 0.1)), "");
+}
+
+TEST(RingEvidence, WhatStaysWhenTheRingingIsGoneIsNoPartOfIt) {
+  // from 5 decay times on, where the ringing's own power tells nothing of it
+  const auto late = [](double t) { return t > 0.12 ? std::min(1.0, (t - 0.12) / 0.1) : 0; };
+  const auto record = Recorded(
+      [&](double t) { return Ringing(t, 127, 40) + 0.3 * late(t) * std::sin(kTwoPi * 171 * t); });
+  const RingSamples samples = BlocksOf(record, 305, record.voltage_v.size(), 1);
+  const RingFit fit = FitRing(samples, {40, std::pow(kTwoPi * 127, 2)}, {});
+  const RingEvidence evidence = EvidenceOf(samples, fit, 0);
+  EXPECT_LT(evidence.misfit_share, 1e-3);
+  // 0.09 over 0.18 s, a third of it over the 0.1 s of its rise, of 0.4 s
+  EXPECT_ABS(evidence.lasting_share, 0.09 * (0.18 + 0.1 / 3) / 0.4, 0.005, "what the fit takes");
+  EXPECT_NE(NoRingDown(evidence, samples, fit, false), "");
+}
+
 TEST(RingEvidence, AStatedDropMayBeAperiodic) {
   auto record =
       Recorded([](double t) { return t < 0 ? 0 : (1 - 400 * t) * std::exp(-400 * t); }, 1e-4);

@@ -36,7 +36,7 @@ TEST(RingFit, FindsEveryPartOfACleanRecord) {
   EXPECT_REL(fit.odd_v_per_s, 60.0, 1e-11, "noise-free");
   EXPECT_REL(fit.offset_v, 0.02, 1e-11, "noise-free");
   EXPECT_REL(fit.drift_v, 0.03, 1e-11, "noise-free");
-  EXPECT_REL(fit.hum_v, 0.01, 1e-11, "noise-free");
+  EXPECT_REL(fit.HumAmplitude(), 0.01, 1e-11, "noise-free");
   const double amplitude = std::hypot(0.4, 60 / std::sqrt(2e6 - 121));
   EXPECT_REL(fit.Envelope(0.1), amplitude * std::exp(-1.1), 1e-11, "closed form");
 }
