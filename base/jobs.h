@@ -4,7 +4,7 @@
 #include <functional>
 #include <initializer_list>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer {
 

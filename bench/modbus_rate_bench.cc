@@ -15,7 +15,7 @@
 
 #include "acquire/sensor/modbus/modbus_sensor.h"
 #include "acquire/transport/modbus_port.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "fit/drop_test_fit.h"
 #include "fit/impulse_record.h"
 #include "fit/residual_density.h"

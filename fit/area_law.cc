@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/statistics/distributions.h"
 
 namespace haptometer::fit {

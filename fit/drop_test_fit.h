@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/impulse_record.h"
 #include "fit/poles.h"
 #include "fit/prepared_record.h"

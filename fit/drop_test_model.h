@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/drop_test_fit.h"
 #include "fit/impulse_record.h"
 #include "fit/prepared_record.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fit/ring_down_problem.h"
 #include "sim/ring_down.h"
 

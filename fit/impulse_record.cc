@@ -8,7 +8,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "base/nearest.h"
+#include "base/text.h"
 
 namespace haptometer::fit {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "trial/record.h"
 
 namespace haptometer::fit {

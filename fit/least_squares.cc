@@ -11,7 +11,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fit/row_reduction.h"
 
 namespace haptometer::fit {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/disturbances.h"
 #include "fit/impulse_record.h"
 #include "fit/ring_start.h"

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fit/row_reduction.h"
 
 namespace haptometer::fit {

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fit/condensed_record.h"
 #include "fit/ringing_parts.h"
 #include "fit/ringing_sum.h"

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <span>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fit/condensed_record.h"
 #include "fit/dry_friction.h"
 #include "fit/ringing_moments.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/impulse_record.h"
 #include "fit/poles.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/contact_model.h"
 #include "fit/drop_test_fit.h"
 #include "fit/residual_look.h"

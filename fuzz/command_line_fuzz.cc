@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "acquire/sensor/pipe_channels.h"
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "fuzz/seeds.h"
 #include "fuzz/verb_run.h"
 #include "tools/acquire/options/trigger_option.h"

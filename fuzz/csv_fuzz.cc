@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/export/csv.h"
 #include "trial/import/csv.h"
 #include "trial/import/table_format.h"

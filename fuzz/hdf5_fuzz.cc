@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fuzz/memory_path.h"
 #include "trial/export/hdf5.h"
 #include "trial/import/csv.h"

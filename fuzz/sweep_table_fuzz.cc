@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fuzz/memory_path.h"
 #include "fuzz/seeds.h"
 #include "tools/sweep/merge_tables.h"

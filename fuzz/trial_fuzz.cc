@@ -6,7 +6,7 @@
 #include <cstring>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
 #include "trial/crc32.h"
 #include "trial/trial_reader.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 
 namespace haptometer::sim {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 
 namespace haptometer {
 class TomlTable;

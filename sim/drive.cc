@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::sim {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 #include "sim/drive.h"
 
 namespace haptometer::sim {

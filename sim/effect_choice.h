@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/effects.h"
 #include "sim/periodic_motion.h"
 #include "sim/scene.h"

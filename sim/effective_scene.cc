@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 

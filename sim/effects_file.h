@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 #include "sim/effects.h"
 
 namespace haptometer::sim {

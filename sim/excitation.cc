@@ -6,7 +6,7 @@
 #include <memory>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 
 namespace haptometer::sim {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::sim {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::sim {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 
 namespace haptometer::sim {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/excitation.h"
 #include "sim/linear_model.h"
 #include "sim/smooth_mode.h"

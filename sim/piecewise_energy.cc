@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/piecewise_motion.h"
 
 namespace haptometer::sim {

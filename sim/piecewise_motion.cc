@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 
 namespace haptometer::sim {

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/contact_modes.h"
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/input_file.h"
-#include "base/toml_table.h"
+#include "base/toml.h"
 #include "sim/drive_file.h"
 #include "sim/effective_scene.h"
 #include "sim/effects_file.h"

@@ -3,7 +3,7 @@
 #include <string_view>
 
 #include "base/quantity.h"
-#include "base/toml_table.h"
+#include "base/toml.h"
 
 namespace haptometer::sim {
 

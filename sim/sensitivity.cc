@@ -1,6 +1,6 @@
 #include "sim/sensitivity.h"
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/steady_state.h"
 
 namespace haptometer::sim {

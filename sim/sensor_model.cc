@@ -10,7 +10,7 @@
 #include <string>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/effective_scene.h"
 #include "sim/linear_model.h"
 #include "sim/played_motion.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/onset.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/guard_polynomial.h"
 
 namespace haptometer::sim {

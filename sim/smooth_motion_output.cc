@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/smooth_motion.h"
 
 namespace haptometer::sim {

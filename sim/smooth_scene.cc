@@ -1,6 +1,6 @@
 #include "sim/smooth_scene.h"
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 

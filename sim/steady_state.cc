@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/matrix_exponential.h"
 
 namespace haptometer::sim {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 #include "sim/hermite.h"
 #include "sim/scene_run.h"

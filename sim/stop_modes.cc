@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/linear_model.h"
 #include "sim/scene_mode.h"
 

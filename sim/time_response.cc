@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 #include "sim/matrix_exponential.h"
 #include "sim/steady_state.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/driven_step.h"
 #include "sim/linear_model.h"
 #include "sim/scene.h"

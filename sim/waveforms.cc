@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/excitation.h"
 #include "sim/linear_model.h"
 #include "sim/piecewise_scene.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "trial/import/import_options.h"
 

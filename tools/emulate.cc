@@ -14,7 +14,7 @@
 #include "acquire/emulator/stream_head.h"
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/stream_line.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/interrupt.h"

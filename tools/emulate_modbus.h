@@ -6,7 +6,7 @@
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

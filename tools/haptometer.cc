@@ -11,7 +11,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/nearest.h"
+#include "base/text.h"
 #include "tools/cli/report.h"
 #include "tools/verbs.h"
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
 

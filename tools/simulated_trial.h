@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/byte_sink.h"
 #include "trial/record.h"
 

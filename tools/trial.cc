@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/nearest.h"
+#include "base/text.h"
 #include "tools/cli/report.h"
 #include "tools/trial/words.h"
 #include "tools/verbs.h"

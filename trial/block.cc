@@ -1,6 +1,6 @@
 #include "trial/block.h"
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/crc32.h"
 
 namespace haptometer::trial {

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/byte_sink.h"
 #include "trial/trial_format.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/block.h"
 #include "trial/byte_source.h"
 #include "trial/trial_reader.h"

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::trial {
 

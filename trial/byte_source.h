@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::trial {
 

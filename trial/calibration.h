@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 

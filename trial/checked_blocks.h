@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/byte_source.h"
 
 namespace haptometer::trial {

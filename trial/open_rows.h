@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/import_options.h"
 #include "trial/row_source.h"
 #include "trial/trial_reader.h"

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/time_base.h"
 #include "trial/time_lines.h"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/input_file.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "trial/block.h"
 #include "trial/import/csv.h"
 #include "trial/import/hdf5.h"

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
 
 namespace haptometer::trial {

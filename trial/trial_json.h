@@ -4,12 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 #include "trial/trial_writer.h"
 
 /// The JSON payloads of a trial.bin; keys in docs/formats.md. Keys that this version does not know
-/// are passed over. Texts that are not printable (base/printable.h) are refused on their way into a
+/// are passed over. Texts that are not printable (base/text.h) are refused on their way into a
 /// file and escaped on their way out of one.
 namespace haptometer::trial {
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
 #include "trial/block_scanner.h"
 #include "trial/checked_blocks.h"

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/byte_source.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"

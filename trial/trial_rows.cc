@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
 #include "trial/row_column.h"
 #include "trial/uniform_grid.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
 #include "trial/trial_json.h"
 #include "trial/trial_reader.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/byte_sink.h"
 #include "trial/trial_format.h"
 

@@ -9,7 +9,7 @@
 
 #include "acquire/ability/smallest_rms.h"
 #include "acquire/protocol/wire.h"
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::acquire {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "acquire/protocol/keyence/dl_en1.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

@@ -5,7 +5,7 @@
 #include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

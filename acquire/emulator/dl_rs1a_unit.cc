@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

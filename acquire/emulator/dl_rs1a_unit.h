@@ -6,7 +6,7 @@
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

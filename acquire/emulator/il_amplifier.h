@@ -8,7 +8,7 @@
 #include "acquire/emulator/moving_head.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/value.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

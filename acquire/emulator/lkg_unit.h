@@ -8,7 +8,7 @@
 #include "acquire/emulator/fault.h"
 #include "acquire/emulator/moving_head.h"
 #include "acquire/protocol/keyence/lkg.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

@@ -9,7 +9,7 @@
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/endpoint.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/import/printed_number.h"
 
 namespace haptometer::acquire {

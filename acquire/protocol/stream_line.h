@@ -8,7 +8,7 @@
 
 #include "acquire/protocol/line_framer.h"
 #include "acquire/protocol/value.h"
-#include "base/result.h"
+#include "base/error.h"
 
 /// Free-running ASCII lines of one fixed width, such as `+01.2345` CR: pure functions between lines
 /// and values, both directions.

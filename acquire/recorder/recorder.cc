@@ -11,7 +11,7 @@
 
 #include "acquire/recorder/row_ring.h"
 #include "acquire/recorder/tally.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 #include "trial/trial_writer.h"
 

@@ -10,7 +10,7 @@
 
 #include "acquire/recorder/row_sink.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_writer.h"
 
 namespace haptometer::acquire {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "acquire/protocol/sample_format.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/calibration.h"
 #include "trial/trial_format.h"
 

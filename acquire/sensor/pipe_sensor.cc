@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "base/check.h"
-#include "base/printable.h"
+#include "base/error.h"
+#include "base/text.h"
 
 namespace haptometer::acquire {
 namespace {

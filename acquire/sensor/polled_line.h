@@ -16,7 +16,7 @@
 #include "acquire/sensor/response_deadline.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::acquire {

@@ -8,7 +8,7 @@
 
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/latency_timer.h"
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 
 #include "acquire/transport/port_holder.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

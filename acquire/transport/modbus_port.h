@@ -5,7 +5,7 @@
 
 #include "acquire/protocol/modbus/modbus_frame.h"
 #include "acquire/transport/modbus_link.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/drive_part.h"
 #include "dsp/analysis/faults.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/filter/zero_phase_blocks.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"

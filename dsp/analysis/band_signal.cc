@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "base/jobs.h"
 #include "dsp/analysis/row_kernel.h"
 #include "dsp/filter/settled.h"

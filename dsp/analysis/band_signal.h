@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/spectrum/tone.h"

@@ -1,4 +1,4 @@
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/row_kernel.h"
 #include "dsp/filter/instruction_set.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/analysis/time_window.h"
 #include "dsp/spectrum/resonance.h"

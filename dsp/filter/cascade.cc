@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/filter/cascade_step.h"
 #include "dsp/filter/flush_subnormals.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/phasor_blocks.h"
 
 namespace haptometer::dsp {

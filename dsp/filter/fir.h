@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 

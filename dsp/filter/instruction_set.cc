@@ -1,6 +1,6 @@
 #include "dsp/filter/instruction_set.h"
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 

@@ -6,7 +6,7 @@
 #include <complex>
 #include <cstddef>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/fft.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/filter/end_continuations.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 namespace {

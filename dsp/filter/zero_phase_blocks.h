@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/instruction_set.h"
 #include "dsp/filter/lane_cascade.h"

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/fft.h"
 
 namespace haptometer::dsp {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/envelope.h"
 
 namespace haptometer::dsp {

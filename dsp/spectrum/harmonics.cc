@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"

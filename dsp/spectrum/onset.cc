@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {

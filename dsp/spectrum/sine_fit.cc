@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/statistics/moments.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/spectrum/welch.h"
 
 namespace haptometer::dsp {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/statistics/moments.h"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/spectrum/segment_transform.h"
 #include "dsp/statistics/distributions.h"

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 

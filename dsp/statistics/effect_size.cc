@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/paired.h"

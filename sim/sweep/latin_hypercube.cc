@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/sweep/counter_random.h"
 
 namespace haptometer::sim {

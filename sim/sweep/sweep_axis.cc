@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/check.h"
-#include "base/toml_template.h"
+#include "base/error.h"
+#include "base/toml.h"
 
 namespace haptometer::sim {
 

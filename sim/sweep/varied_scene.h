@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "base/toml_template.h"
+#include "base/error.h"
+#include "base/toml.h"
 #include "sim/scene.h"
 #include "sim/sweep/sweep_axis.h"
 
@@ -17,7 +17,7 @@ namespace haptometer::sim {
 class VariedScene {
  public:
   /// `keys` as "drive.frequency_hz"; those that the file lacks are added to it.
-  /// Errors: the file's, and those of base/toml_template.h. Whether the format knows the keys shows
+  /// Errors: the file's, and those of base/toml.h. Whether the format knows the keys shows
   /// when a scene is read.
   [[nodiscard]] static Result<VariedScene> ReadFile(const std::string& path,
                                                     const std::vector<std::string>& keys);

@@ -5,7 +5,7 @@
 #include <complex>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/tuning/motor_source.h"
 
 namespace haptometer::sim {

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/area_pieces.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/effective_scene.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/cube_place.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <optional>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/area_pieces.h"
 #include "sim/tuning/box_search.h"

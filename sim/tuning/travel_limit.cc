@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/tuning/bounded_climb.h"
 
 namespace haptometer::sim {

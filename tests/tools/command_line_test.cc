@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tests/trial/trial_file.h"
 #include "trial/append_event.h"
 #include "trial/export/csv.h"

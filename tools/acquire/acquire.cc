@@ -16,7 +16,7 @@
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/acquire/check/sensor_check.h"
 #include "tools/acquire/list_ports.h"
 #include "tools/acquire/list_sensors.h"

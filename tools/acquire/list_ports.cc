@@ -7,7 +7,7 @@
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/json.h"
 
 namespace haptometer::tools {

@@ -4,8 +4,8 @@
 #include <string>
 
 #include "acquire/ability/capability.h"
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 
 namespace haptometer::tools {
 

@@ -4,7 +4,7 @@
 
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/acquire/options/sensor_options.h"
 #include "tools/acquire/sensor_kind.h"
 

@@ -13,7 +13,7 @@
 #include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
-#include "base/check.h"
+#include "base/error.h"
 #include "tools/acquire/open_keyence.h"
 #include "tools/acquire/scene_sensor.h"
 #include "tools/acquire/sensor_kind.h"

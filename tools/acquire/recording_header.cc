@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/clock.h"
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::tools {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "sim/sensor_model.h"
 #include "tools/played_scene.h"
 #include "tools/simulated_channel.h"

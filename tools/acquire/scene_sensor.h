@@ -4,7 +4,7 @@
 #include <string>
 
 #include "acquire/sensor/sensor.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

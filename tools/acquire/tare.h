@@ -5,7 +5,7 @@
 
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

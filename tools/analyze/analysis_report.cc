@@ -2,8 +2,8 @@
 
 #include <fmt/core.h>
 
-#include "base/check.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "tools/analyze/analysis_lines.h"
 
 namespace haptometer::tools {

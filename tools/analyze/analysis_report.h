@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/analyze/analyzed_file.h"
 #include "tools/report/html_page.h"
 

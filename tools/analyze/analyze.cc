@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analysis_json.h"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "dsp/analysis/band_question.h"
 #include "tools/analyze/spectrum_options.h"
 #include "tools/cli/band_question.h"

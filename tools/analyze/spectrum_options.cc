@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/gnuplot.h"
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/options.h"
 

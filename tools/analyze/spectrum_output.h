@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/window_samples.h"
 #include "tools/analyze/spectrum_options.h"
 #include "tools/plot/gnuplot.h"

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/cli/uncertain_number.h"

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string_view>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "tools/cli/options.h"
 #include "trial/import/import_options.h"
 

@@ -8,8 +8,7 @@
 #include <cstdio>
 
 #include "base/input_file.h"
-#include "base/nearest.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/report.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/cli/output_kind.h"
 
 namespace haptometer::cli {

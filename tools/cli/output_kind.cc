@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/crc32.h"
 
 namespace haptometer::cli {

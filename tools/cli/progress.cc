@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 namespace {

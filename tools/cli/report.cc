@@ -10,7 +10,7 @@
 #include <cstring>
 #include <string>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 

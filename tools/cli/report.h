@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::cli {
 
@@ -32,7 +32,7 @@ inline constexpr int kUnreadStatus = 141;
 
 /// A result on stdout. All of a verb's text and JSON goes this way, so that no control character
 /// but line ends and tabs reaches a terminal; a name or a path in a line is made one line where the
-/// line is made (base/printable.h).
+/// line is made (base/text.h).
 void Print(std::string_view text);
 
 /// A remark on stderr, in one printable line: "VERB: TEXT".

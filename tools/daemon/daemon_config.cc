@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <set>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 #include "tools/acquire/sensor_kind.h"
 #include "tools/daemon/sensor_keys.h"
 #include "tools/longest_time.h"

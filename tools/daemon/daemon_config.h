@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "acquire/recorder/trial_rotation.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/acquire/options/sensor_options.h"
 #include "tools/daemon/trial_pattern.h"
 

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 #include "tools/acquire/options/sensor_options.h"
 
 namespace haptometer::tools {

@@ -11,7 +11,7 @@
 #include "acquire/recorder/trial_rotation.h"
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/daemon/daemon_config.h"
 #include "tools/daemon/pulse.h"
 #include "tools/daemon/status_report.h"

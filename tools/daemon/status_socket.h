@@ -8,7 +8,7 @@
 
 #include "acquire/transport/descriptor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

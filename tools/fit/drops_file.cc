@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 
 namespace haptometer::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "fit/adapter_fit.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"

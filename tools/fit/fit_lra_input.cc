@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "fit/split_drops.h"
 #include "fit/thinned_record.h"
 #include "sim/actuator.h"

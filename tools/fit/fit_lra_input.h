@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "fit/impulse_record.h"
 #include "fit/prepared_record.h"
 #include "trial/import/import_options.h"

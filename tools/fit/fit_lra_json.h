@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/drop_test_fit.h"
 
 namespace haptometer::tools {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/drop_test_fit.h"
 #include "fit/impedance_fit.h"
 #include "fit/impulse_record.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/experiment_plan.h"
 #include "tools/fit/fit_lra_input.h"
 #include "tools/fit/fit_plan_options.h"

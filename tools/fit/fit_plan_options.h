@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "fit/experiment_plan.h"
 #include "tools/cli/options.h"
 #include "tools/fit/fit_lra_input.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/fit/fit_plan.h"
 
 namespace haptometer::tools {

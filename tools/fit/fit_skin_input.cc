@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/study/text_table.h"
 
 namespace haptometer::tools {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "fit/skin_areas.h"
 #include "fit/skin_fit.h"
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 namespace {

@@ -8,9 +8,9 @@
 #include <iterator>
 #include <limits>
 
-#include "base/check.h"
 #include "base/clock.h"
-#include "base/printable.h"
+#include "base/error.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/plot/envelope.h"
 #include "tools/plot/memory_file.h"

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::plot {
 namespace {

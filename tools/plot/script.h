@@ -27,7 +27,7 @@ class Words {
 
 /// Any text as one word of a script that shows it as it is.
 ///
-/// What is not printable is escaped (base/printable.h), so that there is no line end in it; it
+/// What is not printable is escaped (base/text.h), so that there is no line end in it; it
 /// stands in single quotes, in which gnuplot replaces nothing (no backquote, no backslash, no
 /// macro); a quote in it is added from double quotes, which hold nothing else. Of more than 1000
 /// characters the first are shown.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "tools/reproduce/row_groups.h"
 
 namespace haptometer::tools {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/reproduce/chain.h"
 #include "tools/reproduce/generated_study.h"
 #include "tools/reproduce/thesis_model.h"

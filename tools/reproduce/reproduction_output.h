@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/report/html_page.h"
 #include "tools/reproduce/reproduction.h"
 #include "tools/reproduce/reproduction_figures.h"

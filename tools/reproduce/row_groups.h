@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/reproduce/thesis_model.h"
 #include "tools/reproduce/thesis_row.h"
 

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/effect_choice.h"
 #include "sim/scene.h"
 #include "sim/steady_state.h"

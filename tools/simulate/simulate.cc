@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "sim/output_rate.h"
 #include "sim/scene_file.h"
 #include "sim/sensor_model.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "sim/linear_model.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/simulated_trial.h"
 #include "trial/export/hdf5.h"

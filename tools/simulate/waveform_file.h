@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/scene.h"
 #include "sim/waveforms.h"
 #include "trial/record.h"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/scene.h"
 #include "sim/waveforms.h"
 #include "tools/plot/gnuplot.h"

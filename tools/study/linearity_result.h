@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/statistics/one_sample.h"
 #include "dsp/statistics/regression.h"
 #include "tools/plot/gnuplot.h"

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "base/toml_table.h"
+#include "base/toml.h"
 
 namespace haptometer::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/study/planned_contrast.h"
 
 namespace haptometer::tools {

@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "dsp/statistics/holm.h"
 #include "dsp/statistics/moments.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/nearest.h"
+#include "base/text.h"
 
 namespace haptometer::tools {
 

@@ -7,9 +7,9 @@
 #include <mutex>
 #include <thread>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "base/jobs.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "dsp/analysis/floor_remarks.h"
 #include "tools/cli/progress.h"
 #include "trial/read_recording.h"

@@ -10,7 +10,7 @@
 #include <set>
 #include <string_view>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::tools {
 namespace {

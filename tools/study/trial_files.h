@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/study/manifest.h"
 
 namespace haptometer::tools {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/input_file.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/band.h"
 #include "tools/cli/band_question.h"
 #include "tools/cli/import_words.h"

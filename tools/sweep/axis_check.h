@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/sweep/sweep_points.h"
 #include "sim/sweep/varied_scene.h"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/cli/options.h"
 #include "tools/sweep/sweep_question.h"
 

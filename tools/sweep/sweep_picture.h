@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/nearest.h"
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/json.h"
 #include "tools/sweep/answer_columns.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {

@@ -9,7 +9,7 @@
 #include <span>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/sweep/answer_columns.h"
 #include "trial/crc32.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/sweep/sweep_question.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {

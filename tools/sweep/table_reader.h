@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/sweep/sweep_axis.h"
 
 namespace haptometer::tools {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/plot/gnuplot.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/import_options.h"
 #include "trial/trial_reader.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "sim/scene_file.h"
 #include "tools/simulate/drive_text.h"
 

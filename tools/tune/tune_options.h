@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/receptors.h"
 #include "sim/tuning/adapter_bounds.h"
 #include "sim/tuning/adapter_objective.h"

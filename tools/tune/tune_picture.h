@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/tune/tune_output.h"
 
 namespace haptometer::tools {

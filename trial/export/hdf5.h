@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::trial {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/export/piece_sink.h"
 #include "trial/record.h"
 

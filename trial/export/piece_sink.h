@@ -3,7 +3,7 @@
 #include <functional>
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::trial {
 

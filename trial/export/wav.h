@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/export/piece_sink.h"
 #include "trial/record.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "trial/import/printed_number.h"
 #include "trial/metadata_texts.h"
 

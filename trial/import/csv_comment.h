@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -32,7 +32,7 @@ struct CsvComments {
                                           CsvComments* comments);
 
 /// The `# key = value` lines that ReadCsvComment turns back into `metadata`. What is not printable
-/// in a value is escaped (base/printable.h).
+/// in a value is escaped (base/text.h).
 [[nodiscard]] std::string CsvMetadataLines(const Metadata& metadata);
 
 /// One `# key = value` line; nothing for an empty value.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/printed_times.h"
 #include "trial/record.h"

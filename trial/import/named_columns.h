@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/csv_column.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/csv_rows.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/import/printed_number.h"
 #include "trial/import/table_cells.h"
 

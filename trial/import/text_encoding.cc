@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::trial {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "acquire/protocol/digits.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::dl_en1 {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include "acquire/protocol/digits.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::dl_rs1a {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 
 /// The settings of an IL amplifier by name: what a user writes, and what the codes mean.
 namespace haptometer::acquire::il_setting {

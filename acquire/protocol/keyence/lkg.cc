@@ -7,7 +7,7 @@
 
 #include "acquire/protocol/digits.h"
 #include "acquire/protocol/keyence/fields.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::lkg {
 namespace {

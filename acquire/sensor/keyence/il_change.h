@@ -7,7 +7,7 @@
 #include "acquire/protocol/keyence/il_setting.h"
 #include "acquire/sensor/keyence/il_unit.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

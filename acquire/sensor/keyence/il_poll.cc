@@ -1,7 +1,7 @@
 #include "acquire/sensor/keyence/il_poll.h"
 
 #include "acquire/protocol/keyence/dl_en1.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -10,7 +10,7 @@
 #include "acquire/protocol/keyence/dl_line.h"
 #include "acquire/sensor/polled_line.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -9,7 +9,7 @@
 #include "acquire/protocol/digits.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/latency_timer.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

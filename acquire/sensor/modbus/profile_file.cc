@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "acquire/sensor/modbus/sensor_profile.h"
-#include "base/toml_table.h"
+#include "base/toml.h"
 
 namespace haptometer::acquire {
 namespace {

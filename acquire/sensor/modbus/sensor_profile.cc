@@ -9,7 +9,7 @@
 #include <filesystem>
 
 #include "acquire/protocol/wire.h"
-#include "base/nearest.h"
+#include "base/text.h"
 
 namespace haptometer::acquire {
 namespace {

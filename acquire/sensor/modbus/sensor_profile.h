@@ -10,7 +10,7 @@
 #include "acquire/protocol/modbus/modbus_frame.h"
 #include "acquire/protocol/modbus/modbus_value.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "trial/displacement_channel.h"
 

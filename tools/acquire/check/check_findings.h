@@ -5,7 +5,7 @@
 #include <string>
 
 #include "acquire/recorder/recorder.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/filter/butterworth.h"
 #include "trial/record.h"
 

@@ -5,7 +5,7 @@
 #include "acquire/recorder/recorder.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {

@@ -4,7 +4,7 @@
 
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/acquire/check/check_findings.h"
 #include "tools/acquire/check/check_list.h"
 #include "tools/acquire/check/check_output.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <span>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/tone.h"

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/acquire/recording_output.h"
 #include "tools/plot/gnuplot.h"
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "dsp/filter/butterworth.h"
 #include "tools/acquire/options/recording_options.h"
 #include "tools/acquire/options/sensor_options.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "acquire/recorder/recorder.h"
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "tools/acquire/options/sensor_options.h"
 #include "tools/acquire/options/trigger_option.h"
 #include "tools/cli/options.h"

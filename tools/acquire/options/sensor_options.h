@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "tools/cli/options.h"
 
 namespace haptometer::tools {

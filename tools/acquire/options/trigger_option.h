@@ -3,7 +3,7 @@
 #include <string>
 
 #include "acquire/recorder/trigger.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {

@@ -3,7 +3,7 @@
 #include <ctime>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 

@@ -1,8 +1,30 @@
 #pragma once
 
+#include <fmt/core.h>
+
 #include <cstdint>
 #include <expected>
 #include <string>
+
+namespace haptometer::internal {
+
+/// Prints `FILE:LINE: check failed: EXPRESSION (DETAIL)` on stderr and aborts.
+[[noreturn]] void CheckFailed(const char* file, int line, const char* expression,
+                              const std::string& detail);
+
+}  // namespace haptometer::internal
+
+/// Guards against a programmer's error; always on. The further arguments are an fmt format and its
+/// values, printed when the condition is false:
+///   HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
+/// Anything that a user, file or device can cause is a Result (base/error.h), never a check.
+#define HAPTOMETER_CHECK(condition, ...)                                  \
+  do {                                                                    \
+    if (!(condition)) {                                                   \
+      ::haptometer::internal::CheckFailed(__FILE__, __LINE__, #condition, \
+                                          fmt::format(__VA_ARGS__));      \
+    }                                                                     \
+  } while (false)
 
 namespace haptometer {
 
@@ -15,8 +37,8 @@ enum class Cause : std::uint8_t {
 
 /// An error of the outside world in one sentence: what happened, where, and what to do next.
 ///
-/// Text() joins the three as "WHERE: WHAT; REMEDY" in one printable line (base/printable.h),
-/// whatever a path or a cell in it holds. Programmers' errors abort (base/check.h); numerical
+/// Text() joins the three as "WHERE: WHAT; REMEDY" in one printable line (base/text.h),
+/// whatever a path or a cell in it holds. Programmers' errors abort (base/error.h); numerical
 /// outcomes such as "did not converge" are fields of results, never an Error.
 struct Error {
   Cause cause = Cause::kFailed;

@@ -1,10 +1,103 @@
-#include "base/toml_table.h"
+#include "base/toml.h"
 
+#include <fmt/core.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
+
+#include "base/text.h"
 
 namespace haptometer {
+namespace {
+
+std::string Repeated(std::string_view piece, int times) {
+  std::string text;
+  for (int k = 0; k < times; ++k) text += piece;
+  return text;
+}
+
+// what the gate says of a text; empty: nothing
+std::string Told(std::string_view text) {
+  const auto shape = CheckTomlShape(text, "x.toml");
+  return shape ? "" : shape.error().Text();
+}
+
+struct Deep {
+  const char* name;
+  std::string text;
+  const char* told;
+};
+
+class DeepToml : public ::testing::TestWithParam<Deep> {};
+
+// a parser that calls itself for each level runs out of stack with them
+TEST_P(DeepToml, IsRefusedWithItsLineByEveryReader) {
+  const Deep& deep = GetParam();
+  EXPECT_EQ(Told(deep.text), deep.told);
+  const auto table = TomlTable::ParseText(deep.text, "x.toml");
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error().Text(), deep.told);
+  EXPECT_EQ(table.error().cause, Cause::kCannotAnswer);
+  const auto made = TomlTemplate::ParseText(deep.text, "x.toml", {"drive.frequency_hz"});
+  ASSERT_FALSE(made);
+  EXPECT_EQ(made.error().Text(), deep.told);
+}
+
+constexpr const char* kKey3 = "x.toml:3: names a key of more than 16 parts; mend the TOML there";
+constexpr const char* kKey1 = "x.toml:1: names a key of more than 16 parts; mend the TOML there";
+constexpr const char* kOpen2 = "x.toml:2: opens more than 16 brackets; mend the TOML there";
+
+INSTANTIATE_TEST_SUITE_P(
+    Kinds, DeepToml,
+    ::testing::Values(Deep{"Key", "# a\nb = 1\n" + Repeated("a.", 70000) + "a = 1\n", kKey3},
+                      Deep{"KeyWithBlanks", "\n\n" + Repeated("a . ", 50000) + "a = 1\n", kKey3},
+                      Deep{"KeyOfQuotedParts", "\n\n" + Repeated("'a'.\"b\".", 30000) + "a = 1\n",
+                           kKey3},
+                      Deep{"Header", "[" + Repeated("t.", 55000) + "t]\n", kKey1},
+                      Deep{"HeaderOfTables", "[[" + Repeated("t.", 55000) + "t]]\n", kKey1},
+                      Deep{"KeyInATable", "a = {" + Repeated("t.", 55000) + "t = 1}\n", kKey1},
+                      Deep{"Lists", "\na = " + Repeated("[", 90000), kOpen2},
+                      Deep{"InlineTables", "\na = " + Repeated("{a = ", 40000), kOpen2},
+                      Deep{"ListsOfTables", "\na = " + Repeated("[{a = ", 40000), kOpen2},
+                      Deep{"BehindAMultiLineString",
+                           "a = ''' '\n\\''' \nb." + Repeated("c.", 60000) + "d = 1\n", kKey3},
+                      Deep{"BehindAnEscape",
+                           "a = \"\\\\\"\nb = '\\'\n" + Repeated("c.", 60000) + "d = 1\n", kKey3}),
+    [](const auto& at) { return std::string(at.param.name); });
+
+TEST(TomlShape, BracketsAndPointsInStringsAndCommentsDoNotCount) {
+  const std::string many = Repeated("[{a.", 500);
+  for (const std::string& text :
+       {"# " + many + "\na = 1\n", "a = \"" + many + "\"\n", "a = '" + many + "'\n",
+        "a = \"\"\"" + many + "\n\" \"\" \\\"\"\" " + many + "\"\"\"\n",
+        "a = '''" + many + "\n'' \\''''\nb = 2 # '" + many, "a = \"\\\"" + many + "\"\n",
+        "a = \"\" # " + many, "\"" + many + "\" = 1\n"}) {
+    EXPECT_EQ(Told(text), "") << text.substr(0, 40);
+    EXPECT_TRUE(TomlTable::ParseText(text, "x.toml")) << text.substr(0, 40);
+  }
+}
+
+TEST(TomlShape, WhatIsAtTheLimitIsRead) {
+  EXPECT_TRUE(TomlTable::ParseText(Repeated("a.", 15) + "a = 1\n", "x.toml"));
+  EXPECT_TRUE(TomlTable::ParseText("a = " + Repeated("[", 16) + Repeated("]", 16), "x.toml"));
+  EXPECT_TRUE(TomlTable::ParseText("a = [" + Repeated("[0.5, 1.5],\n", 5000) + "]", "x.toml"))
+      << "many in a row are not deep";
+  EXPECT_TRUE(TomlTable::ParseText(Repeated("[[a.b]]\nc = 1.5\n", 5000), "x.toml"));
+  std::string flat;
+  for (int k = 0; k < 60000; ++k) flat += fmt::format("k{} = 1\n", k);
+  EXPECT_TRUE(TomlTable::ParseText(flat, "x.toml"));
+}
+
+TEST(TomlShape, ALargeTextIsRefused) {
+  EXPECT_EQ(Told(std::string(kMostTomlBytes + 1, '\n')),
+            "x.toml: is larger than 1 MiB; is it a TOML file of this program?");
+  EXPECT_EQ(Told(std::string(kMostTomlBytes, '\n')), "");
+}
+
+}  // namespace
 namespace {
 
 TomlTable Parsed(std::string_view text) {
@@ -209,6 +302,105 @@ TEST(TomlTable, BrokenTomlIsPlacedByLineAndColumn) {
     EXPECT_EQ(table.error().cause, Cause::kCannotAnswer);
     EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
   }
+}
+
+}  // namespace
+namespace {
+
+using ::testing::HasSubstr;
+
+TomlTemplate Opened(std::string_view text, const std::vector<std::string>& keys) {
+  auto made = TomlTemplate::ParseText(text, "x.toml", keys);
+  EXPECT_TRUE(made) << made.error().Text();
+  return *std::move(made);
+}
+
+TomlTable Filled(const TomlTemplate& made, const std::vector<std::string>& literals) {
+  auto table = TomlTable::ParseText(made.Fill(literals), "x.toml");
+  EXPECT_TRUE(table) << table.error().Text() << "\n" << made.Fill(literals);
+  return *std::move(table);
+}
+
+TEST(TomlTemplate, FillsOpenKeysAndKeepsTheRest) {
+  const TomlTemplate made = Opened(
+      "title = 'x' # said\n[drive]\nfrequency_hz = 225\nkind = \"sine\"\n[run]\nstart = 'rest'\n",
+      {"run.duration_s", "drive.frequency_hz", "effects.gravity"});
+  for (const double hertz : {1.0, 2.5}) {
+    TomlTable table = Filled(made, {"0.1", hertz == 1 ? "1" : "2.5", "true"});
+    EXPECT_EQ(table.Text("title"), "x");
+    EXPECT_EQ(table.Table("drive")->Number("frequency_hz", Dimension::kFrequency), hertz);
+    EXPECT_EQ(table.Table("drive")->Text("kind"), "sine");
+    EXPECT_EQ(table.Table("run")->Number("duration_s", Dimension::kTime), 0.1);
+    EXPECT_EQ(table.Table("run")->Text("start"), "rest");
+    EXPECT_EQ(table.Table("effects")->Flag("gravity"), true);
+    EXPECT_TRUE(table.Finish());
+  }
+}
+
+// 17 digits give back every double; the extremes, and numbers that 15 or 16 digits would change
+TEST(TomlTemplate, KeepsEveryBitOfNumbers) {
+  const std::string text =
+      "a = 0.1\nb = 1.0000000000000002e-30\nc = 9.9999999999999988e29\nd = 0.30000000000000004\ne "
+      "= inf\n"
+      "f = 9007199254740993\ng = 123456789.12345679\n";
+  TomlTable table = Filled(Opened(text, {"open"}), {"1"});
+  EXPECT_EQ(table.Number("a", Dimension::kNone), 0.1);
+  EXPECT_EQ(table.Number("b", Dimension::kNone), 1.0000000000000002e-30);
+  EXPECT_EQ(table.Number("c", Dimension::kNone), 9.9999999999999988e29);
+  EXPECT_EQ(table.Number("d", Dimension::kNone), 0.1 + 0.2);
+  EXPECT_TRUE(std::isinf(table.Require("e", Dimension::kResistance)));
+  EXPECT_EQ(table.Integer("f"), 9007199254740993);
+  EXPECT_EQ(table.Number("g", Dimension::kNone), 123456789.12345679);
+}
+
+TEST(TomlTemplate, TakesAnyTextAsAString) {
+  const TomlTemplate made = Opened("a = 1\n", {"b"});
+  for (const std::string text : {"plain", "\"quoted\" 'twice'", "back\\slash", "\xc2\xb5m", ""}) {
+    EXPECT_EQ(Filled(made, {TomlString(text)}).Text("b"), text);
+  }
+  // what the table refuses came through as it was
+  for (const std::string text : {"tab\tline\nend", "\x01\x7f"}) {
+    TomlTable table = Filled(made, {TomlString(text)});
+    EXPECT_FALSE(table.Text("b"));
+    EXPECT_NE(table.Finish().error().Text().find(Printable(text)), std::string::npos) << text;
+  }
+}
+
+// neither a text of the file that looks like a mark nor ten keys and more are confused
+TEST(TomlTemplate, TellsItsPlacesFromTexts) {
+  std::vector<std::string> keys;
+  std::vector<std::string> literals;
+  for (int k = 0; k < 12; ++k) {
+    keys.push_back("t.k" + std::to_string(k));
+    literals.push_back(std::to_string(100 + k));
+  }
+  TomlTable table = Filled(Opened("a = 'open_place_0_'\nb = 'open_place_'\n", keys), literals);
+  EXPECT_EQ(table.Text("a"), "open_place_0_");
+  EXPECT_EQ(table.Text("b"), "open_place_");
+  for (int k = 0; k < 12; ++k) {
+    EXPECT_EQ(table.Table("t")->Integer("k" + std::to_string(k)), 100 + k);
+  }
+}
+
+TEST(TomlTemplate, NamesTheTextsThatStay) {
+  const TomlTemplate made = Opened(
+      "[a]\nfile = 'x.toml'\nn = 1\n[[b]]\nfiles = ['y', 'z']\n[c]\nkind = 'k'\n", {"c.kind"});
+  EXPECT_THAT(made.texts(), ::testing::UnorderedElementsAre("x.toml", "y", "z"));
+}
+
+TEST(TomlTemplate, RefusesWhatIsNoKey) {
+  const auto error = [](std::string_view text, const std::vector<std::string>& keys) {
+    const auto made = TomlTemplate::ParseText(text, "x.toml", keys);
+    return made ? std::string("no error") : made.error().Text();
+  };
+  EXPECT_THAT(error("a = 1\nb = \n", {"a"}), HasSubstr("x.toml:2:"));
+  EXPECT_THAT(error("a = 1\n", {"a.b"}), HasSubstr("a.b: leads through a, which is not a table"));
+  EXPECT_THAT(error("a = 1\n", {"a."}), HasSubstr("a.: is not a key"));
+  EXPECT_THAT(error("a = 1\n", {".a"}), HasSubstr("is not a key"));
+  EXPECT_THAT(error("a = 1\n", {"a", "b", "a"}), HasSubstr("a: is given twice"));
+  EXPECT_THAT(error("", {"a.b", "a"}), HasSubstr("a.b: lies within a"));
+  EXPECT_THAT(error("", {"a", "a.b"}), HasSubstr("a.b: lies within a"));
+  EXPECT_EQ(error("", {"a", "ab"}), "no error");
 }
 
 }  // namespace

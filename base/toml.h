@@ -1,18 +1,33 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 
 namespace haptometer {
+
+/// Bounds of a TOML text. No file of this program comes near them.
+inline constexpr std::size_t kMostTomlBytes = std::size_t{1} << 20;
+inline constexpr int kMostTomlLevels = 16;  ///< of brackets in each other, and of a key's parts
+
+/// Refuses a text whose tables would nest too deeply for a parser that calls itself for each level:
+/// lists and inline tables in each other, and keys of many parts (`a.b.c`). Brackets and points in
+/// strings and comments do not count. Whether the text is TOML is left to the parser.
+///
+/// Errors (Cause::kCannotAnswer), with the line: more than kMostTomlLevels brackets are open at
+/// once, or a key has more parts; without a line: more than kMostTomlBytes. Cost: one pass, no
+/// memory.
+[[nodiscard]] Result<void> CheckTomlShape(std::string_view text, std::string_view where);
 
 /// What stands under a key, for the few keys that may hold one thing or another.
 enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
@@ -20,7 +35,7 @@ enum class TomlKind : std::uint8_t { kAbsent, kTable, kText, kFlag, kOther };
 /// One table of a TOML file, read strictly: every key must be asked for, or Finish() names it.
 ///
 /// Keys carry their unit (`moving_mass_kg`); a value is an SI number or a string with a unit
-/// ("1.4g", "1.40(3)g"). A text that is not printable (base/printable.h) is an error, as is such a
+/// ("1.4g", "1.40(3)g"). A text that is not printable (base/text.h) is an error, as is such a
 /// key of the user's own. Read all keys, then call Finish(), which returns the first error of any
 /// of the reads or an unknown key with the nearest known one. So readers stay free of branches:
 ///   auto table = TomlTable::ParseFile("actuator.toml");
@@ -87,5 +102,41 @@ class TomlTable {
   explicit TomlTable(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// A TOML file with some of its keys left open, to be filled in again and again: the file is parsed
+/// once, a filling is a concatenation. Comments and the file's own lines are gone in what is
+/// filled.
+class TomlTemplate {
+ public:
+  /// Opens `keys` ("drive.frequency_hz", dots between tables) of the file in `text`; a key, or a
+  /// table on its way, that is not there is made. `where` stands for the file in errors.
+  ///
+  /// Errors: Cause::kCannotAnswer with line and column for broken TOML; Cause::kUsage for a key
+  /// with an empty part, one whose way leads through what is no table, one that is given twice or
+  /// that lies within another.
+  [[nodiscard]] static Result<TomlTemplate> ParseText(std::string_view text,
+                                                      const std::string& where,
+                                                      const std::vector<std::string>& keys);
+
+  /// The document with `literals` (one a key, in the order of the keys, TOML: `225`, `true`,
+  /// `"skin"`) in the open places. Numbers of the file keep every bit. Cost: one allocation.
+  [[nodiscard]] std::string Fill(std::span<const std::string> literals) const;
+
+  /// The texts among the values that are not open: a file that it names is one of them.
+  [[nodiscard]] const std::vector<std::string>& texts() const { return texts_; }
+
+ private:
+  struct Place {
+    std::size_t key;     // whose literal stands here
+    std::string behind;  // what follows up to the next place
+  };
+
+  std::string before_;
+  std::vector<Place> places_;
+  std::vector<std::string> texts_;
+};
+
+/// `text` as a TOML string: in double quotes, with escapes.
+[[nodiscard]] std::string TomlString(std::string_view text);
 
 }  // namespace haptometer

@@ -1,12 +1,36 @@
-// Which text is printable, and how the rest is shown. The code points are those of The Unicode
-// Standard 15 (C0 and C1, 2.4; bidirectional formatting, 23.2), the byte forms those of its table
-// 3-7.
-#include "base/printable.h"
+#include "base/text.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
+
+namespace haptometer {
+namespace {
+
+TEST(Nearest, FindsTheWordThatWasMeant) {
+  const std::vector<std::string> keys{"stiffness_n_per_m", "damping_n_s_per_m", "resistance_ohm"};
+  EXPECT_EQ(Nearest("stifness_n_per_m", keys), "stiffness_n_per_m");
+  EXPECT_EQ(Nearest("resistence_ohms", keys), "resistance_ohm");
+}
+
+TEST(Nearest, KnowsTheDistanceOfTheTextbook) {
+  // kitten -> sitting is 3 (Levenshtein): as near as half of six letters allows, and not 4
+  EXPECT_EQ(Nearest("kitten", {"sitting"}), "sitting");
+  EXPECT_EQ(Nearest("kitten", {"mutton's"}), "");
+}
+
+TEST(Nearest, SaysNothingWhereNothingIsNear) {
+  EXPECT_EQ(Nearest("xyz", {"stiffness", "damping"}), "");
+  EXPECT_EQ(Nearest("xyz", {}), "");
+}
+
+}  // namespace
+}  // namespace haptometer
+
+// Which text is printable, and how the rest is shown. The code points are those of The Unicode
+// Standard 15 (C0 and C1, 2.4; bidirectional formatting, 23.2), the byte forms those of its table
+// 3-7.
 
 namespace haptometer {
 namespace {
