@@ -64,7 +64,7 @@ struct ImpulseFile {
   std::vector<std::string> remarks{};  ///< sentences: header keys that look like a known one
 };
 
-/// Takes a drop out of a recording (trial/import/csv.h reads `impulse.csv`).
+/// Takes a drop out of a recording (trial/import/readers.h reads `impulse.csv`).
 ///
 /// The signal is the channel with the voltage role, else the only one with the displacement role,
 /// else the only channel where no name says what it measures, as a voltage. Header keys, each an SI

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "base/error.h"
-#include "trial/import/lvm.h"
+#include "trial/import/readers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "trial/block.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 #include "trial/trial_reader.h"
 
 namespace {

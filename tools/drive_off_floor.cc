@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "dsp/analysis/band_analysis.h"
-#include "trial/open_rows.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 

@@ -24,7 +24,7 @@
 #include "tools/played_scene.h"
 #include "tools/recorded_motion.h"
 #include "tools/verbs.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "trial/byte_sink.h"
+#include "trial/byte_io.h"
 #include "trial/record.h"
 
 namespace haptometer::tools {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "trial/import/printed_number.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "trial/import/csv_column.h"
+#include "trial/import/csv_header.h"
 
 namespace haptometer::acquire {
 namespace {

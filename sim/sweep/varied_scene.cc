@@ -6,7 +6,7 @@
 
 #include "base/input_file.h"
 #include "sim/scene_file.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::sim {
 namespace {

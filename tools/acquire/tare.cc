@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include "tools/acquire/sample_value.h"
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 

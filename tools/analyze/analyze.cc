@@ -25,7 +25,7 @@
 #include "tools/cli/report.h"
 #include "tools/drive_off_floor.h"
 #include "tools/verbs.h"
-#include "trial/open_rows.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

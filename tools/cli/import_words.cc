@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "trial/import/table_format.h"
+#include "trial/import/import_options.h"
 
 namespace haptometer::cli {
 namespace {

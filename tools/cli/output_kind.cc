@@ -6,7 +6,7 @@
 #include <span>
 
 #include "base/error.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::cli {
 namespace {

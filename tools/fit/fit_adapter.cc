@@ -11,7 +11,7 @@
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fitted_value_output.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

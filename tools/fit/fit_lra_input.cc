@@ -13,7 +13,7 @@
 #include "fit/thinned_record.h"
 #include "sim/actuator.h"
 #include "tools/fit/drops_file.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

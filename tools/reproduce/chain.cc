@@ -14,7 +14,7 @@
 #include "sim/time_response.h"
 #include "tools/reproduce/temporary_folder.h"
 #include "tools/simulated_trial.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::tools {

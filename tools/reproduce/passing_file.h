@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "trial/byte_sink.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::tools {
 

@@ -10,8 +10,8 @@
 #include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/simulated_trial.h"
-#include "trial/export/hdf5.h"
-#include "trial/import/csv_comment.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::tools {

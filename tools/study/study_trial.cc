@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "dsp/analysis/floor_remarks.h"
 #include "tools/cli/progress.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
 #include "tools/sweep/answer_columns.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,4 +1,6 @@
 // trial export: recordings as CSV, HDF5, NPY, WAV and MAT.
+#include "trial/export/export.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,11 +17,6 @@
 #include "tools/cli/report.h"
 #include "tools/trial/told_recording.h"
 #include "tools/trial/words.h"
-#include "trial/export/csv.h"
-#include "trial/export/hdf5.h"
-#include "trial/export/mat.h"
-#include "trial/export/npy.h"
-#include "trial/export/wav.h"
 
 namespace haptometer::tools {
 namespace {

@@ -4,7 +4,7 @@
 #include "tools/cli/report.h"
 #include "tools/trial/info_output.h"
 #include "tools/trial/words.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

@@ -9,8 +9,8 @@
 #include "tools/cli/report.h"
 #include "tools/trial/info_output.h"
 #include "tools/trial/words.h"
-#include "trial/append_event.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_writer.h"
 
 namespace haptometer::tools {
 namespace {

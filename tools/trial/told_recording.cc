@@ -3,7 +3,7 @@
 #include <fmt/core.h>
 
 #include "tools/cli/report.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "trial/import/csv_column.h"
+#include "trial/import/csv_header.h"
 #include "trial/import/printed_times.h"
 #include "trial/record.h"
 

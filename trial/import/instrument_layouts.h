@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "trial/import/foreign_table.h"
-#include "trial/import/table_beginning.h"
 
 namespace haptometer::trial {
 

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "base/error.h"
-#include "trial/import/csv_column.h"
+#include "trial/import/csv_header.h"
+#include "trial/import/foreign_table.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"
-#include "trial/import/table_beginning.h"
 
 namespace haptometer::trial {
 

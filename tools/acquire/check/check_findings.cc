@@ -6,7 +6,7 @@
 
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 namespace {

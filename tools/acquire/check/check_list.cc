@@ -12,7 +12,7 @@
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/transport/latency_timer.h"
 #include "dsp/analysis/band_analysis.h"
-#include "trial/import/printed_number.h"
+#include "trial/import/table_cells.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::tools {

@@ -4,8 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "trial/byte_sink.h"
-#include "trial/byte_source.h"
+#include "trial/byte_io.h"
 #include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 

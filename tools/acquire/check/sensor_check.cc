@@ -12,7 +12,7 @@
 #include "tools/cli/command_line.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/report.h"
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 namespace {

@@ -13,7 +13,7 @@
 #include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 #include "tools/acquire/sample_value.h"
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "tools/acquire/open_keyence.h"
 #include "tools/acquire/sensor_kind.h"
-#include "trial/import/printed_number.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::tools {
 namespace {

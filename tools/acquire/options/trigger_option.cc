@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/quantity.h"
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::tools {
 namespace {
