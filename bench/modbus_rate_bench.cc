@@ -13,7 +13,7 @@
 #include <string>
 #include <thread>
 
-#include "acquire/sensor/modbus/modbus_sensor.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/transport/modbus_port.h"
 #include "base/error.h"
 

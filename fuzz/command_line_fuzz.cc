@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/pipe_sensor.h"
 #include "base/error.h"
 #include "base/quantity.h"
 #include "fuzz/seeds.h"

@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "acquire/emulator/dl_en1_unit.h"
-#include "acquire/emulator/dl_rs1a_unit.h"
+#include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/lkg_unit.h"
 #include "acquire/emulator/server.h"
 #include "acquire/emulator/stream_head.h"

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "acquire/emulator/modbus_unit.h"
-#include "acquire/sensor/modbus/sensor_profile.h"
+#include "acquire/sensor/modbus_profile.h"
 
 namespace haptometer::tools {
 

@@ -5,7 +5,6 @@
 
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
-#include "acquire/emulator/moving_head.h"
 #include "base/error.h"
 
 namespace haptometer::tools {

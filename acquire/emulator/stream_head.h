@@ -7,8 +7,6 @@
 
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
-#include "acquire/emulator/moving_head.h"
-#include "acquire/emulator/serial_line.h"
 #include "acquire/protocol/stream_line.h"
 #include "base/error.h"
 

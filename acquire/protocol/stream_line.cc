@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
 #include "acquire/protocol/wire.h"
 #include "base/error.h"
 #include "base/quantity.h"

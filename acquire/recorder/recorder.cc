@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "acquire/recorder/recording_statistics.h"
 #include "acquire/recorder/row_ring.h"
-#include "acquire/recorder/tally.h"
 #include "base/error.h"
 
 namespace haptometer::acquire {

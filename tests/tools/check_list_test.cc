@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "acquire/ability/smallest_rms.h"
+#include "acquire/capability.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 #include "tools/acquire/check/check_output.h"

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
-#include "acquire/transport/latency_timer.h"
+#include "acquire/transport/port_list.h"
 #include "base/text.h"
 #include "tools/cli/json.h"
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "acquire/ability/capability.h"
+#include "acquire/capability.h"
 #include "base/error.h"
 #include "base/quantity.h"
 

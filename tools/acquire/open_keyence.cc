@@ -8,7 +8,7 @@
 
 #include "acquire/protocol/keyence/dl_en1.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
-#include "acquire/protocol/keyence/il_setting.h"
+#include "acquire/sensor/keyence/il_settings.h"
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "acquire/sensor/keyence/keyence_lkg.h"
 #include "acquire/transport/open_port.h"

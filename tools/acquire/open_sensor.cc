@@ -3,14 +3,11 @@
 #include <fmt/core.h>
 
 #include "acquire/protocol/stream_line.h"
-#include "acquire/sensor/modbus/modbus_sensor.h"
-#include "acquire/sensor/modbus/sensor_profile.h"
-#include "acquire/sensor/paced_sensor.h"
-#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/replay.h"
 #include "acquire/sensor/stream_sensor.h"
-#include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
 #include "base/error.h"

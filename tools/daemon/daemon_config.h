@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "acquire/recorder/trial_rotation.h"
+#include "acquire/recorder/row_sink.h"
 #include "base/error.h"
 #include "tools/acquire/options/sensor_options.h"
 #include "tools/daemon/trial_pattern.h"

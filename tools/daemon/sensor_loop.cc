@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "acquire/sensor/retry_pause.h"
+#include "acquire/sensor/reconnecting_sensor.h"
 #include "tools/acquire/open_sensor.h"
 #include "tools/acquire/recording_header.h"
 #include "tools/cli/report.h"

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "acquire/recorder/recorder.h"
-#include "acquire/recorder/trial_rotation.h"
+#include "acquire/recorder/row_sink.h"
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "base/clock.h"
 #include "base/error.h"

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
+#include "acquire/protocol/wire.h"
 #include "base/error.h"
 
 namespace haptometer::acquire::dl_en1 {

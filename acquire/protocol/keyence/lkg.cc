@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
-#include "acquire/protocol/keyence/fields.h"
+#include "acquire/protocol/keyence/dl_line.h"
+#include "acquire/protocol/wire.h"
 #include "base/error.h"
 
 namespace haptometer::acquire::lkg {

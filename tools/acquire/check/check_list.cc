@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "acquire/ability/smallest_rms.h"
+#include "acquire/capability.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
-#include "acquire/transport/latency_timer.h"
+#include "acquire/transport/port_list.h"
 #include "dsp/analysis/band_analysis.h"
 #include "trial/import/table_cells.h"
 #include "trial/sensor_head.h"

@@ -49,7 +49,7 @@ struct ToneGain {
 [[nodiscard]] std::vector<ToneGain> AveragingGains(const trial::Metadata& metadata,
                                                    const dsp::BandPass& band);
 
-/// The smallest RMS that may be reported to `relative` (acquire/ability/smallest_rms.h) from a
+/// The smallest RMS that may be reported to `relative` (acquire/capability.h) from a
 /// record as long as this one, with the noise of this one subtracted; nothing where the noise in
 /// the band is not known. Noise below what rounding to steps makes, step / sqrt(12) over rate / 2,
 /// counts as that.

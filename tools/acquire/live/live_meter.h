@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "acquire/recorder/interval_statistics.h"
+#include "acquire/recorder/recording_statistics.h"
 #include "acquire/sensor/sensor.h"
 #include "dsp/filter/butterworth.h"
 #include "dsp/filter/cascade.h"
