@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "dsp/spectrum/fft.h"
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "sim/ring_down.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::fit {
 namespace {

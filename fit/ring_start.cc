@@ -11,7 +11,7 @@
 #include <numbers>
 #include <string>
 
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "fit/ring_amplitude.h"
 #include "fit/ring_fit.h"
 #include "fit/ringing_moments.h"

@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "fit/ring_amplitude.h"
 

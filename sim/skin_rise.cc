@@ -7,7 +7,6 @@
 
 #include "base/error.h"
 #include "dsp/spectrum/envelope.h"
-#include "dsp/spectrum/onset.h"
 
 namespace haptometer::sim {
 

@@ -5,7 +5,7 @@
 
 namespace haptometer::sim {
 
-/// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/onset.h).
+/// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/envelope.h).
 struct SkinRise {
   std::optional<double> rise_s;          ///< 10 % to 90 % of the steady amplitude
   std::optional<double> rise_at_most_s;  ///< in its place where the rise is too sudden to be told

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"
 

@@ -12,7 +12,7 @@
 
 #include "base/error.h"
 #include "dsp/spectrum/decimated.h"
-#include "dsp/spectrum/phasor_blocks.h"
+#include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "base/error.h"
+#include "dsp/filter/cascade.h"
 #include "dsp/filter/cascade_step.h"
-#include "dsp/filter/flush_subnormals.h"
 
 namespace haptometer::dsp {
 

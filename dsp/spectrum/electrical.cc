@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/spectrum/phasor_blocks.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/statistics/moments.h"
 

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <string>
 
-#include "dsp/spectrum/spectrogram.h"
+#include "dsp/spectrum/welch.h"
 #include "tools/cli/output_file.h"
 
 namespace haptometer::tools {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/statistics/interval.h"
+#include "dsp/statistics/distributions.h"
 #include "tools/reproduce/thesis_model.h"
 
 namespace haptometer::tools {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/statistics/interval.h"
+#include "dsp/statistics/distributions.h"
 #include "tools/reproduce/thesis_numbers.h"
 
 namespace haptometer::tools {

@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dsp/statistics/holm.h"
-#include "dsp/statistics/sign_flip.h"
+#include "dsp/statistics/paired_tests.h"
 
 namespace haptometer::tools {
 namespace {

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/statistics/effect_size.h"
-#include "dsp/statistics/one_sample.h"
-#include "dsp/statistics/paired.h"
+#include "dsp/statistics/moments.h"
+#include "dsp/statistics/paired_tests.h"
 #include "tools/study/planned_contrast.h"
 #include "tools/study/study_table.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <set>
 
-#include "dsp/statistics/error_bars.h"
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/regression.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::tools {
 namespace {

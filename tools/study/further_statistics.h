@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/statistics/anova.h"
-#include "dsp/statistics/one_sample.h"
-#include "dsp/statistics/reliability.h"
+#include "dsp/statistics/moments.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tools/study/study_table.h"
 
 namespace haptometer::tools {

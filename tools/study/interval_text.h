@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "dsp/statistics/interval.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::tools {
 

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "base/text.h"
-#include "dsp/statistics/holm.h"
 #include "dsp/statistics/moments.h"
+#include "dsp/statistics/paired_tests.h"
 
 namespace haptometer::tools {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "dsp/statistics/one_sample.h"
+#include "dsp/statistics/moments.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/planned_contrast.h"
 #include "tools/study/text_table.h"

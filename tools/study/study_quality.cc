@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tools/study/counted.h"
 
 namespace haptometer::tools {

@@ -50,7 +50,7 @@ struct Deviation {
 /// Outlying trials and cells, by logarithms of the RMS and with medians, so that they do not hide
 /// themselves:
 /// - a trial's distance from its cell's median, against the median within-cell standard deviation
-///   (dsp/statistics/robust.h), in cells of 3 trials or more;
+///   (dsp/statistics/repeated_measures.h), in cells of 3 trials or more;
 /// - a cell's median less its condition's and its subject's effect (median polish, subjects that
 ///   have all conditions), against the standard deviation that these residuals tell
 ///   (dsp::DeviationOfPolished), with 4 subjects and 3 conditions or more.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "dsp/statistics/complete_table.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tools/study/study_trial.h"
 
 namespace haptometer::tools {

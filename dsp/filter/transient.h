@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dsp/filter/butterworth.h"
-#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/filter/zero_phase.h"
 
 namespace haptometer::dsp {
 
@@ -26,7 +26,7 @@ inline constexpr double kSettledError = 1e-4;
 /// continuations less that of the odd one, in units of what each may differ by (the largest of
 /// |difference|/tolerance). Settled: at most the band RMS. Between the parts it is below rounding.
 ///
-/// The continuations are those of dsp/filter/end_continuations.h. The expected one is within some
+/// The continuations are those of dsp/filter/transient.cc. The expected one is within some
 /// percent of the truth for a hand's tremor, where the constant one can be far off; where the
 /// tremor is not one sine, expectations that saw more or less of it disagree, and less settles.
 /// Signals of fewer than kLeastExpectedMotionSamples, or filters as short, have the constant one

@@ -1,4 +1,4 @@
-#include "dsp/spectrum/onset.h"
+#include "dsp/spectrum/envelope.h"
 
 #include <gtest/gtest.h>
 

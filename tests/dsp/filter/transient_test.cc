@@ -1,4 +1,4 @@
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/filter/expected_motion.h"
+#include "dsp/filter/transient.cc"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
