@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 
 namespace haptometer::fit {
 
@@ -39,9 +39,9 @@ struct ContactValue {
 ///     x/i = -w^2 Mv Km / (T (D - w^2 Mv) - w^2 Mv D),
 ///     v/i = R + j w L - j w Km y,   y = (w^2 Mv x/i - Km) / (D - w^2 Mv),
 ///
-/// y being the mover's travel in the case per ampere. Equal to sim/steady_state.h, which solves the
-/// five states, to rounding (a test holds it to that), for m = 0 or with m counted into Mc. Cost:
-/// 100 ns.
+/// y being the mover's travel in the case per ampere. Equal to sim/linear/steady_state.h, which
+/// solves the five states, to rounding (a test holds it to that), for m = 0 or with m counted into
+/// Mc. Cost: 100 ns.
 [[nodiscard]] ContactValue ContactAt(const sim::Actuator& actuator, DriveQuantity drive,
                                      const std::vector<double>& parameters, double frequency_hz);
 

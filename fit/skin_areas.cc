@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/skin.h"
+#include "sim/skin/skin.h"
 
 namespace haptometer::fit {
 namespace {

@@ -15,8 +15,8 @@ struct AreaDependence {
   double lower_95 = 0;  ///< of the exponent
   double upper_95 = 0;
   bool holds_one_third = false;  ///< whether 1/3 lies in the interval
-  /// Mean exponents over these areas of Lindsay's own formula (sim/skin.h), which runs in a line
-  /// with the cube root of the area and is no pure power law: for Ks with 600-2000 and with
+  /// Mean exponents over these areas of Lindsay's own formula (sim/skin/skin.h), which runs in a
+  /// line with the cube root of the area and is no pure power law: for Ks with 600-2000 and with
   /// 600-1200 N/m, for Bs one number twice. Absent where an area lies outside of 1-100 mm2.
   std::optional<double> thesis_text;
   std::optional<double> thesis_table;

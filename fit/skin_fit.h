@@ -10,7 +10,7 @@
 #include "fit/contact_model.h"
 #include "fit/drop_test_fit.h"
 #include "fit/residual_look.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 
 namespace haptometer::fit {
 

@@ -7,9 +7,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "sim/effects.h"
 #include "sim/periodic_motion.h"
-#include "sim/scene.h"
+#include "sim/scene/effects.h"
+#include "sim/scene/scene.h"
 #include "sim/scene_run.h"
 
 namespace haptometer::sim {

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "sim/excitation.h"
-#include "sim/linear_model.h"
-#include "sim/smooth_mode.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/linear_model.h"
+#include "sim/smooth/smooth_mode.h"
 
 namespace haptometer::sim {
 

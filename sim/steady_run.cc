@@ -7,14 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
 #include "sim/period_map.h"
-#include "sim/piecewise_motion.h"
-#include "sim/piecewise_scene.h"
-#include "sim/smooth_scene.h"
-#include "sim/solver_ladder.h"
-#include "sim/steady_state.h"
-#include "sim/superposition.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/skin_rise.h"
+#include "sim/skin/skin_rise.h"
 
 namespace haptometer::tools {
 

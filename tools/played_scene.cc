@@ -1,8 +1,7 @@
 #include "tools/played_scene.h"
 
-#include "sim/scene_file.h"
-#include "sim/steady_state.h"
-#include "sim/steady_tones.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/scene_file.h"
 
 namespace haptometer::tools {
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tools {
 

@@ -8,8 +8,8 @@
 
 #include "base/error.h"
 #include "base/toml.h"
-#include "sim/scene.h"
-#include "sim/sweep/sweep_axis.h"
+#include "sim/scene/scene.h"
+#include "sim/sweep/sweep_points.h"
 
 namespace haptometer::sim {
 
@@ -22,9 +22,9 @@ class VariedScene {
   [[nodiscard]] static Result<VariedScene> ReadFile(const std::string& path,
                                                     const std::vector<std::string>& keys);
 
-  /// The scene with `values`, one a key, read by the strict reader (sim/scene_file.h). Errors: its
-  /// own, without the line, which would be that of no file. Cost: about 20 us. Threads may share
-  /// it.
+  /// The scene with `values`, one a key, read by the strict reader (sim/scene/scene_file.h).
+  /// Errors: its own, without the line, which would be that of no file. Cost: about 20 us. Threads
+  /// may share it.
   [[nodiscard]] Result<Scene> Read(std::span<const SweepValue> values) const;
 
   /// CRC-32 of what the scene holds besides the values of the keys: the same for the same contents,

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.h"
-#include "sim/tuning/motor_source.h"
+#include "sim/linear/motor_source.h"
 
 namespace haptometer::sim {
 

@@ -24,8 +24,8 @@ struct AdapterOptimum {
   std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
-/// The best point alone, without proof: Newton's steps (sim/tuning/limited_optimum.h); of skins
-/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/climb_starts.h).
+/// The best point alone, without proof: Newton's steps (sim/tuning/travel_limit.h); of skins
+/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/travel_limit.h).
 [[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
                                        const ReceptorField& receptors);
 

@@ -87,7 +87,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
     {"systemd/", {"tools/daemon/service_notice.cc"}},
-    {"unsupported/Eigen/MatrixFunctions", {"sim/matrix_exponential.cc"}},
+    {"unsupported/Eigen/MatrixFunctions", {"sim/linear/driven_step.cc"}},
 };
 
 bool IsLetIn(const HeavyPart& part, const std::string& file) {

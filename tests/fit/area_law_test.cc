@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "sim/skin.h"
+#include "sim/skin/skin.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "tests/fit/bound.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"

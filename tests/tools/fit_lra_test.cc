@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/fit/fit_lra_input.h"

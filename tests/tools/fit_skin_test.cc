@@ -8,8 +8,8 @@
 #include <numbers>
 #include <random>
 
-#include "sim/skin.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/skin/skin.h"
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "fit/impedance_fit.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fit_impedance_panels.h"

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "fit/split_drops.h"
 #include "fit/thinned_record.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tools/fit/drops_file.h"
 #include "trial/import/read_recording.h"
 

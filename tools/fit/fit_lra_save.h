@@ -6,7 +6,7 @@
 #include "fit/drop_test_fit.h"
 #include "fit/impedance_fit.h"
 #include "fit/impulse_record.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 
 namespace haptometer::tools {
 
@@ -21,8 +21,8 @@ namespace haptometer::tools {
 [[nodiscard]] Result<sim::StatedActuator> FittedActuator(const fit::ImpedanceFit& fit,
                                                          const fit::ActuatorKnowns& knowns);
 
-/// Writes it as a file for scenes, `simulate` and --actuator (sim/actuator.h). Errors: those of
-/// `actuator`; as cli::OutputFile.
+/// Writes it as a file for scenes, `simulate` and --actuator (sim/scene/actuator.h). Errors: those
+/// of `actuator`; as cli::OutputFile.
 [[nodiscard]] Result<void> SaveActuator(const std::string& path, bool overwrite,
                                         const Result<sim::StatedActuator>& actuator);
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "fit/drop_test_model.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fit_plan_output.h"

@@ -7,7 +7,7 @@
 
 #include "fit/skin_areas.h"
 #include "fit/skin_fit.h"
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fit_skin_input.h"

@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "dsp/analysis/band_analysis.h"
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
 #include "tools/reproduce/temporary_folder.h"
 #include "tools/simulated_trial.h"
 #include "trial/import/read_recording.h"

@@ -9,10 +9,9 @@
 #include <numbers>
 #include <optional>
 
-#include "sim/linear_model.h"
-#include "sim/poles.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
 #include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 

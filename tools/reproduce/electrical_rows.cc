@@ -7,11 +7,11 @@
 #include <complex>
 #include <numbers>
 
-#include "sim/linear_model.h"
-#include "sim/piecewise_motion.h"
-#include "sim/piecewise_scene.h"
-#include "sim/scene_mode.h"
-#include "sim/steady_state.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
+#include "sim/linear/steady_state.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 

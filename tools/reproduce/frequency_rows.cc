@@ -8,11 +8,9 @@
 #include <numbers>
 #include <string>
 
-#include "sim/impedance.h"
-#include "sim/linear_model.h"
-#include "sim/poles.h"
-#include "sim/sensitivity.h"
-#include "sim/steady_state.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/motor_source.h"
+#include "sim/linear/steady_state.h"
 #include "tools/reproduce/row_groups.h"
 #include "tools/reproduce/scan.h"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "tools/cli/band_question.h"
 #include "tools/reproduce/generated_settings.h"
 #include "tools/reproduce/generated_sweep.h"

@@ -5,11 +5,10 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/impedance.h"
-#include "sim/receptors.h"
-#include "sim/sensitivity.h"
+#include "sim/linear/motor_source.h"
+#include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
+#include "sim/skin/skin.h"
 #include "tools/reproduce/reproduction_figures.h"
 
 namespace haptometer::tools {

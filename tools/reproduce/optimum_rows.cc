@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "tools/reproduce/row_groups.h"

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "sim/receptors.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/skin/skin.h"
 #include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tools {
 

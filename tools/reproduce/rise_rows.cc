@@ -3,7 +3,7 @@
 
 #include <numbers>
 
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "tools/reproduce/rise.h"
 #include "tools/reproduce/rounded_inputs.h"
 #include "tools/reproduce/row_groups.h"

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "sim/actuator.h"
-#include "sim/scene.h"
-#include "sim/skin.h"
-#include "sim/tuning/adapter_bounds.h"
+#include "sim/scene/actuator.h"
+#include "sim/scene/scene.h"
+#include "sim/skin/skin.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::tools {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "sim/drive.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tools {
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "sim/effect_choice.h"
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tools {
 

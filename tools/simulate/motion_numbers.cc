@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <numbers>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
 #include "sim/period_map.h"
-#include "sim/piecewise_scene.h"
-#include "sim/scene_mode.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "tools/simulate/drive_text.h"
 
 namespace haptometer::tools {

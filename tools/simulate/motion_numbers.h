@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/skin_rise.h"
+#include "sim/skin/skin_rise.h"
 #include "sim/waveforms.h"
 #include "tools/simulate/scene_answer.h"
 

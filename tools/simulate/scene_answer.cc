@@ -10,11 +10,9 @@
 #include <vector>
 
 #include "sim/effective_scene.h"
-#include "sim/linear_model.h"
-#include "sim/output_rate.h"
-#include "sim/piecewise_scene.h"
-#include "sim/poles.h"
-#include "sim/time_response.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/time_response.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "tools/simulate/drive_text.h"
 
 namespace haptometer::tools {

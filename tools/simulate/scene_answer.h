@@ -5,9 +5,8 @@
 
 #include "base/error.h"
 #include "sim/effect_choice.h"
-#include "sim/scene.h"
-#include "sim/steady_state.h"
-#include "sim/steady_tones.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tools {
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
+#include "base/jobs.h"
 #include "base/text.h"
-#include "sim/output_rate.h"
-#include "sim/scene_file.h"
+#include "sim/effective_scene.h"
+#include "sim/scene/scene_file.h"
 #include "sim/sensor_model.h"
-#include "sim/watch.h"
 #include "sim/waveforms.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"

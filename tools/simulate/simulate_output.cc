@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "base/text.h"
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
 #include "tools/cli/json.h"
 #include "tools/latency_verdict.h"
 #include "tools/simulate/drive_text.h"

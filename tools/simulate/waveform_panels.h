@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 #include "sim/waveforms.h"
 #include "tools/plot/gnuplot.h"
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scene_file.h"
+#include "sim/scene/scene_file.h"
 
 namespace haptometer::tools {
 namespace {

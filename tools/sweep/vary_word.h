@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "sim/sweep/sweep_axis.h"
+#include "sim/sweep/sweep_points.h"
 
 namespace haptometer::tools {
 

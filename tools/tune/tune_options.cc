@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "base/text.h"
-#include "sim/scene_file.h"
+#include "sim/scene/scene_file.h"
 #include "tools/simulate/drive_text.h"
 
 namespace haptometer::tools {

@@ -3,9 +3,9 @@
 #include <cstddef>
 
 #include "base/error.h"
-#include "sim/receptors.h"
-#include "sim/tuning/adapter_bounds.h"
+#include "sim/skin/skin.h"
 #include "sim/tuning/adapter_objective.h"
+#include "sim/tuning/tuning_problem.h"
 #include "tools/cli/options.h"
 
 namespace haptometer::tools {

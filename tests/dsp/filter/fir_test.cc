@@ -1,4 +1,3 @@
-
 #include "bench/fir.h"
 
 #include <gtest/gtest.h>
