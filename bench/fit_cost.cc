@@ -16,8 +16,8 @@
 #include "bench/fit_experiments.h"
 #include "bench/fit_rungs.h"
 #include "bench/fit_tally.h"
-#include "fit/ring_fit.h"
-#include "fit/ring_start.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/drop_test/ring_start.h"
 #include "tests/fit/synthetic_drop.h"
 
 namespace haptometer::fit {

@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "fit/drop_test_model.h"
-#include "fit/impulse_record.h"
-#include "fit/ring_down_problem.h"
+#include "fit/drop_test/drop_test_model.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_down_problem.h"
 
 namespace haptometer::fit {
 

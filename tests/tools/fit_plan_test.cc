@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <random>
 
-#include "fit/impedance_fit.h"
+#include "fit/impedance/impedance_fit.h"
 #include "tests/residual.h"
 #include "tools/fit/fit_impedance_panels.h"
 

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "fit/impulse_record.h"
+#include "fit/drop_test/impulse_record.h"
 
 namespace haptometer::tools {
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/text.h"
-#include "fit/adapter_fit.h"
+#include "fit/adapter/adapter_fit.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"
 #include "tools/fit/fitted_value_output.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "fit/impedance_fit.h"
+#include "fit/impedance/impedance_fit.h"
 #include "sim/scene/actuator.h"
 #include "tools/cli/json.h"
 #include "tools/cli/report.h"

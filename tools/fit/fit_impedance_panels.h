@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fit/impedance_fit.h"
+#include "fit/impedance/impedance_fit.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {

@@ -6,8 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "fit/drop_test_fit.h"
-#include "fit/plausibility.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/import_words.h"
 #include "tools/cli/options.h"

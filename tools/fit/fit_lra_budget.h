@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 
 namespace haptometer::tools {
 

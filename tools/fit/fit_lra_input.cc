@@ -9,8 +9,7 @@
 #include <utility>
 
 #include "base/text.h"
-#include "fit/split_drops.h"
-#include "fit/thinned_record.h"
+#include "fit/drop_test/prepared_record.h"
 #include "sim/scene/actuator.h"
 #include "tools/fit/drops_file.h"
 #include "trial/import/read_recording.h"

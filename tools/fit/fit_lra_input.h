@@ -6,8 +6,8 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "fit/impulse_record.h"
-#include "fit/prepared_record.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/prepared_record.h"
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 
 namespace haptometer::tools {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "dsp/spectrum/welch.h"
-#include "fit/uncertain_pole.h"
+#include "fit/poles.h"
 #include "tools/cli/uncertain_number.h"
 #include "tools/fit/fit_lra_output.h"
 #include "tools/plot/envelope.h"

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/drop_test_fit.h"
-#include "fit/impulse_record.h"
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/impulse_record.h"
 #include "tools/fit/fit_lra_input.h"
 #include "tools/plot/gnuplot.h"
 

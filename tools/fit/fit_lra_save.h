@@ -3,9 +3,9 @@
 #include <string>
 
 #include "base/error.h"
-#include "fit/drop_test_fit.h"
-#include "fit/impedance_fit.h"
-#include "fit/impulse_record.h"
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/impedance/impedance_fit.h"
 #include "sim/scene/actuator.h"
 
 namespace haptometer::tools {

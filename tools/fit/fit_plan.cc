@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "fit/drop_test_model.h"
+#include "fit/drop_test/drop_test_model.h"
 #include "sim/scene/actuator.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/report.h"

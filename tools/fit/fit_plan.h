@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/experiment_plan.h"
+#include "fit/drop_test/experiment_plan.h"
 #include "tools/fit/fit_lra_input.h"
 #include "tools/fit/fit_plan_options.h"
 

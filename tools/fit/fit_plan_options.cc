@@ -6,7 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 
 namespace haptometer::tools {
 namespace {

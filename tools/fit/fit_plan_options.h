@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
-#include "fit/experiment_plan.h"
+#include "fit/drop_test/experiment_plan.h"
 #include "tools/cli/options.h"
 #include "tools/fit/fit_lra_input.h"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tools/cli/json.h"
 
 namespace haptometer::tools {
@@ -19,7 +19,7 @@ using fit::PlanLimit;
 using nlohmann::ordered_json;
 
 constexpr double kDivisions = 8;
-constexpr double kLopsided = 0.05;  // see fit/force_constant.h
+constexpr double kLopsided = 0.05;  // see fit/drop_test/drop_test_solution.h
 
 // a source of uncertainty: how it is called, and its part
 struct Source {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "fit/skin_areas.h"
-#include "fit/skin_fit.h"
+#include "fit/skin/skin_areas.h"
+#include "fit/skin/skin_fit.h"
 #include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/report.h"

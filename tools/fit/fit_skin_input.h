@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/skin_fit.h"
+#include "fit/skin/skin_fit.h"
 
 namespace haptometer::tools {
 

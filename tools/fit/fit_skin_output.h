@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "fit/skin_areas.h"
-#include "fit/skin_fit.h"
+#include "fit/skin/skin_areas.h"
+#include "fit/skin/skin_fit.h"
 
 namespace haptometer::tools {
 

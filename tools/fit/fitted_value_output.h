@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 
 namespace haptometer::tools {
 

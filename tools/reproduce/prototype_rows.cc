@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "fit/drop_test_model.h"
+#include "fit/drop_test/drop_test_model.h"
 #include "sim/linear/linear_model.h"
 #include "sim/linear/steady_state.h"
 #include "sim/piecewise/piecewise_motion.h"
