@@ -80,7 +80,7 @@ struct HeavyPart {
 const std::vector<HeavyPart> kHeavyParts{
     {"boost/", {"dsp/statistics/distributions.cc"}},
     {"ceres/", {"fit/"}},
-    {"toml++/", {"base/toml.cc", "base/toml.cc"}},
+    {"toml++/", {"base/toml.cc"}},
     {"CLI/", {"tools/cli/options.cc"}},
     {"libserialport.h", {"acquire/transport/"}},
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
