@@ -20,7 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kVerb = "acquire";
 constexpr MonotonicNs kAnswerWithinNs = 5 * kNsPerS;
 
 // the sockets on which the daemon that is asked for may answer

@@ -10,7 +10,7 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr double kBetweenSubjects = 0.10;
+constexpr double kSettingsBetweenSubjects = 0.10;
 constexpr double kBetweenSettings = 0.03;
 constexpr double kStartBias = 1.05;
 
@@ -26,7 +26,7 @@ TextTable GenerateSettings(const std::vector<GeneratedMatch>& matches, std::uint
   };
   for (const GeneratedMatch& match : matches) {
     for (const auto& [level_v, ratio] : match.ratio_at_v) {
-      const auto own = CentredDeviates(random, kGeneratedSubjects, kBetweenSubjects);
+      const auto own = CentredDeviates(random, kGeneratedSubjects, kSettingsBetweenSubjects);
       for (std::size_t s = 0; s < own.size(); ++s) {
         for (const bool high : {true, false}) {
           const double bias = (high ? 1 : -1) * std::log(kStartBias);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kTwoPi = 2 * std::numbers::pi;
 constexpr double kRateHz = 2000;
 constexpr std::size_t kRows = 2400;
-constexpr double kBetweenSubjects = 0.25;
+constexpr double kTrialsBetweenSubjects = 0.25;
 constexpr double kWithinCondition = 0.12;
 constexpr double kBetweenTrials = 0.05;
 
@@ -99,7 +99,7 @@ Result<void> GenerateTrials(const std::vector<GeneratedCondition>& conditions, d
                             std::uint64_t seed, const std::filesystem::path& folder) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> between_trials(0, kBetweenTrials);
-  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kBetweenSubjects);
+  const auto subjects = CentredDeviates(random, kGeneratedSubjects, kTrialsBetweenSubjects);
   for (const GeneratedCondition& condition : conditions) {
     const auto own = CentredDeviates(random, kGeneratedSubjects, kWithinCondition);
     for (std::size_t s = 0; s < subjects.size(); ++s) {

@@ -6,7 +6,7 @@ namespace haptometer::tools {
 namespace {
 
 // the tones one after the other
-std::string TonesText(const sim::Drive& drive) {
+std::string DriveTonesText(const sim::Drive& drive) {
   std::string text = "tones of ";
   for (std::size_t k = 0; k < drive.tones.size(); ++k) {
     const bool is_last = k + 1 == drive.tones.size();
@@ -23,7 +23,7 @@ std::string KindPlays(const sim::Drive& drive) {
     case sim::DriveKind::kSine:
       return fmt::format("{:g} V at {:g} Hz", drive.amplitude_v, drive.frequency_hz);
     case sim::DriveKind::kTones:
-      return TonesText(drive);
+      return DriveTonesText(drive);
     case sim::DriveKind::kBurst:
       return fmt::format("a burst of {:g} V at {:g} Hz {}", drive.amplitude_v, drive.frequency_hz,
                          when);

@@ -7,7 +7,6 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr double kUm = 1e-6;  // in metres
 
 // the means as bars, their standard deviations over subjects, and each subject as a point
 void AppendCondition(const StudyResult& study, std::size_t condition, double x,

@@ -73,7 +73,7 @@ Result<double> ReadNumber(const std::string& word, Dimension dimension, const st
   return quantity->value;
 }
 
-std::optional<std::int64_t> WholeNumber(std::string_view text) {
+std::optional<std::int64_t> SignedWholeNumber(std::string_view text) {
   std::int64_t value = 0;
   const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
@@ -89,7 +89,7 @@ Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
     return Usage(where, "has a value that is empty or not printable", "write it as KEY=A,B,C");
   }
   if (dimension == Dimension::kNone) {
-    if (const auto whole = WholeNumber(word)) return sim::PlainValue(fmt::format("{}", *whole));
+    if (const auto whole = SignedWholeNumber(word)) return sim::PlainValue(fmt::format("{}", *whole));
     if (word == "true" || word == "false") return sim::PlainValue(word);
     if (!ParseQuantity(word, dimension, where)) return sim::TextValue(word);
   }
@@ -116,7 +116,7 @@ Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre r
     return Usage(where, "is not BEGIN:END:COUNT",
                  "write it like 100Hz:400Hz:301, or give --samples");
   }
-  const auto count = WholeNumber(parts[2]);
+  const auto count = SignedWholeNumber(parts[2]);
   if (!count || *count < 2 || *count > kMostValues) {
     return Usage(where, fmt::format("'{}' is no count of values", parts[2]),
                  "give 2 or more, both ends among them");

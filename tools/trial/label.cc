@@ -15,7 +15,7 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr cli::VerbText kText{
+constexpr cli::VerbText kLabelText{
     .name = "trial label",
     .summary = "Add labels to a trial; the last word on a label counts, the older ones are kept.",
     .examples = {"haptometer trial label trial.bin subject=3",
@@ -55,7 +55,7 @@ int RunTrialLabel(int argc, const char* const* argv) {
   std::string reason;
   std::vector<std::string> words;
   std::vector<std::string> more;
-  cli::Options options(kText);
+  cli::Options options(kLabelText);
   options.Positional("file", &path, "trial.bin");
   options.Positionals("labels", &words, "key=value ...", 0);
   // the way acquire takes them
@@ -64,11 +64,11 @@ int RunTrialLabel(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   words.insert(words.end(), more.begin(), more.end());
   if (auto done = Label(path, words, reason); !done) {
-    return cli::ReportError(kText.name, done.error());
+    return cli::ReportError(kLabelText.name, done.error());
   }
   if (options.json()) {
     const auto recording = trial::ReadRecording(path);
-    if (!recording) return cli::ReportError(kText.name, recording.error());
+    if (!recording) return cli::ReportError(kLabelText.name, recording.error());
     PrintTrialInfoJson(path, *recording);
   }
   return 0;

@@ -16,7 +16,7 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr cli::VerbText kText{
+constexpr cli::VerbText kPlotText{
     .name = "trial plot",
     .summary = "Draw a recording over time: gaps are gaps, bad samples are marked, peaks stay.",
     .examples = {"haptometer trial plot trial.bin -o trial.svg",
@@ -32,7 +32,7 @@ Result<void> Draw(const std::string& input, const std::string& output,
   if (auto drawable = plot::CheckPlotPath(output); !drawable) return drawable;
   const auto import = cli::ImportOf(words);
   if (!import) return std::unexpected(import.error());
-  const auto recording = ReadAndTell(kText.name, input, *import);
+  const auto recording = ReadAndTell(kPlotText.name, input, *import);
   if (!recording) return std::unexpected(recording.error());
   const trial::Record& record = recording->record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
@@ -41,7 +41,7 @@ Result<void> Draw(const std::string& input, const std::string& output,
     panels.push_back(PanelOf(record, record.channels[c]));
   }
   if (record.channels.size() > kMostPanels) {
-    cli::Remark(kText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
+    cli::Remark(kPlotText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
                                         record.channels.size()));
   }
   return plot::DrawPanels(output, panels);
@@ -53,14 +53,14 @@ int RunTrialPlot(int argc, const char* const* argv) {
   std::string input;
   std::string output;
   cli::ImportWords import;
-  cli::Options options(kText);
+  cli::Options options(kPlotText);
   options.Positional("file", &input, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
   options.Output("-o,--output,--plot", &output, "FILE.svg|png|pdf",
                  "The plot to write; an older one of ours is replaced");
   cli::DeclareImport(&options, &import);
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto done = Draw(input, output, import);
-  return done ? 0 : cli::ReportError(kText.name, done.error());
+  return done ? 0 : cli::ReportError(kPlotText.name, done.error());
 }
 
 }  // namespace haptometer::tools
