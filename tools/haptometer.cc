@@ -12,7 +12,7 @@
 #include <system_error>
 
 #include "base/text.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

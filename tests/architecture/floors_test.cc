@@ -86,7 +86,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
-    {"systemd/", {"tools/daemon/service_notice.cc"}},
+    {"systemd/", {"tools/daemon/daemon.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/linear/driven_step.cc"}},
 };
 

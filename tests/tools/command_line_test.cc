@@ -1,6 +1,4 @@
 // A command line that is printed can be pasted: the shell itself is the judge.
-#include "tools/cli/command_line.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -8,6 +6,7 @@
 #include <cstdlib>
 
 #include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {

@@ -9,9 +9,6 @@
 #include <regex>
 #include <sstream>
 
-#include "tools/daemon/sensor_keys.h"
-#include "tools/daemon/trial_pattern.h"
-
 namespace haptometer::tools {
 namespace {
 

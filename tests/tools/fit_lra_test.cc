@@ -12,7 +12,7 @@
 #include "sim/scene/actuator.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
-#include "tools/fit/fit_lra_input.h"
+#include "tools/fit/drop_records.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

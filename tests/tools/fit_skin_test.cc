@@ -1,3 +1,5 @@
+#include "tools/fit/fit_skin.h"
+
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,7 +15,6 @@
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
-#include "tools/fit/fit_skin_input.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

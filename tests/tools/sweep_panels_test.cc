@@ -1,5 +1,3 @@
-#include "tools/fit/sweep_panels.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +7,7 @@
 
 #include "fit/impedance/impedance_fit.h"
 #include "tests/residual.h"
-#include "tools/fit/fit_impedance_panels.h"
+#include "tools/fit/fit_figures.h"
 
 namespace haptometer::tools {
 namespace {

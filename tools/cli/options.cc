@@ -10,7 +10,7 @@
 #include "base/input_file.h"
 #include "base/text.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/fit/fit_lra_input.h"
+#include "tools/fit/drop_records.h"
 
 namespace haptometer::tools {
 

@@ -6,6 +6,10 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/error.h"
 
 /// A script for gnuplot, which anybody's text can enter in one way only: as a Quoted.
 ///
@@ -69,5 +73,30 @@ class Script {
 
   std::string text_;
 };
+
+/// A file that exists in memory only, as long as this object does.
+class MemoryFile {
+ public:
+  /// With `content`, at its start.
+  explicit MemoryFile(std::string_view content = {});
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// Under which a program that we start can open it.
+  [[nodiscard]] std::string path() const;
+  [[nodiscard]] std::string Content() const;
+
+ private:
+  int descriptor_;
+};
+
+/// Runs a program with `input` on its standard input and nothing else, and waits for its end: at
+/// most `longest_ns`, then it is killed. Returns whether it ended with status 0. Of `words` the
+/// first is the program, looked for in PATH. Errors (Cause::kFailed, without a place): it is not
+/// installed, does not start, or did not end in time.
+[[nodiscard]] Result<bool> RunWithin(const std::vector<std::string>& words,
+                                     const std::string& input, MonotonicNs longest_ns);
 
 }  // namespace haptometer::plot

@@ -13,16 +13,13 @@
 #include "sim/waveforms.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/cli/work_progress.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/terminal.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/simulate/effect_lines.h"
-#include "tools/simulate/motion_numbers.h"
 #include "tools/simulate/scene_answer.h"
-#include "tools/simulate/simulate_output.h"
-#include "tools/simulate/waveform_file.h"
-#include "tools/simulate/waveform_panels.h"
-#include "tools/simulated_trial.h"
+#include "tools/simulate/simulate_document.h"
+#include "tools/simulate/simulated_trial.h"
+#include "tools/simulate/waveforms.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -247,7 +244,7 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   const auto solved = [&] {
     cli::WorkProgress progress(kVerb, scene->duration_s ? "a shorter --duration takes less"
                                                         : "--duration 0.1s plays a run instead");
-    const sim::WatchedWork watched(
+    const WatchedWork watched(
         [&](std::string_view what, double share) { progress.Update(what, share); });
     return AnswerScene(*scene, wanted.scene_path);
   }();

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "tools/sweep/table_reader.h"
+#include "tools/sweep/table_file.h"
 
 namespace haptometer::tools {
 

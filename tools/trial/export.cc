@@ -11,12 +11,11 @@
 #include <vector>
 
 #include "base/error.h"
-#include "tools/cli/import_words.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/trial/told_recording.h"
-#include "tools/trial/words.h"
+#include "tools/cli/shared_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/trial/trial.h"
 
 namespace haptometer::tools {
 namespace {
