@@ -111,7 +111,7 @@ std::vector<std::pair<std::string, Fit>> Methods() {
           {"joint: Ceres with its own tolerances", joint(automatic(kDefaults), Begin::kPencil)},
           {"joint: Ceres analytic", joint(analytic, Begin::kPencil)},
           {"joint: means of 4", fewer(4, Averaged)},
-          {"joint: every 4th sample", fewer(4, Thinned)},
+          {"joint: every 4th sample", fewer(4, Decimated)},
           {"from the spectrum's line: Gauss-Newton",
            joint(MinimiseByGaussNewton, Begin::kSpectrumLine)},
           {"from the spectrum's line: Ceres analytic", joint(analytic, Begin::kSpectrumLine)},

@@ -237,7 +237,7 @@ ImpulseRecord Averaged(const ImpulseRecord& record, std::size_t block) {
   return fewer;
 }
 
-ImpulseRecord Thinned(const ImpulseRecord& record, std::size_t block) {
+ImpulseRecord Decimated(const ImpulseRecord& record, std::size_t block) {
   ImpulseRecord fewer = record;
   fewer.voltage_v.clear();
   for (std::size_t n = 0; n < record.voltage_v.size(); n += block) {

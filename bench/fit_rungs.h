@@ -64,6 +64,6 @@ void StartFrom(double frequency_hz, JointProblem* joint);
 
 /// Means of `block` samples, or every `block`-th sample.
 [[nodiscard]] ImpulseRecord Averaged(const ImpulseRecord& record, std::size_t block);
-[[nodiscard]] ImpulseRecord Thinned(const ImpulseRecord& record, std::size_t block);
+[[nodiscard]] ImpulseRecord Decimated(const ImpulseRecord& record, std::size_t block);
 
 }  // namespace haptometer::fit
