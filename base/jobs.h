@@ -36,7 +36,7 @@ using OrderedWorker = std::function<Result<Finish>(std::size_t job)>;
                                           const std::function<OrderedWorker()>& make_worker);
 
 /// Who looks on while long work is done: is called with what is being done and with the share of
-/// its bound on work that is spent, 0 to 1, as often as the work comes by.
+/// its bound on work that is spent, 0 to 1, once a piece of the work: at no fixed rate.
 using Watcher = std::function<void(std::string_view what, double share)>;
 
 /// Has this thread's searches and runs report to `watcher` for as long as this object lives. Of two

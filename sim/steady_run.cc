@@ -185,8 +185,8 @@ class SmoothSearch {
   }
 
  private:
-  // A search compares states over periods and takes differences of them: to less than 1e-8 it takes
-  // what is near for what repeats itself.
+  // The tolerance of a search is 1e-8 at most, whatever the answer's is: it compares states of
+  // different periods, and Newton's method divides differences of them.
   PeriodMap MapOf(double tolerance) const {
     constexpr double kMost = 1e-8;
     return {system_, scene_.scene.drive, SmoothSettings{.tolerance = std::min(tolerance, kMost)}};

@@ -357,6 +357,7 @@ def scenes(run):
         (run.folder / "s.toml").write_text(text, encoding="utf-8")
         run("simulate", "s.toml", statuses=(2, 3))
         run("acquire", "--daemon", "s.toml", statuses=(2, 3))
+    run("reproduce", "--report", "a'b\"$(touch CANARY7) `touch CANARY4`.html", statuses=(0, 3))
     run("reproduce", "--report", "a\nb.html", statuses=(2,))
     run("reproduce", "--figures", "a\x1bb", statuses=(2,))
 
