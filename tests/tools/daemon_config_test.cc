@@ -160,9 +160,9 @@ TEST(TrialName, IsFilledInAndNeverThatOfAnotherFile) {
   fs::remove_all(directory);
 }
 
-// the file that docs/reference/daemon.md shows is one
+// the file that docs/how-to/record-for-days.md shows is one
 TEST(DaemonConfig, TheDocumentedExampleIsRead) {
-  std::ifstream file(std::string(HAPTOMETER_FIXTURES) + "/../docs/reference/daemon.md");
+  std::ifstream file(std::string(HAPTOMETER_FIXTURES) + "/../docs/how-to/record-for-days.md");
   std::stringstream text;
   text << file.rdbuf();
   const std::string page = text.str();
