@@ -17,7 +17,7 @@
 namespace haptometer::trial {
 namespace {
 
-// offsets in a block head, as in docs/formats.md
+// offsets in a block head, as in docs/reference/formats.md
 constexpr std::size_t kKindAt = 8;
 constexpr std::size_t kSequenceAt = 12;
 constexpr std::size_t kRowsAt = 16;

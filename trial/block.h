@@ -16,7 +16,7 @@
 #include "trial/trial_format.h"
 #include "trial/trial_reader.h"
 
-/// The bytes of a trial.bin as docs/formats.md gives them: signature, block heads, rows.
+/// The bytes of a trial.bin as docs/reference/formats.md gives them: signature, block heads, rows.
 namespace haptometer::trial {
 
 static_assert(std::endian::native == std::endian::little,

@@ -15,7 +15,7 @@
 #include "base/error.h"
 #include "trial/record.h"
 
-/// What a trial.bin holds, in memory; docs/formats.md has the same byte by byte.
+/// What a trial.bin holds, in memory; docs/reference/formats.md has the same byte by byte.
 namespace haptometer::trial {
 
 /// How a channel's raw values are stored: as the source sent them, bit for bit.
@@ -125,7 +125,7 @@ struct Event {
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";
 
-/// The members of Metadata that hold one text, by their keys in files (docs/formats.md).
+/// The members of Metadata that hold one text, by their keys in files (docs/reference/formats.md).
 inline constexpr std::array<std::pair<std::string_view, std::string Metadata::*>, 8> kMetadataTexts{
     {{"source", &Metadata::source},
      {"sensor", &Metadata::sensor},
@@ -138,9 +138,9 @@ inline constexpr std::array<std::pair<std::string_view, std::string Metadata::*>
 
 }  // namespace haptometer::trial
 
-/// The JSON payloads of a trial.bin; keys in docs/formats.md. Keys that this version does not know
-/// are passed over. Texts that are not printable (base/text.h) are refused on their way into a
-/// file and escaped on their way out of one.
+/// The JSON payloads of a trial.bin; keys in docs/reference/formats.md. Keys that this version does
+/// not know are passed over. Texts that are not printable (base/text.h) are refused on their way
+/// into a file and escaped on their way out of one.
 namespace haptometer::trial {
 
 /// Whether all texts of what is new are printable. Errors: Cause::kUsage, naming the first that is

@@ -216,7 +216,7 @@ std::vector<std::string> WireRemarks(const SensorProfile& profile) {
 
 }  // namespace haptometer::acquire
 
-// A sensor profile from its TOML file; docs/sensors.md has the keys with an example.
+// A sensor profile from its TOML file; docs/reference/sensors.md has the keys with an example.
 
 namespace haptometer::acquire {
 namespace {
@@ -354,7 +354,7 @@ Result<SensorProfile> ReadProfile(TomlTable root) {
   ReadTables(root, profile);
   if (auto done = root.Finish(); !done) return std::unexpected(done.error());
   if (const std::string wrong = WhatIsWrong(profile); !wrong.empty()) {
-    return Usage(root.where(), wrong, "docs/sensors.md describes the keys");
+    return Usage(root.where(), wrong, "docs/reference/sensors.md describes the keys");
   }
   return profile;
 }

@@ -17,7 +17,7 @@ namespace haptometer::acquire {
 enum class StatusMeaning : std::uint8_t { kInvalid, kDeviceError };
 
 /// Everything that makes one Modbus distance sensor differ from another, as a file says it
-/// (docs/sensors.md, "Modbus"). Built-in sensors are written in the same form.
+/// (docs/reference/sensors.md, "Modbus"). Built-in sensors are written in the same form.
 ///
 /// Addresses are as the maker prints them; `address_base` is the number of the first register in
 /// the maker's count (0, or 1 where the manual counts from one), which is taken off on the wire.

@@ -1,4 +1,4 @@
-"""Samples that NumPy writes into acquire's standard input, read back by the reader of docs/formats.md;
+"""Samples that NumPy writes into acquire's standard input, read back by the reader of docs/reference/formats.md;
 replays, scenes and lists through the real program. Exits with 77 where NumPy is missing."""
 import json
 import os
@@ -17,7 +17,7 @@ try:
 except ImportError:
     skip("needs python3-numpy")
 
-FORMATS = pathlib.Path("docs/formats.md").read_text(encoding="utf-8")
+FORMATS = pathlib.Path("docs/reference/formats.md").read_text(encoding="utf-8")
 read_trial = trial_reader()
 
 

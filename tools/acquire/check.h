@@ -40,7 +40,7 @@ struct MemoryTrial {
 /// whether the sensor is ready.
 [[nodiscard]] std::string CheckText(const std::vector<CheckItem>& items);
 
-/// The JSON document of `acquire --check --json` (docs/commands.md), with a line's end.
+/// The JSON document of `acquire --check --json` (docs/reference/acquire.md), with a line's end.
 [[nodiscard]] std::string CheckJson(const trial::TrialHeader& header, const CheckFindings& findings,
                                     const CheckQuestion& question,
                                     const std::vector<CheckItem>& items);

@@ -40,8 +40,8 @@ struct TimeBaseReview {
 /// How far a recording that runs has come: "12.5 s  125000 readings  10000.0/s".
 [[nodiscard]] std::string ProgressLine(const acquire::RecordingSummary& summary);
 
-/// The JSON document of `acquire --json` (docs/commands.md), with a line's end; `file` is null
-/// where it is empty.
+/// The JSON document of `acquire --json` (docs/reference/acquire.md), with a line's end; `file` is
+/// null where it is empty.
 [[nodiscard]] std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
                                       const acquire::RecordingSummary& summary,
                                       const std::optional<TimeBaseReview>& time_base);
@@ -50,7 +50,7 @@ struct TimeBaseReview {
 /// costs a DL-RS1A.
 [[nodiscard]] std::string PortListText(const std::vector<acquire::PortInfo>& ports);
 
-/// The same as a JSON document (docs/commands.md), with a line's end.
+/// The same as a JSON document (docs/reference/acquire.md), with a line's end.
 [[nodiscard]] std::string PortListJson(const std::vector<acquire::PortInfo>& ports);
 
 /// What is asked of the sensors, from `--band` and `--resolution`. Errors (Cause::kUsage): a band
@@ -61,7 +61,7 @@ struct TimeBaseReview {
 /// What `acquire --list-sensors` prints: each known sensor, whether it can answer, and why.
 [[nodiscard]] std::string SensorListText(const acquire::CapabilityQuestion& question);
 
-/// The same as a JSON document (docs/commands.md), with a line's end.
+/// The same as a JSON document (docs/reference/acquire.md), with a line's end.
 [[nodiscard]] std::string SensorListJson(const acquire::CapabilityQuestion& question);
 
 }  // namespace haptometer::tools

@@ -94,7 +94,7 @@ void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
       "--rate", &wanted.rate_hz, Dimension::kFrequency,
       "Rows a second that are piped in; others that are asked are asked so often at most");
   options.Text("--calibration", &wanted.calibration, "FILE",
-               "What the volts or counts of a piped channel mean (docs/formats.md)");
+               "What the volts or counts of a piped channel mean (docs/reference/formats.md)");
   options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
                "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
   options.Text("--profile", &wanted.profile, "NAME|FILE",

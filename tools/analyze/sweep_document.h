@@ -13,7 +13,8 @@ namespace haptometer::tools {
 /// Prints what people write down on stdout: f0, Q, the largest amplitude, what is not determined.
 void PrintSweep(const std::string& path, const dsp::SweepAnswer& answer);
 
-/// The object of `analyze --sweep --json` (docs/commands.md): one trial. Unknown values are null.
+/// The object of `analyze --sweep --json` (docs/reference/analyze.md): one trial. Unknown values
+/// are null.
 [[nodiscard]] nlohmann::ordered_json SweepJson(const std::string& path,
                                                const dsp::SweepAnswer& answer);
 

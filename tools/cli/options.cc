@@ -152,7 +152,7 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.add_flag("-h,--help", state_->help, "Show this help");
   app.add_flag("--help-all", state_->help_all, "Show every option");
   app.add_flag("--version", state_->version, "Show the version");
-  app.add_flag("--json", state_->json, "Print one JSON document (docs/commands.md)");
+  app.add_flag("--json", state_->json, "Print one JSON document (docs/reference/)");
 }
 
 Options::~Options() = default;

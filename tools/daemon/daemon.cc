@@ -206,7 +206,7 @@ bool StandsAlone(int argc, const char* const* argv, const std::vector<std::strin
 
 void DeclareDaemon(cli::Options& options, DaemonOptions& wanted) {
   options.Text("--daemon", &wanted.config, "CONFIG.toml",
-               "Record several sensors until SIGTERM, as the file says (docs/daemon.md)");
+               "Record several sensors until SIGTERM, as the file says (docs/reference/daemon.md)");
   options.OptionalText("--status", &wanted.wants_status, &wanted.asked, "SOCKET|CONFIG.toml",
                        "Show what a running daemon is about");
 }

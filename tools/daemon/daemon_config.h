@@ -38,7 +38,7 @@ struct DaemonSensor {
   std::map<std::string, std::string> labels;  ///< the file's, and the sensor's own over them
 };
 
-/// What `acquire --daemon` is to do; docs/daemon.md lists the keys.
+/// What `acquire --daemon` is to do; docs/reference/daemon.md lists the keys.
 struct DaemonConfig {
   TrialPattern trials;
   std::string socket;  ///< where it answers `acquire --status`; empty: DefaultStatusSockets()

@@ -52,7 +52,7 @@ struct DaemonStatus {
   std::vector<SensorStatus> sensors{};
 };
 
-/// The JSON document of `acquire --status --json` (docs/daemon.md), with a line's end.
+/// The JSON document of `acquire --status --json` (docs/reference/daemon.md), with a line's end.
 [[nodiscard]] std::string StatusJson(const DaemonStatus& status);
 
 /// Reads it back. Errors (Cause::kCannotAnswer), naming `where`: no status of a daemon.

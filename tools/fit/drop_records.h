@@ -87,7 +87,7 @@ struct DropsFile {
 /// Whether a file given to fit-lra is a drops file and no recording: its name ends in .toml.
 [[nodiscard]] bool IsDropsFile(std::string_view path);
 
-/// Reads a drops file (docs/commands.md):
+/// Reads a drops file (docs/reference/fit-lra.md):
 ///
 ///     moving_mass_kg = "1.420(10)g"      # also case_mass_kg, resistance_ohm, inductance_h
 ///

@@ -84,7 +84,7 @@ struct FitLraFiles {
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
              FitLraFiles& files) {
   options.Positionals("files", &wanted.files,
-                      "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
+                      "time_s,voltage_v with '# key = value' lines (docs/reference/fit-lra.md)", 0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
   options.Groups("--load", &wanted.loads, "OHM FILE...",
                  "Records with a resistor across the terminals; may be repeated");

@@ -15,8 +15,8 @@
 
 namespace haptometer::tools {
 
-/// The answer of fit-lra as one JSON document (docs/commands.md): everything that FitLraText says;
-/// what is not determined is null.
+/// The answer of fit-lra as one JSON document (docs/reference/fit-lra.md): everything that
+/// FitLraText says; what is not determined is null.
 [[nodiscard]] std::string FitLraJson(const fit::DropTestFit& fit,
                                      const std::vector<std::string>& doubts,
                                      const std::vector<std::string>& remarks,

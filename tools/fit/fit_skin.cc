@@ -89,7 +89,7 @@ int RunFitSkin(int argc, const char* const* argv) {
   std::string plot;
   options.Positionals("tables", &files,
                       "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
-                      "columns (docs/commands.md)");
+                      "columns (docs/reference/fit-skin.md)");
   options.Text("--actuator", &actuator_name, "NAME|FILE",
                "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
   options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");

@@ -13,7 +13,7 @@ namespace haptometer::tools {
 [[nodiscard]] std::string FitSkinText(const std::vector<fit::SkinFit>& contacts,
                                       const fit::SkinAreas& areas, const std::string& actuator);
 
-/// The same as one JSON document (docs/commands.md); what is not determined is null.
+/// The same as one JSON document (docs/reference/fit-skin.md); what is not determined is null.
 [[nodiscard]] std::string FitSkinJson(const std::vector<fit::SkinFit>& contacts,
                                       const fit::SkinAreas& areas, const std::string& actuator,
                                       const std::vector<Error>& left_out);

@@ -10,7 +10,7 @@ namespace haptometer::tools {
 /// The card for people, to be printed and taken to the bench.
 [[nodiscard]] std::string TestCardText(const TestCard& card);
 
-/// The same as one JSON document (docs/commands.md).
+/// The same as one JSON document (docs/reference/fit-lra.md).
 [[nodiscard]] std::string TestCardJson(const TestCard& card);
 
 /// Why a wish is not reached and what would do it, as an error's `what` and `remedy`.

@@ -30,8 +30,8 @@ struct RowWords {
 /// All rows for people.
 [[nodiscard]] std::string ReproductionText(const Reproduction& reproduction);
 
-/// One JSON document in SI units (docs/commands.md); what is not known is null. `written` are the
-/// files that were drawn.
+/// One JSON document in SI units (docs/reference/reproduce.md); what is not known is null.
+/// `written` are the files that were drawn.
 [[nodiscard]] std::string ReproductionJson(const Reproduction& reproduction,
                                            const std::vector<std::string>& written);
 

@@ -39,7 +39,7 @@ struct TrialGroup {
   std::string repeat;     ///< the same
 };
 
-/// What a study's manifest (TOML, docs/study.md) says; empty where it does not.
+/// What a study's manifest (TOML, docs/reference/study.md) says; empty where it does not.
 struct Manifest {
   std::vector<TrialGroup> groups;
   std::string pattern;

@@ -57,7 +57,7 @@ struct Wanted {
 
 void Declare(cli::Options& options, Wanted& wanted) {
   options.Positional("source", &wanted.source,
-                     "A folder of trials, or a manifest (.toml, docs/study.md)");
+                     "A folder of trials, or a manifest (.toml, docs/reference/study.md)");
   options.Repeated("--contrast", &wanted.contrasts, "TREATMENT:CONTROL",
                    "A planned contrast; may be repeated (default: the manifest's, else every "
                    "condition against the first)");
@@ -93,7 +93,7 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   const bool is_folder = fs::is_directory(wanted.source, ignored);
   if (!is_folder && fs::path(wanted.source).extension() != ".toml") {
     return Usage(wanted.source, "is neither a folder nor a manifest",
-                 "give a folder of trials or a .toml (docs/study.md)");
+                 "give a folder of trials or a .toml (docs/reference/study.md)");
   }
   if (!is_folder) {
     auto manifest = ReadManifest(wanted.source);

@@ -73,7 +73,7 @@ struct StudyResult {
 /// What people read: conditions, contrasts, what is missing or stands apart; with `all` the rest.
 [[nodiscard]] std::string StudyText(const StudyResult& study, bool all);
 
-/// docs/study.md has the schema.
+/// docs/reference/study.md has the schema.
 [[nodiscard]] std::string StudyJson(const StudyResult& study);
 
 /// A row a trial, in the order of the files.

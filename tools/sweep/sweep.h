@@ -42,7 +42,7 @@ struct SweepSummary {
 /// Reads the table again, row by row. Errors: as TableReader.
 [[nodiscard]] Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish);
 
-/// For people and for programs (docs/commands.md).
+/// For people and for programs (docs/reference/sweep.md).
 [[nodiscard]] std::string SummaryText(const SweepSummary& summary);
 [[nodiscard]] std::string SummaryJson(const SweepSummary& summary);
 

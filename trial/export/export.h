@@ -88,7 +88,7 @@ class MatWriter {
 
 /// An HDF5 file that takes trials, a group each. Lossless: times, values and statuses keep their
 /// bits, header and events stay as JSON, and of a trial.bin also what the source sent (group
-/// `raw`). trial/import/readers.h reads it back. docs/formats.md names the objects.
+/// `raw`). trial/import/readers.h reads it back. docs/reference/formats.md names the objects.
 ///
 /// One thread at a time in the whole program: libhdf5 has a global state.
 class Hdf5Writer {

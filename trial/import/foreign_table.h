@@ -70,9 +70,10 @@ struct ForeignTable {
   std::vector<std::string> remarks{};           ///< what was assumed, a sentence each
 };
 
-/// Finds the table of numbers in what an oscilloscope or a DAQ's program wrote (docs/formats.md has
-/// the list): two lines of numbers that follow each other with as many cells; above them a line
-/// that names the columns and perhaps one with their units; or the layout of one maker.
+/// Finds the table of numbers in what an oscilloscope or a DAQ's program wrote
+/// (docs/reference/formats.md has the list): two lines of numbers that follow each other with as
+/// many cells; above them a line that names the columns and perhaps one with their units; or the
+/// layout of one maker.
 ///
 /// `options` override what the file says: format, columns, scales; a channel that is not
 /// options.channel is left out. Nothing where no two lines of numbers follow each other.

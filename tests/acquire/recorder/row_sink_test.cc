@@ -90,7 +90,7 @@ TEST_F(RotationTest, AUniformPartBeginsItsGridAnew) {
 
 TEST_F(RotationTest, BytesAreThoseOfTheRows) {
   CountingSensor sensor(clock_, Timing::kArrival, 250, Outcome::kEnd);
-  // 8 bytes of time, 4 of counts and 1 of status, padded to 16: see docs/formats.md
+  // 8 bytes of time, 4 of counts and 1 of status, padded to 16: see docs/reference/formats.md
   ASSERT_TRUE(RunParts(sensor, {.bytes = 1600}));
   EXPECT_EQ(Counts(Part(1)).size(), 1600U / trial::LayoutOf(sensor.header()).row_bytes);
 }

@@ -82,7 +82,8 @@ INSTANTIATE_TEST_SUITE_P(Table, RtuRates,
 // --- files ---
 
 TEST(ProfileFile, TheDocumentedExampleIsRead) {
-  const auto page = ReadInputFile(std::string(HAPTOMETER_FIXTURES) + "/../docs/sensors.md");
+  const auto page =
+      ReadInputFile(std::string(HAPTOMETER_FIXTURES) + "/../docs/reference/sensors.md");
   ASSERT_TRUE(page);
   const std::size_t modbus = page->find("## Modbus");
   const std::size_t begin = page->find("```toml\n", modbus) + 8;
