@@ -1,5 +1,6 @@
 """Reads docs/: each test that docs/developer/hard-cases.md names exists; no page uses a word that the glossary
-lists as not to be used; links between pages lead to files that exist."""
+lists as not to be used; links between pages and paths
+in code lead to what exists."""
 import fnmatch
 import os
 import pathlib
@@ -106,6 +107,20 @@ def check_links():
     check(not lost, "links that lead nowhere:\n" + "\n".join(lost))
 
 
+def check_paths():
+    """A path of a file or folder of the tree, in code, exists."""
+    rooms = "acquire|base|bench|cmake|dsp|fit|fixtures|fuzz|packaging|sim|tests|tools|trial|docs"
+    lost = []
+    for page in pages():
+        if str(page) in EXEMPT:
+            continue
+        for path in re.findall(rf"`((?:{rooms})/[\w./-]*)`", page.read_text(encoding="utf-8")):
+            if not pathlib.Path(path).exists():
+                lost.append(f"{page}: {path}")
+    check(not lost, "paths that do not exist:\n" + "\n".join(lost))
+
+
 check_words()
+check_paths()
 check_named_tests()
 check_links()
