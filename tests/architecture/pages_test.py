@@ -96,6 +96,16 @@ def check_named_tests():
     check(not lost, f"{HARD_CASES} names tests that do not exist: {', '.join(lost)}")
 
 
+def check_terms():
+    """The glossary has each term once, in the order of the alphabet."""
+    text = GLOSSARY.read_text(encoding="utf-8").split("## Words")[0]
+    terms = [line.split("|")[1].strip().lower() for line in text.splitlines() if line.startswith("| ")][1:]
+    check(len(terms) > 50, f"{len(terms)} terms")
+    check(len(terms) == len(set(terms)), "a term stands twice")
+    for before, after in zip(terms, terms[1:]):
+        check(before < after, f"{GLOSSARY}: '{after}' stands behind '{before}'")
+
+
 def check_links():
     lost = []
     for page in pages():
@@ -121,6 +131,7 @@ def check_paths():
 
 
 check_words()
+check_terms()
 check_paths()
 check_named_tests()
 check_links()
