@@ -350,7 +350,8 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   if (auto done = root->Finish(); !done) return std::unexpected(done.error());
   for (const std::string_view key : {"actuator", "skin", "drive"}) {
     if (!root->Has(key)) {
-      return Usage(where, fmt::format("has no [{}]", key), "add that table (docs/notation.md)");
+      return Usage(where, fmt::format("has no [{}]", key),
+                   "add that table (docs/explanation/notation.md)");
     }
   }
 

@@ -190,10 +190,12 @@ TEST(SceneFile, AutoForAllAsksAboutWhatHasConstants) {
 TEST(SceneFile, TellsWhatIsWrongWithEffects) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"[effects]\ntravel_stops = true\n",
-       "[effects]: travel_stops: needs [travel_stops] with gap_m; docs/notation.md lists the "
+       "[effects]: travel_stops: needs [travel_stops] with gap_m; docs/explanation/notation.md "
+       "lists the "
        "constants"},
       {"[effects]\ncontact_loss = 'auto'\n",
-       "[effects]: contact_loss: needs preload_n in [skin]; docs/notation.md lists the constants"},
+       "[effects]: contact_loss: needs preload_n in [skin]; docs/explanation/notation.md lists the "
+       "constants"},
       {"[effects]\ngravity = 'maybe'\n",
        "[effects]: gravity: \"maybe\" is not known; use one of auto"},
       {"[effects.travel_stops]\ngap_m = '1mm'\n",
@@ -221,15 +223,17 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
        "[run]: quantity: \"skin\" is not known; use one of skin_rms_m, skin_waveform_m, "
        "mover_peak_m, current_rms_a"},
       {"[effects]\ntremor = true\n",
-       "[effects]: tremor: needs [tremor] with amplitude_m and frequency_hz; docs/notation.md "
+       "[effects]: tremor: needs [tremor] with amplitude_m and frequency_hz; "
+       "docs/explanation/notation.md "
        "lists "
        "the constants"},
       {"[effects]\nstiffening = 'auto'\n",
-       "[effects]: stiffening: needs [stiffening] with cubic_n_per_m3; docs/notation.md lists the "
+       "[effects]: stiffening: needs [stiffening] with cubic_n_per_m3; "
+       "docs/explanation/notation.md lists the "
        "constants"},
       {"[effects]\ncoil_heating = true\n",
        "[effects]: coil_heating: needs [coil_heating] with heat_capacity_j_per_k; "
-       "docs/notation.md lists the constants"},
+       "docs/explanation/notation.md lists the constants"},
       {"[stiffening]\ncubic_n_per_m3 = 0\n",
        "[stiffening]: cubic_n_per_m3: is not 1 to 1e15 N/m^3; the spring pulls stiffness_n_per_m d "
        "+ cubic_n_per_m3 d^3"},
@@ -249,7 +253,8 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
     EXPECT_EQ(WithoutLine(ErrorOf(kCone + text)), "scene.toml: " + message) << text;
   }
   const std::string needs =
-      "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/notation.md lists the "
+      "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/explanation/notation.md lists "
+      "the "
       "constants";
   const std::string unilateral = kActuator + kDrive + kSkin + "contact = 'unilateral'\n";
   EXPECT_EQ(WithoutLine(ErrorOf(unilateral)), needs);
@@ -282,7 +287,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {kCone + "[adaptor]\n", "key adaptor is not known; did you mean adapter?"},
       {"[actuator]\nmodell = 'x'\n", "[actuator]: key modell is not known; did you mean model?"},
-      {kActuator + kDrive, "has no [skin]; add that table (docs/notation.md)"},
+      {kActuator + kDrive, "has no [skin]; add that table (docs/explanation/notation.md)"},
       {"skin = 1\n" + kActuator + kDrive, "skin: is not a table; write [skin]"},
       {"[actuator]\nmodel = 'c10'\n" + kDrive + kSkin,
        "[actuator]: model: \"c10\" is not known; use one of thesis-c10-100"},
