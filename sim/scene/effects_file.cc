@@ -168,7 +168,7 @@ void RefuseMissingConstants(TomlTable& root, TomlTable* skin, Effects& effects) 
       const bool by_skin = table == nullptr || !table->Has(name);
       (by_skin ? *skin : *table)
           .Refuse(by_skin ? "contact" : name, fmt::format("needs {}", need.where),
-                  "docs/explanation/notation.md lists the constants");
+                  "docs/reference/scene.md lists the constants");
     }
     wish = Wish::kOff;
   }

@@ -351,7 +351,7 @@ Result<Scene> ReadSceneText(std::string_view text, const std::string& where) {
   for (const std::string_view key : {"actuator", "skin", "drive"}) {
     if (!root->Has(key)) {
       return Usage(where, fmt::format("has no [{}]", key),
-                   "add that table (docs/explanation/notation.md)");
+                   "add that table (docs/reference/scene.md)");
     }
   }
 

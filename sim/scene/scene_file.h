@@ -28,7 +28,7 @@ void RefuseUnlessReal(TomlTable& table, std::string_view key, double value);
 [[nodiscard]] double NotNegativeOr(TomlTable& table, std::string_view key, Dimension dimension,
                                    double absent);
 
-/// Reads [drive] of a scene: every kind of Drive, docs/explanation/notation.md lists the keys.
+/// Reads [drive] of a scene: every kind of Drive, docs/reference/scene.md lists the keys.
 ///
 /// A kind's keys that it has no use for are unknown keys. `file` of samples is looked for beside
 /// `scene_path`: text, the line `voltage_v`, then a number of volts a line; its faults are told
@@ -51,14 +51,14 @@ struct Mounting {
 
 /// Reads [effects] and the tables of its constants ([gravity], [travel_stops], [stiffening],
 /// [coil_heating]; preload_n and contact in [skin], which may be null) out of a scene;
-/// docs/explanation/notation.md lists the keys. [tremor] is looked for, not read.
+/// docs/reference/scene.md lists the keys. [tremor] is looked for, not read.
 ///
 /// `effects = "auto"` in place of the table asks about every effect whose constants are stated.
 /// An effect that is asked for without its constants is an error. Errors show in the root's
 /// Finish().
 [[nodiscard]] Effects ReadEffects(TomlTable& root, TomlTable* skin);
 
-/// Reads a scene.toml (docs/explanation/notation.md lists the keys).
+/// Reads a scene.toml (docs/reference/scene.md lists the keys).
 ///
 /// Strict: an unknown key is an error that names the nearest known one, and what the format knows
 /// but this version does not simulate is refused by name. A relative [actuator] or [drive] file is

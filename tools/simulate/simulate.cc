@@ -50,7 +50,7 @@ struct SimulateOptions {
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
-  options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/explanation/notation.md)");
+  options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Length of the run; beats [run] duration_s");
   options.Flag("--explain", &wanted.explain,

@@ -96,7 +96,7 @@ Result<void> CheckWords(const SweepWords& words) {
 }  // namespace
 
 void Declare(cli::Options& options, SweepWords& words) {
-  options.Positionals("scene", &words.scenes, "A scene.toml (docs/explanation/notation.md)", 0);
+  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
   options.Repeated(
       "--vary", &words.vary, "KEY=VALUES",
       "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");

@@ -190,11 +190,11 @@ TEST(SceneFile, AutoForAllAsksAboutWhatHasConstants) {
 TEST(SceneFile, TellsWhatIsWrongWithEffects) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"[effects]\ntravel_stops = true\n",
-       "[effects]: travel_stops: needs [travel_stops] with gap_m; docs/explanation/notation.md "
+       "[effects]: travel_stops: needs [travel_stops] with gap_m; docs/reference/scene.md "
        "lists the "
        "constants"},
       {"[effects]\ncontact_loss = 'auto'\n",
-       "[effects]: contact_loss: needs preload_n in [skin]; docs/explanation/notation.md lists the "
+       "[effects]: contact_loss: needs preload_n in [skin]; docs/reference/scene.md lists the "
        "constants"},
       {"[effects]\ngravity = 'maybe'\n",
        "[effects]: gravity: \"maybe\" is not known; use one of auto"},
@@ -224,16 +224,16 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
        "mover_peak_m, current_rms_a"},
       {"[effects]\ntremor = true\n",
        "[effects]: tremor: needs [tremor] with amplitude_m and frequency_hz; "
-       "docs/explanation/notation.md "
+       "docs/reference/scene.md "
        "lists "
        "the constants"},
       {"[effects]\nstiffening = 'auto'\n",
        "[effects]: stiffening: needs [stiffening] with cubic_n_per_m3; "
-       "docs/explanation/notation.md lists the "
+       "docs/reference/scene.md lists the "
        "constants"},
       {"[effects]\ncoil_heating = true\n",
        "[effects]: coil_heating: needs [coil_heating] with heat_capacity_j_per_k; "
-       "docs/explanation/notation.md lists the constants"},
+       "docs/reference/scene.md lists the constants"},
       {"[stiffening]\ncubic_n_per_m3 = 0\n",
        "[stiffening]: cubic_n_per_m3: is not 1 to 1e15 N/m^3; the spring pulls stiffness_n_per_m d "
        "+ cubic_n_per_m3 d^3"},
@@ -253,7 +253,7 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
     EXPECT_EQ(WithoutLine(ErrorOf(kCone + text)), "scene.toml: " + message) << text;
   }
   const std::string needs =
-      "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/explanation/notation.md lists "
+      "scene.toml: [skin]: contact: needs preload_n in [skin]; docs/reference/scene.md lists "
       "the "
       "constants";
   const std::string unilateral = kActuator + kDrive + kSkin + "contact = 'unilateral'\n";
@@ -287,7 +287,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {kCone + "[adaptor]\n", "key adaptor is not known; did you mean adapter?"},
       {"[actuator]\nmodell = 'x'\n", "[actuator]: key modell is not known; did you mean model?"},
-      {kActuator + kDrive, "has no [skin]; add that table (docs/explanation/notation.md)"},
+      {kActuator + kDrive, "has no [skin]; add that table (docs/reference/scene.md)"},
       {"skin = 1\n" + kActuator + kDrive, "skin: is not a table; write [skin]"},
       {"[actuator]\nmodel = 'c10'\n" + kDrive + kSkin,
        "[actuator]: model: \"c10\" is not known; use one of thesis-c10-100"},
