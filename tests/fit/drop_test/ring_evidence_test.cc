@@ -10,7 +10,9 @@
 #include <random>
 #include <string>
 
+#include "fit/drop_test/disturbances.h"
 #include "fit/drop_test/prepared_record.h"
+#include "fit/drop_test/ring_start.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 
@@ -149,13 +151,13 @@ TEST(RingEvidence, AHumThatIsNotThereBeforeTheMotionIsNone) {
   });
   record.voltage_v.resize(3950);
   EXPECT_THAT(Refusal(record), HasSubstr("looks like hum of 60 Hz does not precede"));
-  // one that is there all along, at any phase
+  // one that is there all along, at any phase; asked where nothing yet takes the hum away
   for (const double phase : {0.0, 1.0, 2.5, 4.0}) {
-    EXPECT_EQ(Refusal(Recorded([phase](double t) {
-                return Ringing(t, 127, 4) + 0.3 * std::cos(kTwoPi * 60 * t + phase);
-              })),
-              "")
-        << phase;
+    const ImpulseRecord humming = Recorded(
+        [phase](double t) { return Ringing(t, 127, 4) + 0.3 * std::cos(kTwoPi * 60 * t + phase); });
+    const auto start = FindRingStart(humming);
+    ASSERT_TRUE(start) << phase;
+    EXPECT_EQ(FindDisturbances(humming, *start).no_ring_down, "") << phase;
   }
 }
 
