@@ -87,6 +87,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
     {"systemd/", {"tools/daemon/service_notice.cc"}},
+    {"openssl/", {"tools/document/provenance.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/matrix_exponential.cc"}},
 };
 

@@ -1,0 +1,96 @@
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "tools/document/render.h"
+#include "tools/report/html_page.h"
+
+namespace haptometer::document {
+namespace {
+
+using Rows = std::vector<std::vector<std::string>>;
+
+// refusals and doubts stand out
+void AddFindings(const Section& section, report::HtmlPage& page) {
+  std::vector<std::string> notes;
+  for (const Finding& finding : section.findings) {
+    if (finding.severity == Severity::kNote) {
+      notes.push_back(FindingText(finding));
+    } else {
+      page.Warning(FindingText(finding));
+    }
+  }
+  if (!notes.empty()) page.List(notes);
+}
+
+void AddItems(const Section& section, report::HtmlPage& page) {
+  Rows rows;
+  if (!section.sources.empty()) rows.push_back({"data", SourcesText(section.sources)});
+  for (const Item& item : section.items) {
+    std::string value = item.label.empty() ? "" : ItemText(item);
+    if (!value.empty()) rows.push_back({item.label, std::move(value)});
+  }
+  if (!rows.empty()) page.Table({}, rows);
+}
+
+void AddTable(const List& list, report::HtmlPage& page) {
+  const std::vector<Column> columns = ColumnsOf(list);
+  if (columns.empty()) return;
+  if (!list.heading.empty()) page.Subsection(list.heading);
+  std::vector<std::string> head;
+  Rows rows(list.elements.size());
+  for (const Column& column : columns) {
+    head.push_back(column.heading);
+    for (std::size_t k = 0; k < rows.size(); ++k) rows[k].push_back(column.cells[k]);
+  }
+  page.Table(head, rows);
+}
+
+// `level`: 0 of the document's own parts
+Result<void> AddSection(const Section& section, int level, report::HtmlPage& page) {
+  if (!section.is_known) return {};
+  if (!section.heading.empty()) {
+    level == 0 ? page.Section(section.heading) : page.Subsection(section.heading);
+    ++level;
+  }
+  AddFindings(section, page);
+  AddItems(section, page);
+  for (const List& list : section.lists) {
+    if (list.layout == List::Layout::kTable) {
+      AddTable(list, page);
+      continue;
+    }
+    for (const Section& element : list.elements) {
+      if (auto added = AddSection(element, level, page); !added) return added;
+    }
+  }
+  for (const Figure& figure : section.figures) {
+    if (auto drawn = page.Figure(figure.caption, figure.panels); !drawn) return drawn;
+  }
+  for (const Section& inner : section.sections) {
+    if (auto added = AddSection(inner, level, page); !added) return added;
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<std::string> HtmlOf(const Document& document) {
+  const Provenance& provenance = document.provenance;
+  report::HtmlPage page(document.title, fmt::format("haptometer {}, {}: {}", provenance.version,
+                                                    provenance.utc, provenance.command));
+  if (auto added = AddSection(document.root, 0, page); !added) {
+    return std::unexpected(added.error());
+  }
+  Rows inputs;
+  for (const InputFile& input : provenance.inputs) {
+    inputs.push_back({input.path, fmt::format("{}", input.bytes), input.sha256});
+  }
+  if (!inputs.empty()) {
+    page.Section("Inputs");
+    page.Table({"file", "bytes", "SHA-256"}, inputs);
+  }
+  return page.Html();
+}
+
+}  // namespace haptometer::document

@@ -1,0 +1,142 @@
+#include "tools/cli/json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/csv_cell.h"
+#include "tools/document/render.h"
+
+namespace haptometer::document {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct JsonVisitor {
+  Json operator()(std::monostate) const { return nullptr; }
+  Json operator()(double number) const { return cli::NumberOrNull(number); }
+  Json operator()(const Range& range) const {
+    return (*this)(std::vector{range.lower, range.upper});
+  }
+  template <typename T>
+  Json operator()(const std::vector<T>& list) const {
+    Json json = Json::array();
+    for (const T& one : list) json.push_back((*this)(one));
+    return json;
+  }
+  template <typename T>
+  Json operator()(const T& value) const {
+    return value;
+  }
+};
+
+Json ValueJson(const Value& value, bool is_known) {
+  if (!is_known || !value.IsKnown()) return nullptr;
+  return std::visit(JsonVisitor{}, static_cast<const AnyValue&>(value));
+}
+
+Json ObjectOf(const Section& section);
+
+void AddItem(const Item& item, bool is_known, Json& json) {
+  const bool is_object = item.form == Form::kEstimate;
+  Json& object = is_object ? json[item.name] : json;
+  if (is_object && !is_known) return;
+  for (const auto& [name, value] : FieldsOf(item)) object[name] = ValueJson(value, is_known);
+}
+
+// the parts of the section become the object's; all null where they are not known
+void AddParts(const Section& section, bool is_known, Json& json) {
+  for (const Item& item : section.items) {
+    if (!item.name.empty()) AddItem(item, is_known, json);
+  }
+  for (const DataSource source : section.sources) json["data_source"].push_back(NameOf(source));
+  for (const List& list : section.lists) {
+    if (list.name.empty()) continue;
+    Json& array = json[list.name];
+    if (is_known) array = Json::array();
+    for (const Section& element : list.elements) array.push_back(ObjectOf(element));
+  }
+  for (const Section& inner : section.sections) {
+    const bool inner_is_known = is_known && inner.is_known;
+    if (inner.name.empty()) {
+      AddParts(inner, inner_is_known, json);
+    } else {
+      json[inner.name] = inner_is_known ? ObjectOf(inner) : Json(nullptr);
+    }
+  }
+}
+
+Json ObjectOf(const Section& section) {
+  Json json = Json::object();
+  AddParts(section, section.is_known, json);
+  return json;
+}
+
+Json FindingJson(const Finding& finding) {
+  Json numbers = Json::object();
+  for (const FindingNumber& number : finding.numbers) {
+    numbers[std::string(number.name)] = std::visit(JsonVisitor{}, number.value);
+  }
+  return {{"kind", finding.kind},
+          {"severity", NameOf(finding.severity)},
+          {"text", finding.text},
+          {"subject", cli::TextOrNull(finding.subject)},
+          {"numbers", numbers}};
+}
+
+Json ProvenanceJson(const Provenance& provenance) {
+  Json inputs = Json::array();
+  for (const InputFile& input : provenance.inputs) {
+    inputs.push_back(
+        {{"path", input.path}, {"bytes", input.bytes}, {"sha256", cli::TextOrNull(input.sha256)}});
+  }
+  return {{"version", provenance.version},
+          {"command", provenance.command},
+          {"utc", provenance.utc},
+          {"inputs", inputs}};
+}
+
+// --- tables with commas ---
+
+// names and cells of a row, those of the sections within it behind its own
+void AddCells(const Section& section, bool is_known, std::string& names, std::string& cells) {
+  for (const Item& item : section.items) {
+    for (const auto& [name, value] : FieldsOf(item)) {
+      if (item.name.empty()) continue;
+      const std::string comma = names.empty() ? "" : ",";
+      const Json json = ValueJson(value, is_known);
+      names += comma + cli::CellOf(name);
+      cells += comma;
+      if (json.is_null()) continue;
+      cells += cli::CellOf(json.is_string() ? json.get<std::string>() : json.dump());
+    }
+  }
+  for (const Section& inner : section.sections) {
+    AddCells(inner, is_known && inner.is_known, names, cells);
+  }
+}
+
+}  // namespace
+
+std::string JsonOf(const Document& document) {
+  Json json = ObjectOf(document.root);
+  json["findings"] = Json::array();
+  for (const Section* section : AllSections(document.root)) {
+    for (const Finding& finding : section->findings) {
+      json["findings"].push_back(FindingJson(finding));
+    }
+  }
+  json["provenance"] = ProvenanceJson(document.provenance);
+  return cli::JsonText(json);
+}
+
+std::string CsvOf(const List& list, const Provenance& provenance) {
+  std::string csv = CommentOf(provenance, "# ");
+  for (const Section& element : list.elements) {
+    std::string names, cells;
+    AddCells(element, element.is_known, names, cells);
+    if (&element == list.elements.data()) csv += names + "\n";
+    csv += cells + "\n";
+  }
+  return csv;
+}
+
+}  // namespace haptometer::document
