@@ -11,15 +11,16 @@ namespace haptometer::document {
 namespace {
 
 std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
+  using Number = std::optional<double>;
   const bool is_known = item.value.IsKnown();
-  const auto known = [&](auto number) { return is_known ? Value(number) : Value(); };
+  const auto known = [&](const Number& number) { return is_known ? number : Number(); };
   const auto [lower, upper] = item.interval.value_or(Range{NAN, NAN});
   return {{"value", item.value},
           {"standard_uncertainty", known(item.statistical)},
           {"combined_standard_uncertainty", known(item.standard_uncertainty)},
           {"lower_95", known(lower)},
           {"upper_95", known(upper)},
-          {"at_most_95", is_known ? Value() : Value(item.at_most)},
+          {"at_most_95", is_known ? Number() : item.at_most},
           {"unit", item.unit.symbol},
           {"determined", is_known}};
 }

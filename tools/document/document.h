@@ -61,7 +61,9 @@ struct Value : AnyValue {
   Value(std::integral auto count) : AnyValue(static_cast<std::int64_t>(count)) {}
   Value(std::string_view text) : AnyValue(std::string(text)) {}
   template <typename T>
-  Value(const std::optional<T>& known) : Value(known ? Value(*known) : Value()) {}
+  Value(const std::optional<T>& known) {
+    if (known) *this = Value(*known);
+  }
 
   [[nodiscard]] bool IsKnown() const;
 };

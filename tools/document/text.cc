@@ -75,6 +75,16 @@ std::size_t WidthOf(std::string_view text) {
       text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
 }
 
+// of the labels that stand in one column: those of inner sections without a heading too
+std::size_t LabelWidth(const Section& section) {
+  std::size_t width = 0;
+  for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
+  for (const Section& inner : section.sections) {
+    if (inner.heading.empty() && inner.is_known) width = std::max(width, LabelWidth(inner));
+  }
+  return width;
+}
+
 // The text of a document while it grows; every line begins at the indent of its section.
 struct TextWriter {
   Detail detail;
@@ -84,23 +94,23 @@ struct TextWriter {
     fmt::format_to(std::back_inserter(text), "{:{}}{}\n", "", indent, Printable(line));
   }
 
-  void AddSection(const Section& section, std::size_t indent) {
+  // `width`: of the labels of the section around it
+  void AddSection(const Section& section, std::size_t indent, std::size_t width) {
     if (!section.is_known || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
     if (!section.heading.empty()) {
       AddLine(indent, section.heading);
       indent += kIndent;
+      width = LabelWidth(section);
     }
     if (!section.sources.empty()) AddLine(indent, "data: " + SourcesText(section.sources));
-    AddItems(section, indent);
+    AddItems(section, indent, width);
     for (const List& list : section.lists) AddList(list, indent);
-    for (const Section& inner : section.sections) AddSection(inner, indent);
+    for (const Section& inner : section.sections) AddSection(inner, indent, width);
     for (const Finding& finding : section.findings) AddLine(indent, FindingText(finding));
   }
 
   // label and value, the values of a section one below the other
-  void AddItems(const Section& section, std::size_t indent) {
-    std::size_t width = 0;
-    for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
+  void AddItems(const Section& section, std::size_t indent, std::size_t width) {
     for (const Item& item : section.items) {
       const std::string value = item.label.empty() ? "" : ItemText(item);
       if (value.empty()) continue;
@@ -111,7 +121,7 @@ struct TextWriter {
 
   void AddList(const List& list, std::size_t indent) {
     if (list.layout == List::Layout::kSections) {
-      for (const Section& element : list.elements) AddSection(element, indent);
+      for (const Section& element : list.elements) AddSection(element, indent, LabelWidth(element));
       return;
     }
     const std::vector<Column> columns = ColumnsOf(list);
@@ -190,7 +200,7 @@ std::string SourcesText(const std::vector<DataSource>& sources) {
 std::string TextOf(const Document& document, Detail detail) {
   TextWriter writer{.detail = detail};
   writer.AddLine(0, document.title);
-  writer.AddSection(document.root, kIndent);
+  writer.AddSection(document.root, kIndent, LabelWidth(document.root));
   if (detail == Detail::kAll) writer.text += CommentOf(document.provenance, "  ");
   return std::move(writer.text);
 }

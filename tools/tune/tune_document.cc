@@ -1,0 +1,492 @@
+#include "tools/tune/tune_document.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "sim/tuning/latency_limit.h"
+#include "tools/latency_verdict.h"
+
+namespace haptometer::tools {
+namespace {
+
+using document::Detail;
+using document::Item;
+using document::Key;
+using document::List;
+using document::Section;
+using document::Unit;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// keys of more than one place
+constexpr Key kSkinRms{"skin_rms_m", "skin displacement (RMS)", document::kMetre};
+constexpr Key kMoverPeak{"mover_peak_m", "mover travel to either side", document::kMetre};
+
+Unit ObjectiveUnit(sim::Objective objective) {
+  switch (objective) {
+    case sim::Objective::kStimulus:
+      return {"_m", "m", {{{1e3, "mm x receptors"}}}};
+    case sim::Objective::kSkinPower:
+      return document::kWatt;
+    case sim::Objective::kRmsPerWatt:
+      return document::kMetrePerWatt;
+    case sim::Objective::kSkinRms:
+      break;
+  }
+  return document::kMetre;
+}
+
+// --- findings ---
+
+enum class TuneFinding : std::uint8_t {
+  kLinear,
+  kContactKept,
+  kSkinGiven,
+  kSkinOfArea,
+  kLatencyProved,
+  kLatencySearched,
+  kLeftOut,
+  kStopsLeftOut,
+  kRunTooLong,
+  kNoRise,
+};
+
+document::Sentence SentenceOf(TuneFinding kind) {
+  switch (kind) {
+    case TuneFinding::kLinear:
+      return {"linear",
+              "springs and dampers are linear at any travel: compare the mover's travel with its "
+              "stops"};
+    case TuneFinding::kContactKept:
+      return {"contact-kept",
+              "contact is kept whatever the force: it is lost where less than {least_force_n} "
+              "presses actuator and skin together"};
+    case TuneFinding::kSkinGiven:
+      return {"skin-given", "the skin is the scene's whatever the contact's area"};
+    case TuneFinding::kSkinOfArea:
+      return {"skin-of-area", "the skin follows the thesis's cube root of the contact's area"};
+    case TuneFinding::kLatencyProved:
+      return {"latency-proved",
+              "the latency is that of a simulated run, its standard uncertainty added; the best "
+              "adapter without the limit keeps to it, so that the upper bound is the answer's "
+              "own"};
+    case TuneFinding::kLatencySearched:
+      return {"latency-searched",
+              "the latency is that of a simulated run, its standard uncertainty added, and was "
+              "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs "
+              "from its best that keep to the limit and from the best without it): the adapter "
+              "keeps to the limit; another that does may move the skin more; the upper bound is "
+              "that without the limit"};
+    case TuneFinding::kLeftOut:
+      return {"effects-left-out",
+              "the numbers are without these effects of the scene: {effects}; check the adapter by "
+              "simulate"};
+    case TuneFinding::kStopsLeftOut:
+      return {"stops-left-out", "the stops are left out: --mover-travel keeps off them"};
+    case TuneFinding::kRunTooLong:
+      return {"run-too-long",
+              "the latency is not known: a run of {run_s} has too many outputs to be looked at"};
+    case TuneFinding::kNoRise:
+      break;
+  }
+  return {"no-rise",
+          "the latency is not known: in a run of {run_s} its amplitude does not pass from 10 % to "
+          "90 %"};
+}
+
+FindingOf<TuneFinding> NoLatency(const sim::TuningProblem& problem,
+                                 const sim::AdapterPoint& point) {
+  return {
+      .severity = Severity::kDoubt,
+      .kind = sim::RunIsTooLong(problem, point) ? TuneFinding::kRunTooLong : TuneFinding::kNoRise,
+      .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
+}
+
+// what the numbers rest on
+Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
+  using enum TuneFinding;
+  const TuneQuestion& question = answer.question;
+  Findings<TuneFinding> findings;
+  findings.Note(kLinear);
+  findings.Note(kContactKept, {{"least_force_n", answer.steady.skin_force_peak_n}});
+  findings.Note(question.problem.fixed_skin ? kSkinGiven : kSkinOfArea);
+  if (answer.latency && answer.latency->proved) findings.Note(kLatencyProved);
+  if (answer.latency && !answer.latency->proved) {
+    findings.Note(kLatencySearched, {{"runs", answer.latency->runs}});
+  }
+  if (!answer.rise) findings.Add(NoLatency(question.problem, answer.optimum.point));
+  if (question.left_out.empty()) return findings;
+  findings.Note(kLeftOut, {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
+  if (question.has_stops && std::isinf(question.problem.mover_limit_m)) {
+    findings.Note(kStopsLeftOut);
+  }
+  return findings;
+}
+
+// --- the proof ---
+
+// whom the bound of boxes holds for
+std::string BoundedText(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  std::string text = "no adapter within the bounds";
+  if (!question.springs_n_per_m.empty()) text += " with one of these springs";
+  if (std::isfinite(question.problem.mover_limit_m)) text += " that keeps to the travel";
+  text += " gives more";
+  if (answer.latency && !answer.latency->proved) text += ", whatever its latency";
+  return text;
+}
+
+std::string ProofText(const TuneAnswer& answer) {
+  switch (answer.optimum.proof) {
+    case sim::Proof::kBranchAndBound:
+      return fmt::format("{} ({} boxes)", BoundedText(answer), answer.optimum.boxes);
+    case sim::Proof::kLimitedTravel:
+      return "no adapter at all gives more (the coil's work over that travel)";
+    case sim::Proof::kMatchedLoad:
+      break;
+  }
+  return "no adapter at all gives more (matched load)";
+}
+
+std::string_view ProofName(sim::Proof proof) {
+  switch (proof) {
+    case sim::Proof::kBranchAndBound:
+      return "branch and bound";
+    case sim::Proof::kLimitedTravel:
+      return "limited travel";
+    case sim::Proof::kMatchedLoad:
+      break;
+  }
+  return "matched load";
+}
+
+// --- sections ---
+
+Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
+  Section best{.name = "best"};
+  const auto add = [&best](const Key& key, double value, const sim::Range& range) {
+    Item& item = best.Add(key, value);
+    if (value == range.lower || value == range.upper) item.note = "at a bound";
+  };
+  const sim::Adapter& adapter = point.adapter;
+  const sim::AdapterBounds& bounds = problem.bounds;
+  add({"motor_side_mass_kg", "mass on the motor's side", document::kKilogram},
+      adapter.motor_side_mass_kg, bounds.motor_side_mass_kg);
+  add({"skin_side_mass_kg", "mass on the skin's side", document::kKilogram},
+      adapter.skin_side_mass_kg, bounds.skin_side_mass_kg);
+  add({"stiffness_n_per_m", "spring", document::kNewtonPerMetre}, adapter.stiffness_n_per_m,
+      bounds.stiffness_n_per_m);
+  add({"damping_n_s_per_m", "damper", document::kNewtonSecondPerMetre}, adapter.damping_n_s_per_m,
+      bounds.damping_n_s_per_m);
+  add({"contact_area_m2", "contact's area", document::kSquareMetre},
+      problem.fixed_skin ? kNaN : point.contact_area_m2, bounds.contact_area_m2);
+  return best;
+}
+
+Section ObjectiveSection(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::AdapterOptimum& optimum = answer.optimum;
+  const Unit unit = ObjectiveUnit(question.objective);
+  Section objective{.name = "objective"};
+  objective.Add({"name"}, sim::Name(question.objective));
+  objective.Add({"unit"}, sim::UnitOf(question.objective));
+  objective.Add({"skin_variation"}, question.problem.skin_variation);
+  objective.Add({"value", sim::Name(question.objective), unit}, optimum.value);
+  objective.Add({"upper_bound", "upper bound", unit}, optimum.upper_bound).note = fmt::format(
+      "{:.2g} % above: {}", (optimum.upper_bound / optimum.value - 1) * 100, ProofText(answer));
+  objective.Add({"matched_load_bound", "any adapter", unit}, answer.matched_load_bound).note =
+      "matched load with the lowest dampings";
+  objective.Add({"proof"}, ProofName(optimum.proof));
+  objective.Add({"boxes"}, optimum.boxes);
+  return objective;
+}
+
+Section MotionSection(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::SteadyState& steady = answer.steady;
+  const double limit_m = question.problem.mover_limit_m;
+  // a bound of the RMS alone, where that is what was made largest
+  const bool is_bound =
+      question.objective == sim::Objective::kSkinRms && question.problem.skin_variation == 0;
+  Section motion;
+  motion.Add(kSkinRms, steady.skin_rms_m);
+  motion.Add({"upper_bound_m"}, is_bound ? answer.optimum.upper_bound : kNaN);
+  motion.Add(kMoverPeak, steady.mover_peak_m).note = "in its case";
+  motion.Add({"mover_limit_m", "allowed", document::kMetre}, limit_m);
+  motion.Add({"skin_force_peak_n"}, steady.skin_force_peak_n);
+  motion.Add({"power_w", "electrical power", document::kWatt}, steady.power_w);
+  motion.Add({"skin_power_w", "of which into the skin", document::kWatt}, answer.skin_power_w);
+  motion.Add({"stimulus_m", "stimulus", ObjectiveUnit(sim::Objective::kStimulus)},
+             answer.stimulus_m);
+  return motion;
+}
+
+// as simulate has it of the adapter in a run of that length
+Section RiseSection(const TuneAnswer& answer) {
+  const sim::SkinRise known = answer.rise.value_or(sim::SkinRise{});
+  const double run_s = sim::LatencyRunS(answer.question.problem);
+  const std::string verdict(LatencyVerdict(known));
+  const std::string note = fmt::format("{} (a run of {:g} s from rest)", verdict, run_s);
+  Section rise{.name = "rise", .is_known = answer.rise.has_value()};
+  rise.Add({"run_s"}, run_s);
+  rise.Add({"rise_s", "rise from 10 % to 90 %", document::kSecond}, known.rise_s,
+           known.uncertainty_s);
+  rise.Add({"rise_at_most_s", "rise at most", document::kSecond}, known.rise_at_most_s);
+  const bool is_told = known.TellsLatency();
+  rise.Add({"latency_s", is_told ? "latency to 10 %" : "", document::kSecond}, known.latency_s,
+           known.uncertainty_s)
+      .note = note;
+  Item& below = rise.Add({"latency_below_s", "latency to 10 % below", document::kSecond},
+                         LatencyBelowS(known));
+  below.note = note;
+  below.resolution = 1e-5;
+  rise.Add({"standard_uncertainty_s"}, known.uncertainty_s);
+  rise.Add({"verdict"}, verdict);
+  return rise;
+}
+
+Section SearchSection(const TuneAnswer& answer) {
+  Section section;
+  section.Add({"latency_limit_s", "latency allowed", document::kSecond},
+              answer.question.latency_limit_s);
+  Section search{.name = "latency_search", .is_known = answer.latency.has_value()};
+  search.Add({"proved"}, answer.latency && answer.latency->proved);
+  search.Add({"runs"}, answer.latency ? answer.latency->runs : 0);
+  section.sections.push_back(std::move(search));
+  return section;
+}
+
+Section GridSection(const TuneAnswer& answer) {
+  const sim::GridBest best = answer.grid.value_or(sim::GridBest{});
+  Section grid{.name = "grid",
+               .heading = "best of a grid",
+               .detail = Detail::kAll,
+               .is_known = answer.grid.has_value()};
+  grid.Add({"values_per_axis", "values an axis"}, answer.question.grid_values);
+  grid.Add({"points", "points"}, best.points);
+  grid.Add(kSkinRms, best.skin_rms_m);
+  grid.sections.push_back(AdapterSection(best.point, answer.question.problem));
+  return grid;
+}
+
+// the best adapters of a list, with the objective of each
+List PointList(const TuneAnswer& answer, std::string name, std::string heading,
+               const std::vector<sim::RidgePoint>& points) {
+  const sim::Objective objective = answer.question.objective;
+  List list{.name = std::move(name), .heading = std::move(heading)};
+  for (const sim::RidgePoint& point : points) {
+    const bool is_found = point.value > 0;
+    Section& row = list.elements.emplace_back();
+    row.Add({"value", sim::Name(objective), ObjectiveUnit(objective)},
+            is_found ? point.value : kNaN);
+    row.sections.push_back(AdapterSection(point.point, answer.question.problem));
+    row.sections.back().is_known = is_found;
+  }
+  return list;
+}
+
+List WrongSprings(const TuneAnswer& answer) {
+  const Unit unit = ObjectiveUnit(answer.question.objective);
+  // the limit holds to rounding
+  const double limit_m = answer.question.problem.mover_limit_m * (1 + 1e-9);
+  List list{.name = "spring_off", .heading = "a spring that is off"};
+  for (const auto& [spring, mover_peak_m] : answer.springs) {
+    Section& row = list.elements.emplace_back();
+    row.Add({"factor", "of the best", document::kShare}, spring.factor);
+    row.Add({"value", sim::Name(answer.question.objective), unit}, spring.as_built);
+    row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
+    row.Add({"value_with_new_skin_side_mass", "skin's mass chosen anew", unit},
+            spring.rebalanced > 0 ? spring.rebalanced : kNaN);
+    row.Add(kMoverPeak, mover_peak_m);
+    row.Add({"keeps_mover_limit", "keeps to the travel"}, mover_peak_m <= limit_m);
+  }
+  return list;
+}
+
+// --- figures ---
+
+document::SpokenUnit SpokenOf(sim::Objective objective) {
+  return ObjectiveUnit(objective).spoken[0];
+}
+
+constexpr std::size_t kFactors = 121;
+constexpr std::size_t kRidgeMasses = 41;
+
+struct Number {
+  const char* name;
+  plot::Colour colour;
+};
+// apart in grey too (Okabe and Ito, 2008)
+constexpr std::array<Number, 5> kNumbers{{{"motor side's mass", plot::kBlue},
+                                          {"skin side's mass", plot::kOrange},
+                                          {"spring", plot::kGreen},
+                                          {"damper", plot::kPurple},
+                                          {"contact's area", plot::kYellow}}};
+constexpr std::size_t kSpring = 2, kArea = 4;
+
+double& PartOf(sim::AdapterPoint& point, std::size_t number) {
+  switch (number) {
+    case 0:
+      return point.adapter.motor_side_mass_kg;
+    case 1:
+      return point.adapter.skin_side_mass_kg;
+    case kSpring:
+      return point.adapter.stiffness_n_per_m;
+    case 3:
+      return point.adapter.damping_n_s_per_m;
+    default:
+      return point.contact_area_m2;
+  }
+}
+
+std::vector<double> Factors() { return sim::EqualSteps({.lower = 0.7, .upper = 1.3}, kFactors); }
+
+// a curve for each number; value(point) at the optimum with one number times a factor
+template <typename Value>
+std::vector<plot::Series> AroundOptimum(const TuneAnswer& answer, const Value& value) {
+  std::vector<plot::Series> curves;
+  for (std::size_t number = 0; number < kNumbers.size(); ++number) {
+    if (number == kArea && answer.question.problem.fixed_skin) continue;
+    plot::Series curve{.title = kNumbers[number].name,
+                       .style = plot::Lines(kNumbers[number].colour, 1.5),
+                       .x = Factors(),
+                       .y = {}};
+    for (const double factor : curve.x) {
+      sim::AdapterPoint point = answer.optimum.point;
+      PartOf(point, number) *= factor;
+      // the skin's law holds for these areas
+      const bool known = number != kArea || (point.contact_area_m2 >= sim::kSkinAreaMinM2 &&
+                                             point.contact_area_m2 <= sim::kSkinAreaMaxM2);
+      curve.y.push_back(known ? value(point) : kNaN);
+    }
+    curves.push_back(std::move(curve));
+  }
+  return curves;
+}
+
+plot::Series Rebalanced(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  plot::Series curve{.title = "spring, the skin side's mass chosen anew",
+                     .style = plot::Lines(kNumbers[kSpring].colour, 1.5, 2),
+                     .x = Factors(),
+                     .y = {}};
+  for (const double factor : curve.x) {
+    const sim::SpringCost cost = sim::CostOfSpring(
+        question.objective, question.problem, question.receptors, answer.optimum.point, factor);
+    curve.y.push_back(cost.rebalanced > 0 ? cost.rebalanced * SpokenOf(question.objective).factor
+                                          : kNaN);
+  }
+  return curve;
+}
+
+std::string ObjectiveLabel(const TuneQuestion& question) {
+  return fmt::format("{} / {}", sim::Name(question.objective), SpokenOf(question.objective).symbol);
+}
+
+plot::Panel ObjectivePanel(const TuneAnswer& answer, const sim::MotorSource& source) {
+  const TuneQuestion& question = answer.question;
+  plot::Panel panel{.title = fmt::format("{}: around the optimum", question.name),
+                    .x_label = "one number / its best",
+                    .y_label = ObjectiveLabel(question),
+                    .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
+                      return sim::ValueOf(question.objective, question.problem, source,
+                                          question.receptors, point) *
+                             SpokenOf(question.objective).factor;
+                    })};
+  panel.series.push_back(Rebalanced(answer));
+  return panel;
+}
+
+plot::Panel TravelPanel(const TuneAnswer& answer, const sim::MotorSource& source) {
+  const sim::TuningProblem& problem = answer.question.problem;
+  plot::Panel panel{.title = "",
+                    .x_label = "one number / its best",
+                    .y_label = "mover travel / um",
+                    .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
+                      const sim::Skin skin = sim::SkinOf(problem, point.contact_area_m2);
+                      const sim::AdapterMotion motion = sim::MotionOf(source, point.adapter, skin);
+                      return sim::MoverTravel(source, motion.case_m) * 1e6;
+                    })};
+  if (std::isinf(problem.mover_limit_m)) return panel;
+  const double limit_um = problem.mover_limit_m * 1e6;
+  panel.series.push_back({.title = "allowed",
+                          .style = plot::Lines(plot::kGrey, 2),
+                          .x = {0.7, 1.3},
+                          .y = {limit_um, limit_um}});
+  return panel;
+}
+
+plot::Panel RidgePanel(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  plot::Series ridge{
+      .title = "the best with that mass", .style = plot::Lines(plot::kBlue, 1.5), .x = {}, .y = {}};
+  for (const sim::RidgePoint& point :
+       sim::RidgeOf(question.objective, question.problem, question.receptors, kRidgeMasses)) {
+    ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);
+    ridge.y.push_back(point.value * SpokenOf(question.objective).factor);
+  }
+  const auto [least, most] = std::ranges::minmax_element(ridge.y);
+  const std::string title = ridge.y.empty()
+                                ? "the ridge"
+                                : fmt::format("the ridge: its best is {:.3g} % above its least",
+                                              (*most / *least - 1) * 100);
+  return {.title = title,
+          .x_label = "mass on the motor's side / g",
+          .y_label = ObjectiveLabel(question),
+          .series = {std::move(ridge)}};
+}
+
+std::vector<plot::Panel> PanelsOf(const TuneAnswer& answer) {
+  const sim::TuningProblem& problem = answer.question.problem;
+  const sim::MotorSource source = sim::SourceOf(problem.actuator, problem.drive);
+  std::vector<plot::Panel> panels{ObjectivePanel(answer, source), TravelPanel(answer, source)};
+  if (!answer.ridge.empty()) panels.push_back(RidgePanel(answer));
+  return panels;
+}
+
+// what the objective asks of the skins
+std::string TitleOf(const TuneQuestion& question) {
+  std::string title = fmt::format(
+      "{}: {:g} V at {:g} Hz, largest {}", question.name, question.problem.drive.amplitude_v,
+      question.problem.drive.frequency_hz, sim::Name(question.objective));
+  if (question.problem.skin_variation == 0) return title;
+  return title + fmt::format(" of the skin that moves least, stiffness and damping +-{:g} %",
+                             question.problem.skin_variation * 100);
+}
+
+}  // namespace
+
+std::string NoLatencyText(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
+  const FindingOf<TuneFinding> finding = NoLatency(problem, point);
+  return document::Fill(SentenceOf(finding.kind).text, finding.numbers);
+}
+
+document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
+  const TuneQuestion& question = answer.question;
+  document::Document document{.verb = "tune", .title = TitleOf(question)};
+  Section& root = document.root;
+  root.Add({"scene"}, question.name);
+  root.sections = {
+      AdapterSection(answer.optimum.point, question.problem),
+      ObjectiveSection(answer),
+      MotionSection(answer),
+      RiseSection(answer),
+      SearchSection(answer),
+      {.lists = {PointList(answer, "springs", "the best with each spring", answer.listed)}},
+      GridSection(answer),
+      {.detail = Detail::kAll,
+       .lists = {PointList(answer, "ridge", "the ridge: best with a given mass on the motor's side",
+                           answer.ridge),
+                 WrongSprings(answer)}}};
+  if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
+  document::AddFindings(root, FindingsOf(answer));
+  return document;
+}
+
+}  // namespace haptometer::tools
