@@ -10,6 +10,13 @@
 namespace haptometer::document {
 namespace {
 
+// "rise_standard_uncertainty_s" of "rise_s"
+std::string Companion(const Item& item, std::string_view what) {
+  const std::string_view name = item.name, unit = item.unit.ending;
+  const std::string_view ending = name.ends_with(unit) ? unit : "";
+  return fmt::format("{}_{}{}", name.substr(0, name.size() - ending.size()), what, ending);
+}
+
 std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
   using Number = std::optional<double>;
   const bool is_known = item.value.IsKnown();
@@ -62,19 +69,13 @@ Item& Section::Add(const Key& key, Value value, std::optional<double> standard_u
   return items.back();
 }
 
-std::string Companion(std::string_view name, const Unit& unit, std::string_view what) {
-  const std::string_view ending = name.ends_with(unit.ending) ? unit.ending : "";
-  return fmt::format("{}_{}{}", name.substr(0, name.size() - ending.size()), what, ending);
-}
-
 std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
   if (item.form == Form::kEstimate) return EstimateFields(item);
   std::vector<std::pair<std::string, Value>> fields{{item.name, item.value}};
   if (item.form == Form::kNumber) return fields;
-  fields.emplace_back(Companion(item.name, item.unit, "standard_uncertainty"),
-                      item.standard_uncertainty);
+  fields.emplace_back(Companion(item, "standard_uncertainty"), item.standard_uncertainty);
   if (item.form == Form::kUncertain) return fields;
-  fields.emplace_back(Companion(item.name, item.unit, "interval_95"), item.interval);
+  fields.emplace_back(Companion(item, "interval_95"), item.interval);
   return fields;
 }
 

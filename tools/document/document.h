@@ -124,14 +124,12 @@ struct Section {
 
 /// Like things: an array of objects in JSON, rows in CSV.
 struct List {
-  enum class Layout : std::uint8_t {
-    kTable,     ///< a table with a row for each, whose columns are the labelled items of the first
-    kSections,  ///< one section below the other
-  };
   std::string name;
   std::string heading{};
   std::vector<Section> elements{};
-  Layout layout = Layout::kTable;
+  /// A table with a row for each, whose columns are their labelled items; or else one section below
+  /// the other.
+  bool is_table = true;
 };
 
 struct Document {
@@ -140,10 +138,6 @@ struct Document {
   Provenance provenance{};  ///< filled by Present()
   Section root{};
 };
-
-/// The name of a companion of an item, before the unit's ending: ("rise_s", kSecond,
-/// "standard_uncertainty") is "rise_standard_uncertainty_s".
-[[nodiscard]] std::string Companion(std::string_view name, const Unit& unit, std::string_view what);
 
 /// The numbers of an item under their names as JSON and CSV hold them; of kEstimate those within
 /// its object.

@@ -10,19 +10,6 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-// refusals and doubts stand out
-void AddFindings(const Section& section, report::HtmlPage& page) {
-  std::vector<std::string> notes;
-  for (const Finding& finding : section.findings) {
-    if (finding.severity == Severity::kNote) {
-      notes.push_back(FindingText(finding));
-    } else {
-      page.Warning(FindingText(finding));
-    }
-  }
-  if (!notes.empty()) page.List(notes);
-}
-
 void AddItems(const Section& section, report::HtmlPage& page) {
   Rows rows;
   if (!section.sources.empty()) rows.push_back({"data", SourcesText(section.sources)});
@@ -53,10 +40,14 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
     level == 0 ? page.Section(section.heading) : page.Subsection(section.heading);
     ++level;
   }
-  AddFindings(section, page);
+  // refusals and doubts stand out
+  for (const Finding& finding : section.findings) {
+    const std::string text = FindingText(finding);
+    finding.severity == Severity::kNote ? page.Paragraph(text) : page.Warning(text);
+  }
   AddItems(section, page);
   for (const List& list : section.lists) {
-    if (list.layout == List::Layout::kTable) {
+    if (list.is_table) {
       AddTable(list, page);
       continue;
     }

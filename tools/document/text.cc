@@ -59,10 +59,11 @@ std::string CellText(const Item& item, const SpokenUnit& unit) {
                      NumberText(*item.at_most * unit.factor, 0, item.resolution * unit.factor, 2));
 }
 
-// the labelled items of a row; null where the section that they are of is not known
-void AddCells(const Section& section, bool is_known, std::vector<const Item*>& cells) {
+// the labelled items of a row, without a value where the section that they are of is not known
+void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
   for (const Item& item : section.items) {
-    if (!item.label.empty()) cells.push_back(is_known ? &item : nullptr);
+    if (item.label.empty()) continue;
+    cells.push_back(is_known ? item : Item{.name = {}, .label = item.label, .unit = item.unit});
   }
   for (const Section& inner : section.sections) {
     AddCells(inner, is_known && inner.is_known, cells);
@@ -120,7 +121,7 @@ struct TextWriter {
   }
 
   void AddList(const List& list, std::size_t indent) {
-    if (list.layout == List::Layout::kSections) {
+    if (!list.is_table) {
       for (const Section& element : list.elements) AddSection(element, indent, LabelWidth(element));
       return;
     }
@@ -158,28 +159,20 @@ std::string ItemText(const Item& item) {
 }
 
 std::vector<Column> ColumnsOf(const List& list) {
-  std::vector<std::vector<const Item*>> rows;
+  std::vector<std::vector<Item>> rows;
   for (const Section& element : list.elements) {
     AddCells(element, element.is_known, rows.emplace_back());
     HAPTOMETER_CHECK(rows.back().size() == rows.front().size(), "a row of {} has {} cells",
                      list.name, rows.back().size());
   }
-  std::vector<Column> columns;
-  for (std::size_t k = 0; !rows.empty() && k < rows.front().size(); ++k) {
+  std::vector<Column> columns(rows.empty() ? 0 : rows.front().size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
     double size = 0;
-    const Item* known = nullptr;
-    for (const auto& row : rows) {
-      if (row[k] != nullptr) known = row[k];
-      if (row[k] != nullptr) size = std::max(size, SizeOf(*row[k]));
-    }
-    if (known == nullptr) continue;
-    const SpokenUnit unit = known->unit.For(size);
-    Column& column = columns.emplace_back();
-    column.heading = known->label;
-    if (!unit.symbol.empty()) column.heading += fmt::format(" / {}", unit.symbol);
-    for (const auto& row : rows) {
-      column.cells.push_back(row[k] == nullptr ? "-" : Printable(CellText(*row[k], unit)));
-    }
+    for (const auto& row : rows) size = std::max(size, SizeOf(row[k]));
+    const SpokenUnit unit = rows.front()[k].unit.For(size);
+    columns[k].heading = rows.front()[k].label;
+    if (!unit.symbol.empty()) columns[k].heading += fmt::format(" / {}", unit.symbol);
+    for (const auto& row : rows) columns[k].cells.push_back(Printable(CellText(row[k], unit)));
   }
   return columns;
 }

@@ -36,12 +36,15 @@ TEST(Value, TakesCountsAndTextsOfAnyType) {
   EXPECT_TRUE(std::get<bool>(Value(true)));
 }
 
-TEST(Companion, StandsBeforeTheEndingOfTheUnit) {
-  EXPECT_EQ(Companion("rise_s", kSecond, "standard_uncertainty"), "rise_standard_uncertainty_s");
-  EXPECT_EQ(Companion("band_rms_m", kMetre, "interval_95"), "band_rms_interval_95_m");
-  EXPECT_EQ(Companion("thd", kNone, "standard_uncertainty"), "thd_standard_uncertainty");
-  EXPECT_EQ(Companion("kv_over_mass", kPerSecondSquared, "interval_95"),
-            "kv_over_mass_interval_95");
+TEST(FieldsOf, AnItemHaveCompanionsBeforeTheEndingOfTheUnit) {
+  const auto companion = [](std::string name, const Unit& unit) {
+    return NamesIn({.name = std::move(name), .label = "", .unit = unit, .form = Form::kUncertain})
+        .back();
+  };
+  EXPECT_EQ(companion("band_rms_m", kMetre), "band_rms_standard_uncertainty_m");
+  EXPECT_EQ(companion("drift_m_per_s", kMetrePerSecond), "drift_standard_uncertainty_m_per_s");
+  EXPECT_EQ(companion("thd", kNone), "thd_standard_uncertainty");
+  EXPECT_EQ(companion("kv_over_mass", kPerSecondSquared), "kv_over_mass_standard_uncertainty");
 }
 
 TEST(FieldsOf, AnItemAreThoseOfItsForm) {

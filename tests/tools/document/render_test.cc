@@ -103,9 +103,8 @@ TEST(TextOf, WhatIsNotPrintableIsEscaped) {
 
 TEST(TextOf, ListsOfSectionsStandOneBelowTheOther) {
   Document document{.verb = "sample", .title = "t"};
-  document.root.lists.push_back({.name = "trials",
-                                 .elements = {Trial("a", 9e-6), Trial("b", 1.5e-3)},
-                                 .layout = List::Layout::kSections});
+  document.root.lists.push_back(
+      {.name = "trials", .elements = {Trial("a", 9e-6), Trial("b", 1.5e-3)}, .is_table = false});
   EXPECT_EQ(TextOf(document, Detail::kShort),
             "t\n"
             "  a\n"
