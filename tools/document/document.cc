@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/check.h"
 
 namespace haptometer::document {
 namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // "rise_standard_uncertainty_s" of "rise_s"
 std::string Companion(const Item& item, std::string_view what) {
@@ -21,7 +24,7 @@ std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
   using Number = std::optional<double>;
   const bool is_known = item.value.IsKnown();
   const auto known = [&](const Number& number) { return is_known ? number : Number(); };
-  const auto [lower, upper] = item.interval.value_or(Range{NAN, NAN});
+  const auto [lower, upper] = item.interval.value_or(Range{kNan, kNan});
   return {{"value", item.value},
           {"standard_uncertainty", known(item.statistical)},
           {"combined_standard_uncertainty", known(item.standard_uncertainty)},
@@ -81,14 +84,10 @@ std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
 
 std::vector<const Section*> AllSections(const Section& section) {
   std::vector<const Section*> all{&section};
-  const auto add = [&all](const std::vector<Section>& sections) {
-    for (const Section& inner : sections) {
-      const auto within = AllSections(inner);
-      all.insert(all.end(), within.begin(), within.end());
-    }
-  };
-  for (const List& list : section.lists) add(list.elements);
-  add(section.sections);
+  for (const Section& inner : section.sections) {
+    const auto within = AllSections(inner);
+    all.insert(all.end(), within.begin(), within.end());
+  }
   return all;
 }
 

@@ -102,34 +102,28 @@ struct Finding {
   std::vector<FindingNumber> numbers;
 };
 
-struct List;
-
-/// A part of a document, shown in the order of its members: an object in JSON.
+/// A part of a document, shown in the order of its members.
 struct Section {
-  std::string name{};     ///< of the object; empty: its keys are those of the object around it
+  enum class Shape : std::uint8_t {
+    kObject,  ///< an object in JSON
+    kTable,   ///< an array of its sections; a table with a row for each, rows in CSV. The columns
+              ///< are the labelled items of a row and of the sections within it
+    kArray,   ///< an array of its sections, which stand one below the other
+  };
+  std::string name{};     ///< in JSON; of an object empty: its keys are those of the one around it
   std::string heading{};  ///< empty: stands below the section around it without one
+  Shape shape = Shape::kObject;
   Detail detail = Detail::kShort;
   /// Where false, null in JSON (the object, or each of its keys) and nothing in text.
   bool is_known = true;
   std::vector<DataSource> sources{};  ///< of its data; `data_source` in JSON
   std::vector<Item> items{};
-  std::vector<List> lists{};
   std::vector<Figure> figures{};
   std::vector<Section> sections{};
   std::vector<Finding> findings{};  ///< in JSON in the document's list `findings`
 
   /// Adds an item; the reference holds until the next is added.
   Item& Add(const Key& key, Value value, std::optional<double> standard_uncertainty = {});
-};
-
-/// Like things: an array of objects in JSON, rows in CSV.
-struct List {
-  std::string name;
-  std::string heading{};
-  std::vector<Section> elements{};
-  /// A table with a row for each, whose columns are their labelled items; or else one section below
-  /// the other.
-  bool is_table = true;
 };
 
 struct Document {

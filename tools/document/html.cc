@@ -20,22 +20,20 @@ void AddItems(const Section& section, report::HtmlPage& page) {
   if (!rows.empty()) page.Table({}, rows);
 }
 
-void AddTable(const List& list, report::HtmlPage& page) {
-  const std::vector<Column> columns = ColumnsOf(list);
-  if (columns.empty()) return;
-  if (!list.heading.empty()) page.Subsection(list.heading);
+void AddTable(const Section& table, report::HtmlPage& page) {
+  const std::vector<Column> columns = ColumnsOf(table);
   std::vector<std::string> head;
-  Rows rows(list.elements.size());
+  Rows rows(table.sections.size());
   for (const Column& column : columns) {
     head.push_back(column.heading);
     for (std::size_t k = 0; k < rows.size(); ++k) rows[k].push_back(column.cells[k]);
   }
-  page.Table(head, rows);
+  if (!columns.empty()) page.Table(head, rows);
 }
 
 // `level`: 0 of the document's own parts
 Result<void> AddSection(const Section& section, int level, report::HtmlPage& page) {
-  if (!section.is_known) return {};
+  if (!IsShown(section)) return {};
   if (!section.heading.empty()) {
     level == 0 ? page.Section(section.heading) : page.Subsection(section.heading);
     ++level;
@@ -46,17 +44,12 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
     finding.severity == Severity::kNote ? page.Paragraph(text) : page.Warning(text);
   }
   AddItems(section, page);
-  for (const List& list : section.lists) {
-    if (list.is_table) {
-      AddTable(list, page);
-      continue;
-    }
-    for (const Section& element : list.elements) {
-      if (auto added = AddSection(element, level, page); !added) return added;
-    }
-  }
   for (const Figure& figure : section.figures) {
     if (auto drawn = page.Figure(figure.caption, figure.panels); !drawn) return drawn;
+  }
+  if (section.shape == Section::Shape::kTable) {
+    AddTable(section, page);
+    return {};
   }
   for (const Section& inner : section.sections) {
     if (auto added = AddSection(inner, level, page); !added) return added;

@@ -33,6 +33,7 @@ Json ValueJson(const Value& value, bool is_known) {
   return std::visit(JsonVisitor{}, static_cast<const AnyValue&>(value));
 }
 
+Json JsonOfSection(const Section& section);
 Json ObjectOf(const Section& section);
 
 void AddItem(const Item& item, bool is_known, Json& json) {
@@ -48,18 +49,11 @@ void AddParts(const Section& section, bool is_known, Json& json) {
     if (!item.name.empty()) AddItem(item, is_known, json);
   }
   for (const DataSource source : section.sources) json["data_source"].push_back(NameOf(source));
-  for (const List& list : section.lists) {
-    if (list.name.empty()) continue;
-    Json& array = json[list.name];
-    if (is_known) array = Json::array();
-    for (const Section& element : list.elements) array.push_back(ObjectOf(element));
-  }
   for (const Section& inner : section.sections) {
-    const bool inner_is_known = is_known && inner.is_known;
-    if (inner.name.empty()) {
-      AddParts(inner, inner_is_known, json);
-    } else {
-      json[inner.name] = inner_is_known ? ObjectOf(inner) : Json(nullptr);
+    if (!inner.name.empty()) {
+      json[inner.name] = is_known ? JsonOfSection(inner) : Json(nullptr);
+    } else if (inner.shape == Section::Shape::kObject) {
+      AddParts(inner, is_known && inner.is_known, json);
     }
   }
 }
@@ -68,6 +62,14 @@ Json ObjectOf(const Section& section) {
   Json json = Json::object();
   AddParts(section, section.is_known, json);
   return json;
+}
+
+Json JsonOfSection(const Section& section) {
+  if (!section.is_known) return nullptr;
+  if (section.shape == Section::Shape::kObject) return ObjectOf(section);
+  Json array = Json::array();
+  for (const Section& element : section.sections) array.push_back(ObjectOf(element));
+  return array;
 }
 
 Json FindingJson(const Finding& finding) {
@@ -128,12 +130,12 @@ std::string JsonOf(const Document& document) {
   return cli::JsonText(json);
 }
 
-std::string CsvOf(const List& list, const Provenance& provenance) {
+std::string CsvOf(const Section& table, const Provenance& provenance) {
   std::string csv = CommentOf(provenance, "# ");
-  for (const Section& element : list.elements) {
+  for (const Section& element : table.sections) {
     std::string names, cells;
     AddCells(element, element.is_known, names, cells);
-    if (&element == list.elements.data()) csv += names + "\n";
+    if (&element == table.sections.data()) csv += names + "\n";
     csv += cells + "\n";
   }
   return csv;

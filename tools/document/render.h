@@ -18,15 +18,18 @@ namespace haptometer::document {
 /// behind the keys of the root.
 [[nodiscard]] std::string JsonOf(const Document& document);
 
-/// The list as a table with commas: behind a comment with the provenance a column for each field
-/// (FieldsOf) of its first element. Values as in JSON, texts as cli::CellOf(); what is not known is
-/// empty.
-[[nodiscard]] std::string CsvOf(const List& list, const Provenance& provenance);
+/// A section of shape kTable as a table with commas: behind a comment with the provenance a column
+/// for each field (FieldsOf) of its first row. Values as in JSON, texts as cli::CellOf(); what is
+/// not known is empty.
+[[nodiscard]] std::string CsvOf(const Section& table, const Provenance& provenance);
 
 /// One self-contained page with everything, figures drawn by gnuplot. Errors: as plot::DrawSvg.
 [[nodiscard]] Result<std::string> HtmlOf(const Document& document);
 
 // --- what text and page share ---
+
+/// Whether there is anything to show: neither not known nor a list of nothing.
+[[nodiscard]] bool IsShown(const Section& section);
 
 /// The value as a reader sees it: number, unit, interval and note. Empty where it is not known.
 [[nodiscard]] std::string ItemText(const Item& item);
@@ -37,8 +40,8 @@ struct Column {
   std::vector<std::string> cells;
 };
 
-/// One for each labelled item of the first element and of the sections within it.
-[[nodiscard]] std::vector<Column> ColumnsOf(const List& list);
+/// One for each labelled item of a row and of the sections within it.
+[[nodiscard]] std::vector<Column> ColumnsOf(const Section& table);
 
 /// "doubt: SUBJECT: TEXT"; a refusal is "not answered".
 [[nodiscard]] std::string FindingText(const Finding& finding);

@@ -81,7 +81,7 @@ std::size_t LabelWidth(const Section& section) {
   std::size_t width = 0;
   for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
   for (const Section& inner : section.sections) {
-    if (inner.heading.empty() && inner.is_known) width = std::max(width, LabelWidth(inner));
+    if (inner.heading.empty() && IsShown(inner)) width = std::max(width, LabelWidth(inner));
   }
   return width;
 }
@@ -97,7 +97,7 @@ struct TextWriter {
 
   // `width`: of the labels of the section around it
   void AddSection(const Section& section, std::size_t indent, std::size_t width) {
-    if (!section.is_known || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
+    if (!IsShown(section) || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
     if (!section.heading.empty()) {
       AddLine(indent, section.heading);
       indent += kIndent;
@@ -105,7 +105,7 @@ struct TextWriter {
     }
     if (!section.sources.empty()) AddLine(indent, "data: " + SourcesText(section.sources));
     AddItems(section, indent, width);
-    for (const List& list : section.lists) AddList(list, indent);
+    if (section.shape == Section::Shape::kTable) return AddTable(section, indent);
     for (const Section& inner : section.sections) AddSection(inner, indent, width);
     for (const Finding& finding : section.findings) AddLine(indent, FindingText(finding));
   }
@@ -120,22 +120,16 @@ struct TextWriter {
     }
   }
 
-  void AddList(const List& list, std::size_t indent) {
-    if (!list.is_table) {
-      for (const Section& element : list.elements) AddSection(element, indent, LabelWidth(element));
-      return;
-    }
-    const std::vector<Column> columns = ColumnsOf(list);
-    if (columns.empty()) return;
-    if (!list.heading.empty()) AddLine(indent, list.heading);
+  void AddTable(const Section& table, std::size_t indent) {
+    const std::vector<Column> columns = ColumnsOf(table);
     // to the right, so that numbers of as many decimals stand one below the other
-    for (std::size_t row = 0; row <= list.elements.size(); ++row) {
+    for (std::size_t row = 0; !columns.empty() && row <= table.sections.size(); ++row) {
       std::string line;
       for (const Column& column : columns) {
         std::size_t width = WidthOf(column.heading);
         for (const std::string& cell : column.cells) width = std::max(width, WidthOf(cell));
         const std::string& cell = row == 0 ? column.heading : column.cells[row - 1];
-        line += std::string(kIndent + width - WidthOf(cell), ' ') + cell;
+        line += std::string((line.empty() ? 0 : kIndent) + width - WidthOf(cell), ' ') + cell;
       }
       AddLine(indent, line);
     }
@@ -143,6 +137,11 @@ struct TextWriter {
 };
 
 }  // namespace
+
+bool IsShown(const Section& section) {
+  return section.is_known &&
+         (section.shape == Section::Shape::kObject || !section.sections.empty());
+}
 
 std::string ItemText(const Item& item) {
   if (!item.value.IsKnown() && !item.at_most) return {};
@@ -158,12 +157,12 @@ std::string ItemText(const Item& item) {
   return item.note.empty() ? text : text + ", " + item.note;
 }
 
-std::vector<Column> ColumnsOf(const List& list) {
+std::vector<Column> ColumnsOf(const Section& table) {
   std::vector<std::vector<Item>> rows;
-  for (const Section& element : list.elements) {
-    AddCells(element, element.is_known, rows.emplace_back());
+  for (const Section& row : table.sections) {
+    AddCells(row, row.is_known, rows.emplace_back());
     HAPTOMETER_CHECK(rows.back().size() == rows.front().size(), "a row of {} has {} cells",
-                     list.name, rows.back().size());
+                     table.name, rows.back().size());
   }
   std::vector<Column> columns(rows.empty() ? 0 : rows.front().size());
   for (std::size_t k = 0; k < columns.size(); ++k) {

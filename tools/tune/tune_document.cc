@@ -18,7 +18,6 @@ namespace {
 using document::Detail;
 using document::Item;
 using document::Key;
-using document::List;
 using document::Section;
 using document::Unit;
 
@@ -276,13 +275,16 @@ Section GridSection(const TuneAnswer& answer) {
 }
 
 // the best adapters of a list, with the objective of each
-List PointList(const TuneAnswer& answer, std::string name, std::string heading,
-               const std::vector<sim::RidgePoint>& points) {
+Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points,
+                  std::string name, std::string heading, Detail detail) {
   const sim::Objective objective = answer.question.objective;
-  List list{.name = std::move(name), .heading = std::move(heading)};
+  Section list{.name = std::move(name),
+               .heading = std::move(heading),
+               .shape = Section::Shape::kTable,
+               .detail = detail};
   for (const sim::RidgePoint& point : points) {
     const bool is_found = point.value > 0;
-    Section& row = list.elements.emplace_back();
+    Section& row = list.sections.emplace_back();
     row.Add({"value", sim::Name(objective), ObjectiveUnit(objective)},
             is_found ? point.value : kNaN);
     row.sections.push_back(AdapterSection(point.point, answer.question.problem));
@@ -291,13 +293,16 @@ List PointList(const TuneAnswer& answer, std::string name, std::string heading,
   return list;
 }
 
-List WrongSprings(const TuneAnswer& answer) {
+Section WrongSprings(const TuneAnswer& answer) {
   const Unit unit = ObjectiveUnit(answer.question.objective);
   // the limit holds to rounding
   const double limit_m = answer.question.problem.mover_limit_m * (1 + 1e-9);
-  List list{.name = "spring_off", .heading = "a spring that is off"};
+  Section list{.name = "spring_off",
+               .heading = "a spring that is off",
+               .shape = Section::Shape::kTable,
+               .detail = Detail::kAll};
   for (const auto& [spring, mover_peak_m] : answer.springs) {
-    Section& row = list.elements.emplace_back();
+    Section& row = list.sections.emplace_back();
     row.Add({"factor", "of the best", document::kShare}, spring.factor);
     row.Add({"value", sim::Name(answer.question.objective), unit}, spring.as_built);
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
@@ -478,12 +483,11 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
       MotionSection(answer),
       RiseSection(answer),
       SearchSection(answer),
-      {.lists = {PointList(answer, "springs", "the best with each spring", answer.listed)}},
+      PointList(answer, answer.listed, "springs", "the best with each spring", Detail::kShort),
       GridSection(answer),
-      {.detail = Detail::kAll,
-       .lists = {PointList(answer, "ridge", "the ridge: best with a given mass on the motor's side",
-                           answer.ridge),
-                 WrongSprings(answer)}}};
+      PointList(answer, answer.ridge, "ridge",
+                "the ridge: best with a given mass on the motor's side", Detail::kAll),
+      WrongSprings(answer)};
   if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
   document::AddFindings(root, FindingsOf(answer));
   return document;

@@ -48,9 +48,11 @@ Document Sample() {
   root.Add({"window_s", "window", kSecond}, Range{0.5, 2.25});
   root.Add({"matrix"}, std::vector<std::vector<double>>{{1, kNan}, {0.1, 1}});
   root.Add({"", "drive"}, "from a channel");
+  root.sections.push_back({.name = "trials",
+                           .heading = "Trials",
+                           .shape = Section::Shape::kTable,
+                           .sections = {Trial("a", 9e-6), Trial("b", kNan)}});
   root.sections.push_back(Parameters());
-  root.lists.push_back(
-      {.name = "trials", .heading = "Trials", .elements = {Trial("a", 9e-6), Trial("b", kNan)}});
   Section onset{.name = "onset", .heading = "Onset", .is_known = false};
   onset.Add({"rise_s", "rise", kSecond, Form::kUncertain}, 0.0);
   root.sections.push_back(onset);
@@ -103,8 +105,9 @@ TEST(TextOf, WhatIsNotPrintableIsEscaped) {
 
 TEST(TextOf, ListsOfSectionsStandOneBelowTheOther) {
   Document document{.verb = "sample", .title = "t"};
-  document.root.lists.push_back(
-      {.name = "trials", .elements = {Trial("a", 9e-6), Trial("b", 1.5e-3)}, .is_table = false});
+  document.root.sections.push_back({.name = "trials",
+                                    .shape = Section::Shape::kArray,
+                                    .sections = {Trial("a", 9e-6), Trial("b", 1.5e-3)}});
   EXPECT_EQ(TextOf(document, Detail::kShort),
             "t\n"
             "  a\n"
@@ -116,8 +119,9 @@ TEST(TextOf, ListsOfSectionsStandOneBelowTheOther) {
 }
 
 TEST(ColumnsOf, ATableAreInOneUnitEach) {
-  const std::vector<Column> columns =
-      ColumnsOf({.name = "trials", .elements = {Trial("", 9e-6), Trial("", 1.5e-3)}});
+  const std::vector<Column> columns = ColumnsOf({.name = "trials",
+                                                 .shape = Section::Shape::kTable,
+                                                 .sections = {Trial("", 9e-6), Trial("", 1.5e-3)}});
   ASSERT_EQ(columns.size(), 2U);
   EXPECT_EQ(columns[0].heading, "vibration / mm");
   EXPECT_EQ(columns[0].cells, (std::vector<std::string>{"0.00900(10)", "1.50000(10)"}));
@@ -167,9 +171,11 @@ TEST(JsonOf, HoldsFindingsAndProvenance) {
 }
 
 TEST(CsvOf, AListIsARowForEachElement) {
-  List list{.name = "trials", .elements = {Trial("", 9e-6), Trial("", kNan)}};
-  list.elements[0].Add({"label"}, "=1+1, \"x\"");
-  list.elements[1].Add({"label"}, Value());
+  Section list{.name = "trials",
+               .shape = Section::Shape::kTable,
+               .sections = {Trial("", 9e-6), Trial("", kNan)}};
+  list.sections[0].Add({"label"}, "=1+1, \"x\"");
+  list.sections[1].Add({"label"}, Value());
   EXPECT_EQ(CsvOf(list, {.version = "1", .command = "haptometer x", .utc = "now", .inputs = {}}),
             "# haptometer 1, now\n# command: haptometer x\n"
             "rms_m,rms_standard_uncertainty_m,rms_interval_95_m,tone_hz,label\n"
