@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer {
 namespace {
@@ -114,6 +114,21 @@ Result<void> RunJobsInOrder(std::size_t count, int threads,
       return {};
     };
   });
+}
+
+namespace {
+
+thread_local const Watcher* current_watcher = nullptr;
+
+}  // namespace
+
+WatchedWork::WatchedWork(Watcher watcher)
+    : watcher_(std::move(watcher)), before_(std::exchange(current_watcher, &watcher_)) {}
+
+WatchedWork::~WatchedWork() { current_watcher = before_; }
+
+void ReportWork(std::string_view what, double share) {
+  if (current_watcher != nullptr) (*current_watcher)(what, share);
 }
 
 }  // namespace haptometer

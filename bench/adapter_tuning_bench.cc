@@ -3,10 +3,10 @@
 // proof, what it leaves open, runs of the search.
 #include <benchmark/benchmark.h>
 
+#include "sim/linear/motor_source.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "sim/tuning/latency_limit.h"
-#include "sim/tuning/motor_source.h"
 
 namespace haptometer::sim {
 namespace {

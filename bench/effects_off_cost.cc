@@ -20,11 +20,11 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/driven_step.h"
 #include "sim/effective_scene.h"
-#include "sim/linear_model.h"
-#include "sim/piecewise_motion.h"
-#include "sim/piecewise_scene.h"
+#include "sim/linear/driven_step.h"
+#include "sim/linear/linear_model.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "sim/waveforms.h"
 #include "tests/sim/thesis_scenes.h"
 

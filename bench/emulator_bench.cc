@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "acquire/emulator/dl_rs1a_unit.h"
+#include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/stream_head.h"
 
 namespace haptometer::acquire::emulator {

@@ -8,12 +8,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/linear_model.h"
-#include "sim/matrix_exponential.h"
+#include "sim/linear/driven_step.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
 #include "sim/sensor_model.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
-#include "sim/uniform_motion.h"
 
 namespace haptometer::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dsp/filter/cascade.h"
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/statistics/moments.h"

@@ -14,11 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "bench/fir.h"
 #include "bench/mean_square.h"
 #include "bench/plain_cascade.h"
 #include "dsp/filter/cascade.h"
-#include "dsp/filter/fir.h"
-#include "dsp/filter/overlap_save.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/filter/exact_filter.h"

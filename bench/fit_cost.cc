@@ -16,8 +16,8 @@
 #include "bench/fit_experiments.h"
 #include "bench/fit_rungs.h"
 #include "bench/fit_tally.h"
-#include "fit/ring_fit.h"
-#include "fit/ring_start.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/drop_test/ring_start.h"
 #include "tests/fit/synthetic_drop.h"
 
 namespace haptometer::fit {
@@ -111,7 +111,7 @@ std::vector<std::pair<std::string, Fit>> Methods() {
           {"joint: Ceres with its own tolerances", joint(automatic(kDefaults), Begin::kPencil)},
           {"joint: Ceres analytic", joint(analytic, Begin::kPencil)},
           {"joint: means of 4", fewer(4, Averaged)},
-          {"joint: every 4th sample", fewer(4, Thinned)},
+          {"joint: every 4th sample", fewer(4, Decimated)},
           {"from the spectrum's line: Gauss-Newton",
            joint(MinimiseByGaussNewton, Begin::kSpectrumLine)},
           {"from the spectrum's line: Ceres analytic", joint(analytic, Begin::kSpectrumLine)},

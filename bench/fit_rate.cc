@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "fit/rank.h"
-#include "fit/ring_down_problem.h"
+#include "fit/drop_test/ring_down_problem.h"
+#include "fit/identifiability.h"
 
 namespace haptometer::fit {
 namespace {

@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "dsp/spectrum/fft.h"
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "fit/poles.h"
 #include "sim/ring_down.h"
 
@@ -237,7 +237,7 @@ ImpulseRecord Averaged(const ImpulseRecord& record, std::size_t block) {
   return fewer;
 }
 
-ImpulseRecord Thinned(const ImpulseRecord& record, std::size_t block) {
+ImpulseRecord Decimated(const ImpulseRecord& record, std::size_t block) {
   ImpulseRecord fewer = record;
   fewer.voltage_v.clear();
   for (std::size_t n = 0; n < record.voltage_v.size(); n += block) {

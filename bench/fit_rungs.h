@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "fit/drop_test_model.h"
-#include "fit/impulse_record.h"
-#include "fit/ring_down_problem.h"
+#include "fit/drop_test/drop_test_model.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_down_problem.h"
 
 namespace haptometer::fit {
 
@@ -64,6 +64,6 @@ void StartFrom(double frequency_hz, JointProblem* joint);
 
 /// Means of `block` samples, or every `block`-th sample.
 [[nodiscard]] ImpulseRecord Averaged(const ImpulseRecord& record, std::size_t block);
-[[nodiscard]] ImpulseRecord Thinned(const ImpulseRecord& record, std::size_t block);
+[[nodiscard]] ImpulseRecord Decimated(const ImpulseRecord& record, std::size_t block);
 
 }  // namespace haptometer::fit

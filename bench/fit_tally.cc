@@ -7,7 +7,7 @@
 #include <ctime>
 #include <numbers>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "sim/ring_down.h"
 #include "tests/fit/bound.h"
 

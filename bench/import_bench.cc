@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "trial/import/csv.h"
+#include "trial/import/readers.h"
 
 namespace haptometer::trial {
 namespace {

@@ -13,9 +13,9 @@
 #include <string>
 #include <thread>
 
-#include "acquire/sensor/modbus/modbus_sensor.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/transport/modbus_port.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

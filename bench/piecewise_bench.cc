@@ -15,10 +15,10 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/linear_model.h"
-#include "sim/piecewise_scene.h"
-#include "sim/stop_modes.h"
-#include "sim/uniform_motion.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/time_response.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/piecewise/stop_modes.h"
 #include "tests/sim/reference/events_reference.h"
 #include "tests/sim/thesis_scenes.h"
 

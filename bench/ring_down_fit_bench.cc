@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "fit/drop_test_fit.h"
-#include "fit/ring_start.h"
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/ring_start.h"
 #include "sim/ring_down.h"
 
 namespace haptometer {

@@ -15,7 +15,7 @@
 #include "bench/sim_cost_peers.h"
 #include "bench/sim_cost_rung.h"
 #include "bench/sim_cost_truth.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "tests/sim/reference/linear_reference.h"
 
 namespace haptometer::sim {

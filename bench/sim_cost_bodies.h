@@ -31,7 +31,7 @@ struct Question {
   double restitution = 0;
   double preload_n = 0;              ///< of a contact that breaks; 0: the skin also pulls
   double cubic_n_per_m3 = 0;         ///< of the mover's spring
-  double sag_m = 0;                  ///< where that spring rests (sim/stiffening_spring.h)
+  double sag_m = 0;                  ///< where that spring rests (sim/scene/effects.h)
   double heat_capacity_j_per_k = 0;  ///< of the coil; 0: it does not heat
   double thermal_resistance_k_per_w = 0;
   double rate_hz = 1e4;
@@ -48,7 +48,7 @@ struct Question {
   }
 };
 
-/// Of copper, per K, as sim/coil_heating.h has it.
+/// Of copper, per K, as sim/scene/effects.h has it.
 inline constexpr double kRisePerK = 3.93e-3;
 
 /// y' at a terminal voltage. In flight the skin follows by itself.

@@ -9,8 +9,8 @@
 #include "bench/sim_cost_ours.h"
 #include "bench/sim_cost_rung.h"
 #include "sim/effective_scene.h"
-#include "sim/piecewise_motion.h"
-#include "sim/smooth_motion.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/smooth/smooth_motion.h"
 
 namespace haptometer::sim {
 namespace {

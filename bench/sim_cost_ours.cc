@@ -2,12 +2,11 @@
 
 #include <cmath>
 
-#include "sim/linear_model.h"
-#include "sim/matrix_exponential.h"
-#include "sim/piecewise_motion.h"
-#include "sim/smooth_motion.h"
-#include "sim/time_response.h"
-#include "sim/uniform_motion.h"
+#include "sim/linear/driven_step.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/time_response.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/smooth/smooth_motion.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {

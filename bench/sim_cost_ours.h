@@ -7,10 +7,10 @@
 
 #include "bench/sim_cost_bodies.h"
 #include "bench/sim_cost_peers.h"
-#include "sim/ode_solver.h"
-#include "sim/piecewise_scene.h"
-#include "sim/scene.h"
-#include "sim/smooth_scene.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/scene/scene.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
 

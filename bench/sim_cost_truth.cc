@@ -7,7 +7,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "tests/sim/reference/events_reference.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/reference/smooth_reference.h"

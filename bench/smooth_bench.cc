@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
 #include "sim/periodic_motion.h"
-#include "sim/smooth_scene.h"
+#include "sim/smooth/smooth_system.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "dsp/spectrum/envelope.h"
-#include "dsp/spectrum/harmonics.h"
 #include "dsp/spectrum/kinematics.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"

@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <numbers>
 
-#include "sim/linear_model.h"
-#include "sim/piecewise_motion.h"
-#include "sim/piecewise_scene.h"
+#include "sim/linear/linear_model.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::sim {

@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/filter/zero_phase.h"
 
 namespace haptometer::dsp {
 namespace {

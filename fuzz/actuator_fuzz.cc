@@ -8,9 +8,9 @@
 #include "fuzz/memory_path.h"
 #include "fuzz/seeds.h"
 #include "fuzz/verb_run.h"
-#include "sim/actuator.h"
-#include "sim/skin.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/actuator.h"
+#include "sim/skin/skin.h"
 #include "tools/verbs.h"
 
 namespace {

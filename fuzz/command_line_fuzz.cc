@@ -9,19 +9,18 @@
 #include <string_view>
 #include <vector>
 
-#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/pipe_sensor.h"
+#include "base/error.h"
 #include "base/quantity.h"
-#include "base/result.h"
 #include "fuzz/seeds.h"
 #include "fuzz/verb_run.h"
-#include "tools/acquire/options/trigger_option.h"
-#include "tools/analyze/analyze_options.h"
-#include "tools/cli/band.h"
-#include "tools/cli/key_values.h"
-#include "tools/fit/fit_plan_options.h"
-#include "tools/study/planned_contrast.h"
-#include "tools/sweep/sweep_summary.h"
-#include "tools/sweep/vary_word.h"
+#include "tools/acquire/recording.h"
+#include "tools/analyze/analyze_question.h"
+#include "tools/cli/shared_options.h"
+#include "tools/fit/plan_drop_test.h"
+#include "tools/study/manifest.h"
+#include "tools/sweep/sweep.h"
+#include "tools/sweep/sweep_question.h"
 #include "tools/verbs.h"
 
 namespace {

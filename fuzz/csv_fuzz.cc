@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/check.h"
-#include "trial/export/csv.h"
-#include "trial/import/csv.h"
-#include "trial/import/table_format.h"
+#include "base/error.h"
+#include "trial/export/export.h"
+#include "trial/import/import_options.h"
+#include "trial/import/readers.h"
 #include "trial/record.h"
 
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "tools/daemon/daemon_config.h"
-#include "tools/daemon/status_report.h"
+#include "tools/daemon/status.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer::tools;

@@ -5,10 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "acquire/emulator/dl_en1_unit.h"
-#include "acquire/emulator/dl_rs1a_unit.h"
+#include "acquire/emulator/dl_unit.h"
 #include "acquire/emulator/lkg_unit.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace {
 

@@ -11,11 +11,10 @@
 #include <iterator>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fuzz/memory_path.h"
-#include "trial/export/hdf5.h"
-#include "trial/import/csv.h"
-#include "trial/import/hdf5.h"
+#include "trial/export/export.h"
+#include "trial/import/readers.h"
 #include "trial/trial_reader.h"
 
 namespace {

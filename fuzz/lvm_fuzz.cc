@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/check.h"
-#include "trial/import/lvm.h"
+#include "base/error.h"
+#include "trial/import/readers.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;

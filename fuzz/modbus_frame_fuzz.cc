@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/modbus/modbus_frame.h"
+#include "acquire/protocol/modbus.h"
 #include "fuzz/require.h"
 
 namespace {

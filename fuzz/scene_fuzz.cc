@@ -5,11 +5,10 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "sim/excitation.h"
-#include "sim/scene_file.h"
-#include "sim/steady_state.h"
-#include "sim/steady_tones.h"
-#include "sim/time_response.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
+#include "sim/scene/scene_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "acquire/emulator/modbus_unit.h"
-#include "acquire/sensor/modbus/sensor_profile.h"
+#include "acquire/sensor/modbus_profile.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace haptometer;

@@ -7,15 +7,13 @@
 #include <string>
 #include <string_view>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "fuzz/memory_path.h"
 #include "fuzz/seeds.h"
-#include "tools/sweep/merge_tables.h"
-#include "tools/sweep/sweep_options.h"
-#include "tools/sweep/sweep_summary.h"
+#include "tools/sweep/sweep.h"
+#include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
 #include "tools/sweep/table_file.h"
-#include "tools/sweep/table_reader.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <string>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/block.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 #include "trial/trial_reader.h"
 
 namespace {

@@ -15,7 +15,7 @@ inline void DiscardOutput() {
 }
 
 /// Runs a verb in this process, with words behind its name. Its status must be one of those that
-/// docs/commands.md lists.
+/// docs/reference/common.md lists.
 inline void RunVerb(int (*run)(int argc, const char* const* argv),
                     const std::vector<std::string>& words) {
   DiscardOutput();

@@ -6,10 +6,10 @@
 #include <optional>
 #include <string>
 
-#include "base/result.h"
-#include "sim/effects.h"
+#include "base/error.h"
 #include "sim/periodic_motion.h"
-#include "sim/scene.h"
+#include "sim/scene/effects.h"
+#include "sim/scene/scene.h"
 #include "sim/scene_run.h"
 
 namespace haptometer::sim {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
-#include "sim/excitation.h"
-#include "sim/linear_model.h"
-#include "sim/smooth_mode.h"
+#include "base/error.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/linear_model.h"
+#include "sim/smooth/smooth_mode.h"
 
 namespace haptometer::sim {
 

@@ -9,11 +9,11 @@
 #include <optional>
 #include <string_view>
 
-#include "sim/piecewise_linear.h"
-#include "sim/piecewise_motion.h"
-#include "sim/scene.h"
-#include "sim/smooth_motion.h"
-#include "sim/smooth_system.h"
+#include "sim/linear/mode.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/scene/scene.h"
+#include "sim/smooth/smooth_motion.h"
+#include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
 

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/watch.h"
+#include "base/jobs.h"
 
 namespace haptometer::sim {
 

@@ -8,17 +8,17 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/check.h"
-#include "sim/excitation.h"
-#include "sim/guard_bound.h"
-#include "sim/linear_model.h"
-#include "sim/output_rate.h"
-#include "sim/piecewise_motion.h"
-#include "sim/scene_mode.h"
-#include "sim/smooth_motion.h"
-#include "sim/smooth_scene.h"
-#include "sim/solver_ladder.h"
-#include "sim/watch.h"
+#include "base/error.h"
+#include "base/jobs.h"
+#include "sim/effective_scene.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
+#include "sim/piecewise/guard.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_motion.h"
+#include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
 

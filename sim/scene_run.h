@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sim/effective_scene.h"
-#include "sim/energy_ledger.h"
-#include "sim/ode_solver.h"
-#include "sim/piecewise_motion.h"
+#include "sim/piecewise/energy_ledger.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/smooth/ode_solver.h"
 
 namespace haptometer::sim {
 

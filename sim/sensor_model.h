@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
 

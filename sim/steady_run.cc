@@ -7,14 +7,13 @@
 #include <utility>
 #include <vector>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
 #include "sim/period_map.h"
-#include "sim/piecewise_motion.h"
-#include "sim/piecewise_scene.h"
-#include "sim/smooth_scene.h"
-#include "sim/solver_ladder.h"
-#include "sim/steady_state.h"
-#include "sim/superposition.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
 
@@ -186,8 +185,8 @@ class SmoothSearch {
   }
 
  private:
-  // A search compares states over periods and takes differences of them: to less than 1e-8 it takes
-  // what is near for what repeats itself.
+  // The tolerance of a search is 1e-8 at most, whatever the answer's is: it compares states of
+  // different periods, and Newton's method divides differences of them.
   PeriodMap MapOf(double tolerance) const {
     constexpr double kMost = 1e-8;
     return {system_, scene_.scene.drive, SmoothSettings{.tolerance = std::min(tolerance, kMost)}};

@@ -8,14 +8,14 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/check.h"
-#include "sim/excitation.h"
-#include "sim/linear_model.h"
-#include "sim/piecewise_scene.h"
+#include "base/error.h"
+#include "sim/linear/excitation.h"
+#include "sim/linear/linear_model.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
-#include "sim/smooth_motion.h"
-#include "sim/smooth_scene.h"
-#include "sim/solver_ladder.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_motion.h"
+#include "sim/smooth/smooth_system.h"
 #include "sim/steady_run.h"
 
 namespace haptometer::sim {

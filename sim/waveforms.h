@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "sim/effective_scene.h"
-#include "sim/piecewise_motion.h"
-#include "sim/scene.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::sim {
 

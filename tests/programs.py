@@ -67,9 +67,9 @@ def rows(path):
 
 
 def trial_reader():
-    """The function read_trial of docs/formats.md, as it stands there."""
+    """The function read_trial of docs/reference/formats.md, as it stands there."""
     namespace = {}
-    with open("docs/formats.md", encoding="utf-8") as file:
+    with open("docs/reference/formats.md", encoding="utf-8") as file:
         code = re.search(r"```python\n(import json.*?)```", file.read(), re.S).group(1)
     exec(code, namespace)
     return namespace["read_trial"]

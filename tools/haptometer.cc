@@ -11,8 +11,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "base/nearest.h"
-#include "tools/cli/report.h"
+#include "base/text.h"
+#include "tools/cli/terminal.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -3,7 +3,7 @@
 namespace haptometer::tools {
 
 /// One function a verb, each in the file of its name. `argv[0]` is the verb; the return value is
-/// the program's exit status (docs/commands.md).
+/// the program's exit status (docs/reference/common.md).
 int RunAcquire(int argc, const char* const* argv);
 int RunAnalyze(int argc, const char* const* argv);
 int RunEmulate(int argc, const char* const* argv);

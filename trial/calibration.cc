@@ -7,8 +7,8 @@
 #include <string_view>
 #include <utility>
 
-#include "base/check.h"
-#include "base/toml_table.h"
+#include "base/error.h"
+#include "base/toml.h"
 
 namespace haptometer::trial {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 
@@ -38,7 +38,7 @@ struct ChannelCalibration {
   std::optional<double> range_max;
 };
 
-/// What a calibration file says (docs/formats.md).
+/// What a calibration file says (docs/reference/formats.md).
 struct Calibration {
   std::string name;
   std::string date;

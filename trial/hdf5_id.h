@@ -33,8 +33,8 @@ class Hdf5Id {
   CloseFunction close_;
 };
 
-/// The objects of one trial's group; docs/formats.md says what they hold. Beside them stand one
-/// dataset a channel, named as its CSV column, and one with its statuses.
+/// The objects of one trial's group; docs/reference/formats.md says what they hold. Beside them
+/// stand one dataset a channel, named as its CSV column, and one with its statuses.
 namespace hdf5 {
 inline constexpr const char* kTimes = "time_s";
 inline constexpr const char* kRawTimes = "raw_time_s";

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -120,5 +121,16 @@ struct Record {
 
 /// Time of row `row` in seconds on the clean time base. O(log stretches).
 [[nodiscard]] double TimeOf(const Record& record, std::size_t row);
+
+/// The number of the first displacement channel in metres: the one that a recording is about.
+/// Nothing where there is none. `source` is what has channels: a record, or a trial's header.
+template <typename Source>
+[[nodiscard]] std::optional<std::size_t> DisplacementChannel(const Source& source) {
+  const auto found = std::ranges::find_if(source.channels, [](const auto& channel) {
+    return channel.role == ChannelRole::kDisplacement && channel.unit == "m";
+  });
+  if (found == source.channels.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - source.channels.begin());
+}
 
 }  // namespace haptometer::trial

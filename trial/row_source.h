@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <span>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {

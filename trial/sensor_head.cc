@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -8,11 +9,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "base/error.h"
 #include "trial/record.h"
 
-/// What a trial.bin holds, in memory; docs/formats.md has the same byte by byte.
+/// What a trial.bin holds, in memory; docs/reference/formats.md has the same byte by byte.
 namespace haptometer::trial {
 
 /// How a channel's raw values are stored: as the source sent them, bit for bit.
@@ -121,5 +124,53 @@ struct Event {
 /// The metadata field of a source that numbers its rows, "0 to 99": every loss, up to whole turns
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";
+
+/// The members of Metadata that hold one text, by their keys in files (docs/reference/formats.md).
+inline constexpr std::array<std::pair<std::string_view, std::string Metadata::*>, 8> kMetadataTexts{
+    {{"source", &Metadata::source},
+     {"sensor", &Metadata::sensor},
+     {"head", &Metadata::head},
+     {"hold", &Metadata::hold},
+     {"laser_spot", &Metadata::laser_spot},
+     {"utc_start", &Metadata::utc_start},
+     {"host", &Metadata::host},
+     {"command_line", &Metadata::command_line}}};
+
+}  // namespace haptometer::trial
+
+/// The JSON payloads of a trial.bin; keys in docs/reference/formats.md. Keys that this version does
+/// not know are passed over. Texts that are not printable (base/text.h) are refused on their way
+/// into a file and escaped on their way out of one.
+namespace haptometer::trial {
+
+/// Whether all texts of what is new are printable. Errors: Cause::kUsage, naming the first that is
+/// not.
+[[nodiscard]] Result<void> CheckTexts(const TrialHeader& header);
+[[nodiscard]] Result<void> CheckTexts(const Event& event);
+
+[[nodiscard]] std::string HeaderToJson(const TrialHeader& header);
+
+/// Nothing when `json` is no header: not JSON, an unknown timing, role or encoding, no channel, a
+/// scale that is not a number, a uniform timing without a rate.
+[[nodiscard]] std::optional<TrialHeader> HeaderFromJson(std::string_view json);
+
+/// The event's text, which a device may have had a part in, is made printable.
+[[nodiscard]] std::string EventToJson(const Event& event);
+
+/// Nothing when `json` is no event. An event of a kind that this version does not know becomes a
+/// remark that names the kind.
+[[nodiscard]] std::optional<Event> EventFromJson(std::string_view json);
+
+/// What a finished or failed writer has to say.
+struct TrialTotals {
+  std::uint64_t rows = 0;       ///< appended
+  std::uint64_t rows_kept = 0;  ///< of these, handed to the disk in whole blocks
+  /// Values by status over all channels; index: SampleStatus.
+  std::array<std::uint64_t, kSampleStatusCount> statuses{};
+  /// Where the finished file is, if another program moved it meanwhile; empty where it is in place.
+  std::string moved_to{};
+};
+
+[[nodiscard]] std::string TotalsToJson(const TrialTotals& totals);
 
 }  // namespace haptometer::trial

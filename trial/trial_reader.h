@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "trial/byte_source.h"
+#include "base/error.h"
+#include "trial/byte_io.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 
@@ -18,7 +18,7 @@ namespace haptometer::trial {
 struct RowLayout;
 
 /// The remedy for bytes that are no trial; who reads other forms too adds them
-/// (trial/read_recording.h).
+/// (trial/import/read_recording.h).
 inline constexpr std::string_view kGiveATrial = "give a trial.bin recorded by acquire or simulate";
 
 /// A part of a file that could not be read.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/row_source.h"
 #include "trial/trial_reader.h"
 

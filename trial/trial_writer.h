@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
-#include "trial/byte_sink.h"
+#include "base/error.h"
+#include "trial/byte_io.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::trial {
@@ -28,16 +28,6 @@ struct WriterOptions {
   double flush_interval_s = 1;
   /// true: an existing file at the path is replaced.
   bool overwrite = false;
-};
-
-/// What a finished or failed writer has to say.
-struct TrialTotals {
-  std::uint64_t rows = 0;       ///< appended
-  std::uint64_t rows_kept = 0;  ///< of these, handed to the disk in whole blocks
-  /// Values by status over all channels; index: SampleStatus.
-  std::array<std::uint64_t, kSampleStatusCount> statuses{};
-  /// Where the finished file is, if another program moved it meanwhile; empty where it is in place.
-  std::string moved_to{};
 };
 
 /// Writes one trial.bin: header, rows in blocks, events, closing totals. Append-only; whatever
@@ -94,5 +84,12 @@ class TrialWriter {
   explicit TrialWriter(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
+
+/// Appends `event` to a trial that exists, finished or cut short: labels given later, a remark.
+///
+/// Nothing that the file holds is changed. event.row is filled in. Errors: as TrialReader::Open;
+/// Cause::kCannotAnswer when the file may not be written; Cause::kFailed when it is still being
+/// recorded or the disk is full. Cost: reads the file once; one sync.
+[[nodiscard]] Result<void> AppendEvent(const std::string& path, Event event);
 
 }  // namespace haptometer::trial

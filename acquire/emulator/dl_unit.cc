@@ -1,11 +1,155 @@
 #include "acquire/emulator/dl_unit.h"
 
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
-#include "base/check.h"
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr int kHighestAveraging = 14;
+
+// codes that a data number takes: 0 to this; nothing for one that cannot be written
+std::optional<int> HighestCode(int number) {
+  switch (number) {
+    case dl_rs1a::kBank:
+      return 3;
+    case dl_rs1a::kSamplingCycle:
+      return 4;
+    case dl_rs1a::kAveraging:
+      return kHighestAveraging;
+    case dl_rs1a::kHold:
+      return 5;
+    case dl_rs1a::kZeroShiftMemory:
+      return 1;
+    case dl_rs1a::kHighPassCutoff:
+      return 9;
+    default:
+      return std::nullopt;
+  }
+}
+
+const dl_rs1a::Head& TypeOf(const std::string& name) {
+  const dl_rs1a::Head* type = dl_rs1a::FindHead(name);
+  return type != nullptr ? *type : *dl_rs1a::FindHead("IL-030");
+}
+
+IlDatum ValueDatum(const Value& value) { return {.kind = IlDatum::Kind::kValue, .value = value}; }
+IlDatum NumberDatum(int number, int digits) { return {.number = number, .digits = digits}; }
+
+}  // namespace
+
+Result<void> ValidateIlHead(const trial::SensorHead& head) {
+  if (!dl_rs1a::SamplingCode(head.sampling_s)) {
+    return Usage("--sampling",
+                 fmt::format("an IL-1000 does not sample every {:g} ms", 1e3 * head.sampling_s),
+                 "give 0.33ms, 1ms, 2ms or 5ms");
+  }
+  if (!dl_rs1a::AveragingCode(head.averages)) {
+    return Usage("--averages", fmt::format("an IL-1000 does not average {}", head.averages),
+                 "give a power of two from 1 to 4096");
+  }
+  return {};
+}
+
+IlAmplifier::IlAmplifier(MovingHead head, bool is_main)
+    : head_(std::move(head)), type_(TypeOf(head_.head.name)), is_main_(is_main) {
+  for (const int number :
+       {dl_rs1a::kBank, dl_rs1a::kHold, dl_rs1a::kZeroShiftMemory, dl_rs1a::kHighPassCutoff}) {
+    codes_[number] = 0;
+  }
+  codes_[dl_rs1a::kSamplingCycle] = dl_rs1a::SamplingCode(head_.head.sampling_s).value_or(0);
+  codes_[dl_rs1a::kAveraging] = dl_rs1a::AveragingCode(head_.head.averages).value_or(0);
+}
+
+Value IlAmplifier::ReadingAt(MonotonicNs sampled, MonotonicNs now) const {
+  if (now < settled_at_) return {.decimals = type_.decimals, .status = SampleStatus::kInvalid};
+  const trial::HeadReading reading = head_.Reading(head_.LastSample(sampled));
+  const double steps_per_m = 1e3 * PowerOfTen(type_.decimals);
+  const auto counts = static_cast<std::int32_t>(std::lround(steps_per_m * reading.value_m));
+  return {.counts = counts - zero_counts_, .decimals = type_.decimals, .status = reading.status};
+}
+
+int IlAmplifier::Outputs(const Value& value) {
+  switch (value.status) {
+    case SampleStatus::kOver:
+      return 1;
+    case SampleStatus::kUnder:
+      return 2;
+    case SampleStatus::kInvalid:
+      return 8;
+    default:
+      return 4;
+  }
+}
+
+std::optional<IlDatum> IlAmplifier::Read(int number, const Value& present) const {
+  if (const auto code = codes_.find(number); code != codes_.end()) {
+    return NumberDatum(code->second, 1);
+  }
+  switch (number) {
+    case dl_rs1a::kErrorFlags:
+      return NumberDatum(0, 5);
+    case dl_rs1a::kOutputs:
+      return NumberDatum(Outputs(present), 2);
+    case dl_rs1a::kPresentValue:
+    case dl_rs1a::kRawValue:
+      return ValueDatum(present);
+    case dl_rs1a::kPeak:  // peak and bottom do not exist in sample hold
+    case dl_rs1a::kBottom:
+      return ValueDatum({.decimals = type_.decimals, .status = SampleStatus::kInvalid});
+    case dl_rs1a::kZeroShiftResult:
+      return NumberDatum(1, 1);
+    case dl_rs1a::kProductCode:
+      return NumberDatum(is_main_ ? 4022 : 4023, 4);
+    case dl_rs1a::kConnectedHead:
+      return NumberDatum(type_.code, 1);
+    case dl_rs1a::kProductName:
+      return IlDatum{.kind = IlDatum::Kind::kText, .text = "EMULATED"};
+    default:
+      return std::nullopt;
+  }
+}
+
+IlWriteOutcome IlAmplifier::Write(int number, int code, MonotonicNs now) {
+  if (number == dl_rs1a::kZeroShift || number == dl_rs1a::kZeroShiftReset) {
+    if (code < 0 || code > 1) return IlWriteOutcome::kOutOfRange;
+    ShiftZero(number, code, now);
+    return IlWriteOutcome::kDone;
+  }
+  const std::optional<int> highest = HighestCode(number);
+  if (!highest) {
+    return Read(number, {}) ? IlWriteOutcome::kReadOnly : IlWriteOutcome::kNoSuchNumber;
+  }
+  if (code < 0 || code > *highest) return IlWriteOutcome::kOutOfRange;
+  codes_[number] = code;
+  // "default" is 1 ms; the filters average nothing here
+  head_.head.sampling_s = dl_rs1a::SamplingSeconds(codes_[dl_rs1a::kSamplingCycle]).value_or(1e-3);
+  head_.head.averages = dl_rs1a::Averages(codes_[dl_rs1a::kAveraging]).value_or(1);
+  const bool unsettles = number == dl_rs1a::kSamplingCycle || number == dl_rs1a::kAveraging ||
+                         number == dl_rs1a::kHold;
+  if (unsettles) {
+    settled_at_ = now + NsFromSeconds(2 * head_.head.sampling_s * head_.head.averages);
+  }
+  return IlWriteOutcome::kDone;
+}
+
+void IlAmplifier::ShiftZero(int number, int code, MonotonicNs now) {
+  const bool is_edge = requests_[number] == 0 && code == 1;
+  requests_[number] = code;
+  if (!is_edge) return;
+  zero_counts_ = number == dl_rs1a::kZeroShift ? zero_counts_ + ReadingAt(now, now).counts : 0;
+}
+
 namespace {
 
 using dl::Command;
@@ -141,5 +285,117 @@ std::string DlUnit::AnswerWrite(const dl::Request& request, MonotonicNs now) {
   }
   return dl::FormatWriteReply(request);
 }
+
+namespace {
+
+constexpr MonotonicNs kToAllNs = 57'000'000;  // T4 of AW
+
+const DlModel& Rs1aModel() {
+  static const DlModel kModel{
+      .spelling = dl_rs1a::Spelling(),
+      .first_unit = 0,
+      .longest_line = dl_rs1a::kLongestLine,
+      .no_such_unit = dl_rs1a::kUnitNumber,
+      .no_such_number = dl_rs1a::kParameter,
+      .out_of_range = dl_rs1a::kParameter,
+      .read_only = dl_rs1a::kParameter,
+      .write_locked = dl_rs1a::kWriteControl,
+      .too_long = dl_rs1a::kDataLength,
+      .faulty = dl_rs1a::kCommunication,
+      .format_number = [](int number, int digits) { return fmt::format("{:0{}}", number, digits); },
+      .format_data_value = dl_rs1a::FormatValue};
+  return kModel;
+}
+
+std::vector<MovingHead> AllHeads(const DlRs1aSetup& setup) {
+  std::vector<MovingHead> heads{setup.head};
+  heads.insert(heads.end(), setup.expansions.begin(), setup.expansions.end());
+  return heads;
+}
+
+}  // namespace
+
+Result<void> Validate(const DlRs1aSetup& setup) {
+  if (std::ranges::find(dl_rs1a::kBauds, setup.baud) == dl_rs1a::kBauds.end()) {
+    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", setup.baud),
+                 fmt::format("give one of {}", fmt::join(dl_rs1a::kBauds, ", ")));
+  }
+  if (setup.expansions.size() >= dl_rs1a::kMostUnits) {
+    return Usage("--amplifiers", "a DL-RS1A has no more than 15", "give 1 to 15");
+  }
+  for (const MovingHead& head : setup.expansions) {
+    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+  }
+  return ValidateIlHead(setup.head.head);
+}
+
+DlRs1aUnit::DlRs1aUnit(const DlRs1aSetup& setup)
+    : DlUnit(Rs1aModel(), setup.baud, AllHeads(setup),
+             {.polled_ns = setup.processing_ns,
+              .direct_ns = setup.direct_processing_ns,
+              .to_all_ns = kToAllNs,
+              .refresh_ns = setup.refresh_ns},
+             setup.is_writable, setup.faults) {
+  HAPTOMETER_CHECK(Validate(setup).has_value(), "{}", Validate(setup).error().Text());
+}
+
+namespace {
+
+constexpr int kBaud = 125'000'000;  // 100 Mbit/s as characters of 10 bits
+
+// a datum of an IL amplifier has its own five digits of special values
+std::string FormatDataValue(const Value& value) {
+  constexpr std::int32_t kMost = 99'999;
+  switch (value.status) {
+    case trial::SampleStatus::kOver:
+      return dl_en1::FormatNumber(kMost);
+    case trial::SampleStatus::kUnder:
+      return dl_en1::FormatNumber(-kMost);
+    case trial::SampleStatus::kDeviceError:
+      return dl_en1::FormatNumber(kMost + 1);
+    case trial::SampleStatus::kOk:
+    case trial::SampleStatus::kRepeated:
+      return dl_en1::FormatNumber(value.counts);
+    default:
+      return dl_en1::FormatNumber(-(kMost - 1));
+  }
+}
+
+const DlModel& En1Model() {
+  static const DlModel kModel{
+      .spelling = dl_en1::Spelling(),
+      .first_unit = dl_en1::kFirstUnit,
+      .longest_line = dl_en1::kLongestLine,
+      .no_such_unit = dl_en1::kUnitNumber,
+      .no_such_number = dl_en1::kDataNumber,
+      .out_of_range = dl_en1::kOutOfRange,
+      .read_only = dl_en1::kWriteProtected,
+      .write_locked = dl_en1::kWriteProtected,
+      .too_long = dl_en1::kFormat,
+      .faulty = dl_en1::kNotExecutable,
+      .format_number = [](int number, int /*digits*/) { return dl_en1::FormatNumber(number); },
+      .format_data_value = FormatDataValue};
+  return kModel;
+}
+
+}  // namespace
+
+Result<void> Validate(const DlEn1Setup& setup) {
+  if (setup.heads.empty() || setup.heads.size() > dl::kMostUnits) {
+    return Usage("--amplifiers", "a DL-EN1 has 1 to 15", "give as many");
+  }
+  for (const MovingHead& head : setup.heads) {
+    if (auto valid = ValidateIlHead(head.head); !valid) return valid;
+  }
+  return {};
+}
+
+DlEn1Unit::DlEn1Unit(DlEn1Setup setup)
+    : DlUnit(En1Model(), kBaud, std::move(setup.heads),
+             {.polled_ns = setup.processing_ns,
+              .direct_ns = setup.processing_ns,
+              .to_all_ns = setup.processing_ns,
+              .refresh_ns = setup.refresh_ns},
+             setup.is_writable, setup.faults) {}
 
 }  // namespace haptometer::acquire::emulator

@@ -1,16 +1,76 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "acquire/emulator/asked_unit.h"
-#include "acquire/emulator/il_amplifier.h"
+#include "acquire/emulator/device.h"
+#include "acquire/emulator/fault.h"
 #include "acquire/protocol/keyence/dl_line.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
+
+/// What a data number of an amplifier holds; how it is spelled is the communication unit's matter.
+struct IlDatum {
+  enum class Kind : std::uint8_t { kValue, kNumber, kText };
+  Kind kind = Kind::kNumber;
+  Value value{};       ///< kValue
+  int number = 0;      ///< kNumber
+  int digits = 1;      ///< kNumber: as many as a DL-RS1A sends
+  std::string text{};  ///< kText
+};
+
+/// How a write ended.
+enum class IlWriteOutcome : std::uint8_t { kDone, kNoSuchNumber, kReadOnly, kOutOfRange };
+
+/// An IL amplifier with its head: readings, and the data numbers that describe and set it.
+///
+/// Data 033, 036-040, 054, 098, 132, 133, 136, 152, 159, 193, 195 and 200 (the product name, which
+/// is EMULATED) can be read; 098, 132, 133, 136, 152 and 159 written, and 001 and 002 (zero shift
+/// and its reset, at the edge from 0 to 1). Sampling and averages take effect; after a change of
+/// 132, 133 or 136 the readings are invalid for two response times. Hold and filter are kept and
+/// have no effect. Comparator limits are the ends of the measuring range.
+///
+/// A head that is none of the IL series is taken for an IL-030.
+class IlAmplifier {
+ public:
+  /// `is_main`: the product code is that of a main amplifier.
+  IlAmplifier(MovingHead head, bool is_main);
+
+  /// The head's last reading that is complete at `sampled`; `now` decides whether the amplifier
+  /// has settled.
+  [[nodiscard]] Value ReadingAt(MonotonicNs sampled, MonotonicNs now) const;
+  /// The comparator's outputs for `value`: bit 0 HIGH, 1 LOW, 2 GO, 3 alarm.
+  [[nodiscard]] static int Outputs(const Value& value);
+
+  /// Nothing for a number that it does not know. `present` is what the P.V. numbers give.
+  [[nodiscard]] std::optional<IlDatum> Read(int number, const Value& present) const;
+  [[nodiscard]] IlWriteOutcome Write(int number, int code, MonotonicNs now);
+
+  [[nodiscard]] int decimals() const { return type_.decimals; }
+
+ private:
+  void ShiftZero(int number, int code, MonotonicNs now);
+
+  MovingHead head_;
+  const dl_rs1a::Head& type_;
+  bool is_main_;
+  std::map<int, int> codes_;      ///< those that can be written, by data number
+  std::map<int, int> requests_;   ///< last written to 001 and 002
+  std::int32_t zero_counts_ = 0;  ///< subtracted from readings
+  MonotonicNs settled_at_ = 0;
+};
+
+/// Errors (Cause::kUsage): a sampling cycle or averaging that an IL-1000 does not have, with those
+/// it has.
+[[nodiscard]] Result<void> ValidateIlHead(const trial::SensorHead& head);
 
 /// What makes an emulated communication unit a DL-RS1A or a DL-EN1.
 struct DlModel {
@@ -62,6 +122,59 @@ class DlUnit : public AskedUnit {
   DlTimes times_;
   bool is_writable_;
   std::vector<IlAmplifier> amplifiers_;
+};
+
+/// How an emulated DL-RS1A is set up. The times are the maker's maxima for one amplifier; the
+/// refresh of the IL series is not printed, its siblings (IB, GT-70A) say 7 ms.
+struct DlRs1aSetup {
+  int baud = dl_rs1a::kBauds.front();
+  MovingHead head{};                                   ///< an IL-030 (trial::Il030())
+  MonotonicNs processing_ns = dl_rs1a::kProcessingNs;  ///< T4 of M0 and MS
+  MonotonicNs direct_processing_ns = 13'000'000;       ///< T4 of SR; SW takes 14 ms
+  MonotonicNs refresh_ns = dl_rs1a::kRefreshNs;  ///< T2: the buffer is refilled at k * refresh
+  FaultPlan faults{};
+  std::vector<MovingHead> expansions{};  ///< of the amplifiers 01, 02, ...
+  bool is_writable = false;              ///< the R/W switch stands on W
+};
+
+/// Errors (Cause::kUsage): a rate, sampling cycle or averaging that the unit or the IL-1000
+/// amplifier does not have, with the ones they have; more than 15 amplifiers.
+[[nodiscard]] Result<void> Validate(const DlRs1aSetup& setup);
+
+/// A Keyence DL-RS1A with an IL-1000 amplifier (number 00) and its expansions.
+///
+/// Understands M0, MS, SR, SW and AW. With its R/W switch on R (the default) SW and AW are refused
+/// with 67. Data: emulator/il_amplifier.h; others are refused with 22.
+///
+/// Source: Keyence, DL-RS1A User's Manual (IL Edition), p. 6-15.
+class DlRs1aUnit final : public DlUnit {
+ public:
+  /// `setup` has passed Validate().
+  explicit DlRs1aUnit(const DlRs1aSetup& setup);
+};
+
+/// How an emulated DL-EN1 is set up. How long it takes for an answer is not in the manual.
+struct DlEn1Setup {
+  std::vector<MovingHead> heads{};  ///< of the amplifiers 01, 02, ...; at least one
+  MonotonicNs processing_ns = 1'000'000;
+  MonotonicNs refresh_ns = 7'800'000;  ///< the maker's for one amplifier (dl_en1::RefreshNs)
+  bool is_writable = false;
+  FaultPlan faults{};
+};
+
+/// Errors (Cause::kUsage): as of DlRs1aSetup.
+[[nodiscard]] Result<void> Validate(const DlEn1Setup& setup);
+
+/// A Keyence DL-EN1 with IL amplifiers from number 01: M0, MS, SR, SW and FR, values without a
+/// point. Bytes cross its wire as fast as 100 Mbit/s carry them.
+///
+/// Source: Keyence, DL-EN1 User's Manual (633GB), chapters 5 and 6. How SR carries the codes of
+/// settings is not quite clear there: here as sign and nine digits, like all numbers; a product
+/// name as text.
+class DlEn1Unit final : public DlUnit {
+ public:
+  /// `setup` has passed Validate().
+  explicit DlEn1Unit(DlEn1Setup setup);
 };
 
 }  // namespace haptometer::acquire::emulator

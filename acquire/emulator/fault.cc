@@ -5,7 +5,7 @@
 #include <array>
 #include <charconv>
 
-#include "acquire/protocol/digits.h"
+#include "acquire/protocol/wire.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 
 namespace haptometer::acquire::emulator {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "acquire/protocol/digits.h"
+#include "acquire/protocol/wire.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

@@ -4,11 +4,10 @@
 #include <string_view>
 #include <vector>
 
-#include "acquire/emulator/asked_unit.h"
+#include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
-#include "acquire/emulator/moving_head.h"
 #include "acquire/protocol/keyence/lkg.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

@@ -9,9 +9,7 @@
 
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
-#include "acquire/emulator/moving_head.h"
-#include "acquire/emulator/serial_line.h"
-#include "acquire/sensor/modbus/sensor_profile.h"
+#include "acquire/sensor/modbus_profile.h"
 
 namespace haptometer::acquire::emulator {
 
@@ -42,7 +40,7 @@ struct ModbusUnitSetup {
 /// are not answered. TCP: no time passes on the wire; a peer that sends no Modbus header is hung up
 /// on. Requests are answered in order, so a late answer delays those behind it.
 ///
-/// Source: acquire/protocol/modbus/modbus_frame.h. A distance that the register cannot hold is
+/// Source: acquire/protocol/modbus.h. A distance that the register cannot hold is
 /// given as one that the profile calls invalid.
 class ModbusUnit final : public Device {
  public:

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 namespace {

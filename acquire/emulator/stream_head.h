@@ -7,10 +7,8 @@
 
 #include "acquire/emulator/device.h"
 #include "acquire/emulator/fault.h"
-#include "acquire/emulator/moving_head.h"
-#include "acquire/emulator/serial_line.h"
 #include "acquire/protocol/stream_line.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::emulator {
 

@@ -1,6 +1,6 @@
 #include "acquire/protocol/line_framer.h"
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -6,8 +6,8 @@
 #include <cstring>
 #include <utility>
 
-#include "base/check.h"
-#include "trial/import/printed_number.h"
+#include "base/error.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::acquire {
 namespace {

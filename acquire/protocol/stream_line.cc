@@ -4,9 +4,8 @@
 
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
 #include "acquire/protocol/wire.h"
-#include "base/check.h"
+#include "base/error.h"
 #include "base/quantity.h"
 
 namespace haptometer::acquire {

@@ -7,8 +7,8 @@
 #include <string_view>
 
 #include "acquire/protocol/line_framer.h"
-#include "acquire/protocol/value.h"
-#include "base/result.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 /// Free-running ASCII lines of one fixed width, such as `+01.2345` CR: pure functions between lines
 /// and values, both directions.

@@ -1,8 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string_view>
 
 #include "base/clock.h"
+#include "trial/record.h"
 
 namespace haptometer::acquire {
 
@@ -19,5 +24,27 @@ inline constexpr double kReadingsPerPeriod = 2.56;
 
 /// Highest frequency that a reading rate can show: rate / 2.56, in Hz.
 [[nodiscard]] double HighestObservableHz(double rate_hz);
+
+/// Whether every character of `text` is `character`; false for an empty text.
+[[nodiscard]] bool ConsistsOf(std::string_view text, char character);
+
+/// The value of 1 to 9 ASCII digits and nothing else: no sign, no space.
+[[nodiscard]] std::optional<std::int32_t> ParseDigits(std::string_view text);
+
+/// 10^exponent for 0 <= exponent <= 9.
+[[nodiscard]] std::int32_t PowerOfTen(int exponent);
+
+/// Stands in Value::counts where the sensor sent letters instead of a number.
+inline constexpr std::int32_t kNoCounts = std::numeric_limits<std::int32_t>::min();
+
+/// One value as it was sent: `+01.234` is 1234 counts with 3 decimals. Nothing is rounded or
+/// scaled.
+struct Value {
+  std::int32_t counts = 0;  ///< the digits with their sign, as sent; kNoCounts where there are none
+  int decimals = 0;         ///< digits after the point
+  trial::SampleStatus status = trial::SampleStatus::kOk;
+
+  friend bool operator==(const Value&, const Value&) = default;
+};
 
 }  // namespace haptometer::acquire

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "acquire/recorder/recording_statistics.h"
 #include "acquire/recorder/row_ring.h"
-#include "acquire/recorder/tally.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

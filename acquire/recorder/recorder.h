@@ -10,7 +10,7 @@
 #include "acquire/recorder/trigger.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 

@@ -8,7 +8,7 @@
 
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::acquire {

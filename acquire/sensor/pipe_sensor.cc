@@ -4,13 +4,178 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "acquire/protocol/wire.h"
-#include "base/check.h"
-#include "base/printable.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "trial/import/csv_header.h"
 
 namespace haptometer::acquire {
+namespace {
+
+using trial::ChannelRole;
+
+constexpr std::string_view kOption = "--channels";
+constexpr std::string_view kExample = "write e.g. displacement:m,voltage:V,trigger";
+
+// one channel as it is written
+struct Word {
+  std::string name;
+  std::string unit;
+};
+
+Result<std::vector<Word>> ReadWords(std::string_view text) {
+  std::vector<Word> words;
+  while (true) {
+    const std::size_t comma = text.find(',');
+    const std::string_view word = text.substr(0, comma);
+    const std::size_t colon = word.find(':');
+    Word read{.name = std::string(word.substr(0, colon)), .unit = ""};
+    if (colon != std::string_view::npos) read.unit = word.substr(colon + 1);
+    if (read.name.empty() || (colon != std::string_view::npos && read.unit.empty())) {
+      return Usage(std::string(kOption), fmt::format("\"{}\" names no channel", word),
+                   std::string(kExample));
+    }
+    if (std::ranges::find(words, read.name, &Word::name) != words.end()) {
+      return Usage(std::string(kOption), fmt::format("{} is there twice", read.name),
+                   fmt::format("call the second one {}_2", read.name));
+    }
+    words.push_back(std::move(read));
+    if (words.size() > trial::kMaxChannels) {
+      return Usage(std::string(kOption),
+                   fmt::format("names more than {} channels", trial::kMaxChannels));
+    }
+    if (comma == std::string_view::npos) return words;
+    text.remove_prefix(comma + 1);
+  }
+}
+
+// what a CSV's column of that name and unit is
+Result<trial::CsvColumn> ColumnOf(const std::string& name, const std::string& unit) {
+  const std::string cell = unit.empty() ? name : fmt::format("{}_{}", name, unit);
+  const auto columns = trial::ReadCsvColumns({"time_s", cell}, std::string(kOption));
+  if (columns && columns->back().kind == trial::CsvColumnKind::kValue) return columns->back();
+  const std::string said = unit.empty() ? name : fmt::format("{}:{}", name, unit);
+  return Usage(std::string(kOption), fmt::format("{} does not say its unit", said),
+               std::string(kExample));
+}
+
+// the role by which the name begins, whatever the unit
+ChannelRole RoleOf(const std::string& name) {
+  for (const ChannelRole role : {ChannelRole::kDisplacement, ChannelRole::kVoltage,
+                                 ChannelRole::kCurrent, ChannelRole::kTrigger}) {
+    const std::string_view word = Name(role);
+    if (name == word || (name.starts_with(word) && name[word.size()] == '_')) return role;
+  }
+  return ChannelRole::kOther;
+}
+
+std::string UnitOf(ChannelRole role) {
+  if (role == ChannelRole::kDisplacement) return "m";
+  if (role == ChannelRole::kVoltage) return "V";
+  return role == ChannelRole::kCurrent ? "A" : "";
+}
+
+bool IsQuantity(ChannelRole role) { return !UnitOf(role).empty(); }
+
+// a channel that comes in its own unit
+Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format) {
+  trial::ChannelFormat channel;
+  channel.encoding = EncodingOf(format);
+  if (format == SampleFormat::kI16) {
+    channel.name = word.name;
+    channel.role = RoleOf(word.name);
+    if (!IsQuantity(channel.role)) return channel;
+    return Usage(std::string(kOption), fmt::format("nothing says what a count of {} is", word.name),
+                 fmt::format("give --calibration a file with a table [{}]", word.name));
+  }
+  const auto column = ColumnOf(word.name, word.unit);
+  if (!column) return std::unexpected(column.error());
+  channel.name = column->name;
+  channel.role = column->role;
+  channel.unit = column->unit;
+  channel.scale = column->factor;
+  return channel;
+}
+
+// a channel that comes in the unit of the DAQ
+Result<trial::RawLimits> CalibrateChannel(const Word& word,
+                                          const trial::ChannelCalibration& calibration,
+                                          trial::ChannelFormat* channel) {
+  channel->unit = UnitOf(channel->role);
+  if (channel->encoding == trial::Encoding::kI32) {
+    if (!calibration.input_per_count) {
+      return Usage("--calibration",
+                   fmt::format("does not say what a count of {} is", channel->name),
+                   fmt::format("add {} to its table",
+                               calibration.input_unit == "A" ? "a_per_count" : "v_per_count"));
+    }
+    return Calibrate(calibration, *calibration.input_per_count, calibration.input_at_zero_count,
+                     channel);
+  }
+  double input_per_raw = 1;
+  if (!word.unit.empty()) {
+    const auto column = ColumnOf(calibration.input_unit == "A" ? "current" : "voltage", word.unit);
+    if (!column) {
+      return Usage(std::string(kOption),
+                   fmt::format("{} comes in {} by its calibration, not in {}", word.name,
+                               calibration.input_unit, word.unit),
+                   fmt::format("write {}:{}", word.name, calibration.input_unit));
+    }
+    input_per_raw = column->factor;
+  }
+  return Calibrate(calibration, input_per_raw, 0, channel);
+}
+
+}  // namespace
+
+Result<PipeChannels> ReadPipeChannels(std::string_view text, SampleFormat format,
+                                      const std::string& calibration_path) {
+  const auto words = ReadWords(text);
+  if (!words) return std::unexpected(words.error());
+  for (const Word& word : *words) {
+    if (format == SampleFormat::kI16 && !word.unit.empty()) {
+      return Usage(std::string(kOption), fmt::format("counts of {} have no unit", word.name),
+                   "leave it out: the calibration says what a count is");
+    }
+  }
+
+  // the calibration is asked for these names and roles
+  trial::Calibration calibration;
+  if (!calibration_path.empty()) {
+    std::vector<trial::ChannelFormat> names;
+    for (const Word& word : *words) {
+      names.push_back({.name = word.name, .role = RoleOf(word.name)});
+    }
+    auto read = trial::ReadCalibrationFile(calibration_path, names);
+    if (!read) return std::unexpected(read.error());
+    calibration = std::move(*read);
+  }
+
+  PipeChannels channels;
+  if (!calibration_path.empty()) channels.fields = CalibrationFields(calibration);
+  for (const Word& word : *words) {
+    trial::ChannelFormat channel{.name = word.name, .role = RoleOf(word.name)};
+    channel.encoding = EncodingOf(format);
+    trial::RawLimits limits;
+    if (const auto found = calibration.channels.find(word.name);
+        found != calibration.channels.end()) {
+      const auto calibrated = CalibrateChannel(word, found->second, &channel);
+      if (!calibrated) return std::unexpected(calibrated.error());
+      limits = *calibrated;
+    } else {
+      auto plain = PlainChannel(word, format);
+      if (!plain) return std::unexpected(plain.error());
+      channel = std::move(*plain);
+    }
+    channels.formats.push_back(std::move(channel));
+    channels.limits.push_back(limits);
+  }
+  return channels;
+}
+
 namespace {
 
 constexpr MonotonicNs kSliceNs = 100'000'000;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -12,13 +13,81 @@
 #include <vector>
 
 #include "acquire/sensor/line_link.h"
-#include "acquire/sensor/repeat_marker.h"
-#include "acquire/sensor/response_deadline.h"
 #include "acquire/sensor/sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
+
+/// Marks readings that may be the same buffer content of the unit handed out once more.
+///
+/// The unit refreshes its buffer every `refresh_ns` and M0 reads the buffer, so a faster poll gets
+/// a content twice. Equal numbers do not prove that: a target at rest gives them too. What can be
+/// known: a content that was first seen at t is replaced by t + refresh at the latest. So
+///   - a reading that differs in any value is new;
+///   - an equal one that was polled at t + refresh or later is new, and starts its own t;
+///   - an equal one before that cannot be told from a repetition and is marked kRepeated.
+/// Times are those of the requests: the unit samples its buffer at a fixed delay behind them, and
+/// they do not suffer from the delays of USB on the way back.
+class RepeatMarker {
+ public:
+  explicit RepeatMarker(MonotonicNs refresh_ns) : refresh_ns_(refresh_ns) {}
+
+  /// Turns kOk into kRepeated in `reading` where the rule says so.
+  void Mark(Reading& reading);
+
+ private:
+  MonotonicNs refresh_ns_;
+  MonotonicNs first_seen_ns_ = 0;
+  std::vector<trial::Sample> content_;  ///< as sent, before marking; empty before the first
+};
+
+/// When a reply can be the one to the request: not sooner than the wire carries both and than 0.9
+/// times the fastest of the last 64 exchanges, and not later than a deadline: the maker's second at
+/// first, then four times the slowest of them, from 50 ms to 1 s, so that one lost reply does not
+/// cost a whole second's row.
+///
+/// What comes sooner is likely the second reply to a request before: a device that answers twice,
+/// or that is one reply behind. Then the right one follows within a usual exchange.
+class ResponseDeadline {
+ public:
+  /// `wire_ns`: what request and reply need on the wire; 0 where no wire is known.
+  explicit ResponseDeadline(MonotonicNs wire_ns = 0) : wire_ns_(wire_ns) {}
+
+  /// The unit answers within 1 s or not at all (DL-RS1A, IG Edition; the FD-MH Edition says 500
+  /// ms).
+  static constexpr MonotonicNs kLongestNs = kNsPerS;
+  static constexpr MonotonicNs kShortestNs = 50'000'000;
+
+  /// Notes an exchange that succeeded.
+  void Note(MonotonicNs exchange_ns);
+
+  /// How long to wait for the next reply, in ns.
+  [[nodiscard]] MonotonicNs WaitNs() const;
+  /// A reply that comes sooner after its request is doubtful, in ns.
+  [[nodiscard]] MonotonicNs EarliestNs() const;
+  /// How long to look for a further reply behind a doubtful one: 1.5 times the median exchange, at
+  /// least EarliestNs(), in ns from the request.
+  [[nodiscard]] MonotonicNs UsualNs() const;
+  [[nodiscard]] MonotonicNs wire_ns() const { return wire_ns_; }
+
+ private:
+  MonotonicNs wire_ns_;
+  std::array<MonotonicNs, 64> exchanges_ns_{};  ///< the last ones, in a ring
+  std::size_t noted_ = 0;
+};
+
+/// Replies of a device that is asked one thing at a time.
+struct ReplyCounts {
+  std::uint64_t taken = 0;     ///< that became rows
+  std::uint64_t surplus = 0;   ///< to requests that had been answered already: discarded
+  std::uint64_t too_soon = 0;  ///< of those taken, that no wire carries as fast
+};
+
+/// What they say of the device and of its wire, on which request and reply need `wire_ns`, in
+/// sentences for the user; none where all is well.
+[[nodiscard]] std::vector<std::string> DoubtfulReplies(const ReplyCounts& replies,
+                                                       MonotonicNs wire_ns);
 
 /// What a line is that came while a reading was asked for.
 enum class LineMeaning : std::uint8_t {

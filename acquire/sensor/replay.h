@@ -1,12 +1,46 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "acquire/sensor/sensor.h"
+#include "base/clock.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::acquire {
+
+/// Another sensor's rows, each handed out when its time has come: for sensors that have all their
+/// rows at once, as a replay or a simulation. Rows, statuses and the times in them stay as they
+/// are.
+class PacedSensor final : public Sensor {
+ public:
+  /// `speed`: rows of one second come within 1 / speed s; > 0, infinite: without waiting. A polled
+  /// row comes at its reply. `clock` must outlive the sensor.
+  PacedSensor(std::unique_ptr<Sensor> inner, double speed, Clock& clock);
+
+  [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override {
+    return inner_->Start(stop);
+  }
+  [[nodiscard]] const trial::TrialHeader& header() const override { return inner_->header(); }
+  [[nodiscard]] std::vector<std::string> Remarks() const override { return inner_->Remarks(); }
+  [[nodiscard]] MonotonicNs Begin() override;
+  [[nodiscard]] Outcome Next(Reading& reading) override;
+  [[nodiscard]] bool waits() const override { return true; }
+  [[nodiscard]] std::uint64_t discarded_bytes() const override { return inner_->discarded_bytes(); }
+
+ private:
+  [[nodiscard]] MonotonicNs DueNs() const;
+
+  std::unique_ptr<Sensor> inner_;
+  double speed_;
+  Clock& clock_;
+  MonotonicNs begin_ns_ = 0;
+  MonotonicNs inner_begin_ns_ = 0;
+  Reading held_;
+  bool is_held_ = false;  ///< held_ waits for its time
+};
 
 /// A recorded trial played as a sensor, as fast as it can be read: same rows, same times, same
 /// statuses, bit for bit. Its source says that it is a replay, and of what.

@@ -1,12 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::acquire {
@@ -23,7 +24,12 @@ struct Reading {
 };
 
 /// The status of a whole row: that of its first value that is no measurement, else of its first.
-[[nodiscard]] trial::SampleStatus RowStatus(const Reading& reading);
+[[nodiscard]] inline trial::SampleStatus RowStatus(const Reading& reading) {
+  const auto bad = std::ranges::find_if_not(reading.samples, [](const trial::Sample& sample) {
+    return trial::IsMeasurement(sample.status);
+  });
+  return bad == reading.samples.end() ? reading.samples.front().status : bad->status;
+}
 
 /// How Sensor::Next ended.
 enum class Outcome : std::uint8_t {

@@ -10,11 +10,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
-#include "acquire/transport/port_holder.h"
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {
@@ -111,6 +112,40 @@ Error PortDoesNotOpen(const std::string& name, int error_number) {
       return {Cause::kCannotAnswer, name, fmt::format("does not open: {}", Reason(error_number)),
               "give a serial port, a virtual terminal or HOST:PORT"};
   }
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+bool HasOpen(const fs::path& process, const fs::path& device) {
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(process / "fd", error);
+       !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    std::error_code unreadable;
+    if (fs::read_symlink(entry->path(), unreadable) == device) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::string PortHolder(const std::string& path) {
+  std::error_code error;
+  const fs::path device = fs::canonical(path, error);
+  if (error) return {};
+  for (auto entry = fs::directory_iterator("/proc", error);
+       !error && entry != fs::directory_iterator(); entry.increment(error)) {
+    const std::string process = entry->path().filename();
+    const bool is_other =
+        std::ranges::all_of(process, [](char c) { return c >= '0' && c <= '9'; }) &&
+        process != std::to_string(getpid());
+    if (!is_other || !HasOpen(entry->path(), device)) continue;
+    std::string command;
+    std::getline(std::ifstream(entry->path() / "comm"), command);
+    return fmt::format("{} (process {})", command, process);
+  }
+  return {};
 }
 
 }  // namespace haptometer::acquire

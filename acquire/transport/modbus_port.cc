@@ -18,8 +18,8 @@
 
 #include "acquire/protocol/wire.h"
 #include "acquire/transport/descriptor.h"
-#include "acquire/transport/latency_timer.h"
 #include "acquire/transport/open_port.h"
+#include "acquire/transport/port_list.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -1,21 +1,224 @@
 #include "acquire/transport/open_port.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <libserialport.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <termios.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <system_error>
 #include <utility>
 
-#include "acquire/protocol/digits.h"
+#include "acquire/protocol/wire.h"
 #include "acquire/transport/descriptor.h"
-#include "acquire/transport/serial_port.h"
-#include "acquire/transport/tcp_stream.h"
-#include "acquire/transport/virtual_terminal.h"
+#include "acquire/transport/port_list.h"
 
 namespace haptometer::acquire {
+namespace {
+
+// 8N1 without flow control
+sp_return Configure(sp_port* port, int baud) {
+  for (const sp_return done :
+       {sp_set_baudrate(port, baud), sp_set_bits(port, 8), sp_set_parity(port, SP_PARITY_NONE),
+        sp_set_stopbits(port, 1), sp_set_flowcontrol(port, SP_FLOWCONTROL_NONE),
+        sp_flush(port, SP_BUF_BOTH)}) {
+    if (done != SP_OK) return done;
+  }
+  return SP_OK;
+}
+
+}  // namespace
+
+struct SerialPort::Handle {
+  OwnedDescriptor lock{-1};  // held before libserialport opens the port, and as long as we have it
+  sp_port* port = nullptr;
+  bool open = false;
+
+  Handle() = default;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (open) sp_close(port);
+    sp_free_port(port);
+  }
+};
+
+SerialPort::SerialPort(std::unique_ptr<Handle> handle, std::string name, int baud)
+    : handle_(std::move(handle)), name_(std::move(name)), baud_(baud) {}
+
+SerialPort::~SerialPort() {
+  if (descriptor_ >= 0) ioctl(descriptor_, TIOCNXCL);
+}
+
+Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
+                                                    const std::string& name, int baud) {
+  // open
+  auto handle = std::make_unique<Handle>();
+  if (sp_get_port_by_name(path.c_str(), &handle->port) != SP_OK) {
+    return CannotAnswer(name, "is not a serial port",
+                        "look for the sensor's port with: ls /dev/serial/by-id/");
+  }
+  // take it for us alone before anything is set: sp_open() changes settings, also another user's
+  handle->lock = OwnedDescriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (handle->lock.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (auto locked = LockPort(handle->lock.get(), name); !locked) {
+    return std::unexpected(locked.error());
+  }
+  if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) {
+    return std::unexpected(PortDoesNotOpen(name, sp_last_error_code()));
+  }
+  handle->open = true;
+  int descriptor = -1;
+  sp_get_port_handle(handle->port, &descriptor);
+  ioctl(descriptor, TIOCEXCL);
+  std::unique_ptr<SerialPort> opened(new SerialPort(std::move(handle), name, baud));
+  opened->descriptor_ = descriptor;
+
+  // settings
+  if (Configure(opened->handle_->port, baud) != SP_OK) {
+    return CannotAnswer(name, fmt::format("cannot be set to {} baud 8N1", baud),
+                        "give a --baud that the port and the sensor have");
+  }
+  opened->low_latency_ = AskForLowLatency(descriptor);
+  opened->path_ = path;
+  opened->latency_ns_ = LatencyTimerNs(path);
+  return opened;
+}
+
+ReadOutcome SerialPort::Read(std::span<char> buffer, MonotonicNs deadline) {
+  return ReadDescriptor(descriptor_, buffer, deadline);
+}
+
+Result<void> SerialPort::Write(std::string_view bytes, MonotonicNs deadline) {
+  return WriteDescriptor(descriptor_, bytes, deadline, name_);
+}
+
+std::string SerialPort::Source() const {
+  return fmt::format("device: serial port {}, {} baud 8N1{}", name_, baud_,
+                     LatencyWords(latency_ns_, low_latency_));
+}
+
+std::string SerialPort::LatencyCost(MonotonicNs period_ns) const {
+  return latency_ns_ ? LatencyRemark(path_, *latency_ns_, period_ns) : "";
+}
+
+VirtualTerminal::VirtualTerminal(OwnedDescriptor descriptor, std::string name)
+    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
+
+Result<std::unique_ptr<Transport>> VirtualTerminal::Open(const std::string& path) {
+  OwnedDescriptor descriptor(open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+  if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(path, errno));
+  if (auto locked = LockPort(descriptor.get(), path); !locked) {
+    return std::unexpected(locked.error());
+  }
+  // raw: no echo, no line editing, no translation of CR, 8 bits
+  termios settings{};
+  if (tcgetattr(descriptor.get(), &settings) != 0) {
+    return std::unexpected(PortDoesNotOpen(path, errno));
+  }
+  cfmakeraw(&settings);
+  settings.c_cflag |= CLOCAL | CREAD;
+  if (tcsetattr(descriptor.get(), TCSANOW, &settings) != 0) {
+    return std::unexpected(PortDoesNotOpen(path, errno));
+  }
+  tcflush(descriptor.get(), TCIOFLUSH);
+  return std::unique_ptr<Transport>(new VirtualTerminal(std::move(descriptor), path));
+}
+
+ReadOutcome VirtualTerminal::Read(std::span<char> buffer, MonotonicNs deadline) {
+  return ReadDescriptor(descriptor_.get(), buffer, deadline);
+}
+
+Result<void> VirtualTerminal::Write(std::string_view bytes, MonotonicNs deadline) {
+  return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
+}
+
+std::string VirtualTerminal::Source() const {
+  return fmt::format("virtual terminal {} (not a hardware port)", name_);
+}
+
+namespace {
+
+// 0 once connected, else the errno
+int ConnectBefore(int descriptor, const addrinfo& address, MonotonicNs deadline) {
+  if (connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS) return errno;
+  SystemClock clock;
+  pollfd watched{.fd = descriptor, .events = POLLOUT, .revents = 0};
+  const MonotonicNs wait_ns = deadline - clock.Now();
+  if (wait_ns <= 0) return ETIMEDOUT;
+  const timespec timeout{.tv_sec = wait_ns / kNsPerS, .tv_nsec = wait_ns % kNsPerS};
+  const int ready = ppoll(&watched, 1, &timeout, nullptr);
+  if (ready < 0) return errno;
+  if (ready == 0) return ETIMEDOUT;
+  int error_number = 0;
+  socklen_t size = sizeof error_number;
+  getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error_number, &size);
+  return error_number;
+}
+
+}  // namespace
+
+TcpStream::TcpStream(OwnedDescriptor descriptor, std::string name)
+    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
+
+Result<std::unique_ptr<Transport>> TcpStream::Connect(const std::string& host,
+                                                      const std::string& service,
+                                                      MonotonicNs timeout_ns) {
+  const std::string name = fmt::format("{}:{}", host, service);
+  SystemClock clock;
+  const MonotonicNs deadline = clock.Now() + timeout_ns;
+
+  // the host's addresses
+  addrinfo hints{};
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  if (const int failed = getaddrinfo(host.c_str(), service.c_str(), &hints, &found); failed != 0) {
+    return CannotAnswer(name, fmt::format("the host is not known: {}", gai_strerror(failed)),
+                        "give HOST:PORT with a name or an address that exists");
+  }
+  const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, freeaddrinfo);
+
+  // the first that takes the connection
+  int error_number = 0;
+  for (const addrinfo* at = addresses.get(); at != nullptr; at = at->ai_next) {
+    OwnedDescriptor descriptor(
+        socket(at->ai_family, at->ai_socktype | SOCK_NONBLOCK | SOCK_CLOEXEC, at->ai_protocol));
+    error_number = descriptor.get() < 0 ? errno : ConnectBefore(descriptor.get(), *at, deadline);
+    if (error_number != 0) continue;
+    const int on = 1;
+    setsockopt(descriptor.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+    return std::unique_ptr<Transport>(new TcpStream(std::move(descriptor), name));
+  }
+  return CannotAnswer(
+      name, fmt::format("does not connect: {}", std::generic_category().message(error_number)),
+      "check that the device is on and that address and port are right");
+}
+
+ReadOutcome TcpStream::Read(std::span<char> buffer, MonotonicNs deadline) {
+  return ReadDescriptor(descriptor_.get(), buffer, deadline);
+}
+
+Result<void> TcpStream::Write(std::string_view bytes, MonotonicNs deadline) {
+  return WriteDescriptor(descriptor_.get(), bytes, deadline, name_);
+}
+
+std::string TcpStream::Source() const {
+  return fmt::format("TCP connection {} (what is behind it is not known)", name_);
+}
+
 namespace {
 
 constexpr MonotonicNs kConnectTimeoutNs = 5 * kNsPerS;
@@ -76,5 +279,44 @@ Result<std::unique_ptr<Transport>> OpenPort(const std::string& name, int baud) {
                                                          &std::free);
   return SerialPort::Open(path ? path.get() : name, name, baud);
 }
+
+namespace {
+
+constexpr int kPipeBytes = 1 << 20;
+constexpr const char* kRemedy =
+    "pipe samples into it, e.g. my_daq | acquire --sensor pipe --rate 10kHz --channels "
+    "displacement:m -o trial.bin";
+
+}  // namespace
+
+InputPipe::InputPipe(OwnedDescriptor descriptor, std::string name)
+    : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
+
+Result<std::unique_ptr<Transport>> InputPipe::Open(const std::string& path) {
+  const bool is_stdin = path.empty() || path == "-";
+  const std::string name = is_stdin ? "standard input" : path;
+  // a named pipe must not wait here for its writer
+  OwnedDescriptor descriptor(is_stdin ? fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)
+                                      : open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  if (descriptor.get() < 0 && is_stdin) return CannotAnswer(name, "is closed", kRemedy);
+  if (descriptor.get() < 0) return std::unexpected(PortDoesNotOpen(name, errno));
+  if (isatty(descriptor.get()) != 0) return CannotAnswer(name, "is a terminal", kRemedy);
+  struct stat status{};
+  if (fstat(descriptor.get(), &status) == 0 && S_ISDIR(status.st_mode)) {
+    return CannotAnswer(name, "is a directory", kRemedy);
+  }
+  (void)fcntl(descriptor.get(), F_SETPIPE_SZ, kPipeBytes);
+  return std::unique_ptr<Transport>(new InputPipe(std::move(descriptor), name));
+}
+
+ReadOutcome InputPipe::Read(std::span<char> buffer, MonotonicNs deadline) {
+  return ReadDescriptor(descriptor_.get(), buffer, deadline);
+}
+
+Result<void> InputPipe::Write(std::string_view /*bytes*/, MonotonicNs /*deadline*/) {
+  return Failed(name_, "takes no bytes");
+}
+
+std::string InputPipe::Source() const { return fmt::format("piped in: {}", name_); }
 
 }  // namespace haptometer::acquire

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include "trial/displacement_channel.h"
+#include "trial/record.h"
 
 namespace haptometer::dsp {
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 
 namespace haptometer::dsp {

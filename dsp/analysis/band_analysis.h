@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_question.h"
 #include "dsp/analysis/drive_part.h"
 #include "dsp/analysis/faults.h"
@@ -14,11 +14,11 @@
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/spectrum/electrical.h"
-#include "dsp/spectrum/harmonics.h"
+#include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/kinematics.h"
-#include "dsp/spectrum/onset.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/slow_motion.h"
+#include "dsp/spectrum/tone.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -97,7 +97,7 @@ struct ToneNumbers {
 
 /// When the drive and the vibration of the window's part began, in the record's time.
 struct OnsetNumbers {
-  Edge edge;  ///< of unfiltered samples, at the tone (dsp/spectrum/onset.h)
+  Edge edge;  ///< of unfiltered samples, at the tone (dsp/spectrum/envelope.h)
   /// When the voltage, current or trigger left its level of the quiet part by a tenth of the most
   /// that it does then (more where it is noisy); nothing without such a channel, or where its noise
   /// is above a quarter of that. A row before the first that did, and for a voltage or a current
@@ -183,10 +183,10 @@ struct BandAnalysis {
 /// The first displacement channel in metres is split into segments (dsp/analysis/segments.h); each
 /// is filtered with zero phase on its own, if it is no shorter than 2 periods of the lower corner.
 /// Where less than half of one settles
-/// (dsp/filter/settled.h), motion below the band is modelled (dsp/analysis/below_band_model.h). Too
-/// little settled all the same (below 2 periods of the lower corner): the order is lowered as far
-/// as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise the
-/// record is not answered.
+/// (dsp/filter/transient.h), motion below the band is modelled (dsp/analysis/below_band_model.h).
+/// Too little settled all the same (below 2 periods of the lower corner): the order is lowered as
+/// far as 2, as long as what leaks from below the band changes the RMS by less than 1 %; otherwise
+/// the record is not answered.
 ///
 /// Readings at known but uneven times (Record::times_are_known) are put on a regular grid first
 /// (dsp/analysis/regular_grid.h), and a remark states rate, scatter and bound; where that cannot be

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
-#include "dsp/filter/zero_phase_blocks.h"
+#include "base/error.h"
+#include "dsp/filter/zero_phase.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"
 

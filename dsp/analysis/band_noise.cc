@@ -5,7 +5,7 @@
 #include <complex>
 #include <limits>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/fft.h"
 #include "dsp/statistics/moments.h"
 

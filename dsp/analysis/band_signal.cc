@@ -7,10 +7,10 @@
 #include <memory>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "base/jobs.h"
 #include "dsp/analysis/row_kernel.h"
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -5,12 +5,12 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/below_band_model.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"
-#include "dsp/filter/settled.h"
-#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/filter/transient.h"
+#include "dsp/filter/zero_phase.h"
 
 namespace haptometer::dsp {
 
@@ -35,7 +35,7 @@ struct Extremes {
 /// threads. Threads may read at the same time.
 class BandSignal {
  public:
-  /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase_blocks.h), and
+  /// Filters with zero phase, `threads` >= 1 blocks at a time (dsp/filter/zero_phase.h), and
   /// finds what has settled. What `samples` refers to must outlive the signal.
   ///
   /// Settled cells are found as settled samples are (SettledRange), by what each depends on the

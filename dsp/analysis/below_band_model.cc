@@ -10,9 +10,9 @@
 #include <numbers>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/decimated.h"
-#include "dsp/spectrum/phasor_blocks.h"
+#include "dsp/spectrum/sine_fit.h"
 #include "dsp/spectrum/tone.h"
 #include "dsp/statistics/moments.h"
 

@@ -24,7 +24,7 @@ class Decimator;
 /// that goes on for ever leaves the filter multiplied by |H|^2, a cubic leaves it as 0 (each pass
 /// has at least that many zeros at 0 Hz, for orders of 2 and more), and only the rest is filtered.
 /// The sum is the filter's own output, for any model, as far as the motion goes on as the model
-/// says; the two continuations of the rest say how far that may be wrong (dsp/filter/settled.h).
+/// says; the two continuations of the rest say how far that may be wrong (dsp/filter/transient.h).
 class BelowBandModel {
  public:
   struct Sine {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/analysis/time_window.h"

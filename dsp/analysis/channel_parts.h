@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
 #include "trial/row_source.h"

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_signal.h"
 #include "trial/record.h"
 #include "trial/row_source.h"

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/used_part.h"
 #include "trial/row_source.h"

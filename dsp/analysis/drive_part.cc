@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 namespace {

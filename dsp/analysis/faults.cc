@@ -4,7 +4,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/fault_shape.h"
 #include "dsp/analysis/measured.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/measured.h"
 
 namespace haptometer::dsp {

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/polynomial_basis.h"
 #include "dsp/analysis/segments.h"
 #include "dsp/filter/butterworth.h"

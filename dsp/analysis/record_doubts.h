@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/raw_summary.h"

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/measured.h"
 #include "dsp/analysis/segments.h"
 

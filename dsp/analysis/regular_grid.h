@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 

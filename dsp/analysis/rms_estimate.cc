@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {

@@ -1,6 +1,6 @@
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/row_kernel.h"
-#include "dsp/filter/instruction_set.h"
+#include "dsp/filter/lane_cascade.h"
 
 namespace haptometer::dsp {
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/faults.h"
 #include "dsp/analysis/measured.h"
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "base/error.h"
 #include "base/jobs.h"
-#include "base/result.h"
 #include "dsp/analysis/row_block.h"
 #include "trial/record.h"
 #include "trial/row_source.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::dsp {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/raw_tile.h"
 #include "dsp/analysis/tone_in_values.h"
 #include "dsp/analysis/used_part.h"

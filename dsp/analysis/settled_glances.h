@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_signal.h"
 #include "dsp/filter/butterworth.h"
 

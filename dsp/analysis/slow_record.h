@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 

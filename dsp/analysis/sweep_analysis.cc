@@ -15,7 +15,7 @@
 #include "dsp/analysis/sweep_piece.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/distributions.h"
-#include "dsp/statistics/robust.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/analysis/time_window.h"
-#include "dsp/spectrum/resonance.h"
-#include "dsp/statistics/interval.h"
+#include "dsp/spectrum/frequency_response.h"
+#include "dsp/statistics/distributions.h"
 #include "trial/row_source.h"
 
 namespace haptometer::dsp {

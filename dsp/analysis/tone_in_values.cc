@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 namespace {

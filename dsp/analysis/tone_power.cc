@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "dsp/spectrum/harmonics.h"
-#include "dsp/spectrum/phasor_blocks.h"
+#include "dsp/spectrum/sine_fit.h"
+#include "dsp/spectrum/tone.h"
 
 namespace haptometer::dsp {
 namespace {

@@ -16,7 +16,7 @@ struct TonePower {
 /// Splits `samples`, from a window of `window_s`, into `tone` with those harmonics of it in the
 /// band that stand out, and the rest.
 ///
-/// Each line is fitted beside the others (dsp/spectrum/harmonics.h) and taken off. With S the
+/// Each line is fitted beside the others (dsp/spectrum/tone.h) and taken off. With S the
 /// rest's density about a line of amplitude A, noise adds S / T to the mean of A^2 / 2 and has
 /// given it the variance A^2 S / T. Where the harmonics' fit does not settle, `tone` alone is taken
 /// off.

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_filtering.h"
 #include "dsp/analysis/band_signal.h"

@@ -16,7 +16,7 @@
 #include "dsp/analysis/tone_power.h"
 #include "dsp/analysis/window_faults.h"
 #include "dsp/analysis/window_state.h"
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 #include "dsp/spectrum/decimated.h"
 #include "dsp/spectrum/tone.h"
 

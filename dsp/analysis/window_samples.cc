@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/regular_grid.h"
 #include "dsp/analysis/segments.h"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "trial/row_source.h"
 

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "dsp/analysis/used_part.h"
 #include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/kinematics.h"

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 

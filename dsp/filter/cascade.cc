@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
+#include "dsp/filter/cascade.h"
 #include "dsp/filter/cascade_step.h"
-#include "dsp/filter/flush_subnormals.h"
 
 namespace haptometer::dsp {
 

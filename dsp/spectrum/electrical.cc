@@ -6,8 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "base/check.h"
-#include "dsp/spectrum/phasor_blocks.h"
+#include "base/error.h"
 #include "dsp/spectrum/sine_fit.h"
 #include "dsp/statistics/moments.h"
 

@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
 namespace {

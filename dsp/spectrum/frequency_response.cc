@@ -1,13 +1,22 @@
 #include "dsp/spectrum/frequency_response.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstddef>
+#include <functional>
+#include <limits>
 #include <numbers>
+#include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/envelope.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -111,6 +120,296 @@ std::vector<SweptPoint> SweptAmplitude(std::span<const double> displacement, dou
     if (point.frequency_hz >= lower_hz && point.frequency_hz <= upper_hz) points.push_back(point);
   }
   return points;
+}
+
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLeastRelativeUncertainty = 1e-3;
+constexpr int kMostSteps = 200;
+constexpr double kAtRest = 1e-9;  // relative change of f0 and of Q
+constexpr double kLargestDamping = 1e12;
+constexpr std::size_t kMostTops = 32;
+constexpr std::size_t kNeighbours = 4;  // on either side, whose deviations are alike
+constexpr double kUnlike = 10;
+
+// A point to fit: its value (a magnitude where only that is known) and one over its deviation.
+struct Point {
+  double frequency_hz = 0;
+  Complex value;
+  double weight = 1;
+};
+
+// The last two parameters are always f0 and ln Q; before them the gain: real and imaginary part, or
+// its magnitude.
+struct Problem {
+  std::vector<Point> points;
+  bool magnitudes = false;
+
+  [[nodiscard]] Index parameters() const { return magnitudes ? 3 : 4; }
+  [[nodiscard]] Index rows() const {
+    return static_cast<Index>(points.size()) * (magnitudes ? 1 : 2);
+  }
+};
+
+// weighted residuals, value - model, and the model's derivatives by the parameters
+struct Linear {
+  VectorXd residuals;
+  MatrixXd jacobian;
+};
+
+// the curve of gain 1 and its derivatives by f0 and ln Q
+struct Curve {
+  Complex value;
+  Complex by_frequency;
+  Complex by_log_quality;
+};
+
+Curve CurveAt(double frequency_hz, double f0_hz, double quality) {
+  const double u = frequency_hz / f0_hz;
+  const Complex damping(0, u / quality);
+  const Complex inverse = 1.0 / (1 - u * u + damping);
+  return {inverse, -inverse * inverse * (2 * u * u - damping) / f0_hz, inverse * inverse * damping};
+}
+
+void FillComplex(const Point& point, const VectorXd& at, Index row, Linear& linear) {
+  const Curve curve = CurveAt(point.frequency_hz, at[2], std::exp(at[3]));
+  const Complex gain(at[0], at[1]);
+  const Complex residual = point.weight * (point.value - gain * curve.value);
+  linear.residuals[row] = residual.real();
+  linear.residuals[row + 1] = residual.imag();
+  const Complex columns[] = {curve.value, Complex(0, 1) * curve.value, gain * curve.by_frequency,
+                             gain * curve.by_log_quality};
+  for (Index k = 0; k < 4; ++k) {
+    linear.jacobian(row, k) = point.weight * columns[k].real();
+    linear.jacobian(row + 1, k) = point.weight * columns[k].imag();
+  }
+}
+
+void FillMagnitude(const Point& point, const VectorXd& at, Index row, Linear& linear) {
+  const Curve curve = CurveAt(point.frequency_hz, at[1], std::exp(at[2]));
+  const double magnitude = std::abs(curve.value);
+  const Complex direction = std::conj(curve.value) / magnitude;
+  linear.residuals[row] = point.weight * (point.value.real() - at[0] * magnitude);
+  linear.jacobian(row, 0) = point.weight * magnitude;
+  linear.jacobian(row, 1) = point.weight * at[0] * (direction * curve.by_frequency).real();
+  linear.jacobian(row, 2) = point.weight * at[0] * (direction * curve.by_log_quality).real();
+}
+
+Linear Linearise(const Problem& problem, const VectorXd& at) {
+  Linear linear{VectorXd(problem.rows()), MatrixXd(problem.rows(), problem.parameters())};
+  Index row = 0;
+  for (const Point& point : problem.points) {
+    if (problem.magnitudes) {
+      FillMagnitude(point, at, row, linear);
+      row += 1;
+    } else {
+      FillComplex(point, at, row, linear);
+      row += 2;
+    }
+  }
+  return linear;
+}
+
+// f0 at `top`, Q from where the magnitude is 1/sqrt(2) of it (a width `widening` times as large),
+// the gain from both
+VectorXd StartAt(const Problem& problem, const Point& top, double widening) {
+  const double half_power = std::abs(top.value) / std::numbers::sqrt2;
+  double nearest_hz = top.frequency_hz;  // distance to a point below half the power
+  for (const Point& point : problem.points) {
+    if (std::abs(point.value) > half_power) continue;
+    nearest_hz = std::min(nearest_hz, std::abs(point.frequency_hz - top.frequency_hz));
+  }
+  const double quality = top.frequency_hz / std::max(2 * nearest_hz, 1e-6) / widening;
+  VectorXd start(problem.parameters());
+  // at resonance H = gain Q / j
+  const Complex gain = top.value * Complex(0, 1) / quality;
+  if (problem.magnitudes) {
+    start << std::abs(gain), top.frequency_hz, std::log(quality);
+  } else {
+    start << gain.real(), gain.imag(), top.frequency_hz, std::log(quality);
+  }
+  return start;
+}
+
+// what the curve leaves, weighted
+double SquareSum(const Problem& problem, const VectorXd& at) {
+  const Index f0 = at.size() - 2;
+  double sum = 0;
+  for (const Point& point : problem.points) {
+    const Complex curve = CurveAt(point.frequency_hz, at[f0], std::exp(at[f0 + 1])).value;
+    const Complex left = problem.magnitudes ? point.value - at[0] * std::abs(curve)
+                                            : point.value - Complex(at[0], at[1]) * curve;
+    sum += point.weight * point.weight * std::norm(left);
+  }
+  return sum;
+}
+
+// the highest points first, kMostTops of them
+std::vector<Point> Highest(std::vector<Point> points) {
+  std::ranges::sort(points, std::ranges::greater{},
+                    [](const Point& point) { return std::abs(point.value); });
+  points.resize(std::min(points.size(), kMostTops));
+  return points;
+}
+
+// The start that leaves least, of one at each of the highest points: beyond the drive's frequencies
+// a ratio of noise to next to nothing may stand above the resonance, and weighs nothing. Nothing
+// where no start leaves a number.
+std::optional<VectorXd> BestStart(const Problem& problem, std::span<const Point> highest,
+                                  double widening) {
+  std::optional<VectorXd> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Point& top : highest) {
+    VectorXd start = StartAt(problem, top, widening);
+    const double left = SquareSum(problem, start);
+    if (!start.allFinite() || !(left < least)) continue;
+    least = left;
+    best = std::move(start);
+  }
+  return best;
+}
+
+// Levenberg and Marquardt's steps, damped by the columns' own lengths; whether they came to rest
+bool Minimise(const Problem& problem, VectorXd& at, Linear& linear) {
+  double damping = 1e-3;
+  linear = Linearise(problem, at);
+  for (int step = 0; step < kMostSteps && damping < kLargestDamping; ++step) {
+    MatrixXd normal = linear.jacobian.transpose() * linear.jacobian;
+    const VectorXd right = linear.jacobian.transpose() * linear.residuals;
+    normal.diagonal() *= 1 + damping;
+    const VectorXd change = normal.ldlt().solve(right);
+    const VectorXd moved = at + change;
+    const Index f0 = at.size() - 2;
+    if (!moved.allFinite() || !(moved[f0] > 0)) {
+      damping *= 10;
+      continue;
+    }
+    Linear next = Linearise(problem, moved);
+    const bool better = next.residuals.squaredNorm() <= linear.residuals.squaredNorm();
+    const bool rests =
+        std::abs(change[f0]) <= kAtRest * at[f0] && std::abs(change[f0 + 1]) <= kAtRest;
+    if (better) {
+      at = moved;
+      linear = std::move(next);
+    }
+    if (rests) return true;
+    damping = better ? damping / 10 : damping * 10;
+  }
+  return damping >= kLargestDamping;  // no step improves: rounding's minimum
+}
+
+struct Minimum {
+  VectorXd at;
+  Linear linear;
+};
+
+// the lowest of the minima from three widths: a noisy point beside the peak makes it look narrow
+std::optional<Minimum> LowestMinimum(const Problem& problem) {
+  std::optional<Minimum> lowest;
+  const std::vector<Point> highest = Highest(problem.points);
+  for (const double widening : {1.0, 4.0, 16.0}) {
+    auto start = BestStart(problem, highest, widening);
+    if (!start) continue;
+    Minimum found{std::move(*start), {}};
+    if (!Minimise(problem, found.at, found.linear)) continue;
+    if (lowest && lowest->linear.residuals.squaredNorm() <= found.linear.residuals.squaredNorm()) {
+      continue;
+    }
+    lowest = std::move(found);
+  }
+  return lowest;
+}
+
+Resonance NotDetermined() {
+  Resonance none;
+  none.frequency_uncertainty_hz = kNotANumber;
+  none.quality_factor_uncertainty = kNotANumber;
+  return none;
+}
+
+Resonance Fit(const Problem& problem) {
+  const auto freedom = static_cast<double>(problem.rows() - problem.parameters());
+  if (freedom < 1) return NotDetermined();
+  const auto lowest = LowestMinimum(problem);
+  if (!lowest) return NotDetermined();
+  const auto& [at, linear] = *lowest;
+
+  const Index f0 = at.size() - 2;
+  const auto [first, last] = std::ranges::minmax_element(
+      problem.points, {}, [](const Point& point) { return point.frequency_hz; });
+  if (at[f0] < first->frequency_hz || at[f0] > last->frequency_hz) return NotDetermined();
+  const double square_sum = linear.residuals.squaredNorm();
+  const MatrixXd covariance = (linear.jacobian.transpose() * linear.jacobian)
+                                  .ldlt()
+                                  .solve(MatrixXd::Identity(at.size(), at.size())) *
+                              (square_sum / freedom);
+  double weighted_power = 0;
+  for (const Point& point : problem.points) {
+    weighted_power += std::norm(point.weight * point.value);
+  }
+  Resonance found;
+  found.frequency_hz = at[f0];
+  found.frequency_uncertainty_hz = std::sqrt(covariance(f0, f0));
+  found.quality_factor = std::exp(at[f0 + 1]);
+  found.quality_factor_uncertainty = found.quality_factor * std::sqrt(covariance(f0 + 1, f0 + 1));
+  found.gain = problem.magnitudes ? std::abs(at[0]) : std::hypot(at[0], at[1]);
+  found.residual_share = std::sqrt(square_sum / weighted_power);
+  found.degrees_of_freedom = freedom;
+  found.converged = std::isfinite(found.quality_factor_uncertainty);
+  return found;
+}
+
+double DeviationOf(const ResponsePoint& point) {
+  return point.relative_uncertainty * std::abs(point.response);
+}
+
+// Each point's deviation: the median of its own and its neighbours', because one from few segments
+// is itself an estimate, and a fit that believes the least of them leans to where it is wrong. Its
+// own where that is far larger: there the drive is not what it is beside it.
+std::vector<double> Deviations(std::span<const ResponsePoint> points) {
+  std::vector<double> deviations;
+  deviations.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const std::size_t begin = k - std::min(k, kNeighbours);
+    const auto near = points.subspan(begin, std::min(k + kNeighbours + 1, points.size()) - begin);
+    std::vector<double> all;
+    all.reserve(near.size());
+    for (const ResponsePoint& point : near) all.push_back(DeviationOf(point));
+    const double own = DeviationOf(points[k]);
+    const double median = Median(std::move(all));
+    deviations.push_back(own > kUnlike * median ? own : median);
+  }
+  return deviations;
+}
+
+}  // namespace
+
+Resonance FitResonance(std::span<const ResponsePoint> points) {
+  const std::vector<double> deviations = Deviations(points);
+  Problem problem;
+  problem.points.reserve(points.size());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double least = kLeastRelativeUncertainty * std::abs(points[k].response);
+    problem.points.push_back(
+        {points[k].frequency_hz, points[k].response, 1 / std::max(least, deviations[k])});
+  }
+  return Fit(problem);
+}
+
+Resonance FitResonance(std::span<const SweptPoint> points) {
+  Problem problem;
+  problem.magnitudes = true;
+  problem.points.reserve(points.size());
+  for (const SweptPoint& point : points) {
+    problem.points.push_back({point.frequency_hz, point.amplitude, 1});
+  }
+  return Fit(problem);
 }
 
 }  // namespace haptometer::dsp

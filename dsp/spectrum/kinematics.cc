@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {

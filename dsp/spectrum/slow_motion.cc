@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/tone.h"
 #include "dsp/spectrum/welch.h"
 #include "dsp/statistics/moments.h"

@@ -3,18 +3,101 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
+#include <cstddef>
 #include <limits>
+#include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "dsp/spectrum/fft.h"
-#include "dsp/spectrum/segment_transform.h"
 #include "dsp/statistics/distributions.h"
 #include "dsp/statistics/moments.h"
 
 namespace haptometer::dsp {
+
+struct WelchOptions;
+
+/// Cuts overlapping segments out of a signal, detrends, windows and transforms them: what Welch's
+/// spectra and spectrograms share. One plan, one buffer; one thread at a time.
+class SegmentTransform {
+ public:
+  /// `options` as WelchSpectrum accepts them.
+  explicit SegmentTransform(const WelchOptions& options);
+
+  /// Segments that fit into `samples`.
+  [[nodiscard]] std::size_t Count(std::size_t samples) const;
+
+  /// The transform of segment `index` of `signal`, until the next call.
+  [[nodiscard]] std::span<const std::complex<double>> Of(std::span<const double> signal,
+                                                         std::size_t index);
+
+  /// What turns |bin k|^2 into a one-sided density: c_k / (rate sum w^2), see WelchSpectrum.
+  [[nodiscard]] double DensityScale(std::size_t bin) const;
+
+  [[nodiscard]] std::size_t size() const { return window_.size(); }
+  [[nodiscard]] std::size_t step() const { return step_; }
+  [[nodiscard]] double rate_hz() const { return rate_hz_; }
+  [[nodiscard]] const std::vector<double>& window() const { return window_; }
+
+ private:
+  double rate_hz_ = 0;
+  int detrend_degree_ = 0;  // -1: nothing is taken off
+  std::vector<double> window_;
+  double window_square_sum_ = 0;
+  std::size_t step_ = 1;
+  RealFft fft_;
+  std::vector<double> samples_;
+  std::vector<std::complex<double>> bins_;
+};
+
+namespace {
+
+using Cosines = std::array<double, 5>;  // of w[n] = sum over k of c_k cos(2 pi k n / size)
+
+Cosines CosinesOf(WindowShape shape) {
+  switch (shape) {
+    case WindowShape::kRectangular:
+      return {1, 0, 0, 0, 0};
+    case WindowShape::kHann:
+      return {0.5, -0.5, 0, 0, 0};
+    case WindowShape::kHamming:
+      return {0.54, -0.46, 0, 0, 0};
+    case WindowShape::kBlackmanHarris:
+      return {0.35875, -0.48829, 0.14128, -0.01168, 0};
+    case WindowShape::kFlatTop:
+      return {1, -1.942604, 1.340318, -0.440811, 0.043097};
+  }
+  HAPTOMETER_CHECK(false, "shape = {}", static_cast<int>(shape));
+  return {};
+}
+
+}  // namespace
+
+std::vector<double> WindowValues(WindowShape shape, std::size_t size) {
+  HAPTOMETER_CHECK(size >= 1, "size = {}", size);
+  const Cosines c = CosinesOf(shape);
+  std::vector<double> values(size);
+  for (std::size_t n = 0; n < size; ++n) {
+    const double angle = 2 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(size);
+    double sum = 0;
+    for (std::size_t k = c.size(); k-- > 0;) sum += c[k] * std::cos(static_cast<double>(k) * angle);
+    values[n] = sum;
+  }
+  return values;
+}
+
+double NoiseBandwidthBins(const std::vector<double>& window) {
+  const double rms = Rms(window);
+  const double mean = Mean(window);
+  return rms * rms / (mean * mean);
+}
+
 namespace {
 
 using Complex = std::complex<double>;
@@ -201,6 +284,97 @@ double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_g
   for (std::size_t k = 0; k < through.size(); ++k) through[k] *= spectrum.density[k];
   const auto bins = static_cast<double>(through.size());
   return std::sqrt(Mean(through) * bins * spectrum.grid.resolution_hz);
+}
+
+Result<Spectrogram> MakeSpectrogram(std::span<const double> signal, const WelchOptions& options) {
+  // the averaged spectrum refuses what cannot be asked
+  const auto mean = WelchSpectrum(signal, options);
+  if (!mean) return std::unexpected(mean.error());
+  SegmentTransform transform(options);
+  Spectrogram result;
+  result.resolution_hz = mean->grid.resolution_hz;
+  result.noise_bandwidth_hz = mean->grid.noise_bandwidth_hz;
+  result.start_s = 0.5 * static_cast<double>(transform.size() - 1) / options.rate_hz;
+  result.step_s = static_cast<double>(transform.step()) / options.rate_hz;
+  result.density.reserve(mean->grid.segments);
+  for (std::size_t m = 0; m < mean->grid.segments; ++m) {
+    const std::span<const std::complex<double>> bins = transform.Of(signal, m);
+    std::vector<double> density(bins.size());
+    for (std::size_t k = 0; k < bins.size(); ++k) {
+      density[k] = std::norm(bins[k]) * transform.DensityScale(k);
+    }
+    result.density.push_back(std::move(density));
+  }
+  return result;
+}
+
+namespace {
+
+int DegreeOf(Detrend detrend) {
+  switch (detrend) {
+    case Detrend::kNothing:
+      return -1;
+    case Detrend::kMean:
+      return 0;
+    case Detrend::kLine:
+      return 1;
+  }
+  return -1;
+}
+
+std::size_t StepOf(const WelchOptions& options) {
+  const auto size = static_cast<double>(options.segment_size);
+  const double step = std::round(size * (1 - options.overlap));
+  return std::max<std::size_t>(1, static_cast<std::size_t>(step));
+}
+
+// takes the least-squares line through `samples`, whose mean is 0 already, off them
+void TakeOffLine(std::span<double> samples) {
+  const auto n = static_cast<double>(samples.size());
+  const double middle = 0.5 * (n - 1);
+  std::vector<double> products(samples.size());
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    products[k] = (static_cast<double>(k) - middle) * samples[k];
+  }
+  // sum of (k - middle)^2 = n (n^2 - 1) / 12
+  const double slope = Mean(products) * 12 / (n * n - 1);
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    samples[k] -= slope * (static_cast<double>(k) - middle);
+  }
+}
+
+}  // namespace
+
+SegmentTransform::SegmentTransform(const WelchOptions& options)
+    : rate_hz_(options.rate_hz),
+      detrend_degree_(DegreeOf(options.detrend)),
+      window_(WindowValues(options.window, options.segment_size)),
+      step_(StepOf(options)),
+      fft_(options.segment_size),
+      samples_(options.segment_size),
+      bins_(fft_.bins()) {
+  const double rms = Rms(window_);
+  window_square_sum_ = rms * rms * static_cast<double>(window_.size());
+}
+
+double SegmentTransform::DensityScale(std::size_t bin) const {
+  const bool alone = bin == 0 || 2 * bin == size();
+  return (alone ? 1 : 2) / (rate_hz_ * window_square_sum_);
+}
+
+std::size_t SegmentTransform::Count(std::size_t samples) const {
+  return samples < size() ? 0 : (samples - size()) / step_ + 1;
+}
+
+std::span<const std::complex<double>> SegmentTransform::Of(std::span<const double> signal,
+                                                           std::size_t index) {
+  const std::span<const double> segment = signal.subspan(index * step_, size());
+  const double mean = detrend_degree_ >= 0 ? Mean(segment) : 0;
+  for (std::size_t k = 0; k < segment.size(); ++k) samples_[k] = segment[k] - mean;
+  if (detrend_degree_ == 1) TakeOffLine(samples_);
+  for (std::size_t k = 0; k < samples_.size(); ++k) samples_[k] *= window_[k];
+  fft_.Forward(samples_, bins_);
+  return bins_;
 }
 
 }  // namespace haptometer::dsp

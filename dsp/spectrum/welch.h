@@ -6,10 +6,27 @@
 #include <span>
 #include <vector>
 
-#include "base/result.h"
-#include "dsp/spectrum/window.h"
+#include "base/error.h"
 
 namespace haptometer::dsp {
+
+/// Windows for spectra, with what Heinzel, Ruediger and Schilling (Spectrum and spectral density
+/// estimation by the DFT, 2002, appendices C and D) state of them: equivalent noise bandwidth in
+/// bins, greatest amplitude error of a tone between two bins, highest side lobe, recommended
+/// overlap.
+enum class WindowShape : std::uint8_t {
+  kRectangular,     ///< 1.0000, -3.92 dB, -13.3 dB, 0 %: tones of whole periods only
+  kHann,            ///< 1.5000, -1.42 dB, -31.5 dB, 50 %: the usual one
+  kHamming,         ///< 1.3628, -1.75 dB, -42.7 dB, 50 %
+  kBlackmanHarris,  ///< 2.0044, -0.83 dB, -92.0 dB, 66.1 %: small tones beside large ones
+  kFlatTop,         ///< HFT90D: 3.8832, -0.0039 dB, -90.2 dB, 76 %: a tone's amplitude
+};
+
+/// The window of `size` >= 1 values in its periodic form: a sum of cosines of 2 pi n / size.
+[[nodiscard]] std::vector<double> WindowValues(WindowShape shape, std::size_t size);
+
+/// size sum(w^2) / (sum w)^2: the width in bins of the rectangle that passes as much noise.
+[[nodiscard]] double NoiseBandwidthBins(const std::vector<double>& window);
 
 /// What is taken off each segment before its transform.
 enum class Detrend : std::uint8_t { kNothing, kMean, kLine };
@@ -85,5 +102,20 @@ struct CrossSpectrum {
 /// RMS of what a filter with these power gains (|H|^2 per bin, |H|^4 for two passes) lets through:
 /// the leak of all motion outside of a band, not of its strongest tone alone.
 [[nodiscard]] double RmsThrough(const PowerSpectrum& spectrum, std::span<const double> power_gains);
+
+/// Power over time and frequency.
+struct Spectrogram {
+  double resolution_hz = 0;                  ///< bin k lies at k times this
+  double noise_bandwidth_hz = 0;             ///< of the window (ENBW)
+  double start_s = 0;                        ///< middle of the first segment, from the first sample
+  double step_s = 0;                         ///< between segments
+  std::vector<std::vector<double>> density;  ///< (segments, bins), one-sided, unit^2/Hz
+};
+
+/// The spectrum of each segment by itself: the mean over time is WelchSpectrum's density.
+///
+/// Segments, scaling and errors are WelchSpectrum's; a segment longer than a change smears it.
+[[nodiscard]] Result<Spectrogram> MakeSpectrogram(std::span<const double> signal,
+                                                  const WelchOptions& options);
 
 }  // namespace haptometer::dsp

@@ -2,9 +2,16 @@
 
 #include <optional>
 
-#include "dsp/statistics/interval.h"
-
 namespace haptometer::dsp {
+
+/// From `lower` to `upper`, in the unit of what it encloses. All confidence intervals of
+/// dsp/statistics are two-sided, of level 95 %.
+struct Interval {
+  double lower = 0;
+  double upper = 0;
+};
+
+inline constexpr double kConfidence = 0.95;
 
 // Boost.Math behind plain functions, so that its headers stay in distributions.cc. Degrees of
 // freedom are above 0 and need not be whole. Measured against SciPy, R and mpmath over the ranges

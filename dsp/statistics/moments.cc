@@ -5,7 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 namespace {
@@ -70,6 +71,19 @@ double Lag1Autocorrelation(std::span<const double> values) {
   const double squares = PairwiseSum(deviations, [](double x) { return x * x; });
   HAPTOMETER_CHECK(squares > 0, "{} equal values", values.size());
   return PairwiseSum(products, [](double x) { return x; }) / squares;
+}
+
+OneSample TestMean(std::span<const double> values) {
+  OneSample sample{.n = values.size(), .mean = Mean(values)};
+  if (sample.n < 2) return sample;
+  sample.standard_deviation = StandardDeviation(values);
+  if (!(*sample.standard_deviation > 0)) return sample;
+  const auto n = static_cast<double>(sample.n);
+  const double error = *sample.standard_deviation / std::sqrt(n);
+  const double reach = StudentCritical(n - 1) * error;
+  const double t = sample.mean / error;
+  sample.test = {t, n - 1, StudentTwoSidedP(t, n - 1), {sample.mean - reach, sample.mean + reach}};
+  return sample;
 }
 
 }  // namespace haptometer::dsp

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "dsp/statistics/interval.h"
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::dsp {
 

@@ -1,11 +1,143 @@
 #include "sim/sweep/sweep_points.h"
 
+#include <fmt/core.h>
+
+#include <bit>
+#include <cmath>
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
+#include "base/toml.h"
 
 namespace haptometer::sim {
+
+SweepValue NumberValue(double number) {
+  std::string text = fmt::format("{}", number + 0.0);  // no -0
+  return {.literal = text, .text = text};
+}
+
+SweepValue PlainValue(std::string_view word) {
+  return {.literal = std::string(word), .text = std::string(word)};
+}
+
+SweepValue TextValue(std::string_view text) {
+  return {.literal = TomlString(text), .text = std::string(text)};
+}
+
+double ValueAt(const SweepRange& range, double numerator, double denominator) {
+  if (range.spacing == Spacing::kLinear) {
+    return (range.begin * (denominator - numerator) + range.end * numerator) / denominator;
+  }
+  if (numerator == denominator) return range.end;
+  // a power rounds as often as its exponent is large: 30000.000000000015 in double
+  const auto begin = static_cast<long double>(range.begin);
+  const auto ratio = static_cast<long double>(range.end) / begin;
+  const auto way = static_cast<long double>(numerator) / static_cast<long double>(denominator);
+  return static_cast<double>(begin * std::pow(ratio, way));
+}
+
+std::size_t CountOf(const SweepAxis& axis) {
+  if (const auto* range = std::get_if<SweepRange>(&axis.values)) return range->count;
+  return std::get<std::vector<SweepValue>>(axis.values).size();
+}
+
+SweepValue ValueOf(const SweepAxis& axis, std::size_t index) {
+  HAPTOMETER_CHECK(index < CountOf(axis), "value {} of {}", index, CountOf(axis));
+  const auto* range = std::get_if<SweepRange>(&axis.values);
+  if (range == nullptr) return std::get<std::vector<SweepValue>>(axis.values)[index];
+  return NumberValue(
+      ValueAt(*range, static_cast<double>(index), static_cast<double>(range->count - 1)));
+}
+
+std::string WordOf(const SweepAxis& axis) {
+  if (const auto* range = std::get_if<SweepRange>(&axis.values)) {
+    const std::string_view log = range->spacing == Spacing::kLogarithmic ? "log:" : "";
+    const std::string ends = fmt::format("{}{}:{}", log, range->begin, range->end);
+    return range->count == 0 ? ends : fmt::format("{}:{}", ends, range->count);
+  }
+  std::string word;
+  for (const SweepValue& value : std::get<std::vector<SweepValue>>(axis.values)) {
+    if (!word.empty()) word += ',';
+    word += value.text;
+  }
+  return word;
+}
+
+namespace {
+
+// Salmon et al. 2011, section 4.3
+constexpr std::uint64_t kMultiplier0 = 0xD2511F53;
+constexpr std::uint64_t kMultiplier1 = 0xCD9E8D57;
+constexpr std::uint32_t kWeyl0 = 0x9E3779B9;
+constexpr std::uint32_t kWeyl1 = 0xBB67AE85;
+constexpr int kPhiloxRounds = 10;
+
+std::uint32_t Upper(std::uint64_t word) { return static_cast<std::uint32_t>(word >> 32U); }
+std::uint32_t Lower(std::uint64_t word) { return static_cast<std::uint32_t>(word); }
+
+}  // namespace
+
+std::array<std::uint32_t, 4> CounterRandom(const std::array<std::uint32_t, 4>& counter,
+                                           std::uint64_t key) {
+  std::array<std::uint32_t, 4> word = counter;
+  std::uint32_t key0 = Lower(key);
+  std::uint32_t key1 = Upper(key);
+  for (int round = 0; round < kPhiloxRounds; ++round) {
+    const std::uint64_t product0 = kMultiplier0 * word[0];
+    const std::uint64_t product1 = kMultiplier1 * word[2];
+    word = {Upper(product1) ^ word[1] ^ key0, Lower(product1), Upper(product0) ^ word[3] ^ key1,
+            Lower(product0)};
+    key0 += kWeyl0;
+    key1 += kWeyl1;
+  }
+  return word;
+}
+
+namespace {
+
+constexpr std::uint32_t kShuffleRounds =
+    8;  // Luby and Rackoff prove 4 for large halves; ours are small
+constexpr std::uint64_t kMostSamples = 1ULL << 30U;
+constexpr std::uint32_t kPlaceBits = 22;  // with 30 of the part they are exact in a double
+
+// what a random number is for: the last word of its counter
+enum class Purpose : std::uint32_t { kPermutation = 0, kPlace = 1 };
+
+std::uint32_t Random(std::uint32_t first, std::uint32_t second, std::uint32_t axis, Purpose purpose,
+                     std::uint64_t seed) {
+  return CounterRandom({first, second, axis, static_cast<std::uint32_t>(purpose)}, seed)[0];
+}
+
+}  // namespace
+
+std::uint64_t LatinHypercube::PartOf(std::uint32_t axis, std::uint64_t point) const {
+  HAPTOMETER_CHECK(samples >= 1 && samples <= kMostSamples && point < samples, "point {} of {}",
+                   point, samples);
+  const auto bits = static_cast<std::uint32_t>(std::bit_width(samples - 1));
+  const std::uint32_t half_bits = bits < 2 ? 1 : (bits + 1) / 2;
+  const std::uint32_t mask = (1U << half_bits) - 1;
+  std::uint64_t part = point;
+  do {
+    auto left = static_cast<std::uint32_t>(part >> half_bits);
+    std::uint32_t right = static_cast<std::uint32_t>(part) & mask;
+    for (std::uint32_t round = 0; round < kShuffleRounds; ++round) {
+      const std::uint32_t mixed =
+          left ^ (Random(right, round, axis, Purpose::kPermutation, seed) & mask);
+      left = right;
+      right = mixed;
+    }
+    part = (std::uint64_t{left} << half_bits) | right;
+  } while (part >= samples);
+  return part;
+}
+
+double LatinHypercube::PlaceInPart(std::uint32_t axis, std::uint64_t point) const {
+  const std::uint32_t steps =
+      Random(static_cast<std::uint32_t>(point), 0, axis, Purpose::kPlace, seed) >>
+      (32U - kPlaceBits);
+  return (steps + 0.5) / static_cast<double>(1U << kPlaceBits);
+}
 
 SweepPoints::SweepPoints(std::vector<SweepAxis> axes, const std::optional<LatinHypercube>& sampling)
     : axes_(std::move(axes)), sampling_(sampling) {

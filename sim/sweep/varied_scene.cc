@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "base/input_file.h"
-#include "sim/scene_file.h"
-#include "trial/crc32.h"
+#include "sim/scene/scene_file.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::sim {
 namespace {

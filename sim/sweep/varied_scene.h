@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "base/toml_template.h"
-#include "sim/scene.h"
-#include "sim/sweep/sweep_axis.h"
+#include "base/error.h"
+#include "base/toml.h"
+#include "sim/scene/scene.h"
+#include "sim/sweep/sweep_points.h"
 
 namespace haptometer::sim {
 
@@ -17,14 +17,14 @@ namespace haptometer::sim {
 class VariedScene {
  public:
   /// `keys` as "drive.frequency_hz"; those that the file lacks are added to it.
-  /// Errors: the file's, and those of base/toml_template.h. Whether the format knows the keys shows
+  /// Errors: the file's, and those of base/toml.h. Whether the format knows the keys shows
   /// when a scene is read.
   [[nodiscard]] static Result<VariedScene> ReadFile(const std::string& path,
                                                     const std::vector<std::string>& keys);
 
-  /// The scene with `values`, one a key, read by the strict reader (sim/scene_file.h). Errors: its
-  /// own, without the line, which would be that of no file. Cost: about 20 us. Threads may share
-  /// it.
+  /// The scene with `values`, one a key, read by the strict reader (sim/scene/scene_file.h).
+  /// Errors: its own, without the line, which would be that of no file. Cost: about 20 us. Threads
+  /// may share it.
   [[nodiscard]] Result<Scene> Read(std::span<const SweepValue> values) const;
 
   /// CRC-32 of what the scene holds besides the values of the keys: the same for the same contents,

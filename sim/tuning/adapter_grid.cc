@@ -5,8 +5,8 @@
 #include <complex>
 #include <numbers>
 
-#include "base/check.h"
-#include "sim/tuning/motor_source.h"
+#include "base/error.h"
+#include "sim/linear/motor_source.h"
 
 namespace haptometer::sim {
 

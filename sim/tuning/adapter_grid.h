@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sim/tuning/adapter_bounds.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 
@@ -25,7 +25,7 @@ struct GridBest {
 /// have no Fault().
 ///
 /// Every point is accounted for, not every point is visited. With Z = 1/(1/D1 + 1/ka), D1 = kc -
-/// (Mc + Ma1) w^2 (sim/tuning/motor_source.h),
+/// (Mc + Ma1) w^2 (sim/linear/motor_source.h),
 ///
 ///   |Xs|^2 = |Fc|^2 |ka|^2 / (|D1 + ka|^2 ((Ks + Re Z - Ma2 w^2)^2 + (w Bs + Im Z)^2)),
 ///

@@ -3,17 +3,18 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <vector>
 
-#include "sim/receptors.h"
-#include "sim/tuning/adapter_bounds.h"
-#include "sim/tuning/motor_source.h"
+#include "sim/linear/motor_source.h"
+#include "sim/skin/skin.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 
 /// What is made as large as it can be.
 enum class Objective : std::uint8_t {
   kSkinRms,     ///< RMS of the skin, m
-  kStimulus,    ///< S = Nr x RMS, m (sim/receptors.h)
+  kStimulus,    ///< S = Nr x RMS, m (sim/skin/skin.h)
   kSkinPower,   ///< mean power that the skin dissipates, (w^2 Bs |Xs|^2) / 2, W
   kRmsPerWatt,  ///< RMS of the skin over mean electrical power, m/W
 };
@@ -34,7 +35,7 @@ enum class Objective : std::uint8_t {
 /// What no adapter of any size can exceed with damping Ba at least and skin damping Bs at least the
 /// lowest that the bounds allow; of kStimulus with every receptor reached.
 ///
-/// With b = w Bs, e = w Ba, q = Im kc, t = |D1 + ka| / |ka| (sim/tuning/motor_source.h) and Ma2
+/// With b = w Bs, e = w Ba, q = Im kc, t = |D1 + ka| / |ka| (sim/linear/motor_source.h) and Ma2
 /// where it serves best,
 ///
 ///   |Xs| = |Fc| / (b t + q / t + e |D1|^2 / (|ka|^2 t)),
@@ -53,5 +54,28 @@ enum class Objective : std::uint8_t {
 /// No upper bound where the skin's damping is 0. A stated rounding allowance is added.
 [[nodiscard]] double MatchedLoadBound(Objective objective, const TuningProblem& problem,
                                       const MotorSource& source, const ReceptorField& receptors);
+
+/// A stretch of areas on which the weight of the RMS is constant.
+struct AreaPiece {
+  TuningProblem problem;  ///< with the stretch as its areas
+  Objective objective = Objective::kSkinRms;
+  double weight = 1;
+};
+
+/// A stretch's end may be rounded to the other side of a step, which moves an RMS by less than
+/// this.
+inline constexpr double kStepAllowance = 1e-9;
+
+/// Whether Nr steps: a stimulus with sharp field edges.
+[[nodiscard]] bool HasSteps(Objective objective, const ReceptorField& receptors);
+
+/// The problem's stretches: of a stimulus with steps an RMS each, weighed by the Nr of its lower
+/// end, else the problem itself.
+[[nodiscard]] std::vector<AreaPiece> PiecesOf(Objective objective, const TuningProblem& problem,
+                                              const ReceptorField& receptors);
+
+/// The objective kSkinRms or kSkinPower that a cost (sim/tuning/adapter_cost.h) means, and back.
+[[nodiscard]] double ValueOfCost(const AreaPiece& piece, const MotorSource& source, double cost);
+[[nodiscard]] double CostOfValue(const AreaPiece& piece, const MotorSource& source, double value);
 
 }  // namespace haptometer::sim

@@ -6,17 +6,13 @@
 #include <limits>
 #include <utility>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/tuning/adapter_cost.h"
 #include "sim/tuning/adapter_grid.h"
-#include "sim/tuning/area_pieces.h"
-#include "sim/tuning/box_search.h"
-#include "sim/tuning/climb_starts.h"
-#include "sim/tuning/compass_search.h"
-#include "sim/tuning/cube_place.h"
-#include "sim/tuning/limited_climb.h"
-#include "sim/tuning/limited_optimum.h"
+#include "sim/tuning/adapter_objective.h"
+#include "sim/tuning/search.h"
 #include "sim/tuning/travel_limit.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 

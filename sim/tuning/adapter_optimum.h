@@ -24,8 +24,8 @@ struct AdapterOptimum {
   std::size_t boxes = 0;  ///< looked at for the proof, over all stretches of areas
 };
 
-/// The best point alone, without proof: Newton's steps (sim/tuning/limited_optimum.h); of skins
-/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/climb_starts.h).
+/// The best point alone, without proof: Newton's steps (sim/tuning/travel_limit.h); of skins
+/// that vary a compass search. Both from the best of StartPlaces() (sim/tuning/travel_limit.h).
 [[nodiscard]] AdapterPoint BestAdapter(Objective objective, const TuningProblem& problem,
                                        const ReceptorField& receptors);
 
@@ -57,7 +57,8 @@ struct AdapterOptimum {
 /// (2.5e-11 for the thesis's actuator) is added for that.
 ///
 /// Worked: the thesis's problem gives Ma1 0.25 g, Ma2 4.9205 g, Ka 9276.2 N/m, Ba 0.01 N s/m, A 1
-/// mm2, 0.20188526 mm, and a bound 4e-10 above it. Cost: docs/results.md; allocates the boxes.
+/// mm2, 0.20188526 mm, and a bound 4e-10 above it. Cost: docs/developer/results.md; allocates the
+/// boxes.
 [[nodiscard]] AdapterOptimum FindAdapterOptimum(Objective objective, const TuningProblem& problem,
                                                 const ReceptorField& receptors,
                                                 double relative_gap = 1e-9,

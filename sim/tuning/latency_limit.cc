@@ -9,12 +9,11 @@
 #include <numbers>
 #include <vector>
 
-#include "base/check.h"
+#include "base/error.h"
 #include "sim/effective_scene.h"
 #include "sim/tuning/adapter_grid.h"
-#include "sim/tuning/cube_place.h"
-#include "sim/tuning/limited_climb.h"
 #include "sim/tuning/travel_limit.h"
+#include "sim/tuning/tuning_problem.h"
 #include "sim/waveforms.h"
 
 namespace haptometer::sim {

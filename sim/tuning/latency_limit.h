@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "sim/skin_rise.h"
-#include "sim/tuning/adapter_bounds.h"
+#include "sim/skin/skin_rise.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 

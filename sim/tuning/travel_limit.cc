@@ -1,12 +1,20 @@
 #include "sim/tuning/travel_limit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <optional>
 #include <vector>
 
-#include "base/check.h"
-#include "sim/tuning/bounded_climb.h"
+#include "base/error.h"
+#include "sim/tuning/adapter_cost.h"
+#include "sim/tuning/adapter_grid.h"
+#include "sim/tuning/adapter_objective.h"
+#include "sim/tuning/interval.h"
+#include "sim/tuning/search.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 
@@ -100,6 +108,340 @@ double LimitedTravelBound(Objective objective, const TuningProblem& problem,
   if (objective == Objective::kSkinRms) return rms_m;
   return rms_m *
          StimulatedReceptors(receptors, ContactRadius(problem.bounds.contact_area_m2.upper));
+}
+
+namespace {
+
+constexpr std::size_t kLattice = 9;
+
+std::vector<double> MassParts(const Range& mass_kg, double case_mass_kg) {
+  const Range moved{.lower = mass_kg.lower + case_mass_kg, .upper = mass_kg.upper + case_mass_kg};
+  std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
+  if (!IsWide(moved)) return parts;
+  for (double& part : parts) part = std::min(1.0, PartOf(moved, ScaledAt(moved, part)));
+  return parts;
+}
+
+std::vector<double> DampingParts(const Range& damping) {
+  std::vector<double> parts = EqualSteps({.lower = 0, .upper = 1}, kLattice);
+  if (damping.lower > 0) return parts;
+  for (std::size_t k = 1; k < kLattice; ++k) {
+    parts[k] = std::ldexp(1, -3 * static_cast<int>(kLattice - 1 - k));
+  }
+  return parts;
+}
+
+// the x with a x^2 + 2 b x + c = 0, or where the square is nearest to 0
+std::array<double, 2> RootsOf(double a, double b, double c) {
+  const double square = b * b - a * c;
+  if (square <= 0) return {-b / a, -b / a};
+  const double sum = -(b + std::copysign(std::sqrt(square), b));
+  return {sum / a, c / sum};
+}
+
+// what one place says of the ridge
+struct Ridge {
+  double p, Ka, e, b, q;
+
+  [[nodiscard]] std::array<double, 2> Springs() const {
+    return RootsOf(b - q, b * p, b * (p * p + (e + q) * (e + q)) - q * e * e - e * (p * p + q * q));
+  }
+  [[nodiscard]] std::array<double, 2> Loads() const {
+    return RootsOf(b - e, b * Ka,
+                   b * (Ka * Ka + (e + q) * (e + q)) - q * (Ka * Ka + e * e) - e * q * q);
+  }
+};
+
+Ridge RidgeAt(const TuningProblem& problem, const MotorSource& source, const CubePlace& place) {
+  const AdapterPoint point = PointOf(problem.bounds, place);
+  const double w = source.omega_rad_per_s;
+  const double moved_kg = source.case_mass_kg + point.adapter.motor_side_mass_kg;
+  return {.p = source.stiffness_n_per_m.real() - moved_kg * w * w,
+          .Ka = point.adapter.stiffness_n_per_m,
+          .e = point.adapter.damping_n_s_per_m * w,
+          .b = SkinOf(problem, point.contact_area_m2).damping_n_s_per_m * w,
+          .q = source.stiffness_n_per_m.imag()};
+}
+
+// the value within the range; nothing to be had of a number that is none
+double Within(const Range& range, double value) {
+  return std::isfinite(value) ? std::clamp(value, range.lower, range.upper) : range.lower;
+}
+
+}  // namespace
+
+std::vector<CubePlace> StartPlaces(const TuningProblem& problem, const MotorSource& source) {
+  const AdapterBounds& bounds = problem.bounds;
+  const CubePlace upper = UpperEndOf(problem);
+  const double square = source.omega_rad_per_s * source.omega_rad_per_s;
+  const std::vector<double> even = EqualSteps({.lower = 0, .upper = 1}, kLattice);
+  const std::vector<double> lowest{0};
+  const std::vector<double> masses = MassParts(bounds.motor_side_mass_kg, source.case_mass_kg);
+  const std::vector<double> dampings = DampingParts(bounds.damping_n_s_per_m);
+
+  std::vector<CubePlace> places = Lattice(upper, {masses, even, dampings, even});
+  if (upper[1] > 0) {
+    for (CubePlace place : Lattice(upper, {masses, lowest, dampings, even})) {
+      for (const double Ka : RidgeAt(problem, source, place).Springs()) {
+        const Range& range = bounds.stiffness_n_per_m;
+        place[1] = std::clamp(ScaledPartOf(range, Within(range, Ka)), 0.0, 1.0);
+        places.push_back(place);
+      }
+    }
+  }
+  if (upper[0] > 0) {
+    for (CubePlace place : Lattice(upper, {lowest, even, dampings, even})) {
+      for (const double p : RidgeAt(problem, source, place).Loads()) {
+        const double kg = (source.stiffness_n_per_m.real() - p) / square - source.case_mass_kg;
+        const Range& range = bounds.motor_side_mass_kg;
+        place[0] = std::clamp(PartOf(range, Within(range, kg)), 0.0, 1.0);
+        places.push_back(place);
+      }
+    }
+  }
+  return places;
+}
+
+namespace {
+
+using CubeNumber = Slope<double, kCubeAxes>;
+
+struct CubePhasor {
+  CubeNumber re, im;
+};
+CubePhasor operator+(const CubePhasor& a, const CubePhasor& b) {
+  return {a.re + b.re, a.im + b.im};
+}
+CubePhasor operator*(const CubePhasor& a, const CubePhasor& b) {
+  return {a.re * b.re + a.im * b.im * -1.0, a.re * b.im + a.im * b.re};
+}
+CubePhasor operator*(const CubePhasor& a, std::complex<double> b) {
+  return {a.re * b.real() + a.im * -b.imag(), a.im * b.real() + a.re * b.imag()};
+}
+CubeNumber Norm(const CubePhasor& z) { return z.re * z.re + z.im * z.im; }
+
+CubeNumber On(const Range& range, const CubePlace& place, int axis) {
+  return Variable<double, kCubeAxes>(place[axis], static_cast<std::size_t>(axis), 1.0) *
+             (range.upper - range.lower) +
+         range.lower;
+}
+
+// Ka or Ba, as ScaledAt() has them
+CubeNumber ScaledOn(const Range& range, const CubePlace& place, int axis) {
+  if (!IsWide(range)) return On(range, place, axis);
+  const double decades = std::log(range.upper / range.lower);
+  const double value = range.lower * std::exp(place[axis] * decades);
+  return Variable<double, kCubeAxes>(0.0, static_cast<std::size_t>(axis), value * decades) + value;
+}
+
+CubePlace SlopesOf(const CubeNumber& number) {
+  return CubePlace::Map(number.by.data()) / number.value;  // of the logarithm
+}
+
+}  // namespace
+
+LimitedClimb::LimitedClimb(Objective objective, const TuningProblem& problem,
+                           const MotorSource& source, const ReceptorField& receptors)
+    : objective_(objective),
+      problem_(problem),
+      source_(source),
+      receptors_(receptors),
+      upper_(UpperEndOf(problem)) {}
+
+double LimitedClimb::LogWeight(double part) const {
+  const double area_m2 = AreaAt(problem_.bounds.contact_area_m2, part);
+  return 2 * std::log(StimulatedReceptors(receptors_, ContactRadius(area_m2)));
+}
+
+LimitedView LimitedClimb::At(const CubePlace& place) const {
+  const AdapterBounds& bounds = problem_.bounds;
+  const double w = source_.omega_rad_per_s;
+  const Skin first = SkinOf(problem_, bounds.contact_area_m2.lower);
+  const Skin last = SkinOf(problem_, bounds.contact_area_m2.upper);
+  const CubeNumber p = (On(bounds.motor_side_mass_kg, place, 0) + source_.case_mass_kg) * (-w * w) +
+                       source_.stiffness_n_per_m.real();
+  const CubePhasor D1{p, {.value = source_.stiffness_n_per_m.imag()}};
+  const CubePhasor ka{ScaledOn(bounds.stiffness_n_per_m, place, 1),
+                      ScaledOn(bounds.damping_n_s_per_m, place, 2) * w};
+  const CubeNumber b = On({first.damping_n_s_per_m, last.damping_n_s_per_m}, place, 3) * w;
+  const CubePhasor D2{On({first.stiffness_n_per_m, last.stiffness_n_per_m}, place, 3) +
+                          On(bounds.skin_side_mass_kg, place, 4) * (-w * w),
+                      b};
+
+  // Xs = Fc ka / N, travel = (G (D2 + ka) + f N) / N
+  const CubePhasor N = D1 * D2 + ka * (D1 + D2);
+  const CubePhasor M =
+      (D2 + ka) * (source_.travel_per_case * source_.force_n) + N * source_.free_travel_m;
+  const CubeNumber N2 = Norm(N), M2 = Norm(M), k2 = Norm(ka);
+  LimitedView view{.cost = std::log(N2.value / k2.value),
+                   .excess = std::log(M2.value / N2.value) - 2 * std::log(problem_.mover_limit_m),
+                   .cost_slopes = SlopesOf(N2) - SlopesOf(k2),
+                   .excess_slopes = SlopesOf(M2) - SlopesOf(N2)};
+  if (objective_ == Objective::kSkinPower) {
+    view.cost -= std::log(b.value);
+    view.cost_slopes -= SlopesOf(b);
+  } else if (objective_ == Objective::kRmsPerWatt) {
+    // P |N|^2 = P0 |N|^2 + Re(beta Fc (ka + D2) conj N)
+    const CubePhasor moved = (D2 + ka) * (source_.power_slope_w_per_m * source_.force_n);
+    const CubeNumber power = N2 * source_.blocked_power_w + moved.re * N.re + moved.im * N.im;
+    view.cost += 2 * std::log(power.value / N2.value);
+    view.cost_slopes += 2 * (SlopesOf(power) - SlopesOf(N2));
+  } else if (objective_ == Objective::kStimulus) {
+    constexpr double kStep = 1e-5;
+    const double before = std::clamp(place[3] - kStep, 0.0, 1.0);
+    const double after = std::clamp(place[3] + kStep, 0.0, 1.0);
+    view.cost -= LogWeight(place[3]);
+    if (after > before)
+      view.cost_slopes[3] -= (LogWeight(after) - LogWeight(before)) / (after - before);
+  }
+  return view;
+}
+
+LimitedSummit LimitedClimb::From(const CubePlace& start) const {
+  return ClimbWithinBounds([this](const CubePlace& place) { return At(place); }, CubePlace::Zero(),
+                           upper_, start);
+}
+
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::infinity();
+
+// a place of the lattice and how good it is to begin at: the less, the better
+struct Start {
+  CubePlace place = CubePlace::Zero();
+  double rank = kNone;
+  void Offer(const CubePlace& other, double other_rank) {
+    if (other_rank < rank) *this = {.place = other, .rank = other_rank};
+  }
+};
+
+// of each third of Ma1 and of Ka, and of RMS per watt of all axes, those that keep to the limit and
+// those that do not
+struct Starts {
+  std::array<Start, std::size_t{3} * kCubeAxes> kept, beyond;
+};
+
+// Ma2 to begin with: what the skin's motion wants; that of RMS per watt lies beside it
+std::vector<double> MassesToTry(const AreaPiece& piece, const MotorSource& source,
+                                const AdapterPoint& point) {
+  const double wanted_kg = WantedSkinSideMass(piece.problem, source, point);
+  if (piece.objective != Objective::kRmsPerWatt) return {wanted_kg};
+  const double w = source.omega_rad_per_s;
+  const double Bs = SkinOf(piece.problem, point.contact_area_m2).damping_n_s_per_m;
+  const Range& mass_kg = piece.problem.bounds.skin_side_mass_kg;
+  return {wanted_kg, wanted_kg - Bs / w, wanted_kg + Bs / w, mass_kg.lower, mass_kg.upper};
+}
+
+Starts StartsOf(const AreaPiece& piece, const MotorSource& source, const LimitedClimb& climb) {
+  const TuningProblem& problem = piece.problem;
+  const Range& mass_kg = problem.bounds.skin_side_mass_kg;
+  const auto third = [](double part) {
+    return std::min<std::size_t>(2, static_cast<std::size_t>(part * 3));
+  };
+  const int axes = piece.objective == Objective::kRmsPerWatt ? kCubeAxes : 2;
+  Starts starts;
+  for (CubePlace place : StartPlaces(problem, source)) {
+    const AdapterPoint point = PointOf(problem.bounds, place);
+    for (const double wanted_kg : MassesToTry(piece, source, point)) {
+      const auto found_kg = NearestWithinTravel(problem, source, point, wanted_kg);
+      const double kg = found_kg.value_or(std::clamp(wanted_kg, mass_kg.lower, mass_kg.upper));
+      place[4] = PartOf(mass_kg, kg);
+      const LimitedView view = climb.At(place);
+      auto& kind = found_kg ? starts.kept : starts.beyond;
+      const double rank = found_kg ? view.cost : view.excess;
+      for (int axis = 0; axis < axes; ++axis) {
+        kind[static_cast<std::size_t>(3 * axis) + third(place[axis])].Offer(place, rank);
+      }
+    }
+  }
+  return starts;
+}
+
+// the best of a stretch of areas
+struct PieceBest {
+  AdapterPoint point;
+  double value = 0;
+  double price = 0;
+};
+
+PieceBest BestOfPiece(const AreaPiece& piece, const MotorSource& source,
+                      const ReceptorField& receptors) {
+  const LimitedClimb climb(piece.objective, piece.problem, source, receptors);
+  const Starts starts = StartsOf(piece, source, climb);
+  const bool any = std::ranges::any_of(starts.kept, [](const Start& s) { return s.rank < kNone; });
+  std::optional<LimitedSummit> best;
+  for (const Start& start : any ? starts.kept : starts.beyond) {
+    if (start.rank == kNone) continue;
+    const LimitedSummit summit = climb.From(start.place);
+    if (summit.kept && (!best || summit.cost < best->cost)) best = summit;
+  }
+  if (!best) return {};
+  const AdapterPoint point = PointOf(piece.problem.bounds, best->place);
+  return {.point = point,
+          .value = piece.weight * ValueOf(piece.objective, piece.problem, source, receptors, point),
+          .price = best->price};
+}
+
+// what the stretch cannot exceed by the coil's work alone
+double RoughBound(const AreaPiece& piece, const MotorSource& source,
+                  const ReceptorField& receptors) {
+  if (piece.objective == Objective::kRmsPerWatt) return kNone;
+  return piece.weight * LimitedTravelBound(piece.objective, piece.problem, source, receptors);
+}
+
+}  // namespace
+
+LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
+                             const ReceptorField& receptors) {
+  HAPTOMETER_CHECK(!Fault(problem) && problem.skin_variation == 0, "limit {}, variation {}",
+                   problem.mover_limit_m, problem.skin_variation);
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  LimitedBest best;
+  for (const AreaPiece& piece : PiecesOf(objective, problem, receptors)) {
+    best.prices.push_back(-1);
+    if (!(RoughBound(piece, source, receptors) > best.value)) continue;
+    const PieceBest found = BestOfPiece(piece, source, receptors);
+    best.prices.back() = found.price;
+    if (!(found.value > best.value)) continue;
+    best.point = found.point;
+    best.value = found.value;
+  }
+  return best;
+}
+
+TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                              const ReceptorField& receptors, const LimitedBest& best,
+                              double relative_gap, std::size_t most_boxes) {
+  const bool steps = HasSteps(objective, receptors);
+  if (objective == Objective::kStimulus && !steps) return {.value = kNone};
+  const MotorSource source = SourceOf(problem.actuator, problem.drive);
+  const std::vector<AreaPiece> pieces = PiecesOf(objective, problem, receptors);
+  HAPTOMETER_CHECK(pieces.size() == best.prices.size() && best.value > 0, "{} pieces, value {}",
+                   pieces.size(), best.value);
+  TravelBound bound;
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    const AreaPiece& piece = pieces[k];
+    const double rough = RoughBound(piece, source, receptors);
+    if (!(rough > best.value)) {
+      bound.value = std::max(bound.value, rough);
+      continue;
+    }
+    // any price below 1 gives a bound
+    const double price = std::clamp(best.prices[k], 0.0, 1 - 1e-6);
+    const AdapterCost cost(piece.problem, source, piece.objective == Objective::kSkinPower, price);
+    const double enough = CostOfValue(piece, source, best.value * (1 + relative_gap));
+    const LeastOfBoxes least =
+        LeastCost([&](const AdapterBox& box) { return cost.Over(box); }, enough, most_boxes);
+    bound.boxes += least.boxes;
+    bound.value = std::max(bound.value, std::min(rough, ValueOfCost(piece, source, least.cost)));
+  }
+  // what the rounding of source and limit may move: travel is a difference of two; a price is 1 at
+  // most, so that the value moves by no more than the limit's square
+  const double squares = objective == Objective::kSkinPower ? 2 : 1;  // of an RMS
+  const double travel = 1 + std::abs(source.free_travel_m) / problem.mover_limit_m;
+  bound.value *=
+      1 + squares * source.rounding_allowance * travel + kKeptLimit + (steps ? kStepAllowance : 0);
+  return bound;
 }
 
 }  // namespace haptometer::sim

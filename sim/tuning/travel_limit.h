@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
-#include "sim/receptors.h"
-#include "sim/tuning/adapter_bounds.h"
+#include "sim/linear/motor_source.h"
+#include "sim/skin/skin.h"
 #include "sim/tuning/adapter_objective.h"
-#include "sim/tuning/motor_source.h"
+#include "sim/tuning/search.h"
+#include "sim/tuning/tuning_problem.h"
 
 namespace haptometer::sim {
 
@@ -39,8 +42,93 @@ namespace haptometer::sim {
 ///   |Xs|^2 <= (|F| T - Im k1 T^2) / (w Bs)      for T <= |F| / (2 Im k1);
 ///
 /// for a longer T it holds with that one. Rounding is allowed for, and kKeptLimit of
-/// sim/tuning/bounded_climb.h.
+/// sim/tuning/search.h.
 [[nodiscard]] double LimitedTravelBound(Objective objective, const TuningProblem& problem,
                                         const MotorSource& source, const ReceptorField& receptors);
+
+/// Places to begin a climb at, all but Ma2, which is 0: a lattice, and the ridge.
+///
+/// The lattice has 9 places an axis, evenly over the cube; evenly over the logarithm of what moves
+/// with the case, Mc + Ma1, where that spans more than a factor of 20, and in steps of 8 down from
+/// the upper end where Ba may be 0.
+///
+/// The ridge, whatever the bounds' width: with sim/tuning/adapter_cost.h's letters (no price) and
+/// g = 0 the cost is least over S where S = h / b, which is
+///
+///   b ((Ka + p)^2 + (e + q)^2) = q (Ka^2 + e^2) + e (p^2 + q^2),
+///
+/// a square in Ka and one in p, so in Ma1. Each is solved with the others on the lattice; without a
+/// root within the bounds its end stands for it.
+[[nodiscard]] std::vector<CubePlace> StartPlaces(const TuningProblem& problem,
+                                                 const MotorSource& source);
+
+/// Climbs to adapters whose mover keeps to the problem's mover_limit_m.
+///
+/// f = ln |Fc / Xs|^2, less the logarithm of what the objective weighs it by (w Bs of kSkinPower,
+/// Nr^2 of a soft-edged stimulus, 1 / P^2 of kRmsPerWatt), is made least under h = ln(|travel|^2 /
+/// limit^2) <= 0 by ClimbWithinBounds(), all five numbers free: eliminating Ma2 bends and narrows
+/// the ridge, on which searches without slopes stop.
+class LimitedClimb {
+ public:
+  /// The problem without Fault(), skin_variation 0, mover_limit_m finite or not.
+  LimitedClimb(Objective objective, const TuningProblem& problem, const MotorSource& source,
+               const ReceptorField& receptors);
+
+  /// Exact to rounding; the slope of a soft-edged stimulus's Nr is a central difference.
+  [[nodiscard]] LimitedView At(const CubePlace& place) const;
+
+  /// The local optimum above `start`. Cost: below a millisecond; no allocation.
+  [[nodiscard]] LimitedSummit From(const CubePlace& start) const;
+
+ private:
+  [[nodiscard]] double LogWeight(double part) const;
+
+  Objective objective_;
+  TuningProblem problem_;
+  MotorSource source_;
+  ReceptorField receptors_;
+  CubePlace upper_;
+};
+
+/// The best adapter whose mover keeps to the problem's mover_limit_m.
+struct LimitedBest {
+  AdapterPoint point;
+  double value = 0;  ///< the objective there; 0: no adapter found that keeps to the limit
+  /// Of each stretch of areas (sim/tuning/adapter_objective.h), the price of travel at its best;
+  /// below 0 where the stretch was left out because LimitedTravelBound() of it is below the value.
+  std::vector<double> prices;
+};
+
+/// Climbs (sim/tuning/travel_limit.h) from the best of StartPlaces() (sim/tuning/travel_limit.h)
+/// in which Ma2 is the nearest that keeps to the limit: the best of each third of Ma1's range and
+/// of Ka's, of kRmsPerWatt of every number's. Where there is none, from those with the least
+/// travel.
+///
+/// The problem without Fault(), skin_variation 0, mover_limit_m finite or not (not, for
+/// kRmsPerWatt).
+/// The same optimum as SciPy's SLSQP finds from 20 starts, to 1e-9 of the value, over the limits
+/// and problems of tests/sim/tuning/limited_reference.py. Cost: some 10 ms a stretch of areas.
+[[nodiscard]] LimitedBest BestWithinTravel(Objective objective, const TuningProblem& problem,
+                                           const ReceptorField& receptors);
+
+/// What no adapter exceeds whose mover keeps to the limit.
+struct TravelBound {
+  double value = 0;       ///< of the objective; infinite: no proof
+  std::size_t boxes = 0;  ///< looked at, over all stretches of areas
+};
+
+/// The bound of the adapters within the bounds; none for a stimulus with soft edges. It is what the
+/// boxes say, not lifted to the value that was found: below that value it would be wrong.
+///
+/// By weak duality (sim/tuning/adapter_cost.h) with the price of travel at `best`, and boxes, at
+/// most `most_boxes` of each stretch of areas. It comes within `relative_gap`, or within some 3e-9,
+/// to which the price is known, where the duality has no gap: so it has been in all problems of
+/// tests/sim/tuning/limited_reference.h, with 50 to 1200 boxes. Where the best has a price above 1,
+/// the skin's motion growing faster than the travel, as narrow bounds of Ma2 can make it, there is
+/// a gap: the bound then stays above the optimum, whatever the boxes. Of 175 random problems
+/// (tests/sim/tuning/random_problems_test.cc is of that kind) 14 had one, of 0.3 to 225 %.
+[[nodiscard]] TravelBound BoundWithinTravel(Objective objective, const TuningProblem& problem,
+                                            const ReceptorField& receptors, const LimitedBest& best,
+                                            double relative_gap, std::size_t most_boxes);
 
 }  // namespace haptometer::sim

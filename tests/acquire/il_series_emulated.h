@@ -1,6 +1,6 @@
 #pragma once
 
-#include "acquire/emulator/moving_head.h"
+#include "acquire/emulator/device.h"
 #include "trial/sensor_head.h"
 
 namespace haptometer::acquire::emulator {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "acquire/sensor/modbus/modbus_sensor.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "tests/acquire/scripted_modbus_link.h"
 #include "tests/acquire/sensor_rows.h"
 

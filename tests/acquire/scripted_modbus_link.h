@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "acquire/transport/modbus_link.h"
+#include "acquire/transport/modbus_port.h"
 
 namespace haptometer::tests {
 

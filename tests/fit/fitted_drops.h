@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tests/fit/synthetic_drop.h"
 
 namespace haptometer::tests {

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "fit/impulse_record.h"
+#include "fit/drop_test/impulse_record.h"
 #include "sim/ring_down.h"
 
 namespace haptometer::tests {

@@ -8,7 +8,7 @@ PROGRAMS holds the program, MOMENTS is 200, LATEST_S (5, so that most are killed
 takes a second) the latest moment after the recording's start. Each time
 `haptometer emulate` plays a scene with noise, 1000 lines a second; its noise depends only on the seed, so the
 same emulator read here byte by byte gives the sequence that every recording must be a piece of. Trials are read
-by the Python reader of docs/formats.md, not by the program. Ends with 1 if a bar is missed, with 77 without
+by the Python reader of docs/reference/formats.md, not by the program. Ends with 1 if a bar is missed, with 77 without
 NumPy.
 """
 import os

@@ -4,7 +4,7 @@
   /usr/bin/python3 tests/long/long_record.py build/release/bin [ROWS [DIRECTORY]]
 
 Writes trials of ROWS readings (1e8) at 10 kHz and at 392 kHz, i32 counts of 10 nm, a tone of 1 um in 0.5 mm of tremor:
-by docs/formats.md, without the program's own writer. Then, in turns, five times each: a read of the file with zlib's
+by docs/reference/formats.md, without the program's own writer. Then, in turns, five times each: a read of the file with zlib's
 crc32 of every 64 KiB, and the whole process `analyze --json --threads N` for N = 1 and 2. Prints the medians, the peak
 of resident memory, the RMS against the truth, and whether both give the same bytes. The bars: five times the plain
 read with two threads, below 300 MB. Ends with 1 if one is missed.

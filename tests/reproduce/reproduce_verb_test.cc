@@ -12,8 +12,8 @@
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
+#include "tools/reproduce/reproduction_document.h"
 #include "tools/reproduce/reproduction_figures.h"
-#include "tools/reproduce/reproduction_output.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,11 +1,10 @@
-#include "tools/reproduce/scan.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "tests/residual.h"
+#include "tools/reproduce/thesis_model.h"
 
 namespace haptometer::tools {
 namespace {

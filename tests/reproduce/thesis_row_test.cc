@@ -1,5 +1,3 @@
-#include "tools/reproduce/thesis_row.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +6,8 @@
 #include <string>
 
 #include "tests/residual.h"
-#include "tools/reproduce/chain.h"
+#include "tools/reproduce/sensor_chain.h"
+#include "tools/reproduce/thesis_numbers.h"
 
 namespace haptometer::tools {
 namespace {

@@ -12,8 +12,8 @@
 #include "tests/residual.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/tuning/adapter_reference.h"
-#include "tools/reproduce/generated_study.h"
-#include "tools/reproduce/row_groups.h"
+#include "tools/reproduce/study_rows.h"
+#include "tools/reproduce/thesis_model.h"
 
 namespace haptometer::tools {
 namespace {

@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
 #include "sim/periodic_motion.h"
-#include "sim/piecewise_scene.h"
-#include "sim/smooth_scene.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/smooth/smooth_system.h"
 #include "tests/residual.h"
 #include "tests/sim/reference/csim_reference.h"
 #include "tests/sim/thesis_scenes.h"

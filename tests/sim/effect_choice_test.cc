@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sim/effective_scene.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

@@ -14,11 +14,11 @@
 #include <string_view>
 #include <vector>
 
-#include "sim/linear_model.h"
-#include "sim/piecewise_scene.h"
-#include "sim/smooth_scene.h"
-#include "sim/steady_state.h"
-#include "sim/watch.h"
+#include "base/jobs.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/smooth/smooth_system.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

@@ -7,9 +7,8 @@
 #include <numbers>
 
 #include "sim/effective_scene.h"
-#include "sim/output_rate.h"
+#include "sim/linear/steady_state.h"
 #include "sim/scene_run.h"
-#include "sim/steady_state.h"
 #include "tests/sim/thesis_scenes.h"
 
 namespace haptometer::tests {

@@ -4,7 +4,7 @@
 #include <random>
 #include <string>
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tests {
 

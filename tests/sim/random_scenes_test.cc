@@ -10,7 +10,7 @@
 #include <string>
 
 #include "sim/effect_choice.h"
-#include "sim/scene_file.h"
+#include "sim/scene/scene_file.h"
 #include "tests/repetitions.h"
 
 namespace haptometer::sim {

@@ -8,8 +8,8 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/linear_model.h"
-#include "sim/time_response.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/time_response.h"
 #include "tests/residual.h"
 
 namespace haptometer::sim {

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "sim/effect_choice.h"
-#include "sim/linear_model.h"
-#include "sim/scene_file.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
+#include "sim/scene/scene_file.h"
 #include "sim/sensor_model.h"
 #include "sim/steady_run.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

@@ -10,15 +10,14 @@
 #include <string>
 
 #include "sim/effective_scene.h"
-#include "sim/linear_model.h"
-#include "sim/piecewise_scene.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/piecewise/piecewise_scene.h"
 #include "sim/ring_down.h"
-#include "sim/scene_file.h"
+#include "sim/scene/scene_file.h"
 #include "sim/scene_run.h"
 #include "sim/sensor_model.h"
 #include "sim/steady_run.h"
-#include "sim/steady_state.h"
-#include "sim/steady_tones.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

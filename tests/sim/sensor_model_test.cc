@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/linear_model.h"
-#include "sim/steady_state.h"
-#include "sim/time_response.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "sim/linear_model.h"
-#include "sim/smooth_motion.h"
+#include "sim/linear/linear_model.h"
+#include "sim/smooth/smooth_motion.h"
 #include "tests/sim/thesis_scenes.h"
 
 /// Scenes and motions that tests of SmoothMotion share.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "sim/scene.h"
+#include "sim/scene/scene.h"
 
 namespace haptometer::tests {
 

@@ -7,9 +7,9 @@
 #include <complex>
 #include <numbers>
 
-#include "sim/linear_model.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
 #include "sim/scene_run.h"
-#include "sim/steady_state.h"
 #include "tests/residual.h"
 #include "tests/sim/thesis_scenes.h"
 

@@ -4,7 +4,7 @@ prints, draws or writes: nothing of it is ever executed, no control character re
 every picture, page, table and document that comes out is well-formed.
 
 A canary is a file that a payload would make. Recordings with such texts are written here, byte by
-byte from docs/formats.md, because the program refuses to make them."""
+byte from docs/reference/formats.md, because the program refuses to make them."""
 
 import csv
 import html.parser
@@ -54,7 +54,7 @@ FORMULA = "=cmd|' /C calc'!A0"
 FORBIDDEN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ufffe\uffff]")
 
 
-# --- an independent writer of trial.bin (docs/formats.md) ---
+# --- an independent writer of trial.bin (docs/reference/formats.md) ---
 
 def block(kind, sequence, payload, rows=0, first=0):
     head = struct.pack("<8s4IQqI", b"\x93block\r\n", kind, sequence, rows, len(payload), first, first,
@@ -357,6 +357,7 @@ def scenes(run):
         (run.folder / "s.toml").write_text(text, encoding="utf-8")
         run("simulate", "s.toml", statuses=(2, 3))
         run("acquire", "--daemon", "s.toml", statuses=(2, 3))
+    run("reproduce", "--report", "a'b\"$(touch CANARY7) `touch CANARY4`.html", statuses=(0, 3))
     run("reproduce", "--report", "a\nb.html", statuses=(2,))
     run("reproduce", "--figures", "a\x1bb", statuses=(2,))
 

@@ -44,7 +44,7 @@ TEST_F(MainJob, AStreamedTrialGivesTheScenesRmsAndFrequency) {
   const Outcome analyzed = RunProgram({"analyze", trial_, "--json"});
   ASSERT_EQ(analyzed.status, 0) << analyzed.err;
   const json trial = json::parse(analyzed.out)["trials"][0];
-  // truth: the exact steady state of the scene (tests/sim/steady_state_test.cc)
+  // truth: the exact steady state of the scene (tests/sim/linear/steady_state_test.cc)
   EXPECT_REL(trial["band_rms_m"].get<double>(), 0.2001762058e-3, 1e-2, "the bar of the product");
   EXPECT_ABS(trial["tone_frequency_hz"].get<double>(), 225.0, 0.05, "the bar of the product");
 }

@@ -1,4 +1,4 @@
-"""Samples that NumPy writes into acquire's standard input, read back by the reader of docs/formats.md;
+"""Samples that NumPy writes into acquire's standard input, read back by the reader of docs/reference/formats.md;
 replays, scenes and lists through the real program. Exits with 77 where NumPy is missing."""
 import json
 import os
@@ -17,7 +17,7 @@ try:
 except ImportError:
     skip("needs python3-numpy")
 
-FORMATS = pathlib.Path("docs/formats.md").read_text(encoding="utf-8")
+FORMATS = pathlib.Path("docs/reference/formats.md").read_text(encoding="utf-8")
 read_trial = trial_reader()
 
 
@@ -123,7 +123,7 @@ def test_a_scene_is_recorded_as_it_is_simulated(directory):
     assert header["source"].startswith("simulated") and header["fields"]["scene"] == SCENE
     assert len(rows) == 2000
     # `simulate --duration` starts from rest, the scene without a duration is steady: not compared row
-    # by row; the steady RMS is that of the closed form (tests/sim/steady_state_test.cc)
+    # by row; the steady RMS is that of the closed form (tests/sim/linear/steady_state_test.cc)
     values = rows["value0"][:2000 - 2000 % 400] * header["channels"][0]["scale"]
     assert abs(np.sqrt(np.mean((values - values.mean()) ** 2)) / 0.2001762058e-3 - 1) < 1e-3
     assert rows_of(simulated)[0]["channels"] == header["channels"]

@@ -11,7 +11,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::tests {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "acquire/ability/smallest_rms.h"
+#include "acquire/capability.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "tests/residual.h"

@@ -5,8 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/residual.h"
-#include "tools/acquire/list_ports.h"
-#include "tools/acquire/list_sensors.h"
+#include "tools/acquire/recording_document.h"
 
 namespace haptometer::tools {
 namespace {

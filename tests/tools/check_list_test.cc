@@ -1,6 +1,6 @@
 // The list of a check, from made findings: every point once ok, once to fix; and the findings, from
 // made records.
-#include "tools/acquire/check/check_list.h"
+#include "tools/acquire/check_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "acquire/ability/smallest_rms.h"
+#include "acquire/capability.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
-#include "tools/acquire/check/check_output.h"
+#include "tools/acquire/check.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,13 +1,12 @@
 // A command line that is printed can be pasted: the shell itself is the judge.
-#include "tools/cli/command_line.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 
-#include "base/printable.h"
+#include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {

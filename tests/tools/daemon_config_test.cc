@@ -9,9 +9,6 @@
 #include <regex>
 #include <sstream>
 
-#include "tools/daemon/sensor_keys.h"
-#include "tools/daemon/trial_pattern.h"
-
 namespace haptometer::tools {
 namespace {
 
@@ -132,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"file = '{nam}'\n[[sensor]]\nname = 'a'\nport = 'p'", "brace that means nothing"}));
 
 TEST(DaemonConfig, TheKeysOfASensorAreThoseThatThePageLists) {
-  std::ifstream page(std::string(HAPTOMETER_FIXTURES) + "/../docs/daemon.md");
+  std::ifstream page(std::string(HAPTOMETER_FIXTURES) + "/../docs/reference/daemon.md");
   const std::string text{std::istreambuf_iterator<char>(page), {}};
   const auto begin = text.find("The options of a sensor are those of `acquire`");
   const auto end = text.find("What changes a device", begin);
@@ -163,9 +160,9 @@ TEST(TrialName, IsFilledInAndNeverThatOfAnotherFile) {
   fs::remove_all(directory);
 }
 
-// the file that docs/daemon.md shows is one
+// the file that docs/how-to/record-for-days.md shows is one
 TEST(DaemonConfig, TheDocumentedExampleIsRead) {
-  std::ifstream file(std::string(HAPTOMETER_FIXTURES) + "/../docs/daemon.md");
+  std::ifstream file(std::string(HAPTOMETER_FIXTURES) + "/../docs/how-to/record-for-days.md");
   std::stringstream text;
   text << file.rdbuf();
   const std::string page = text.str();

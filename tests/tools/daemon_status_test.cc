@@ -10,8 +10,7 @@
 #include <fstream>
 #include <thread>
 
-#include "tools/daemon/status_report.h"
-#include "tools/daemon/status_socket.h"
+#include "tools/daemon/status.h"
 
 namespace haptometer::tools {
 namespace {

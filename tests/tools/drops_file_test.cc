@@ -1,10 +1,10 @@
-#include "tools/fit/drops_file.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
+
+#include "tools/fit/drop_records.h"
 
 namespace haptometer::tools {
 namespace {

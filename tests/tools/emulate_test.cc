@@ -1,3 +1,5 @@
+#include "tools/emulate/emulate.h"
+
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,7 +13,6 @@
 
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
-#include "tools/recorded_motion.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,12 +1,11 @@
-#include "tools/plot/envelope.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "tools/trial/trial_panel.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/trial/trial.h"
 
 namespace haptometer::plot {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"

@@ -1,5 +1,3 @@
-#include "tools/fit/fit_lra_panels.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,6 +8,7 @@
 
 #include "tests/fit/synthetic_drop.h"
 #include "tests/residual.h"
+#include "tools/fit/fit_figures.h"
 
 namespace haptometer::tools {
 namespace {

@@ -9,10 +9,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "sim/actuator.h"
+#include "sim/scene/actuator.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
-#include "tools/fit/fit_lra_input.h"
+#include "tools/fit/drop_records.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,5 +1,3 @@
-#include "tools/fit/fit_plan.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,9 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "fit/drop_test_fit.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
+#include "tools/fit/plan_drop_test.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,3 +1,5 @@
+#include "tools/fit/fit_skin.h"
+
 #include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,12 +10,11 @@
 #include <numbers>
 #include <random>
 
-#include "sim/skin.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/skin/skin.h"
 #include "tests/residual.h"
 #include "tests/temporary_files.h"
 #include "tests/tools/captured.h"
-#include "tools/fit/fit_skin_input.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

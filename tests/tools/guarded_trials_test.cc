@@ -1,11 +1,11 @@
-#include "tools/daemon/guarded_trials.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
 #include <vector>
+
+#include "tools/daemon/sensor_loop.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,6 +1,6 @@
 // What the live view shows, on readings made here: closed forms where the filter passes a tone as
 // it is.
-#include "tools/acquire/live/live_meter.h"
+#include "tools/acquire/live_meter.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "tests/residual.h"
-#include "tools/acquire/live/live_view.h"
+#include "tools/acquire/live_view.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/sweep/ordered_rows.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -8,6 +6,7 @@
 #include <thread>
 
 #include "base/clock.h"
+#include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
 namespace {

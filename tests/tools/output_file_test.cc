@@ -12,7 +12,7 @@
 
 #include "base/input_file.h"
 #include "tests/temporary_files.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {

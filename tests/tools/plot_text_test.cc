@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "tests/temporary_files.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/plot/script.h"

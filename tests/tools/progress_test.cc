@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/cli/work_progress.h"
-
 namespace haptometer::cli {
 namespace {
 

@@ -1,6 +1,4 @@
 // The options of a recording: what is understood, and what is refused before anything is touched.
-#include "tools/acquire/options/recording_options.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -10,8 +8,7 @@
 #include <fstream>
 
 #include "base/input_file.h"
-#include "tools/acquire/options/wall_time.h"
-#include "tools/acquire/trial_name.h"
+#include "tools/acquire/recording.h"
 
 namespace haptometer::tools {
 namespace {

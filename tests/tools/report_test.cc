@@ -1,6 +1,6 @@
-#include "tools/cli/report.h"
-
 #include <gtest/gtest.h>
+
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {

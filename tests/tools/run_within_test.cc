@@ -1,11 +1,11 @@
 // A program that is run with a deadline.
-#include "tools/plot/run_within.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cerrno>
+
+#include "tools/plot/script.h"
 
 namespace haptometer::plot {
 namespace {

@@ -1,5 +1,5 @@
 // What is said of a sensor's options before anything is touched.
-#include "tools/acquire/options/sensor_options.h"
+#include "tools/acquire/sensor_options.h"
 
 #include <gtest/gtest.h>
 

@@ -17,7 +17,7 @@
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
 #include "tools/verbs.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

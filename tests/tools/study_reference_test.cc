@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "tests/residual.h"
-#include "tools/study/linearity_result.h"
-#include "tools/study/matching_result.h"
+#include "tools/study/linearity.h"
+#include "tools/study/matching.h"
 
 namespace haptometer::tools {
 namespace {

@@ -11,11 +11,10 @@
 #include <vector>
 
 #include "tests/residual.h"
-#include "tools/study/contrast.h"
-#include "tools/study/further_statistics.h"
-#include "tools/study/linearity_result.h"
-#include "tools/study/matching_result.h"
-#include "tools/study/study_quality.h"
+#include "tools/study/linearity.h"
+#include "tools/study/matching.h"
+#include "tools/study/study_result.h"
+#include "tools/study/study_table.h"
 
 namespace haptometer::tools {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "tests/residual.h"
 #include "tests/tools/captured.h"
-#include "tools/study/trial_files.h"
+#include "tools/study/manifest.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -1,5 +1,3 @@
-#include "tools/analyze/sweep_output.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
+
+#include "tools/analyze/sweep_document.h"
 
 namespace haptometer::tools {
 namespace {

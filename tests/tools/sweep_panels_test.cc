@@ -1,5 +1,3 @@
-#include "tools/fit/sweep_panels.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,9 +5,9 @@
 #include <numbers>
 #include <random>
 
-#include "fit/impedance_fit.h"
+#include "fit/impedance/impedance_fit.h"
 #include "tests/residual.h"
-#include "tools/fit/fit_impedance_panels.h"
+#include "tools/fit/fit_figures.h"
 
 namespace haptometer::tools {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "tests/tools/sweep_verb.h"
-#include "tools/sweep/answer_columns.h"
+#include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
 namespace {

@@ -1,13 +1,12 @@
 // The mean of the second before a recording, from a sensor that is scripted, on a clock that stands
 // still.
-#include "tools/acquire/tare.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <optional>
 
 #include "tests/residual.h"
+#include "tools/acquire/check.h"
 
 namespace haptometer::tools {
 namespace {

@@ -9,9 +9,9 @@
 #include <iterator>
 
 #include "tests/trial/trial_file.h"
-#include "trial/append_event.h"
 #include "trial/block.h"
-#include "trial/trial_json.h"
+#include "trial/trial_format.h"
+#include "trial/trial_writer.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,5 +1,5 @@
 """Exports read back by independent readers: h5py, scipy.io, numpy. Compared are raw bits, statuses,
-times and metadata, as far as docs/formats.md promises them.
+times and metadata, as far as docs/reference/formats.md promises them.
 
 Usage: export_test.py WRITER, a program that writes trials (tests/trial/write_trials.cc). Exits with
 77 where a reader is missing.

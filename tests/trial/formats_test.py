@@ -1,4 +1,4 @@
-"""Runs the readers of docs/formats.md, as they stand there, on files that the program wrote: the whole one in
+"""Runs the readers of docs/reference/formats.md, as they stand there, on files that the program wrote: the whole one in
 Python, the one in five lines of NumPy, and, asked for by a second argument, the one in Octave.
 
 Usage: formats_test.py WRITER [octave]; WRITER is a program that writes trials (tests/trial/write_trials.cc).
@@ -22,7 +22,7 @@ except ImportError:
 
 def snippet(language, number):
     """The document's code block of that language and number, from 0."""
-    text = open("docs/formats.md", encoding="utf-8").read()
+    text = open("docs/reference/formats.md", encoding="utf-8").read()
     return re.findall(rf"```{language}\n(.*?)```", text, re.S)[number]
 
 

@@ -1,5 +1,3 @@
-#include "trial/import/hdf5.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,10 +7,10 @@
 
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
-#include "trial/export/hdf5.h"
-#include "trial/import/csv.h"
-#include "trial/read_recording.h"
-#include "trial/trial_json.h"
+#include "trial/export/export.h"
+#include "trial/import/read_recording.h"
+#include "trial/import/readers.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {

@@ -10,12 +10,11 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tests/trial/trial_file.h"
-#include "trial/append_event.h"
-#include "trial/export/csv.h"
-#include "trial/read_recording.h"
-#include "trial/trial_json.h"
+#include "trial/export/export.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_format.h"
 #include "trial/trial_writer.h"
 
 namespace haptometer::trial {

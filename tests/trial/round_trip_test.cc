@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "tests/trial/trial_file.h"
-#include "trial/export/csv.h"
-#include "trial/import/csv.h"
-#include "trial/trial_json.h"
+#include "trial/export/export.h"
+#include "trial/import/readers.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/clock.h"
-#include "trial/byte_sink.h"
+#include "trial/byte_io.h"
 #include "trial/trial_reader.h"
 #include "trial/trial_writer.h"
 

@@ -7,9 +7,9 @@
 #include <fstream>
 
 #include "tests/trial/trial_file.h"
-#include "trial/append_event.h"
 #include "trial/block.h"
-#include "trial/read_recording.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_writer.h"
 
 namespace haptometer::trial {
 namespace {

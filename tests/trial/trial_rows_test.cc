@@ -16,8 +16,8 @@
 
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
-#include "trial/crc32.h"
-#include "trial/open_rows.h"
+#include "trial/byte_io.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::trial {
 namespace {

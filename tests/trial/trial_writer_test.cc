@@ -15,8 +15,8 @@
 #include <limits>
 
 #include "tests/trial/trial_file.h"
-#include "trial/append_event.h"
 #include "trial/trial_reader.h"
+#include "trial/trial_writer.h"
 
 namespace haptometer::trial {
 namespace {

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "base/clock.h"
-#include "trial/append_event.h"
 #include "trial/trial_writer.h"
 
 namespace haptometer::trial {

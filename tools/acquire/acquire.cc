@@ -1,8 +1,10 @@
-// acquire: a sensor's readings become a trial.
+#include "tools/acquire/acquire.h"
+
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <ctime>
 #include <filesystem>
@@ -10,35 +12,43 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "acquire/recorder/recorder.h"
+#include "acquire/recorder/row_sink.h"
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "acquire/transport/port_list.h"
 #include "base/clock.h"
-#include "base/printable.h"
-#include "tools/acquire/check/sensor_check.h"
-#include "tools/acquire/list_ports.h"
-#include "tools/acquire/list_sensors.h"
-#include "tools/acquire/live/keep_nothing.h"
-#include "tools/acquire/live/live_meter.h"
-#include "tools/acquire/live/live_view.h"
+#include "base/text.h"
+#include "tools/acquire/check.h"
+#include "tools/acquire/live_meter.h"
+#include "tools/acquire/live_view.h"
 #include "tools/acquire/open_sensor.h"
-#include "tools/acquire/options/acquire_options.h"
-#include "tools/acquire/recording_header.h"
-#include "tools/acquire/recording_output.h"
-#include "tools/acquire/sensor_kind.h"
-#include "tools/acquire/tare.h"
-#include "tools/acquire/time_base_review.h"
-#include "tools/acquire/trial_name.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/interrupt.h"
+#include "tools/acquire/recording.h"
+#include "tools/acquire/recording_document.h"
+#include "tools/acquire/sensor_options.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/daemon/daemon_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/daemon/daemon.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
+
+namespace haptometer::tools {
+
+/// Where rows go that are only looked at.
+class KeepNothing final : public acquire::RowSink {
+ public:
+  [[nodiscard]] Result<void> Append(const trial::Row& /*row*/) override { return {}; }
+  [[nodiscard]] Result<void> AddEvent(trial::Event /*event*/) override { return {}; }
+  [[nodiscard]] Result<void> FlushIfDue() override { return {}; }
+  [[nodiscard]] Result<void> Finish() override { return {}; }
+};
+
+}  // namespace haptometer::tools
+
+// acquire: a sensor's readings become a trial.
 
 namespace haptometer::tools {
 namespace {
@@ -262,6 +272,22 @@ int RunAcquire(int argc, const char* const* argv) {
   cli::CatchInterrupts();
   const std::vector<std::string> words(argv, argv + argc);
   return Run(options, wanted, *plan, *band, words);
+}
+
+trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,
+                                   const std::map<std::string, std::string>& labels,
+                                   std::string command_line) {
+  trial::TrialHeader header = sensor.header();
+  trial::Metadata& metadata = header.metadata;
+  if (!is_replay) {
+    std::array<char, 256> host{};
+    gethostname(host.data(), host.size() - 1);
+    metadata.host = Printable(host.data());
+    metadata.utc_start = UtcNow();
+  }
+  metadata.command_line = std::move(command_line);
+  for (const auto& [key, value] : labels) metadata.labels[key] = value;
+  return header;
 }
 
 }  // namespace haptometer::tools

@@ -2,21 +2,31 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/stream_line.h"
-#include "acquire/sensor/modbus/modbus_sensor.h"
-#include "acquire/sensor/modbus/sensor_profile.h"
-#include "acquire/sensor/paced_sensor.h"
-#include "acquire/sensor/pipe_channels.h"
+#include "acquire/sensor/keyence/il_settings.h"
+#include "acquire/sensor/keyence/keyence_il.h"
+#include "acquire/sensor/keyence/keyence_lkg.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "acquire/sensor/modbus_sensor.h"
 #include "acquire/sensor/pipe_sensor.h"
 #include "acquire/sensor/replay.h"
 #include "acquire/sensor/stream_sensor.h"
-#include "acquire/transport/input_pipe.h"
 #include "acquire/transport/modbus_port.h"
 #include "acquire/transport/open_port.h"
-#include "base/check.h"
-#include "tools/acquire/open_keyence.h"
-#include "tools/acquire/scene_sensor.h"
-#include "tools/acquire/sensor_kind.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "sim/sensor_model.h"
+#include "tools/acquire/sensor_options.h"
+#include "tools/simulate/simulated_trial.h"
+#include "trial/sensor_head.h"
 
 namespace haptometer::tools {
 namespace {
@@ -101,6 +111,188 @@ Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& c
       break;
   }
   return OpenStream(wanted, clock);
+}
+
+namespace {
+
+using acquire::Sensor;
+
+constexpr int kDefaultBaud = 9600;
+
+bool IsLkg(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceLkg); }
+bool IsEn1(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceEn1); }
+
+int BaudOf(const SensorOptions& wanted) {
+  return static_cast<int>(wanted.baud.value_or(kDefaultBaud));
+}
+
+std::optional<double> RateOf(const SensorOptions& wanted) {
+  return wanted.rate_hz ? std::optional(wanted.rate_hz->value) : std::nullopt;
+}
+
+std::optional<MonotonicNs> RefreshOf(const SensorOptions& wanted) {
+  return wanted.refresh_s ? std::optional(NsFromSeconds(wanted.refresh_s->value)) : std::nullopt;
+}
+
+std::optional<int> DecimalsOf(const SensorOptions& wanted) {
+  return wanted.decimals ? std::optional(static_cast<int>(*wanted.decimals)) : std::nullopt;
+}
+
+Result<std::vector<acquire::il_setting::Write>> WritesOf(const SensorOptions& wanted) {
+  std::vector<acquire::il_setting::Write> writes;
+  for (const std::string& text : wanted.settings) {
+    const auto parsed = acquire::il_setting::Parse(text);
+    if (!parsed) return std::unexpected(parsed.error());
+    writes.insert(writes.end(), parsed->begin(), parsed->end());
+  }
+  return writes;
+}
+
+Result<std::unique_ptr<Sensor>> OpenIl(const SensorOptions& wanted, Clock& clock) {
+  const bool is_en1 = IsEn1(wanted);
+  const auto writes = WritesOf(wanted);
+  if (!writes) return std::unexpected(writes.error());
+  // a bare host has the unit's own port
+  std::error_code error;
+  const bool is_host = is_en1 && !std::filesystem::exists(wanted.port, error);
+  const std::string name = is_host ? acquire::dl_en1::WithPort(wanted.port) : wanted.port;
+  auto port = acquire::OpenPort(name, BaudOf(wanted));
+  if (!port) return std::unexpected(port.error());
+  acquire::KeyenceIlSetup setup{
+      .baud = BaudOf(wanted),
+      .refresh_ns = RefreshOf(wanted),
+      .unit = is_en1 ? acquire::IlUnit::kDlEn1 : acquire::IlUnit::kDlRs1a,
+      .command = wanted.command == "ms" ? acquire::dl::Command::kMs : acquire::dl::Command::kM0,
+      .rate_hz = RateOf(wanted),
+      .writes = *writes,
+      .device_zero = wanted.device_zero,
+      .decimals = DecimalsOf(wanted)};
+  return std::make_unique<acquire::KeyenceIl>(std::move(*port), std::move(setup), clock);
+}
+
+Result<std::unique_ptr<Sensor>> OpenLkg(const SensorOptions& wanted, Clock& clock) {
+  using acquire::lkg::Command;
+  auto port = acquire::OpenPort(wanted.port, BaudOf(wanted));
+  if (!port) return std::unexpected(port.error());
+  const Command command = wanted.command == "m0"   ? Command::kM0
+                          : wanted.command == "m2" ? Command::kM2
+                                                   : Command::kM1;
+  const acquire::KeyenceLkgSetup setup{.baud = BaudOf(wanted),
+                                       .command = command,
+                                       .rate_hz = RateOf(wanted),
+                                       .refresh_ns = RefreshOf(wanted),
+                                       .decimals = DecimalsOf(wanted)};
+  return std::make_unique<acquire::KeyenceLkg>(std::move(*port), setup, clock);
+}
+
+Result<void> CheckCommand(const SensorOptions& wanted) {
+  if (wanted.command.empty() || wanted.command == "m0") return {};
+  const bool is_ms = wanted.command == "ms";
+  if (IsLkg(wanted) && is_ms) {
+    return Usage("--command", "ms is a command of the IL series",
+                 "use m1, m2 or m0 (both outputs)");
+  }
+  if (!IsLkg(wanted) && !is_ms) {
+    return Usage("--command", wanted.command + " is a command of the LK-G series",
+                 "use m0, or ms to record the outputs too");
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> CheckKeyence(const SensorOptions& wanted, const SensorKind& kind) {
+  if (!kind.is_il && !wanted.settings.empty()) {
+    return Usage("--set", "is for the amplifiers of the IL series", "leave it out");
+  }
+  if (!kind.is_il && wanted.device_zero) {
+    return Usage("--device-zero", "is for the amplifiers of the IL series", "leave it out");
+  }
+  if (wanted.decimals && !IsEn1(wanted) && !IsLkg(wanted)) {
+    return Usage("--decimals", "is for keyence-en1 and keyence-lkg: others send the point",
+                 "leave it out");
+  }
+  if (!kind.is_keyence) {
+    if (wanted.command.empty()) return {};
+    return Usage("--command", "is for keyence-en1, keyence-il and keyence-lkg", "leave it out");
+  }
+  const auto& bauds = acquire::dl_rs1a::kBauds;
+  if (kind.type == SensorType::kKeyenceIl &&
+      std::ranges::find(bauds, BaudOf(wanted)) == bauds.end()) {
+    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", BaudOf(wanted)),
+                 "use 2400, 4800, 9600, 19200 or 38400");
+  }
+  if (auto writes = WritesOf(wanted); !writes) return std::unexpected(writes.error());
+  return CheckCommand(wanted);
+}
+
+Result<std::unique_ptr<Sensor>> OpenKeyence(const SensorOptions& wanted, Clock& clock) {
+  return IsLkg(wanted) ? OpenLkg(wanted, clock) : OpenIl(wanted, clock);
+}
+
+namespace {
+
+class SceneSensor final : public acquire::Sensor {
+ public:
+  SceneSensor(const sim::Scene& scene, const std::string& path)
+      : sensor_(*scene.sensor),
+        motion_(sim::SensedMotion(scene)),
+        rows_(static_cast<std::int64_t>(std::floor(scene.duration_s.value_or(sim::kLongestRunS) *
+                                                   sensor_.rate_hz * (1 + 1e-12)))) {
+    // one row tells what the others are
+    trial::Record record = sim::SimulateRecord(scene, 1 / sensor_.rate_hz);
+    header_.timing = trial::Timing::kUniform;
+    header_.rate_hz = sensor_.rate_hz;
+    header_.channels = {FormatOf(record.channels.front())};
+    header_.metadata = std::move(record.metadata);
+    header_.metadata.fields["scene"] = Printable(path);
+  }
+
+  Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
+  const trial::TrialHeader& header() const override { return header_; }
+  std::vector<std::string> Remarks() const override { return remarks; }
+  MonotonicNs Begin() override {
+    next_ = 0;
+    return 0;
+  }
+  acquire::Outcome Next(acquire::Reading& reading) override {
+    if (next_ >= rows_) return acquire::Outcome::kEnd;
+    const trial::HeadReading read = trial::ReadingAt(
+        sensor_.head, motion_, next_ * sim::SamplesPerReading(sensor_), sensor_.seed);
+    reading.index = next_++;
+    // as a trial of `simulate`: no number beside what is no measurement
+    const double value_m = trial::IsMeasurement(read.status) ? read.value_m : std::nan("");
+    reading.samples.assign(1, {RawOf(header_.channels.front(), value_m), read.status});
+    return acquire::Outcome::kReading;
+  }
+  std::uint64_t discarded_bytes() const override { return 0; }
+
+  std::vector<std::string> remarks;
+
+ private:
+  sim::Sensor sensor_;
+  trial::Displacement motion_;
+  std::int64_t rows_;
+  std::int64_t next_ = 0;
+  trial::TrialHeader header_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
+  auto scene = ReadPlayedScene(path);
+  if (!scene) return std::unexpected(scene.error());
+  const bool is_ideal = !scene->sensor;
+  if (is_ideal) scene->sensor = sim::IdealSensor();
+  if (scene->duration_s && *scene->duration_s * scene->sensor->rate_hz < 1) {
+    return CannotAnswer(path, "is shorter than one reading of its sensor",
+                        "give [run] a longer duration_s");
+  }
+  auto sensor = std::make_unique<SceneSensor>(*scene, path);
+  if (is_ideal) {
+    sensor->remarks.emplace_back("no [sensor]: an ideal one on the skin at 10 kHz is assumed");
+  }
+  return sensor;
 }
 
 }  // namespace haptometer::tools

@@ -1,3 +1,5 @@
+#include "tools/analyze/analyze.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,23 +11,19 @@
 #include <utility>
 #include <vector>
 
-#include "base/printable.h"
+#include "base/text.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
-#include "tools/analyze/analysis_json.h"
-#include "tools/analyze/analysis_lines.h"
-#include "tools/analyze/analysis_panels.h"
-#include "tools/analyze/analysis_report.h"
-#include "tools/analyze/analyze_options.h"
-#include "tools/analyze/spectrum_output.h"
-#include "tools/analyze/sweep_output.h"
-#include "tools/cli/command_line.h"
+#include "tools/analyze/analysis_document.h"
+#include "tools/analyze/analysis_figures.h"
+#include "tools/analyze/analyze_question.h"
+#include "tools/analyze/spectrum_tables.h"
+#include "tools/analyze/sweep_document.h"
 #include "tools/cli/json.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/drive_off_floor.h"
+#include "tools/cli/terminal.h"
 #include "tools/verbs.h"
-#include "trial/open_rows.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
@@ -256,6 +254,28 @@ int RunAnalyze(int argc, const char* const* argv) {
     }
   }
   return StatusOf(files);
+}
+
+Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuestion& question,
+                                  const trial::ImportOptions& import, int threads) {
+  const auto fail = [&](Error error) -> Result<dsp::NoiseFloor> {
+    if (error.where.empty()) error.where = path;
+    return std::unexpected(std::move(error));
+  };
+  const auto opened = trial::OpenRows(path, import, threads);
+  if (!opened) return fail(opened.error());
+  dsp::BandQuestion of_silence = question;
+  of_silence.choice = dsp::WindowChoice::kAll;
+  of_silence.floor.reset();
+  of_silence.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(*opened->rows, of_silence, threads);
+  if (!analysis) return fail(analysis.error());
+  const auto floor = dsp::FloorOf(*analysis, path);
+  if (floor) return *floor;
+  return CannotAnswer(
+      path,
+      analysis->reasons.empty() ? "tells no noise floor in the band" : analysis->reasons.front(),
+      "record the sensor at rest, drive off, as long and as fast as the trials");
 }
 
 }  // namespace haptometer::tools

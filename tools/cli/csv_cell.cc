@@ -4,7 +4,7 @@
 #include <array>
 #include <charconv>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 namespace {

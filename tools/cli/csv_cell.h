@@ -8,7 +8,7 @@ namespace haptometer::cli {
 
 /// `text` as a cell of a table with commas that a program for spreadsheets shows as it is.
 ///
-/// What is not printable is escaped (base/printable.h). Such a program takes a cell for a formula
+/// What is not printable is escaped (base/text.h). Such a program takes a cell for a formula
 /// that begins with one of `=`, `+`, `-`, `@` or their full-width forms: a text that does, or that
 /// begins with apostrophes before one of them, gets an apostrophe in front, unless it is a number.
 /// CellsOf() takes it off again, so every printable text comes back as it was. The cell stands in

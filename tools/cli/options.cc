@@ -8,10 +8,9 @@
 #include <cstdio>
 
 #include "base/input_file.h"
-#include "base/nearest.h"
-#include "base/printable.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::cli {
 namespace {
@@ -153,7 +152,7 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.add_flag("-h,--help", state_->help, "Show this help");
   app.add_flag("--help-all", state_->help_all, "Show every option");
   app.add_flag("--version", state_->version, "Show the version");
-  app.add_flag("--json", state_->json, "Print one JSON document (docs/commands.md)");
+  app.add_flag("--json", state_->json, "Print one JSON document (docs/reference/)");
 }
 
 Options::~Options() = default;

@@ -68,7 +68,7 @@ class Options {
 
   /// Reads the command line. Returns the exit status to leave with (0 after --help or --version, 2
   /// after a wrong option, which is reported on stderr in one line), or nothing to go on. What an
-  /// option takes is refused where it is not printable (base/printable.h), because it may become a
+  /// option takes is refused where it is not printable (base/text.h), because it may become a
   /// label, a name or a path of a new file; names of files that are read are not, in Positionals()
   /// and Groups(). Files that other words than those of Output() name are noted as inputs
   /// (base/input_file.h); those that the verb finds in folders, scenes and manifests are noted when

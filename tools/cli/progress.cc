@@ -4,10 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
+#include <utility>
 
-#include "base/printable.h"
+#include "base/text.h"
 
 namespace haptometer::cli {
 namespace {
@@ -43,6 +47,76 @@ std::string ProgressBar(std::string_view what, double share, double elapsed_s) {
                                 kWidth - filled, std::floor(100 * done));
   if (done > 0) bar += fmt::format(", {:.0f} s left", elapsed_s * (1 - done) / done);
   return bar;
+}
+
+namespace {
+
+constexpr std::chrono::milliseconds kQuiet{2000};
+constexpr std::chrono::milliseconds kRefresh{200};
+constexpr std::chrono::milliseconds kLineEvery{10'000};
+
+constexpr std::array kInterrupts{SIGINT, SIGTERM};
+
+// a line stands on the terminal without an end
+volatile std::sig_atomic_t line_is_open = 0;
+
+extern "C" void EndAtOnce(int signal) {
+  if (line_is_open != 0) {
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, "\n", 1);
+  }
+  ::_exit(128 + signal);
+}
+
+}  // namespace
+
+WorkProgress::WorkProgress(std::string_view verb, std::string advice)
+    : verb_(verb),
+      advice_(std::move(advice)),
+      begun_ns_(clock_.Now()),
+      on_terminal_(::isatty(STDERR_FILENO) == 1) {
+  struct sigaction ends{};
+  ends.sa_handler = EndAtOnce;
+  for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
+    sigaction(kInterrupts[k], nullptr, &before_[k]);
+    // what is ignored, as by nohup, stays ignored
+    if (before_[k].sa_handler != SIG_IGN) sigaction(kInterrupts[k], &ends, nullptr);
+  }
+  telling_ = std::thread([this] {
+    std::unique_lock lock(mutex_);
+    const auto done = [this] { return done_; };
+    for (auto wait = kQuiet; !changed_.wait_for(lock, wait, done);
+         wait = on_terminal_ ? kRefresh : kLineEvery) {
+      Say(SecondsFromNs(clock_.Now() - begun_ns_));
+    }
+  });
+}
+
+WorkProgress::~WorkProgress() {
+  {
+    const std::scoped_lock lock(mutex_);
+    done_ = true;
+  }
+  changed_.notify_all();
+  telling_.join();
+  if (shown_ && on_terminal_) fmt::print(stderr, "\r\033[K");
+  line_is_open = 0;
+  for (std::size_t k = 0; k < kInterrupts.size(); ++k) {
+    sigaction(kInterrupts[k], &before_[k], nullptr);
+  }
+}
+
+void WorkProgress::Say(double elapsed_s) {
+  std::string line = WorkLine(verb_, what_, share_, elapsed_s);
+  if (!shown_) line += "; " + advice_;
+  shown_ = true;
+  line_is_open = on_terminal_ ? 1 : 0;
+  fmt::print(stderr, "{}{}{}", on_terminal_ ? "\r\033[K" : "", line, on_terminal_ ? "" : "\n");
+  std::fflush(stderr);
+}
+
+std::string WorkLine(std::string_view verb, std::string_view what, double share, double elapsed_s) {
+  return fmt::format("{}: {}: {:.0f} % of the most work that is tried, {:.0f} s; Ctrl-C ends it",
+                     verb, what, std::floor(100 * std::clamp(share, 0.0, 1.0)), elapsed_s);
 }
 
 }  // namespace haptometer::cli

@@ -1,8 +1,13 @@
 #pragma once
 
+#include <array>
+#include <condition_variable>
+#include <csignal>
 #include <cstdint>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 
 #include "base/clock.h"
 
@@ -34,5 +39,47 @@ class Progress {
 
 /// "trial.bin  [##########----------]  50 %, 12 s left": `elapsed_s` tells what is left.
 [[nodiscard]] std::string ProgressBar(std::string_view what, double share, double elapsed_s);
+
+/// What long work says on stderr, from two seconds after its begin on: what is being done, how much
+/// of the most work that is tried is done, for how long it has gone on, how to end it. On a
+/// terminal one line that is written over and wiped at the end, else a line every ten seconds.
+///
+/// While this object lives Ctrl-C ends the program with status 130 at once, SIGTERM with 143.
+class WorkProgress {
+ public:
+  /// `verb` and `advice` are said with it: "simulate", "a shorter --duration takes less".
+  WorkProgress(std::string_view verb, std::string advice);
+  ~WorkProgress();
+  WorkProgress(const WorkProgress&) = delete;
+  WorkProgress& operator=(const WorkProgress&) = delete;
+
+  /// Cost: a lock that is hardly ever waited for.
+  void Update(std::string_view what, double share) {
+    const std::scoped_lock lock(mutex_);
+    what_ = what;
+    share_ = share;
+  }
+
+ private:
+  void Say(double elapsed_s);
+
+  std::string_view verb_;
+  std::string advice_;
+  SystemClock clock_;
+  MonotonicNs begun_ns_;
+  bool on_terminal_;
+  std::array<struct sigaction, 2> before_{};  // what SIGINT and SIGTERM did
+  bool shown_ = false;
+  std::mutex mutex_;
+  std::string what_ = "working";
+  double share_ = 0;
+  std::condition_variable changed_;
+  bool done_ = false;
+  std::thread telling_;
+};
+
+/// "simulate: playing the run: 37 % of the most that is tried, 12 s; Ctrl-C ends it".
+[[nodiscard]] std::string WorkLine(std::string_view verb, std::string_view what, double share,
+                                   double elapsed_s);
 
 }  // namespace haptometer::cli

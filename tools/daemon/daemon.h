@@ -1,6 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
+
+#include "base/clock.h"
+#include "tools/cli/options.h"
 
 namespace haptometer::tools {
 
@@ -8,5 +12,28 @@ namespace haptometer::tools {
 /// goes, and answers `acquire --status`. Returns the exit status: 0 once it was asked to end and
 /// all trials are closed; that of the error when the file is wrong or its socket cannot be had.
 [[nodiscard]] int RunDaemon(const std::string& config_path, const std::string& command_line);
+
+/// The options of acquire that ask for the daemon, or for one that runs.
+struct DaemonOptions {
+  std::string config;  ///< --daemon
+  bool wants_status = false;
+  std::string asked;  ///< --status: a socket, a daemon's file, or empty for the one there is
+};
+
+void DeclareDaemon(cli::Options& options, DaemonOptions& wanted);
+
+/// Does what they ask for and returns the exit status, or nothing where they ask for nothing. What
+/// else stands on the command line is refused: the daemon's file says it.
+[[nodiscard]] std::optional<int> RunDaemonOptions(const cli::Options& options,
+                                                  const DaemonOptions& wanted, int argc,
+                                                  const char* const* argv);
+
+/// Tells the service manager that started this process (sd_notify(3)): "READY=1\nSTATUS=...".
+/// Nothing happens where none did.
+void NotifyService(const std::string& assignments);
+
+/// Within which time the service manager wants a sign of life ("WATCHDOG=1"), where it does
+/// (sd_watchdog_enabled(3)).
+[[nodiscard]] std::optional<MonotonicNs> WatchdogInterval();
 
 }  // namespace haptometer::tools

@@ -3,12 +3,18 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
 #include <set>
+#include <string>
+#include <string_view>
+#include <variant>
 
-#include "base/toml_table.h"
-#include "tools/acquire/sensor_kind.h"
-#include "tools/daemon/sensor_keys.h"
-#include "tools/longest_time.h"
+#include "base/toml.h"
+#include "tools/acquire/recording.h"
+#include "tools/acquire/sensor_options.h"
 
 namespace haptometer::tools {
 namespace {
@@ -137,6 +143,121 @@ Result<DaemonConfig> ParseDaemonConfig(std::string_view text, const std::string&
   auto table = TomlTable::ParseText(text, where);
   if (!table) return std::unexpected(table.error());
   return Read(std::move(*table));
+}
+
+namespace {
+
+struct TextKey {
+  std::string SensorOptions::* field;
+};
+struct CountKey {
+  std::optional<std::int64_t> SensorOptions::* field;
+  std::int64_t least;
+  std::int64_t most;
+};
+struct QuantityKey {
+  std::optional<Quantity> SensorOptions::* field;
+  Dimension dimension;
+};
+
+struct Key {
+  std::string_view name;
+  std::variant<TextKey, CountKey, QuantityKey> kind;
+};
+
+// one line a key
+constexpr std::array kKeys{
+    Key{"sensor", TextKey{&SensorOptions::sensor}},
+    Key{"port", TextKey{&SensorOptions::port}},
+    Key{"format", TextKey{&SensorOptions::format}},
+    Key{"baud", CountKey{&SensorOptions::baud, 50, 4'000'000}},
+    Key{"refresh_s", QuantityKey{&SensorOptions::refresh_s, Dimension::kTime}},
+    Key{"rate_hz", QuantityKey{&SensorOptions::rate_hz, Dimension::kFrequency}},
+    Key{"command", TextKey{&SensorOptions::command}},
+    Key{"decimals", CountKey{&SensorOptions::decimals, 0, 5}},
+    Key{"profile", TextKey{&SensorOptions::profile}},
+    Key{"slave", CountKey{&SensorOptions::slave, 0, 255}},
+};
+
+// how each kind of key is read
+struct ReadInto {
+  TomlTable& table;
+  std::string_view name;
+  SensorOptions& options;
+
+  void operator()(const TextKey& key) const {
+    if (auto text = table.Text(name)) options.*key.field = std::move(*text);
+  }
+  void operator()(const CountKey& key) const {
+    const auto count = table.Integer(name);
+    if (!count) return;
+    if (*count < key.least || *count > key.most) {
+      table.Refuse(name, fmt::format("{} is not from {} to {}", *count, key.least, key.most));
+    }
+    options.*key.field = *count;
+  }
+  void operator()(const QuantityKey& key) const {
+    if (table.Has(name)) options.*key.field = table.RequireQuantity(name, key.dimension);
+  }
+};
+
+}  // namespace
+
+SensorOptions ReadSensorKeys(TomlTable& table) {
+  SensorOptions options;
+  for (const Key& key : kKeys) std::visit(ReadInto{table, key.name, options}, key.kind);
+  return options;
+}
+
+std::vector<std::string_view> SensorKeyNames() {
+  std::vector<std::string_view> names;
+  names.reserve(kKeys.size());
+  for (const Key& key : kKeys) names.push_back(key.name);
+  return names;
+}
+
+namespace {
+
+void Replace(std::string& text, std::string_view placeholder, std::string_view by) {
+  for (std::size_t at = 0; (at = text.find(placeholder, at)) != std::string::npos;) {
+    text.replace(at, placeholder.size(), by);
+    at += by.size();
+  }
+}
+
+std::string Filled(std::string_view pattern, std::string_view name, std::string_view utc,
+                   std::uint64_t part) {
+  std::string text(pattern);
+  Replace(text, "{name}", name);
+  Replace(text, "{utc}", utc);
+  Replace(text, "{part}", fmt::format("{:04}", part));
+  return text;
+}
+
+}  // namespace
+
+Result<void> CheckPattern(std::string_view file, std::size_t sensors, std::string_view where) {
+  constexpr const char* kRemedy = "write a name with {name}, {utc} and {part} in it";
+  if (file.empty()) return Usage(std::string(where), "is empty", kRemedy);
+  const std::string filled = Filled(file, "n", "u", 1);
+  if (filled.find_first_of(std::string_view("/\0", 2)) != std::string::npos) {
+    return Usage(std::string(where), "is a path", "name the directory under `directory`");
+  }
+  if (filled.find_first_of("{}") != std::string::npos) {
+    return Usage(std::string(where), fmt::format("\"{}\" has a brace that means nothing", file),
+                 kRemedy);
+  }
+  if (sensors > 1 && !file.contains("{name}")) {
+    return Usage(std::string(where), fmt::format("\"{}\" names all sensors' trials the same", file),
+                 "write {name} in it");
+  }
+  return {};
+}
+
+std::string NextTrialPath(const TrialPattern& pattern, std::string_view name, std::string_view utc,
+                          std::uint64_t part) {
+  const std::string file = Filled(pattern.file, name, CompactUtc(utc), part);
+  return FirstFreePath((std::filesystem::path(pattern.directory) / file).string(), '-');
 }
 
 }  // namespace haptometer::tools

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -8,15 +9,32 @@
 #include <thread>
 
 #include "acquire/recorder/recorder.h"
-#include "acquire/recorder/trial_rotation.h"
+#include "acquire/recorder/row_sink.h"
 #include "acquire/sensor/reconnecting_sensor.h"
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/daemon/daemon_config.h"
-#include "tools/daemon/pulse.h"
-#include "tools/daemon/status_report.h"
+#include "tools/daemon/status.h"
 
 namespace haptometer::tools {
+
+/// The signs of life of one thread, for the watchdog. Written by that thread, read by any.
+class Pulse {
+ public:
+  void Beat(MonotonicNs now_ns) { beat_ns_.store(now_ns); }
+  /// The thread is over, or not begun: nobody expects a beat.
+  void Rest() { beat_ns_.store(kResting); }
+
+  /// Whether it rests or has beaten within the last `longest_ns`.
+  [[nodiscard]] bool IsAlive(MonotonicNs now_ns, MonotonicNs longest_ns) const {
+    const MonotonicNs beat_ns = beat_ns_.load();
+    return beat_ns == kResting || now_ns - beat_ns <= longest_ns;
+  }
+
+ private:
+  static constexpr MonotonicNs kResting = -1;
+  std::atomic<MonotonicNs> beat_ns_{kResting};
+};
 
 /// One sensor of the daemon, in its own thread until it is stopped: waits for room on the disk and
 /// for the device, records trials, and begins again whenever that ends.
@@ -85,6 +103,44 @@ class SensorLoop {
   std::optional<Error> refused_;
 
   std::thread thread_;  ///< last: it uses all of the above
+};
+
+/// Bytes that may still be written below `directory`; empty where the system does not tell.
+[[nodiscard]] std::optional<std::uint64_t> FreeBytes(const std::string& directory);
+
+/// Hands rows on to trials as long as the disk has room, and ends the recording before it is full.
+///
+/// Five times a second it looks at what is free; below the reserve it asks the recording to stop,
+/// and the last trial is closed with a remark that says why. Used by the writing thread.
+class GuardedTrials final : public acquire::RowSink {
+ public:
+  struct Watched {
+    std::string directory;
+    std::uint64_t reserve_bytes;
+    std::atomic<bool>& stop;  ///< set when the room is gone
+    Pulse& pulse;             ///< beats with every look at what waits to be written
+  };
+
+  /// All must outlive the sink.
+  GuardedTrials(acquire::RowSink& trials, Watched watched, Clock& clock)
+      : trials_(trials), watched_(std::move(watched)), clock_(clock) {}
+
+  [[nodiscard]] Result<void> Append(const trial::Row& row) override;
+  [[nodiscard]] Result<void> AddEvent(trial::Event event) override;
+  [[nodiscard]] Result<void> FlushIfDue() override;
+  [[nodiscard]] Result<void> Finish() override;
+
+  /// Whether it stopped the recording.
+  [[nodiscard]] bool disk_is_low() const { return disk_is_low_; }
+
+ private:
+  void LookAtDisk();
+
+  acquire::RowSink& trials_;
+  Watched watched_;
+  Clock& clock_;
+  MonotonicNs next_look_ns_ = 0;
+  bool disk_is_low_ = false;
 };
 
 }  // namespace haptometer::tools

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "base/check.h"
+#include "base/error.h"
 
 namespace haptometer::document {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 #include "tools/document/render.h"
 #include "tools/report/html_page.h"
 

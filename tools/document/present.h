@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/document/document.h"
 
 /// The thin face of every verb: what is shown where.

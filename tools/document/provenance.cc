@@ -11,8 +11,8 @@
 
 #include "base/clock.h"
 #include "base/input_file.h"
-#include "base/printable.h"
-#include "tools/cli/command_line.h"
+#include "base/text.h"
+#include "tools/cli/terminal.h"
 
 namespace haptometer::document {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/document/document.h"
 
 /// The forms of a document, each written once for all verbs.

@@ -1,3 +1,5 @@
+#include "base/text.h"
+
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
@@ -5,8 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "base/check.h"
-#include "base/printable.h"
+#include "base/error.h"
 #include "tools/document/render.h"
 
 namespace haptometer::document {

@@ -6,12 +6,12 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "base/printable.h"
-#include "fit/adapter_fit.h"
+#include "base/text.h"
+#include "fit/adapter/adapter_fit.h"
 #include "tools/cli/json.h"
-#include "tools/cli/report.h"
-#include "tools/fit/fitted_value_output.h"
-#include "trial/read_recording.h"
+#include "tools/cli/terminal.h"
+#include "tools/fit/fit_lra_document.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {

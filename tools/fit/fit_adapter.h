@@ -21,8 +21,9 @@ struct AdapterWords {
 /// Declares --adapter FILE... and --mass.
 void DeclareAdapter(cli::Options* options, AdapterWords* words);
 
-/// Answers `fit-lra --adapter tap.bin --mass 4.6g`: reads the recordings, fits (fit/adapter_fit.h),
-/// prints Ka and Ba as text or JSON. Returns the program's exit status.
+/// Answers `fit-lra --adapter tap.bin --mass 4.6g`: reads the recordings, fits
+/// (fit/adapter/adapter_fit.h), prints Ka and Ba as text or JSON. Returns the program's exit
+/// status.
 ///
 /// @param has_drops whether drops are given too, which is refused
 [[nodiscard]] int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import,

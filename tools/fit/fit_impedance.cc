@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
-#include "fit/impedance_fit.h"
-#include "sim/actuator.h"
+#include "fit/impedance/impedance_fit.h"
+#include "sim/scene/actuator.h"
 #include "tools/cli/json.h"
-#include "tools/cli/report.h"
-#include "tools/fit/fit_impedance_panels.h"
-#include "tools/fit/fit_lra_save.h"
-#include "tools/fit/fitted_value_output.h"
+#include "tools/cli/terminal.h"
+#include "tools/fit/fit_figures.h"
+#include "tools/fit/fit_lra_document.h"
+#include "tools/fit/saved_actuator.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/study/text_table.h"
 

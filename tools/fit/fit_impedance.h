@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "tools/fit/fit_lra_input.h"
+#include "tools/fit/drop_records.h"
 
 namespace haptometer::tools {
 
@@ -14,8 +14,8 @@ struct ImpedanceFiles {
   bool overwrite = false;  ///< of `save`
 };
 
-/// Answers `fit-lra --impedance z.csv`: reads the sweep, fits (fit/impedance_fit.h), prints the
-/// constants as text or JSON, draws and saves them. Returns the program's exit status.
+/// Answers `fit-lra --impedance z.csv`: reads the sweep, fits (fit/impedance/impedance_fit.h),
+/// prints the constants as text or JSON, draws and saves them. Returns the program's exit status.
 ///
 /// The table has the columns frequency_hz (or frequency), impedance_ohm (or ohm) and phase_deg (or
 /// degrees), voltage against current; RFC 4180, '#' begins a comment. Of `options` the masses, R,

@@ -6,23 +6,18 @@
 #include <string>
 #include <utility>
 
-#include "fit/drop_test_fit.h"
-#include "fit/plausibility.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/import_words.h"
+#include "fit/drop_test/drop_test_fit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
+#include "tools/cli/shared_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/fit/drop_records.h"
 #include "tools/fit/fit_adapter.h"
+#include "tools/fit/fit_figures.h"
 #include "tools/fit/fit_impedance.h"
-#include "tools/fit/fit_lra_input.h"
-#include "tools/fit/fit_lra_json.h"
-#include "tools/fit/fit_lra_output.h"
-#include "tools/fit/fit_lra_panels.h"
-#include "tools/fit/fit_lra_report.h"
-#include "tools/fit/fit_lra_save.h"
-#include "tools/fit/fit_plan.h"
-#include "tools/fit/fit_plan_options.h"
+#include "tools/fit/fit_lra_document.h"
+#include "tools/fit/plan_drop_test.h"
+#include "tools/fit/saved_actuator.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/report/html_page.h"
 #include "tools/verbs.h"
@@ -89,7 +84,7 @@ struct FitLraFiles {
 void Declare(cli::Options& options, FitLraOptions& wanted, cli::ImportWords& import,
              FitLraFiles& files) {
   options.Positionals("files", &wanted.files,
-                      "time_s,voltage_v with '# key = value' lines (docs/commands.md)", 0);
+                      "time_s,voltage_v with '# key = value' lines (docs/reference/fit-lra.md)", 0);
   options.Groups("--open", &wanted.open, "FILE...", "Records with open terminals");
   options.Groups("--load", &wanted.loads, "OHM FILE...",
                  "Records with a resistor across the terminals; may be repeated");

@@ -1,18 +1,26 @@
+#include "tools/fit/fit_skin.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "fit/skin_areas.h"
-#include "fit/skin_fit.h"
-#include "sim/actuator.h"
+#include "base/text.h"
+#include "fit/skin/skin_areas.h"
+#include "fit/skin/skin_fit.h"
+#include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
-#include "tools/cli/report.h"
-#include "tools/fit/fit_skin_input.h"
-#include "tools/fit/fit_skin_output.h"
+#include "tools/cli/terminal.h"
+#include "tools/fit/fit_skin_document.h"
 #include "tools/plot/gnuplot.h"
+#include "tools/study/text_table.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -81,7 +89,7 @@ int RunFitSkin(int argc, const char* const* argv) {
   std::string plot;
   options.Positionals("tables", &files,
                       "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
-                      "columns (docs/commands.md)");
+                      "columns (docs/reference/fit-skin.md)");
   options.Text("--actuator", &actuator_name, "NAME|FILE",
                "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
   options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
@@ -125,6 +133,205 @@ int RunFitSkin(int argc, const char* const* argv) {
     return cli::ReportError(kVerb, drawn.error());
   }
   return status;
+}
+
+namespace {
+
+// a column's name and what its numbers are multiplied by
+struct Known {
+  std::string_view name;
+  double factor;
+};
+
+constexpr double kRms = std::numbers::sqrt2;
+constexpr Known kDisplacements[]{{"displacement_amplitude_m", 1},
+                                 {"displacement_amplitude_mm", 1e-3},
+                                 {"displacement_amplitude_um", 1e-6},
+                                 {"displacement_rms_m", kRms},
+                                 {"displacement_rms_mm", kRms * 1e-3},
+                                 {"displacement_rms_um", kRms * 1e-6},
+                                 {"skin_rms_m", kRms}};  // of sweep
+constexpr Known kCurrents[]{{"current_amplitude_a", 1},
+                            {"current_amplitude_ma", 1e-3},
+                            {"current_rms_a", kRms},
+                            {"current_rms_ma", kRms * 1e-3}};
+constexpr Known kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
+constexpr Known kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
+                                 {"displacement_standard_uncertainty_um", 1e-6}};
+
+// amplitudes over that of the drive, as analyze --sweep --response writes them
+constexpr Known kPerCurrent[]{{"amplitude_m_per_a", 1}};
+constexpr Known kPerVoltage[]{{"amplitude_m_per_v", 1}};
+
+using Column = std::optional<std::vector<double>>;
+
+// the one of `known` that the table has; nothing where it has none
+Result<Column> Find(const TextTable& table, std::span<const Known> known) {
+  Column found;
+  std::string_view name;
+  for (const Known& column : known) {
+    if (!table.columns.contains(std::string(column.name))) continue;
+    if (found) {
+      return CannotAnswer(table.name, fmt::format("has both {} and {}", name, column.name),
+                          "leave one out");
+    }
+    auto numbers = NumbersOf(table, std::string(column.name));
+    if (!numbers) return std::unexpected(numbers.error());
+    for (double& number : *numbers) number *= column.factor;
+    found = std::move(*numbers);
+    name = column.name;
+  }
+  return found;
+}
+
+Result<std::vector<double>> Required(const TextTable& table, std::span<const Known> known,
+                                     const char* what, const char* remedy) {
+  auto column = Find(table, known);
+  if (!column) return std::unexpected(column.error());
+  if (*column) return std::move(**column);
+  return CannotAnswer(table.name, fmt::format("has no {} with its unit", what), remedy);
+}
+
+// the columns of a table
+struct Columns {
+  std::vector<double> frequencies_hz;
+  std::vector<double> displacements_m;
+  std::vector<double> drives;
+  fit::DriveQuantity drive = fit::DriveQuantity::kCurrent;
+  Column phases_deg;
+  Column uncertainties_m;
+  Column areas_mm2;
+};
+
+// displacements over the drive's amplitude, with the phase between the two; false where the table
+// has none
+Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
+  constexpr Known kPhase[]{{"phase_rad", 180 / std::numbers::pi}};
+  auto per_current = Find(table, kPerCurrent);
+  if (!per_current) return std::unexpected(per_current.error());
+  auto per_voltage = Find(table, kPerVoltage);
+  if (!per_voltage) return std::unexpected(per_voltage.error());
+  if (!*per_current && !*per_voltage) {
+    const bool is_response =
+        table.columns.contains("amplitude_m") || table.columns.contains("amplitude_m_per_unit");
+    if (!is_response) return false;
+    return CannotAnswer(
+        table.name, "is the response of a sweep whose drive was not recorded in A or V",
+        "record the coil's current or voltage as a channel beside the displacement");
+  }
+  columns->drive = *per_current ? fit::DriveQuantity::kCurrent : fit::DriveQuantity::kVoltage;
+  columns->displacements_m = std::move(*per_current ? **per_current : **per_voltage);
+  columns->drives.assign(columns->displacements_m.size(), 1);
+  auto phases = Find(table, kPhase);
+  if (!phases) return std::unexpected(phases.error());
+  columns->phases_deg = std::move(*phases);
+  return true;
+}
+
+Result<void> ReadDrive(const TextTable& table, Columns* columns) {
+  auto current = Find(table, kCurrents);
+  if (!current) return std::unexpected(current.error());
+  if (*current) {
+    columns->drives = std::move(**current);
+    return {};
+  }
+  auto voltage = Required(table, kVoltages, "drive",
+                          "its header needs current_amplitude_a (or _ma, current_rms_a, _ma), or "
+                          "voltage_amplitude_v");
+  if (!voltage) return std::unexpected(voltage.error());
+  columns->drives = std::move(*voltage);
+  columns->drive = fit::DriveQuantity::kVoltage;
+  return {};
+}
+
+Result<Columns> ReadColumns(const TextTable& table) {
+  constexpr Known kFrequency[]{{"frequency_hz", 1}, {"drive.frequency_hz", 1}};
+  constexpr Known kPhase[]{{"phase_deg", 1}};
+  constexpr Known kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
+  Columns columns;
+  auto frequency =
+      Required(table, kFrequency, "frequency", "its header needs the column frequency_hz");
+  if (!frequency) return std::unexpected(frequency.error());
+  columns.frequencies_hz = std::move(*frequency);
+  const auto is_response = ReadResponse(table, &columns);
+  if (!is_response) return std::unexpected(is_response.error());
+  if (*is_response) return columns;
+  auto displacement = Required(table, kDisplacements, "displacement",
+                               "its header needs displacement_amplitude_um (or _m, _mm, or "
+                               "displacement_rms_um, _m, _mm)");
+  if (!displacement) return std::unexpected(displacement.error());
+  columns.displacements_m = std::move(*displacement);
+  if (auto drive = ReadDrive(table, &columns); !drive) return std::unexpected(drive.error());
+  const std::pair<std::span<const Known>, Column*> kOptional[]{
+      {kPhase, &columns.phases_deg},
+      {kUncertainties, &columns.uncertainties_m},
+      {kArea, &columns.areas_mm2}};
+  for (const auto& [known, column] : kOptional) {
+    auto found = Find(table, known);
+    if (!found) return std::unexpected(found.error());
+    *column = std::move(*found);
+  }
+  return columns;
+}
+
+// of a table of sweep: what it varies besides the frequency and the area is no sweep of one contact
+Result<void> CheckVariedKeys(const TextTable& table) {
+  if (!table.columns.contains("drive.frequency_hz")) return {};
+  for (const auto& [name, cells] : table.columns) {
+    const bool is_key = name.contains('.');
+    if (!is_key || name == "drive.frequency_hz" || name == "skin.contact_area_m2") continue;
+    return CannotAnswer(table.name, fmt::format("varies {} besides the frequency", name),
+                        "give a table of one contact, or of several skin.contact_area_m2");
+  }
+  return {};
+}
+
+fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertainty_factor) {
+  fit::SkinPoint point{.frequency_hz = columns.frequencies_hz[row],
+                       .displacement_m = columns.displacements_m[row],
+                       .drive = columns.drives[row],
+                       .phase_rad = {},
+                       .displacement_standard_uncertainty_m = {}};
+  if (columns.phases_deg) point.phase_rad = (*columns.phases_deg)[row] * std::numbers::pi / 180;
+  if (columns.uncertainties_m) {
+    point.displacement_standard_uncertainty_m =
+        (*columns.uncertainties_m)[row] * uncertainty_factor;
+  }
+  return point;
+}
+
+}  // namespace
+
+Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
+  const auto table = ReadTextTable(path, {});
+  if (!table) return std::unexpected(table.error());
+  if (auto alone = CheckVariedKeys(*table); !alone) return std::unexpected(alone.error());
+  const auto columns = ReadColumns(*table);
+  if (!columns) return std::unexpected(columns.error());
+  bool is_rms = false;
+  for (const auto& [name, cells] : table->columns) {
+    is_rms = is_rms || name.starts_with("displacement_rms");
+  }
+
+  // in the order of areas; one sweep where none is stated
+  std::map<double, fit::SkinSweep> sweeps;
+  for (std::size_t row = 0; row < table->rows(); ++row) {
+    const double area_mm2 = columns->areas_mm2 ? (*columns->areas_mm2)[row] : 0;
+    if (columns->areas_mm2 && !(area_mm2 > 0)) {
+      return CannotAnswer(fmt::format("{}:{}", path, table->lines[row]),
+                          "has a contact area that is not positive", "mend that cell");
+    }
+    fit::SkinSweep& sweep = sweeps[area_mm2];
+    sweep.drive = columns->drive;
+    sweep.name = columns->areas_mm2 ? fmt::format("{} ({:g} mm2)", Printable(path), area_mm2)
+                                    : Printable(path);
+    if (columns->areas_mm2) sweep.area_m2 = 1e-6 * area_mm2;
+    sweep.points.push_back(PointAt(*columns, row, is_rms ? kRms : 1));
+  }
+  std::vector<fit::SkinSweep> list;
+  list.reserve(sweeps.size());
+  for (auto& [area, sweep] : sweeps) list.push_back(std::move(sweep));
+  return list;
 }
 
 }  // namespace haptometer::tools

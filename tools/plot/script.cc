@@ -1,8 +1,21 @@
 #include "tools/plot/script.h"
 
-#include <cstdint>
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <spawn.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-#include "base/printable.h"
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <optional>
+#include <system_error>
+
+#include "base/text.h"
 
 namespace haptometer::plot {
 namespace {
@@ -51,6 +64,88 @@ Quoted::Quoted(std::string_view text)
 Quoted Quoted::TickName(std::string_view text) {
   if (text.find('%') == std::string_view::npos) return Quoted(text);
   return Quoted(Replaced(Beginning(Printable(text), kMostCharacters, kMostTickBytes), '%', "%%"));
+}
+
+MemoryFile::MemoryFile(std::string_view content) : descriptor_(memfd_create("plot", MFD_CLOEXEC)) {
+  while (!content.empty()) {
+    const ssize_t put = write(descriptor_, content.data(), content.size());
+    if (put <= 0) break;  // no memory: what is missing shows in the plot's absence
+    content.remove_prefix(static_cast<std::size_t>(put));
+  }
+  lseek(descriptor_, 0, SEEK_SET);
+}
+
+MemoryFile::~MemoryFile() { close(descriptor_); }
+
+std::string MemoryFile::path() const {
+  return fmt::format("/proc/{}/fd/{}", getpid(), descriptor_);
+}
+
+std::string MemoryFile::Content() const {
+  std::string content;
+  std::array<char, 4096> part{};
+  for (off_t at = 0;;) {
+    const ssize_t got = pread(descriptor_, part.data(), part.size(), at);
+    if (got <= 0) return content;
+    content.append(part.data(), static_cast<std::size_t>(got));
+    at += got;
+  }
+}
+
+namespace {
+
+constexpr MonotonicNs kLookEveryNs = 5'000'000;
+
+// the program's process, or why there is none
+Result<pid_t> Start(const std::vector<std::string>& words, int input) {
+  std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
+  for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  pid_t process = 0;
+  const int failure =
+      posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure == ENOENT) return Failed("", words[0] + " is not installed");
+  if (failure != 0) {
+    return Failed("", fmt::format("{} does not start: {}", words[0],
+                                  std::generic_category().message(failure)));
+  }
+  return process;
+}
+
+// how it ended; nothing where it still runs at `deadline`
+std::optional<int> WaitUntil(pid_t process, MonotonicNs deadline) {
+  SystemClock clock;
+  while (true) {
+    int status = 0;
+    const pid_t ended = waitpid(process, &status, WNOHANG);
+    if (ended == process) return status;
+    if (ended < 0 && errno != EINTR) return -1;
+    const MonotonicNs now = clock.Now();
+    if (now >= deadline) return std::nullopt;
+    clock.SleepUntil(std::min(deadline, now + kLookEveryNs));
+  }
+}
+
+}  // namespace
+
+Result<bool> RunWithin(const std::vector<std::string>& words, const std::string& input,
+                       MonotonicNs longest_ns) {
+  const MemoryFile script(input);
+  const auto process = Start(words, script.descriptor());
+  if (!process) return std::unexpected(process.error());
+  const auto status = WaitUntil(*process, SystemClock().Now() + longest_ns);
+  if (status) return WIFEXITED(*status) && WEXITSTATUS(*status) == 0;
+  kill(*process, SIGKILL);
+  waitpid(*process, nullptr, 0);
+  return Failed("",
+                fmt::format("{} did not end within {:g} s", words[0], SecondsFromNs(longest_ns)));
 }
 
 }  // namespace haptometer::plot

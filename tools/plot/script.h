@@ -6,6 +6,10 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
+
+#include "base/clock.h"
+#include "base/error.h"
 
 /// A script for gnuplot, which anybody's text can enter in one way only: as a Quoted.
 ///
@@ -27,7 +31,7 @@ class Words {
 
 /// Any text as one word of a script that shows it as it is.
 ///
-/// What is not printable is escaped (base/printable.h), so that there is no line end in it; it
+/// What is not printable is escaped (base/text.h), so that there is no line end in it; it
 /// stands in single quotes, in which gnuplot replaces nothing (no backquote, no backslash, no
 /// macro); a quote in it is added from double quotes, which hold nothing else. Of more than 1000
 /// characters the first are shown.
@@ -69,5 +73,30 @@ class Script {
 
   std::string text_;
 };
+
+/// A file that exists in memory only, as long as this object does.
+class MemoryFile {
+ public:
+  /// With `content`, at its start.
+  explicit MemoryFile(std::string_view content = {});
+  ~MemoryFile();
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  [[nodiscard]] int descriptor() const { return descriptor_; }
+  /// Under which a program that we start can open it.
+  [[nodiscard]] std::string path() const;
+  [[nodiscard]] std::string Content() const;
+
+ private:
+  int descriptor_;
+};
+
+/// Runs a program with `input` on its standard input and nothing else, and waits for its end: at
+/// most `longest_ns`, then it is killed. Returns whether it ended with status 0. Of `words` the
+/// first is the program, looked for in PATH. Errors (Cause::kFailed, without a place): it is not
+/// installed, does not start, or did not end in time.
+[[nodiscard]] Result<bool> RunWithin(const std::vector<std::string>& words,
+                                     const std::string& input, MonotonicNs longest_ns);
 
 }  // namespace haptometer::plot

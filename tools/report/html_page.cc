@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "base/check.h"
-#include "base/printable.h"
+#include "base/error.h"
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 
 namespace haptometer::report {

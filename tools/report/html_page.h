@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::report {
@@ -12,7 +12,7 @@ namespace haptometer::report {
 /// One self-contained page: figures, numbers and settings in a single file that needs nothing from
 /// elsewhere, reads on a narrow screen and prints on A4 with no figure or row cut in two.
 ///
-/// All text is escaped here; what is not printable is shown as base/printable.h says.
+/// All text is escaped here; what is not printable is shown as base/text.h says.
 class HtmlPage {
  public:
   /// `title` is the window's title and the first heading; `subtitle` stands below it.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/plot/gnuplot.h"
-#include "tools/reproduce/reproduction.h"
+#include "tools/reproduce/reproduce.h"
 
 namespace haptometer::tools {
 

@@ -1,9 +1,17 @@
 #pragma once
 
-#include "sim/actuator.h"
-#include "sim/scene.h"
-#include "sim/skin.h"
-#include "sim/tuning/adapter_bounds.h"
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "sim/scene/actuator.h"
+#include "sim/scene/scene.h"
+#include "sim/skin/skin.h"
+#include "sim/tuning/tuning_problem.h"
+#include "tools/reproduce/thesis_numbers.h"
 
 namespace haptometer::tools {
 
@@ -51,5 +59,67 @@ struct ThesisModel {
 
 /// The search of Table 2.2 (p. 11) with the model's actuator, drive and skin.
 [[nodiscard]] sim::TuningProblem SearchOf(const ThesisModel& model);
+
+// The rows of the thesis, computed anew from the model by each call, a function in the file of its
+// name.
+
+/// Table 2.3, and the ratio of 2.2.2.
+[[nodiscard]] std::vector<ThesisRow> DisplacementRows(const ThesisModel& model);
+/// Current, power, phase, and what the adapter saves (2.2.1, 2.2.2).
+[[nodiscard]] std::vector<ThesisRow> ElectricalRows(const ThesisModel& model);
+/// Table 2.4 by the grid and without steps; 4.1's power transfer.
+[[nodiscard]] std::vector<ThesisRow> OptimumRows(const ThesisModel& model);
+/// Resonance, Figures 2.4 and 2.5.
+[[nodiscard]] std::vector<ThesisRow> FrequencyRows(const ThesisModel& model);
+/// Figure 2.3.
+[[nodiscard]] std::vector<ThesisRow> RiseRows(const ThesisModel& model);
+/// Figures 2.6 and 2.7.
+[[nodiscard]] std::vector<ThesisRow> ReceptorRows(const ThesisModel& model);
+/// Weight and sag, prototypes as built, the gain at 175 Hz, power, travel, contact: what the model
+/// says of chapter 3.
+[[nodiscard]] std::vector<ThesisRow> PrototypeRows(const ThesisModel& model);
+
+/// A row's number as a function of the model.
+struct RowMeasure {
+  std::string_view key;  ///< of its ThesisNumber
+  std::function<double(const ThesisModel& model)> measure;
+};
+
+/// What becomes of rows when the printed inputs of the simulation are not their printed values but
+/// numbers that round to them: one set of inputs for all the rows, sought so that each comes to
+/// what is printed.
+///
+/// Inputs: Mv, Mc, Kv, Bv, Km, R, L (Table 2.1), Ma1, Ma2, Ka, Ba (Table 2.4), the ends of Ks and
+/// Bs (2.1.1), each within half a unit of its last printed digit, stiffnesses within 50 N/m. Drive
+/// and contact areas are settings and stay.
+///
+/// The search is that of Gauss and Newton within these bounds, from the printed values and then
+/// from seven places spread over them, on the rows' distances from their printed intervals;
+/// derivatives are differences over a thousandth of a bound. It is deterministic, and what it finds
+/// is evaluated by the model itself. That it finds nothing is no proof that there is nothing. Cost:
+/// at most 8 searches of 12 steps of 40 evaluations of each row.
+///
+/// @return one cause a row, in the order of `rows`, of kind kRounding, which names the inputs
+[[nodiscard]] std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,
+                                                            std::span<const RowMeasure> rows);
+
+/// Adds to each of `rows` that one of `measures` is of, and that is not reproduced, the cause that
+/// is found for it alone.
+void ExplainByRounding(const ThesisModel& model, const std::vector<RowMeasure>& measures,
+                       std::vector<ThesisRow>* rows);
+
+/// Where `function` is largest between `low` and `high`: the best of 1000 even places, then golden
+/// section between its neighbours, to 1e-9 of the range.
+[[nodiscard]] double LargestAt(const std::function<double(double)>& function, double low,
+                               double high);
+
+/// The last place before `high` where `function` passes through 0, sought in 1000 even steps from
+/// `high` down and halved to the last digit; nothing where it keeps its sign.
+[[nodiscard]] std::optional<double> CrossingOf(const std::function<double(double)>& function,
+                                               double low, double high);
+
+/// When the skin is first `level_m` > 0 away from rest, to either side, after the drive began at
+/// rest: sought in steps of a hundredth of a period, then halved. Nothing within 1 s: nothing.
+[[nodiscard]] std::optional<double> TimeToReach(sim::Scene scene, double level_m);
 
 }  // namespace haptometer::tools

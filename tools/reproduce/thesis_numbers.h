@@ -1,8 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
+
+#include "dsp/statistics/distributions.h"
 
 namespace haptometer::tools {
 
@@ -35,7 +40,7 @@ struct ThesisNumber {
 };
 
 /// All of them, in the order of the thesis. Nothing but what is printed stands here; what we get
-/// is computed (tools/reproduce/reproduction.h).
+/// is computed (tools/reproduce/reproduce.h).
 [[nodiscard]] std::span<const ThesisNumber> ThesisNumbers();
 
 /// The one of that key, which must exist.
@@ -43,5 +48,68 @@ struct ThesisNumber {
 
 /// Its value in the SI unit.
 [[nodiscard]] double SiValue(const ThesisNumber& number);
+
+/// What kind of cause it is: how freely it was chosen says how much its hit is worth.
+enum class CauseKind : std::uint8_t {
+  kReading,   ///< nothing in it was chosen by what is printed
+  kTuned,     ///< a number in it was chosen so that it comes near to what is printed
+  kRounding,  ///< inputs that round to the printed ones, sought so that it comes near
+};
+
+/// "candidate cause", "tuned candidate", "within rounding".
+[[nodiscard]] std::string_view Name(CauseKind kind);
+
+/// A reading of the thesis, or a fault in its simulation, under which our model gives another
+/// number.
+struct CandidateCause {
+  std::string text;
+  double gives = 0;  ///< SI
+  /// What it gives where it is worked out from printed numbers, whose last digits are rounded;
+  /// nothing: `gives` alone.
+  std::optional<dsp::Interval> from_rounded{};
+  CauseKind kind = CauseKind::kReading;
+};
+
+/// How printed and computed number stand to each other.
+enum class RowVerdict : std::uint8_t {
+  kReproduced,  ///< ours is within half a unit of the last printed digit, or the relation holds
+  kExplained,   ///< ours is not, but what a named cause gives is; "candidate": it is not proved
+  kDisagrees,   ///< neither
+  kNotPrinted,  ///< the thesis says nothing of it
+};
+
+/// "reproduced", "explained", "disagrees", "not printed".
+[[nodiscard]] std::string_view Name(RowVerdict verdict);
+
+/// One quantity: printed, computed, compared.
+struct ThesisRow {
+  std::string_view key;        ///< of its ThesisNumber
+  std::optional<double> ours;  ///< SI, computed in this run; nothing: not determined
+  /// 95 % interval of `ours`, where it was measured on generated trials: reproduced means then that
+  /// the printed value lies within.
+  std::optional<dsp::Interval> interval{};
+  std::vector<CandidateCause> candidates{};  ///< causes; none is proved
+  std::string remark{};
+  /// `ours` is of trials that this run generated with the printed number as their truth: that it
+  /// comes out again is no finding about the thesis.
+  bool generated = false;
+
+  [[nodiscard]] const ThesisNumber& number() const { return ThesisNumberOf(key); }
+};
+
+/// Whether a number in SI is what the thesis prints: for kEquals to half a unit of its last digit,
+/// with 1e-9 of that for the conversion of units.
+[[nodiscard]] bool IsAsPrinted(const ThesisNumber& number, double value);
+
+/// Whether what the cause gives, or some of it, is what the thesis prints.
+[[nodiscard]] bool Hits(const ThesisNumber& number, const CandidateCause& cause);
+
+[[nodiscard]] RowVerdict VerdictOf(const ThesisRow& row);
+
+/// Of a row that is explained, the kind of the cause that was chosen least freely.
+[[nodiscard]] std::optional<CauseKind> ExplainedBy(const ThesisRow& row);
+
+/// ours / printed - 1; nothing where no value is printed, or only a bound.
+[[nodiscard]] std::optional<double> DeviationOf(const ThesisRow& row);
 
 }  // namespace haptometer::tools

@@ -3,19 +3,25 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <complex>
+#include <cstddef>
+#include <iterator>
 #include <numbers>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "sim/effective_scene.h"
-#include "sim/linear_model.h"
-#include "sim/output_rate.h"
-#include "sim/piecewise_scene.h"
-#include "sim/poles.h"
-#include "sim/time_response.h"
-#include "tools/simulate/drive_text.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
+#include "sim/linear/time_response.h"
+#include "sim/period_map.h"
+#include "sim/piecewise/piecewise_scene.h"
+#include "sim/scene_run.h"
+#include "tools/simulate/simulate_document.h"
 
 namespace haptometer::tools {
 namespace {
@@ -176,6 +182,225 @@ Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& wher
   if (answer.steady) answer.skin_rms_relative_uncertainty = sim::SkinRmsUncertainty(scene);
   answer.window = WindowOf(answer);
   return answer;
+}
+
+namespace {
+
+double SkinShare(const sim::EnergyLedger& ledger) {
+  return ledger.dissipated_j[static_cast<std::size_t>(sim::SceneElement::kSkin)] / ledger.input_j;
+}
+
+std::optional<double> EfficiencyOf(const SceneAnswer& answer) {
+  double share = std::nan("");
+  if (answer.steady) {
+    // without the constant part of the motion
+    const Eigen::Index skin = sim::AssembleModel(EffectiveOf(answer).scene).skin();
+    const double speed = 2 * std::numbers::pi * answer.scene.drive.frequency_hz *
+                         std::abs(answer.steady->phasors(skin)) / std::numbers::sqrt2;
+    share = answer.scene.skin.damping_n_s_per_m * speed * speed / answer.steady->power_w;
+  } else if (answer.tones) {
+    share = answer.tones->skin_power_w / answer.tones->power_w;
+  } else if (RunOf(answer) != nullptr) {
+    share = SkinShare(RunOf(answer)->ledger);
+  }
+  return std::isfinite(share) ? std::optional(share) : std::nullopt;
+}
+
+std::optional<double> LeastForce(const SceneAnswer& answer, const sim::Waveforms* played) {
+  if (const sim::SceneRun* run = RunOf(answer); run != nullptr && !IsSuperposed(answer)) {
+    return sim::RestingForceN(EffectiveOf(answer)) + run->skin_force_least_n;
+  }
+  if (played != nullptr) return played->force_least_n;
+  if (answer.scene.duration_s) return std::nullopt;
+  const double resting_n = sim::RestingForceN(EffectiveOf(answer));
+  // an offset shifts what swings
+  const auto least_n = [&](const auto& steady) {
+    return resting_n - steady.skin_force_peak_n + std::abs(steady.mean_skin_force_n) +
+           steady.mean_skin_force_n;
+  };
+  if (answer.steady) return least_n(*answer.steady);
+  if (answer.tones) return least_n(*answer.tones);
+  return std::nullopt;
+}
+
+std::optional<sim::SteadyPart> SteadyPartOf(const sim::Scene& scene, double duration_s) {
+  const sim::Drive& drive = scene.drive;
+  if (drive.kind == sim::DriveKind::kSine) return sim::SteadyPart{.end_s = duration_s};
+  if (drive.kind != sim::DriveKind::kBurst) return std::nullopt;
+  const double full_s = drive.start_s + drive.rise_s;
+  return sim::SteadyPart{.drive_s = drive.start_s,
+                         .begin_s = full_s,
+                         .end_s = std::min(full_s + drive.hold_s, duration_s)};
+}
+
+// Adds the rise, or why there is none.
+void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumbers& numbers) {
+  const double duration_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
+  const auto part = SteadyPartOf(scene, duration_s);
+  if (!part) {
+    numbers.no_rise = fmt::format("under {} no amplitude stands still", KindText(scene.drive.kind));
+    return;
+  }
+  if (!sim::LastsForARise(*part, scene.drive.frequency_hz)) {
+    numbers.no_rise =
+        fmt::format("the drive is on for less than {:g} periods", sim::kLeastRisePeriods);
+    return;
+  }
+  numbers.rise = sim::RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())},
+                             played.rate_hz, scene.drive.frequency_hz, *part);
+  if (!numbers.rise) numbers.no_rise = "its amplitude does not pass from 10 % to 90 %";
+}
+
+}  // namespace
+
+sim::EffectiveScene EffectiveOf(const SceneAnswer& answer) {
+  if (answer.effects) return sim::WithEffects(answer.scene, answer.effects->on);
+  return {.scene = answer.scene, .piecewise = {}};
+}
+
+sim::Beginning StartOf(const SceneAnswer& answer, const sim::EffectiveScene& effective) {
+  const bool settled = SettledRun(answer) != nullptr;
+  const bool repeats = settled && answer.effects->periodic;
+  if (!repeats && !(settled && answer.effects->chaotic)) return sim::BeginningOf(effective);
+  const sim::PeriodPoint& point =
+      repeats ? answer.effects->periodic->point : answer.effects->chaotic->point;
+  const sim::PeriodMap map(sim::AssemblePiecewise(effective.scene, effective.piecewise),
+                           effective.scene.drive);
+  // the coil's temperature is a point's last coordinate
+  const double rise_k = effective.smooth.heating ? point.x(point.x.size() - 1) : 0;
+  return {.start = map.StartOf(point), .temperature_rise_k = rise_k};
+}
+
+MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played) {
+  MotionNumbers numbers;
+  numbers.contact_force_least_n = LeastForce(answer, played);
+  numbers.efficiency = EfficiencyOf(answer);
+  const bool rises = answer.scene.duration_s && sim::StartOf(answer.scene) == sim::Start::kRest;
+  if (!rises) return numbers;
+  if (played == nullptr) {
+    numbers.no_rise = "the run is too long to be looked at";
+  } else {
+    AddRise(answer.scene, *played, numbers);
+  }
+  return numbers;
+}
+
+namespace {
+
+constexpr int kTimedRuns = 3;
+
+std::string_view NameOf(sim::Effect effect) { return sim::kEffectNames[sim::PlaceOf(effect)]; }
+
+bool HasConstants(const sim::Scene& scene, sim::Effect effect) {
+  switch (effect) {
+    case sim::Effect::kInductance:
+      return scene.actuator.inductance_h > 0;
+    case sim::Effect::kGravity:
+      return scene.effects[effect] != sim::Wish::kOff;
+    case sim::Effect::kTravelStops:
+      return scene.effects.travel_stops.has_value();
+    case sim::Effect::kContactLoss:
+      return scene.effects.contact_loss.has_value();
+    case sim::Effect::kStiffening:
+      return scene.effects.stiffening.has_value();
+    case sim::Effect::kTremor:
+      return !scene.finger.tones.empty();
+    case sim::Effect::kCoilHeating:
+      return scene.effects.coil_heating.has_value();
+  }
+  return false;
+}
+
+struct TimedRun {
+  sim::PlayedScene played;
+  double seconds = HUGE_VAL;
+};
+
+TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on) {
+  TimedRun timed;
+  for (int k = 0; k < kTimedRuns; ++k) {
+    const auto begin = std::chrono::steady_clock::now();
+    timed.played = sim::PlayWith(scene, on);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
+    timed.seconds = std::min(timed.seconds, taken.count());
+  }
+  return timed;
+}
+
+std::string ChangeText(double change) {
+  if (std::isinf(change)) return "unknown";
+  return change == 0 ? "none" : fmt::format("{:.2g}", change);
+}
+
+}  // namespace
+
+std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectChoice& choice) {
+  std::vector<EffectTrial> trials;
+  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
+    const auto effect = static_cast<sim::Effect>(k);
+    if (!HasConstants(scene, effect)) continue;
+    sim::EffectSet on = choice.on;
+    // what the scene does not call for may be impossible in it
+    if (!sim::CanRest(sim::WithEffects(scene, on.set(k)))) continue;
+    if (!sim::CanRest(sim::WithEffects(scene, on.reset(k)))) continue;
+    const TimedRun with = BestRun(scene, on.set(k));
+    const TimedRun without = BestRun(scene, on.reset(k));
+    const bool known = with.played.answered && without.played.answered;
+    trials.push_back(
+        {.effect = effect,
+         .change =
+             known ? sim::Deviation(scene.quantity, without.played.run, with.played.run) : HUGE_VAL,
+         .with_s = with.seconds,
+         .without_s = without.seconds});
+  }
+  return trials;
+}
+
+std::string VerdictText(const sim::EffectVerdict& verdict) {
+  switch (verdict.ground) {
+    case sim::Ground::kNotNamed:
+      return "off: the scene does not call for it";
+    case sim::Ground::kNamed:
+      return "on: the scene calls for it";
+    case sim::Ground::kNeverReached:
+      return "off: never reached, proved between samples too; the same motion without it";
+    case sim::Ground::kSuperposed:
+      return "off: nothing limits or bends the motion, so weight moves its centre alone";
+    case sim::Ground::kCompared:
+      if (verdict.change == 0) return "off: without it the answer is the same";
+      return fmt::format("{}: without it the answer changes by {}", verdict.on ? "on" : "off",
+                         ChangeText(verdict.change));
+  }
+  return {};
+}
+
+std::vector<std::string> EffectLines(const sim::Scene& scene, const sim::EffectChoice& choice) {
+  std::vector<std::string> lines;
+  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
+    const bool told = scene.effects.wishes[k] != sim::Effects{}.wishes[k];
+    if (!told) continue;
+    lines.push_back(fmt::format("{} {}", sim::kEffectNames[k], VerdictText(choice.verdicts[k])));
+  }
+  return lines;
+}
+
+std::string ExplainText(const sim::Scene& scene, const sim::EffectChoice& choice,
+                        const std::vector<EffectTrial>& trials) {
+  std::string text = fmt::format(
+      "  effects, by what they do to {} (tolerance {:g}; runs to decide: {}):\n"
+      "  {:<13} {:>9} {:>12} {:>12}  {}\n",
+      sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)], scene.tolerance,
+      choice.runs, "effect", "change", "with", "without", "decision");
+  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
+    const auto trial = std::ranges::find(trials, static_cast<sim::Effect>(k), &EffectTrial::effect);
+    const bool tried = trial != trials.end();
+    fmt::format_to(std::back_inserter(text), "  {:<13} {:>9} {:>9} us {:>9} us  {}\n",
+                   NameOf(static_cast<sim::Effect>(k)), tried ? ChangeText(trial->change) : "-",
+                   tried ? fmt::format("{:.0f}", trial->with_s * 1e6) : "-",
+                   tried ? fmt::format("{:.0f}", trial->without_s * 1e6) : "-",
+                   VerdictText(choice.verdicts[k]));
+  }
+  return text;
 }
 
 }  // namespace haptometer::tools

@@ -2,12 +2,14 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "sim/effect_choice.h"
-#include "sim/scene.h"
-#include "sim/steady_state.h"
-#include "sim/steady_tones.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/scene.h"
+#include "sim/skin/skin_rise.h"
+#include "sim/waveforms.h"
 
 namespace haptometer::tools {
 
@@ -58,5 +60,53 @@ struct SceneAnswer {
 /// the skin's motion is lost in rounding; a scene without a duration whose motion settles to
 /// nothing that was found.
 [[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
+
+/// What an answer tells of its motion beyond RMS and peaks.
+struct MotionNumbers {
+  /// Least force between contactor and skin, a stated preload and weight in it; without either,
+  /// what preload keeps contact, with a minus.
+  std::optional<double> contact_force_least_n;
+  std::optional<double> efficiency;  ///< power into the skin's damper over electrical power in
+  std::optional<sim::SkinRise> rise;
+  std::string no_rise;  ///< why not; empty where nothing was asked
+};
+
+/// The answer's scene as it was solved: under the effects that were kept.
+[[nodiscard]] sim::EffectiveScene EffectiveOf(const SceneAnswer& answer);
+
+/// Where the answer's motion begins.
+[[nodiscard]] sim::Beginning StartOf(const SceneAnswer& answer,
+                                     const sim::EffectiveScene& effective);
+
+/// The numbers; `played`: the motion from its beginning over the scene's duration, or over some
+/// periods of what it settles to; null where it was too long to play. The least force is that of
+/// its rows and of its events.
+[[nodiscard]] MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played);
+
+/// What leaving an effect out, or forcing it on, does to the scene's answer.
+struct EffectTrial {
+  sim::Effect effect;
+  /// Of the asked quantity, relative, between with and without it; infinite where one of them has
+  /// no answer.
+  double change = 0;
+  double with_s = 0;  ///< best time of three runs
+  double without_s = 0;
+};
+
+/// Plays the scene with and without each effect whose constants are stated, around its choice.
+/// Cost: six runs for each of them.
+[[nodiscard]] std::vector<EffectTrial> TryEffects(const sim::Scene& scene,
+                                                  const sim::EffectChoice& choice);
+
+/// "off: never reached, proved between samples too".
+[[nodiscard]] std::string VerdictText(const sim::EffectVerdict& verdict);
+
+/// A line for each effect that the scene names.
+[[nodiscard]] std::vector<std::string> EffectLines(const sim::Scene& scene,
+                                                   const sim::EffectChoice& choice);
+
+/// The table of `simulate --explain`.
+[[nodiscard]] std::string ExplainText(const sim::Scene& scene, const sim::EffectChoice& choice,
+                                      const std::vector<EffectTrial>& trials);
 
 }  // namespace haptometer::tools

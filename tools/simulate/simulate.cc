@@ -5,24 +5,21 @@
 #include <string>
 #include <utility>
 
-#include "base/printable.h"
-#include "sim/output_rate.h"
-#include "sim/scene_file.h"
+#include "base/jobs.h"
+#include "base/text.h"
+#include "sim/effective_scene.h"
+#include "sim/scene/scene_file.h"
 #include "sim/sensor_model.h"
-#include "sim/watch.h"
 #include "sim/waveforms.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/cli/work_progress.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/terminal.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/simulate/effect_lines.h"
-#include "tools/simulate/motion_numbers.h"
 #include "tools/simulate/scene_answer.h"
-#include "tools/simulate/simulate_output.h"
-#include "tools/simulate/waveform_file.h"
-#include "tools/simulate/waveform_panels.h"
-#include "tools/simulated_trial.h"
+#include "tools/simulate/simulate_document.h"
+#include "tools/simulate/simulated_trial.h"
+#include "tools/simulate/waveforms.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {
@@ -53,7 +50,7 @@ struct SimulateOptions {
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
-  options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/notation.md)");
+  options.Positional("scene", &wanted.scene_path, "A scene.toml (docs/reference/scene.md)");
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Length of the run; beats [run] duration_s");
   options.Flag("--explain", &wanted.explain,
@@ -247,7 +244,7 @@ Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   const auto solved = [&] {
     cli::WorkProgress progress(kVerb, scene->duration_s ? "a shorter --duration takes less"
                                                         : "--duration 0.1s plays a run instead");
-    const sim::WatchedWork watched(
+    const WatchedWork watched(
         [&](std::string_view what, double share) { progress.Update(what, share); });
     return AnswerScene(*scene, wanted.scene_path);
   }();

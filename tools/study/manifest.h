@@ -1,13 +1,34 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "base/result.h"
-#include "tools/study/planned_contrast.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
+
+/// What is compared in a planned contrast: the ratio is treatment / control.
+struct PlannedContrast {
+  std::string treatment;
+  std::string control;
+};
+
+/// "ia1:stock". Errors (Cause::kUsage): no pair of two names.
+[[nodiscard]] Result<PlannedContrast> ParseContrast(const std::string& word);
+
+/// Each as ParseContrast.
+[[nodiscard]] Result<std::vector<PlannedContrast>> ParseContrasts(
+    const std::vector<std::string>& words);
+
+/// Every condition against the first: what is compared where nothing was planned.
+[[nodiscard]] std::vector<PlannedContrast> AllAgainstTheFirst(
+    const std::vector<std::string>& conditions);
+
+/// Errors (Cause::kUsage): one of the two is none of `conditions`; with the nearest.
+[[nodiscard]] Result<void> CheckConditions(const PlannedContrast& planned,
+                                           const std::vector<std::string>& conditions);
 
 /// Recordings that are found alike: [[trials]] of a manifest.
 struct TrialGroup {
@@ -18,7 +39,7 @@ struct TrialGroup {
   std::string repeat;     ///< the same
 };
 
-/// What a study's manifest (TOML, docs/study.md) says; empty where it does not.
+/// What a study's manifest (TOML, docs/reference/study.md) says; empty where it does not.
 struct Manifest {
   std::vector<TrialGroup> groups;
   std::string pattern;
@@ -32,5 +53,33 @@ struct Manifest {
 
 /// Reads a manifest strictly. Errors: as TomlTable; a contrast that is no pair of two conditions.
 [[nodiscard]] Result<Manifest> ReadManifest(const std::string& path);
+
+/// A recording of a study, and what is said of it from outside; the file's own labels count where
+/// `labels` has none.
+struct TrialFile {
+  std::string path;
+  std::map<std::string, std::string> labels;  ///< of subject, condition, repeat
+  std::optional<Error> error;                 ///< its name does not fit the pattern
+};
+
+/// Labels in a file's name: "{subject}_{condition}_{repeat}" against the name without its ending,
+/// with "/" in the pattern against as many folders above it. A label matches as little as it can,
+/// and never a "/". Nothing where the name does not fit.
+[[nodiscard]] std::optional<std::map<std::string, std::string>> LabelsOf(
+    const std::string& path, const std::string& pattern);
+
+/// Whether `pattern` is one: known names in braces, each once, at least one. Errors
+/// (Cause::kUsage).
+[[nodiscard]] Result<void> CheckPattern(const std::string& pattern);
+
+/// All recordings (.bin, .csv, .lvm) in a folder and the folders in it, by name. Errors
+/// (Cause::kCannotAnswer): there is none.
+[[nodiscard]] Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
+                                                           const std::string& pattern);
+
+/// The files of a manifest's [[trials]]; without any, those in the manifest's folder. Errors
+/// (Cause::kCannotAnswer): a glob that finds nothing, a file in two groups.
+[[nodiscard]] Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path,
+                                                             const Manifest& manifest);
 
 }  // namespace haptometer::tools

@@ -1,16 +1,27 @@
 #include "tools/study/study_table.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <set>
 #include <string_view>
+#include <thread>
 #include <tuple>
 
+#include "base/error.h"
+#include "base/jobs.h"
+#include "base/text.h"
+#include "dsp/analysis/floor_remarks.h"
 #include "dsp/statistics/moments.h"
+#include "dsp/statistics/repeated_measures.h"
+#include "tools/cli/progress.h"
+#include "tools/study/study_document.h"
+#include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
@@ -146,6 +157,206 @@ StudyTable MakeStudyTable(std::vector<StudyTrial> trials, const std::vector<std:
   table.subjects = Sorted(subjects);
   FillCells(table);
   return table;
+}
+
+namespace {
+
+// what was said from outside, else the file's own label
+std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
+                    const std::string& name) {
+  for (const auto* labels : {&file.labels, &metadata.labels}) {
+    const auto found = labels->find(name);
+    if (found != labels->end()) return found->second;
+  }
+  return {};
+}
+
+void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
+                  StudyTrial& trial) {
+  if (analysis.answered && analysis.numbers) {
+    const dsp::RmsEstimate& rms = analysis.numbers->rms;
+    trial.rms_with_floor_m =
+        rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
+  }
+  trial.answered = analysis.answered && analysis.numbers && !analysis.numbers->rms.below_floor;
+  trial.reasons = analysis.reasons;
+  if (!trial.answered) {
+    if (analysis.answered)
+      trial.reasons.emplace_back("its vibration does not exceed the noise floor");
+    return;
+  }
+  trial.rms_m = analysis.numbers->rms.rms_m;
+  trial.rms_uncertainty_m = analysis.numbers->rms.standard_uncertainty_m;
+  if (analysis.band.order != question.band.order) {
+    trial.deviations.push_back(fmt::format("filter of order {}", analysis.band.order));
+  }
+  if (analysis.frequency_move) {
+    trial.deviations.emplace_back("its frequency moves, so its RMS is that of a sweep");
+  }
+  if (!analysis.numbers->floor) trial.deviations.emplace_back("no noise floor taken off");
+  for (std::string& doubt : dsp::FloorDoubts(*analysis.numbers, analysis.record.rate_hz)) {
+    trial.deviations.push_back(std::move(doubt));
+  }
+  if (!analysis.numbers->sensor.amplitude_verified) {
+    trial.deviations.emplace_back(dsp::kAmplitudeNotVerified);
+  }
+}
+
+}  // namespace
+
+StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question,
+                        const trial::ImportOptions& import) {
+  StudyTrial trial;
+  trial.file = Printable(file.path);
+  const auto fail = [&](Error error) {
+    if (error.where.empty()) error.where = file.path;
+    trial.reasons.push_back(error.Text());
+    trial.error = std::move(error);
+    return trial;
+  };
+  if (file.error) return fail(*file.error);
+  const auto recording = trial::ReadRecording(file.path, import);
+  if (!recording) return fail(recording.error());
+  const trial::Metadata& metadata = recording->record.metadata;
+  trial.subject = LabelOf(file, metadata, "subject");
+  trial.condition = LabelOf(file, metadata, "condition");
+  trial.repeat = LabelOf(file, metadata, "repeat");
+  trial.utc_start = metadata.utc_start;
+  trial.drive_v = metadata.drive_amplitude_v;
+  dsp::BandQuestion numbers_alone = question;
+  numbers_alone.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(recording->record, numbers_alone);
+  if (!analysis) return fail(analysis.error());
+  TakeAnalysis(*analysis, question, trial);
+  for (std::string& missing : recording->report.WhatIsMissing()) {
+    trial.deviations.push_back(std::move(missing));
+  }
+  return trial;
+}
+
+std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
+                                      const dsp::BandQuestion& question,
+                                      const trial::ImportOptions& import) {
+  std::vector<StudyTrial> trials(files.size());
+  cli::Progress progress("trials");
+  std::mutex progress_mutex;
+  std::size_t done = 0;
+  const auto make_worker = [&]() -> Worker {
+    return [&](std::size_t i) -> Result<void> {
+      trials[i] = AnalyzeTrial(files[i], question, import);
+      const std::scoped_lock lock(progress_mutex);
+      progress.Update(static_cast<double>(++done) / static_cast<double>(files.size()));
+      return {};
+    };
+  };
+  const auto threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  const auto all = RunJobs(files.size(), threads, make_worker);
+  HAPTOMETER_CHECK(all.has_value(), "a trial's error belongs to the trial");
+  return trials;
+}
+
+namespace {
+
+// of an answered trial's RMS, as it states it
+double RelativeUncertainty(const StudyTrial& trial) {
+  return trial.rms_uncertainty_m.value_or(0) / *trial.rms_m;
+}
+
+double RelativeUncertainty(const StudyTable& table, const Cell& cell) {
+  std::vector<double> all(cell.trials.size());
+  std::ranges::transform(cell.trials, all.begin(),
+                         [&](std::size_t i) { return RelativeUncertainty(table.trials[i]); });
+  return dsp::Median(std::move(all));
+}
+
+void AppendOutlyingTrials(const StudyTable& table, std::vector<Outlying>& outlying) {
+  std::vector<std::vector<double>> all;
+  for (std::size_t s = 0; s < table.subjects.size(); ++s) {
+    for (std::size_t c = 0; c < table.conditions.size(); ++c) all.push_back(table.Logs(s, c));
+  }
+  const double scatter = std::max(kLeastScatter, dsp::RobustWithinDeviation(all).value_or(0));
+  for (std::size_t s = 0; s < table.subjects.size(); ++s) {
+    for (std::size_t c = 0; c < table.conditions.size(); ++c) {
+      const std::vector<double>& logs = all[s * table.conditions.size() + c];
+      if (logs.size() < 3) continue;
+      const double median = dsp::Median(logs);
+      for (std::size_t i = 0; i < logs.size(); ++i) {
+        const StudyTrial& trial = table.trials[table.cells[s][c].trials[i]];
+        const double scale = std::max(scatter, RelativeUncertainty(trial));
+        const double score = std::abs(logs[i] - median) / scale;
+        if (score <= kOutlyingScore) continue;
+        outlying.push_back({table.subjects[s], table.conditions[c], trial.file,
+                            std::exp(logs[i] - median), score});
+      }
+    }
+  }
+}
+
+void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlying) {
+  std::vector<std::size_t> whole;
+  dsp::CompleteTable medians = table.Complete(&Cell::mean_log, &whole);
+  if (medians.subjects() < 4 || medians.conditions() < 3) return;
+  for (std::size_t row = 0; row < whole.size(); ++row) {
+    for (std::size_t c = 0; c < medians.conditions(); ++c) {
+      medians.At(row, c) = dsp::Median(table.Logs(whole[row], c));
+    }
+  }
+  const dsp::CompleteTable left = dsp::MedianPolish(medians);
+  const double scatter = std::max(kLeastScatter, dsp::DeviationOfPolished(left));
+  for (std::size_t row = 0; row < whole.size(); ++row) {
+    for (std::size_t c = 0; c < medians.conditions(); ++c) {
+      const double scale =
+          std::max(scatter, RelativeUncertainty(table, table.cells[whole[row]][c]));
+      const double score = std::abs(left.At(row, c)) / scale;
+      if (score <= kOutlyingScore) continue;
+      outlying.push_back(
+          {table.subjects[whole[row]], table.conditions[c], "", std::exp(left.At(row, c)), score});
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<MissingTrials> FindMissing(const StudyTable& table) {
+  std::vector<MissingTrials> missing;
+  for (std::size_t s = 0; s < table.subjects.size(); ++s) {
+    for (std::size_t c = 0; c < table.conditions.size(); ++c) {
+      const std::size_t answered = table.cells[s][c].trials.size();
+      if (answered == table.repeats && answered > 0) continue;
+      missing.push_back({table.subjects[s], table.conditions[c], answered, table.repeats});
+    }
+  }
+  return missing;
+}
+
+std::vector<Deviation> FindDeviations(const StudyTable& table) {
+  std::vector<Deviation> deviations;
+  std::size_t answered = 0;
+  for (const StudyTrial& trial : table.trials) {
+    if (!trial.answered) continue;
+    ++answered;
+    for (const std::string& what : trial.deviations) {
+      auto known = std::ranges::find(deviations, what, &Deviation::what);
+      if (known == deviations.end()) known = deviations.insert(known, Deviation{what, {}, false});
+      known->files.push_back(trial.file);
+    }
+  }
+  for (Deviation& deviation : deviations) deviation.all = deviation.files.size() == answered;
+  return deviations;
+}
+
+std::string Describe(const Deviation& deviation) {
+  if (deviation.all && deviation.files.size() > 1) {
+    return fmt::format("{}: all {} trials", deviation.what, deviation.files.size());
+  }
+  return fmt::format("{}: {}", deviation.what, fmt::join(deviation.files, ", "));
+}
+
+std::vector<Outlying> FindOutlying(const StudyTable& table) {
+  std::vector<Outlying> outlying;
+  AppendOutlyingTrials(table, outlying);
+  AppendOutlyingCells(table, outlying);
+  return outlying;
 }
 
 }  // namespace haptometer::tools

@@ -9,9 +9,8 @@
 #include <string_view>
 
 #include "base/input_file.h"
-#include "base/nearest.h"
-#include "base/printable.h"
 #include "base/quantity.h"
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {

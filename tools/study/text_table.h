@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 
 namespace haptometer::tools {
 
@@ -27,5 +27,11 @@ struct TextTable {
 /// one of a magnitude that no measurement has (base/quantity.h), with its line.
 [[nodiscard]] Result<std::vector<double>> NumbersOf(const TextTable& table,
                                                     const std::string& column);
+
+/// What `haptometer study` can do, each in the file of its name; the return value is the program's
+/// exit status.
+int RunStudyTrials(int argc, const char* const* argv);
+int RunStudyMatching(int argc, const char* const* argv);
+int RunStudyLinearity(int argc, const char* const* argv);
 
 }  // namespace haptometer::tools

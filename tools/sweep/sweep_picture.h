@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "base/result.h"
-#include "tools/sweep/table_reader.h"
+#include "base/error.h"
+#include "tools/sweep/table_file.h"
 
 namespace haptometer::tools {
 

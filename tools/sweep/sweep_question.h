@@ -1,10 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "base/error.h"
 #include "sim/sweep/sweep_points.h"
 #include "sim/sweep/varied_scene.h"
+#include "tools/cli/options.h"
 
 namespace haptometer::tools {
 
@@ -27,5 +31,54 @@ struct SweepQuestion {
   sim::SweepPoints points;
   Shard shard;
 };
+
+/// What the command line of sweep says.
+struct SweepWords {
+  std::vector<std::string> scenes;
+  std::vector<std::string> vary;
+  std::optional<std::int64_t> samples;
+  std::optional<std::int64_t> seed;
+  std::string output;
+  bool resume = false;
+  bool overwrite = false;
+  std::optional<std::int64_t> threads;
+  std::string shard;
+  std::vector<std::vector<std::string>> merge;
+  std::string best = "skin_rms_m";
+  std::string plot;
+};
+
+void Declare(cli::Options& options, SweepWords& words);
+
+/// The question of a sweep, its scene read and every key tried (tools/sweep/sweep_question.h).
+/// Errors: Cause::kUsage for words that make no question, or more than 1e9 points; the scene's.
+[[nodiscard]] Result<SweepQuestion> ReadQuestion(const SweepWords& words);
+
+/// The tables to merge. Errors (Cause::kUsage): none, or an option that merging does not have.
+[[nodiscard]] Result<std::vector<std::string>> ReadMerge(const SweepWords& words);
+
+/// As asked for, else one a core.
+[[nodiscard]] int ThreadsOf(const SweepWords& words);
+
+/// Whether ranges are a grid or are sampled.
+enum class RangesAre : std::uint8_t { kGrid, kSampled };
+
+/// Reads what --vary says of one key: "drive.frequency_hz=100Hz:400Hz:301", "KEY=log:1:1000:4", or
+/// a list, "skin.stiffness_n_per_m=600,1200", "sensor.target=skin,case", "effects.inductance=true".
+///
+/// A number's unit is that of the key's name ("_hz"); other numbers are plain. A grid's range has a
+/// count, one that is sampled has none. Errors (Cause::kUsage), naming --vary and the key: no '=',
+/// values of another unit or with an uncertainty, an empty value, equal ends, a count below 2, a
+/// logarithm of what is not above 0.
+[[nodiscard]] Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges);
+
+/// Whether the scene takes what the axes give it, asked before any work: each value (of more than
+/// 1000 on an axis some 1000, of a sampled one its ends and some points') with the other keys at
+/// their first values and at their last. One that is taken beside neither is refused; one that is
+/// refused only beside others is for the row of its point to tell.
+///
+/// Errors: the scene's, under the key's name ("--vary drive.frequency_hz = 0").
+/// Cost: about 20 us a value.
+[[nodiscard]] Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points);
 
 }  // namespace haptometer::tools

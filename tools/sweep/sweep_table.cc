@@ -3,16 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <condition_variable>
 #include <filesystem>
 #include <iterator>
+#include <map>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <utility>
 
-#include "base/printable.h"
+#include "base/clock.h"
+#include "base/jobs.h"
+#include "base/text.h"
 #include "tools/cli/csv_cell.h"
-#include "tools/sweep/answer_columns.h"
-#include "trial/crc32.h"
+#include "trial/byte_io.h"
 
 namespace haptometer::tools {
 namespace {
@@ -130,6 +136,193 @@ bool MatchesChecksum(std::string_view row) {
   const std::size_t comma = row.rfind(',');
   return comma != std::string_view::npos &&
          row.substr(comma + 1) == fmt::format("{}", ChecksumOf(row.substr(0, comma)));
+}
+
+namespace {
+
+using Number = std::optional<double>;
+
+// of the steady motion, where that is known
+template <double sim::SteadyState::* kMember>
+Number Steady(const SceneAnswer& answer) {
+  return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
+}
+
+// the same, also of tones
+template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones>
+Number SteadyOrTones(const SceneAnswer& answer) {
+  return answer.tones ? Number((*answer.tones).*kOfTones) : Steady<kMember>(answer);
+}
+
+// the same, or of the motion that a limited scene settles to
+template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones,
+          double sim::SceneRun::* kSettled>
+Number Settled(const SceneAnswer& answer) {
+  const sim::SceneRun* settled = SettledRun(answer);
+  return settled != nullptr ? Number(settled->*kSettled) : SteadyOrTones<kMember, kOfTones>(answer);
+}
+
+// of the run of a scene with effects, or under a drive that is no sine
+template <double sim::SceneRun::* kMember>
+Number OfRun(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  return run != nullptr ? Number(run->*kMember) : std::nullopt;
+}
+
+Number EventsOf(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  if (run == nullptr) return std::nullopt;
+  std::size_t events = 0;
+  for (const sim::EventCount& event : run->events) events += event.count;
+  return static_cast<double>(events);
+}
+
+constexpr auto kColumns = std::to_array<AnswerColumn>({
+    {"skin_rms_m", Settled<&sim::SteadyState::skin_rms_m, &sim::SteadyTones::skin_rms_m,
+                           &sim::SceneRun::skin_rms_m>},
+    {"mover_peak_m", Settled<&sim::SteadyState::mover_peak_m, &sim::SteadyTones::mover_peak_m,
+                             &sim::SceneRun::mover_peak_m>},
+    {"case_rms_m", Settled<&sim::SteadyState::case_rms_m, &sim::SteadyTones::case_rms_m,
+                           &sim::SceneRun::case_rms_m>},
+    {"current_rms_a", Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
+                              &sim::SceneRun::current_rms_a>},
+    {"power_w",
+     Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
+    {"phase_rad", Steady<&sim::SteadyState::phase_rad>},
+    {"skin_force_peak_n",
+     SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
+    {"window_rms_m",
+     [](const SceneAnswer& a) { return a.window ? Number(a.window->skin_rms_m) : std::nullopt; }},
+    {"error_estimate",
+     SteadyOrTones<&sim::SteadyState::error_estimate, &sim::SteadyTones::error_estimate>},
+    {"run_skin_rms_m", OfRun<&sim::SceneRun::skin_rms_m>},
+    {"run_case_rms_m", OfRun<&sim::SceneRun::case_rms_m>},
+    {"run_current_rms_a", OfRun<&sim::SceneRun::current_rms_a>},
+    {"run_power_w", OfRun<&sim::SceneRun::power_w>},
+    {"run_mover_peak_m", OfRun<&sim::SceneRun::mover_peak_m>},
+    {"run_mover_peak_of_run_m", OfRun<&sim::SceneRun::mover_peak_of_run_m>},
+    {"run_events", EventsOf},
+    {"run_energy_imbalance",
+     [](const SceneAnswer& a) {
+       const sim::SceneRun* run = RunOf(a);
+       return run != nullptr ? Number(run->ledger.Imbalance()) : std::nullopt;
+     }},
+});
+
+}  // namespace
+
+std::span<const AnswerColumn> AnswerColumns() { return kColumns; }
+
+std::string AnswerRemark(const SceneAnswer& answer) {
+  if (answer.tones) return "";
+  if (answer.scene.drive.kind != sim::DriveKind::kSine)
+    return "the drive is no sine: its numbers are those of run_";
+  if (!answer.steady && SettledRun(answer) == nullptr)
+    return "stops or lost contact limit the motion: its numbers are those of run_";
+  const bool is_short = answer.scene.duration_s && !answer.window;
+  return is_short ? "the run is shorter than ten periods: no window_rms_m" : "";
+}
+
+namespace {
+
+constexpr MonotonicNs kBlockNs = kNsPerS / 200;
+constexpr std::uint64_t kMostInBlock = 256;
+constexpr std::uint64_t kMostAhead = 16384;
+
+// some rows of one thread, in order
+struct Block {
+  std::uint64_t rows = 0;
+  std::string text;
+};
+
+// rows begin to end - 1
+struct Share {
+  std::uint64_t begin = 0;
+  std::uint64_t end = 0;
+};
+
+// Hands out rows to make, and writes them in order.
+class Rows {
+ public:
+  explicit Rows(const RowWork& work) : work_(work), taken_(work.first), written_(work.first) {}
+
+  // At most `wanted` rows for the caller alone, fewer towards the end, so that all threads end
+  // together; waits while they would be too far ahead.
+  std::optional<Share> Take(std::uint64_t wanted) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return Stopped() || taken_ < written_ + kMostAhead; });
+    if (Stopped() || taken_ >= work_.count) return std::nullopt;
+    const std::uint64_t left = work_.count - taken_;
+    const auto parts = 4 * static_cast<std::uint64_t>(work_.threads);
+    const Share share{taken_, taken_ + std::clamp<std::uint64_t>(left / parts, 1, wanted)};
+    taken_ = share.end;
+    return share;
+  }
+
+  void Put(std::uint64_t first, Block block) {
+    const std::scoped_lock lock(mutex_);
+    waiting_.emplace(first, std::move(block));
+    std::string ready;
+    while (!waiting_.empty() && waiting_.begin()->first == written_) {
+      const Block& next = waiting_.begin()->second;
+      ready += next.text;
+      written_ += next.rows;
+      waiting_.erase(waiting_.begin());
+    }
+    if (!ready.empty() && !error_) {
+      if (auto done = work_.write(ready, written_); !done) error_ = std::move(done.error());
+    }
+    changed_.notify_all();
+  }
+
+  [[nodiscard]] bool Stopped() const { return error_ || work_.stop->load(); }
+
+  [[nodiscard]] Result<std::uint64_t> result() const {
+    if (error_) return std::unexpected(*error_);
+    return written_;
+  }
+
+ private:
+  const RowWork& work_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::uint64_t taken_;
+  std::uint64_t written_;
+  std::map<std::uint64_t, Block> waiting_;
+  std::optional<Error> error_;
+};
+
+void Work(const RowWork& work, Rows& rows) {
+  SystemClock clock;
+  std::uint64_t wanted = 1;
+  while (const auto share = rows.Take(wanted)) {
+    const MonotonicNs begun_ns = clock.Now();
+    Block block;
+    for (std::uint64_t row = share->begin; row < share->end && !work.stop->load(); ++row) {
+      block.text += work.make(row);
+      ++block.rows;
+    }
+    const MonotonicNs took_ns = std::max<MonotonicNs>(clock.Now() - begun_ns, 1);
+    const auto in_time =
+        block.rows * static_cast<std::uint64_t>(kBlockNs) / static_cast<std::uint64_t>(took_ns);
+    rows.Put(share->begin, std::move(block));
+    wanted = std::clamp<std::uint64_t>(in_time, 1, std::min(2 * wanted, kMostInBlock));
+  }
+}
+
+}  // namespace
+
+Result<std::uint64_t> MakeRowsInOrder(const RowWork& work) {
+  Rows rows(work);
+  const auto threads = static_cast<std::size_t>(work.threads);
+  const auto done = RunJobs(threads, work.threads, [&]() -> Worker {
+    return [&](std::size_t) -> Result<void> {
+      Work(work, rows);
+      return {};
+    };
+  });
+  if (!done) return std::unexpected(done.error());
+  return rows.result();
 }
 
 }  // namespace haptometer::tools

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/sweep/sweep_question.h"
 
@@ -43,5 +47,37 @@ struct TableHeader {
 
 /// Whether the last cell of a row, without its line end, is the checksum of what stands before it.
 [[nodiscard]] bool MatchesChecksum(std::string_view row);
+
+/// A number of a scene's answer as a column of a sweep's table.
+struct AnswerColumn {
+  /// as `simulate --json` has it, with "run_" before what stands under `run`
+  std::string_view name;
+  std::optional<double> (*value)(const SceneAnswer& answer);  ///< empty: not in this answer
+};
+
+/// All columns of answers, in the order of the table: the one place that lists them.
+[[nodiscard]] std::span<const AnswerColumn> AnswerColumns();
+
+/// What a row says although its point is answered; empty: nothing.
+[[nodiscard]] std::string AnswerRemark(const SceneAnswer& answer);
+
+/// Rows that several threads make and one file takes in order.
+struct RowWork {
+  std::uint64_t first = 0;  ///< rows before it are there
+  std::uint64_t count = 0;  ///< rows in all
+  int threads = 1;          ///< >= 1
+  /// Makes a row; called by several threads at once.
+  std::function<std::string(std::uint64_t row)> make;
+  /// Takes whole rows, in order, one call at a time; `done` are there then.
+  std::function<Result<void>(std::string_view rows, std::uint64_t done)> write;
+  const std::atomic<bool>* stop = nullptr;  ///< once true no further row is begun
+};
+
+/// Makes and writes the rows; returns how many are there in the end: all, unless it was stopped.
+///
+/// A thread takes as many rows at a time as last about 5 ms (one at first, 256 at most) and goes on
+/// without waiting for slower ones, up to 16 384 rows ahead of the first that is missing. What is
+/// written depends neither on `threads` nor on the clock. Errors: of `write`; then no more is made.
+[[nodiscard]] Result<std::uint64_t> MakeRowsInOrder(const RowWork& work);
 
 }  // namespace haptometer::tools

@@ -8,13 +8,18 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
+#include <functional>
+#include <queue>
 #include <utility>
 #include <vector>
 
+#include "base/input_file.h"
+#include "tools/cli/csv_cell.h"
 #include "tools/cli/output_file.h"
-#include "tools/sweep/table_reader.h"
 
 namespace haptometer::tools {
 namespace {
@@ -205,6 +210,194 @@ Result<void> TableFile::Finish() {
   if (fdatasync(descriptor_) == 0) return {};
   return Failed(path_, std::string("is not safe on the disk: ") + std::strerror(errno),
                 "make room, then go on with --resume");
+}
+
+namespace {
+
+constexpr std::string_view kTitle = "# haptometer sweep ";
+constexpr std::string_view kVary = "# vary = ";
+constexpr std::string_view kPoints = "# points = ";
+constexpr std::string_view kShard = "# shard = ";
+
+constexpr std::size_t kMostRowBytes = std::size_t{1} << 20;
+
+std::optional<std::uint64_t> LeadingCount(std::string_view text) {
+  std::uint64_t count = 0;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), count);
+  if (failure != std::errc{}) return std::nullopt;
+  return count;
+}
+
+}  // namespace
+
+TableReader::TableReader(const std::string& path) : path_(path), file_(path, std::ios::binary) {}
+
+Result<TableReader> TableReader::Open(const std::string& path) {
+  std::error_code none;
+  if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
+  NoteInput(path);
+  TableReader reader(path);
+  if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
+  return reader;
+}
+
+Result<void> TableReader::ReadHeader() {
+  const auto unknown = [&] {
+    return CannotAnswer(path_, "is no table of haptometer sweep", "give one that it wrote");
+  };
+  auto line = Next();
+  if (!line || !line->starts_with(kTitle)) return unknown();
+  for (; line && line->starts_with('#'); line = Next()) {
+    if (line->starts_with(kShard)) {
+      header_.shard = line->substr(kShard.size());
+      continue;
+    }
+    if (line->starts_with(kVary)) ++header_.varied;
+    if (line->starts_with(kPoints)) {
+      header_.points = LeadingCount(line->substr(kPoints.size())).value_or(0);
+    }
+    header_.question.push_back(*std::move(line));
+  }
+  if (!line) return unknown();
+  header_.columns = cli::CellsOf(*line);
+  const std::size_t columns = header_.columns.size();
+  const bool is_known =
+      header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == "point";
+  if (is_known && header_.columns.back() == "remark") {
+    return CannotAnswer(path_, "was made by an older version, without checksums of its rows",
+                        "make it again");
+  }
+  if (!is_known || header_.columns.back() != kChecksumColumn) return unknown();
+  return {};
+}
+
+std::optional<std::string> TableReader::Next() {
+  std::string line;
+  std::uint64_t bytes = 0;
+  for (int c = file_.get(); c != std::ifstream::traits_type::eof(); c = file_.get()) {
+    ++bytes;
+    if (c == '\n') {
+      read_bytes_ += bytes;
+      return line;
+    }
+    // of a longer line only the beginning, which is no row
+    if (line.size() < kMostRowBytes) line += static_cast<char>(c);
+  }
+  ends_amid_row_ = !line.empty();
+  return std::nullopt;
+}
+
+bool TableReader::IsRow(const std::string& row) const {
+  return cli::CellsOf(row).size() == header_.columns.size() && MatchesChecksum(row);
+}
+
+std::optional<std::uint64_t> PointOfRow(std::string_view row) {
+  const auto point = LeadingCount(row);
+  if (point == std::uint64_t{0}) return std::nullopt;
+  return point;
+}
+
+namespace {
+
+// the next row of a table
+struct Head {
+  std::uint64_t point = 0;
+  std::size_t table = 0;
+  std::string row;
+
+  bool operator>(const Head& other) const { return point > other.point; }
+};
+
+using Heads = std::priority_queue<Head, std::vector<Head>, std::greater<>>;
+
+Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables) {
+  std::vector<TableReader> readers;
+  readers.reserve(tables.size());
+  for (const std::string& path : tables) {
+    auto reader = TableReader::Open(path);
+    if (!reader) return std::unexpected(reader.error());
+    if (!readers.empty()) {
+      const std::string difference = DifferenceOf(reader->header(), readers.front().header());
+      if (!difference.empty()) {
+        return Usage(path, fmt::format("asks another question than {}: {}", tables[0], difference),
+                     "merge the shards of one sweep");
+      }
+    }
+    readers.push_back(*std::move(reader));
+  }
+  return readers;
+}
+
+// Brings the next row of a table into line.
+Result<void> Advance(std::vector<TableReader>& readers, std::size_t table, Heads& heads) {
+  TableReader& reader = readers[table];
+  auto row = reader.Next();
+  if (reader.ends_amid_row()) {
+    return CannotAnswer(reader.path(), "ends amid a row", "go on with it by --resume first");
+  }
+  if (!row) return {};
+  const auto point = PointOfRow(*row);
+  if (!point || *point > reader.header().points || !reader.IsRow(*row)) {
+    return CannotAnswer(reader.path(),
+                        fmt::format("holds a row that was changed or is none: '{:.40}'", *row),
+                        "go on with it by --resume, which computes such a row again");
+  }
+  heads.push({*point, table, *std::move(row)});
+  return {};
+}
+
+Result<void> Missing(std::uint64_t point, const TableReader& reader) {
+  return CannotAnswer(
+      {}, fmt::format("point {} of {} is in none of the tables", point, reader.header().points),
+      "give every shard, each gone on with to its end");
+}
+
+// All rows in their order, each point once.
+Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole) {
+  constexpr std::size_t kPieceBytes = 1U << 16;
+  std::string rows;
+  Heads heads;
+  for (std::size_t table = 0; table < readers.size(); ++table) {
+    if (auto begun = Advance(readers, table, heads); !begun) return begun;
+  }
+  const std::uint64_t points = readers.front().header().points;
+  std::uint64_t expected = 1;
+  std::size_t last_table = 0;
+  while (!heads.empty()) {
+    const Head head = heads.top();
+    heads.pop();
+    if (head.point < expected) {
+      return Usage(
+          readers[head.table].path(),
+          fmt::format("holds point {}, which {} holds too", head.point, readers[last_table].path()),
+          "give every shard once");
+    }
+    if (head.point > expected) return Missing(expected, readers.front());
+    rows += head.row + '\n';
+    if (rows.size() >= kPieceBytes) {
+      if (auto written = whole.Write(rows); !written) return written;
+      rows.clear();
+    }
+    ++expected;
+    last_table = head.table;
+    if (auto next = Advance(readers, head.table, heads); !next) return next;
+  }
+  return expected > points ? whole.Write(rows) : Missing(expected, readers.front());
+}
+
+}  // namespace
+
+Result<void> MergeTables(const std::vector<std::string>& tables, const std::string& output,
+                         bool replace) {
+  auto readers = OpenAll(tables);
+  if (!readers) return std::unexpected(readers.error());
+  auto file = cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace);
+  if (!file) return std::unexpected(file.error());
+  TableHeader header = readers->front().header();
+  header.shard.clear();
+  if (auto written = file->Write(header.Text()); !written) return written;
+  if (auto written = WriteRows(*readers, *file); !written) return written;
+  return file->Finish();
 }
 
 }  // namespace haptometer::tools

@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <fstream>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/clock.h"
-#include "base/result.h"
+#include "base/error.h"
 #include "tools/sweep/sweep_table.h"
 
 namespace haptometer::tools {
@@ -60,5 +63,52 @@ class TableFile {
   SystemClock clock_;
   MonotonicNs synced_ns_;
 };
+
+/// Reads a table that `sweep` wrote, row by row; memory of one row, which ends at 1 MiB.
+class TableReader {
+ public:
+  /// Errors (Cause::kCannotAnswer): no file, or none that begins as such a table, whole header and
+  /// all.
+  [[nodiscard]] static Result<TableReader> Open(const std::string& path);
+
+  [[nodiscard]] const TableHeader& header() const { return header_; }
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+  /// The next whole row, without its line end; nothing behind the last.
+  [[nodiscard]] std::optional<std::string> Next();
+
+  /// Whether `row` is one as this table's rows are written: with a cell a column, and with the
+  /// checksum of its cells.
+  [[nodiscard]] bool IsRow(const std::string& row) const;
+
+  /// Whether the file ends amid a row: its writer was ended there.
+  [[nodiscard]] bool ends_amid_row() const { return ends_amid_row_; }
+
+  /// Bytes up to the end of the last row that Next() gave, or of the header.
+  [[nodiscard]] std::uint64_t read_bytes() const { return read_bytes_; }
+
+ private:
+  explicit TableReader(const std::string& path);
+  [[nodiscard]] Result<void> ReadHeader();
+
+  std::string path_;
+  std::ifstream file_;
+  TableHeader header_;
+  std::uint64_t read_bytes_ = 0;
+  bool ends_amid_row_ = false;
+};
+
+/// The point of a row, from 1; nothing where it begins with no number.
+[[nodiscard]] std::optional<std::uint64_t> PointOfRow(std::string_view row);
+
+/// Joins the tables of shards into the table that one run would have written, byte for byte; memory
+/// of one row a table.
+///
+/// Errors, with no file left: as cli::OutputFile for `output` (replaced where `replace` says so);
+/// as TableReader for a table; Cause::kUsage for tables of different questions, with the
+/// difference, and for a point that two of them hold; Cause::kCannotAnswer for a point that none
+/// holds or a table that ends amid a row.
+[[nodiscard]] Result<void> MergeTables(const std::vector<std::string>& tables,
+                                       const std::string& output, bool replace);
 
 }  // namespace haptometer::tools

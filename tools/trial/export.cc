@@ -1,4 +1,6 @@
 // trial export: recordings as CSV, HDF5, NPY, WAV and MAT.
+#include "trial/export/export.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,18 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "base/check.h"
-#include "tools/cli/import_words.h"
+#include "base/error.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
-#include "tools/cli/report.h"
-#include "tools/trial/told_recording.h"
-#include "tools/trial/words.h"
-#include "trial/export/csv.h"
-#include "trial/export/hdf5.h"
-#include "trial/export/mat.h"
-#include "trial/export/npy.h"
-#include "trial/export/wav.h"
+#include "tools/cli/shared_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/trial/trial.h"
 
 namespace haptometer::tools {
 namespace {

@@ -6,10 +6,10 @@
 
 #include "sim/tuning/latency_limit.h"
 #include "tools/cli/options.h"
-#include "tools/cli/report.h"
+#include "tools/cli/terminal.h"
 #include "tools/document/present.h"
 #include "tools/tune/tune_document.h"
-#include "tools/tune/tune_options.h"
+#include "tools/tune/tune_question.h"
 #include "tools/verbs.h"
 
 namespace haptometer::tools {

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "sim/tuning/latency_limit.h"
-#include "tools/latency_verdict.h"
+#include "tools/analyze/analysis_document.h"
 
 namespace haptometer::tools {
 namespace {

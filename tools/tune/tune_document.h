@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "sim/skin_rise.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/skin/skin_rise.h"
 #include "sim/tuning/adapter_grid.h"
 #include "sim/tuning/adapter_optimum.h"
 #include "tools/document/document.h"
-#include "tools/tune/tune_options.h"
+#include "tools/tune/tune_question.h"
 
 namespace haptometer::tools {
 

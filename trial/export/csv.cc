@@ -1,5 +1,3 @@
-#include "trial/export/csv.h"
-
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -7,9 +5,8 @@
 #include <cmath>
 #include <iterator>
 
-#include "trial/export/exported_times.h"
-#include "trial/import/csv_column.h"
-#include "trial/import/csv_comment.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

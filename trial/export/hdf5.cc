@@ -1,5 +1,3 @@
-#include "trial/export/hdf5.h"
-
 #include <hdf5.h>
 
 #include <algorithm>
@@ -10,10 +8,10 @@
 #include <vector>
 
 #include "trial/block.h"
-#include "trial/export/exported_times.h"
+#include "trial/export/export.h"
 #include "trial/hdf5_id.h"
-#include "trial/import/csv_column.h"
-#include "trial/trial_json.h"
+#include "trial/import/csv_header.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,5 +1,3 @@
-#include "trial/export/mat.h"
-
 #include <matio.h>
 
 #include <array>
@@ -8,10 +6,10 @@
 #include <vector>
 
 #include "trial/block.h"
-#include "trial/byte_source.h"
-#include "trial/export/exported_times.h"
-#include "trial/import/csv_column.h"
-#include "trial/trial_json.h"
+#include "trial/byte_io.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,5 +1,3 @@
-#include "trial/export/npy.h"
-
 #include <fmt/core.h>
 
 #include <cstdint>
@@ -7,8 +5,8 @@
 #include <vector>
 
 #include "trial/block.h"
-#include "trial/export/exported_times.h"
-#include "trial/import/csv_column.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

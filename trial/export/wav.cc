@@ -1,5 +1,3 @@
-#include "trial/export/wav.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,7 +6,8 @@
 #include <vector>
 
 #include "trial/block.h"
-#include "trial/import/csv_column.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
 
 namespace haptometer::trial {
 namespace {

@@ -1,26 +1,35 @@
-#include "trial/import/csv.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "trial/import/column_doubts.h"
-#include "trial/import/csv_column.h"
-#include "trial/import/csv_comment.h"
+#include "trial/import/csv_header.h"
 #include "trial/import/csv_rows.h"
 #include "trial/import/foreign_table.h"
 #include "trial/import/instrument_layouts.h"
-#include "trial/import/printed_number.h"
+#include "trial/import/readers.h"
 #include "trial/import/row_times.h"
-#include "trial/import/stated_rate.h"
+#include "trial/import/stated_clock.h"
 #include "trial/import/table_cells.h"
-#include "trial/import/text_encoding.h"
 
 namespace haptometer::trial {
+
+/// A sentence for each column whose unit the command line (`read`) states otherwise than the file
+/// (`said`); none where their counts differ.
+[[nodiscard]] std::vector<std::string> OverriddenUnits(const std::vector<CsvColumn>& said,
+                                                       const std::vector<CsvColumn>& read);
+
+/// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
+/// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
+[[nodiscard]] std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except);
+
 namespace {
 
 bool IsOurTime(std::string_view cell) {
@@ -300,6 +309,58 @@ Result<Record> ParseCsv(std::string_view text, const std::string& name,
                         const ImportOptions& options, std::vector<std::string>* remarks) {
   std::vector<std::string> ignored;
   return Parser(text, name, options, remarks != nullptr ? remarks : &ignored).Parse();
+}
+
+namespace {
+
+constexpr std::size_t kRows = 8;
+constexpr double kEven = 0.05;
+
+bool GrowsEvenly(const std::vector<double>& values) {
+  const double step = (values.back() - values.front()) / static_cast<double>(values.size() - 1);
+  if (!(step > 0)) return false;
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    if (!(std::abs(values[k] - values[k - 1] - step) <= kEven * step)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<std::string> OverriddenUnits(const std::vector<CsvColumn>& said,
+                                         const std::vector<CsvColumn>& read) {
+  std::vector<std::string> remarks;
+  if (said.size() != read.size()) return remarks;
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
+    if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
+    remarks.push_back(
+        fmt::format("column {} holds units of {:g} {} by the file and of {:g} {} by --columns or "
+                    "--scale; the file is not believed",
+                    i + 1, said[i].factor, said[i].unit, read[i].factor, read[i].unit));
+  }
+  return remarks;
+}
+
+std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {
+  std::vector<std::vector<double>> columns;
+  std::size_t count = 0;
+  for (; count < kRows && !rows.empty(); ++count) {
+    const std::size_t end = std::min(rows.find('\n'), rows.size() - 1);
+    const auto cells = SplitCells(Trimmed(rows.substr(0, end + 1)), separator);
+    rows.remove_prefix(end + 1);
+    if (columns.empty()) columns.resize(cells.size());
+    if (cells.size() != columns.size()) return 0;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      columns[i].push_back(
+          ReadNumberWithComma(cells[i]).value_or(std::numeric_limits<double>::quiet_NaN()));
+    }
+  }
+  if (count < kRows) return 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    if (i + 1 != except && GrowsEvenly(columns[i])) return i + 1;
+  }
+  return 0;
 }
 
 }  // namespace haptometer::trial

@@ -7,7 +7,6 @@
 #include <limits>
 #include <utility>
 
-#include "trial/import/printed_number.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::trial {

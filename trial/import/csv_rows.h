@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "trial/import/csv_column.h"
+#include "base/error.h"
+#include "trial/import/csv_header.h"
 #include "trial/import/printed_times.h"
 #include "trial/record.h"
 

@@ -1,5 +1,3 @@
-#include "trial/import/hdf5.h"
-
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 #include <hdf5.h>
@@ -14,8 +12,9 @@
 
 #include "base/input_file.h"
 #include "trial/hdf5_id.h"
-#include "trial/import/csv_column.h"
-#include "trial/trial_json.h"
+#include "trial/import/csv_header.h"
+#include "trial/import/readers.h"
+#include "trial/trial_format.h"
 
 namespace haptometer::trial {
 namespace {

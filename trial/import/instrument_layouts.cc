@@ -6,8 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "trial/import/printed_number.h"
-#include "trial/import/printed_unit.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

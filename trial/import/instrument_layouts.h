@@ -4,9 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/foreign_table.h"
-#include "trial/import/table_beginning.h"
 
 namespace haptometer::trial {
 

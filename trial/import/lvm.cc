@@ -1,5 +1,3 @@
-#include "trial/import/lvm.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,14 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "trial/import/csv_column.h"
+#include "trial/import/csv_header.h"
 #include "trial/import/csv_rows.h"
 #include "trial/import/foreign_table.h"
 #include "trial/import/named_columns.h"
-#include "trial/import/printed_number.h"
 #include "trial/import/printed_times.h"
+#include "trial/import/readers.h"
 #include "trial/import/row_times.h"
-#include "trial/import/segmented_times.h"
 #include "trial/import/table_cells.h"
 
 namespace haptometer::trial {

@@ -9,8 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "trial/import/printed_number.h"
-#include "trial/import/printed_unit.h"
+#include "trial/import/table_cells.h"
 
 namespace haptometer::trial {
 namespace {

@@ -5,11 +5,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
-#include "trial/import/csv_column.h"
+#include "base/error.h"
+#include "trial/import/csv_header.h"
+#include "trial/import/foreign_table.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"
-#include "trial/import/table_beginning.h"
 
 namespace haptometer::trial {
 

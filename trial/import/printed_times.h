@@ -52,7 +52,7 @@ class PrintedTimes {
   ///
   /// `timing`: kUniform for times that a clock made, others for times as they came. `stated`: the
   /// stretches that the file itself gives, used where they still describe the rows. Otherwise a
-  /// grid where their resolution explains the times (trial/import/printed_grid.h), else the mean
+  /// grid where their resolution explains the times (trial/import/printed_times.cc), else the mean
   /// line beside the times as they stand. Of times that repeat without a grid that explains it, at
   /// most one row in a hundred is left out: a row that was written twice, or two readings with one
   /// time. Nothing, and `record` is not to be used: more of them do, or times lie closer than a

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
 #include "trial/import/csv_rows.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"
@@ -55,5 +55,24 @@ void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
 [[nodiscard]] Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                                            const ImportOptions& options, CsvRows* rows,
                                            Record* record, std::vector<std::string>* remarks);
+
+/// Puts the times of a file's segments one behind the other.
+class SegmentedTimes {
+ public:
+  /// Takes the next segment: `part` with stretches and raw times (or none) of its own rows from 0,
+  /// all later by `shift_s`. False, and nothing is taken: it does not begin behind the one before.
+  [[nodiscard]] bool Append(const Record& part, double shift_s);
+
+  /// Whether a segment that begins at `start_s` lies behind what was taken.
+  [[nodiscard]] bool IsBehind(double start_s) const;
+
+  /// Sets the stretches of `record`; its raw times and timing too where a segment had raw times.
+  void Complete(Record* record) &&;
+
+ private:
+  std::vector<Stretch> stretches_{};
+  std::vector<double> raw_times_s_{};
+  bool has_raw_ = false;
+};
 
 }  // namespace haptometer::trial

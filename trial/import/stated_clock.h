@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
+#include "trial/record.h"
 
 namespace haptometer::trial {
 
@@ -44,5 +45,14 @@ struct StatedClock {
 /// How many rows the lines above a table say it has ("Record Length", "Samples", "SIZE",
 /// "Number of Data points", "Points"); nothing where they do not.
 [[nodiscard]] std::optional<std::size_t> FindStatedRows(const std::vector<TableKey>& keys);
+
+/// The rate that a table's words state beside its times: nominal_rate_hz, or the first number with
+/// Hz or kHz behind it in a field or note that speaks of a rate or sampling.
+[[nodiscard]] std::optional<double> StatedRate(const Metadata& metadata);
+
+/// A sentence where the times of `record` and the rate that it states are a power of a thousand
+/// apart, as they are when milliseconds stand in a column of seconds; empty otherwise. The times
+/// are taken at their word all the same.
+[[nodiscard]] std::string RateRemark(const Record& record);
 
 }  // namespace haptometer::trial

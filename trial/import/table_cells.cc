@@ -3,10 +3,287 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <string>
 
-#include "trial/import/printed_number.h"
+#include "base/text.h"
 
 namespace haptometer::trial {
+namespace {
+
+unsigned Byte(char c) { return static_cast<unsigned char>(c); }
+
+void AppendUtf8(std::uint32_t code, std::string* text) {
+  const auto put = [text](std::uint32_t byte) { text->push_back(static_cast<char>(byte)); };
+  if (code < 0x80) {
+    put(code);
+  } else if (code < 0x800) {
+    put(0xc0 | code >> 6);
+    put(0x80 | (code & 0x3f));
+  } else if (code < 0x10000) {
+    put(0xe0 | code >> 12);
+    put(0x80 | (code >> 6 & 0x3f));
+    put(0x80 | (code & 0x3f));
+  } else {
+    put(0xf0 | code >> 18);
+    put(0x80 | (code >> 12 & 0x3f));
+    put(0x80 | (code >> 6 & 0x3f));
+    put(0x80 | (code & 0x3f));
+  }
+}
+
+std::string FromUtf16(std::string_view raw, bool is_big_endian) {
+  constexpr std::uint32_t kReplacement = 0xfffd;
+  const auto unit = [&](std::size_t i) -> std::uint32_t {
+    const unsigned first = Byte(raw[i]);
+    const unsigned second = Byte(raw[i + 1]);
+    return is_big_endian ? first << 8U | second : second << 8U | first;
+  };
+  std::string text;
+  text.reserve(raw.size());
+  for (std::size_t i = 0; i + 1 < raw.size(); i += 2) {
+    std::uint32_t code = unit(i);
+    const bool is_high = code >= 0xd800 && code < 0xdc00;
+    if (is_high && i + 3 < raw.size() && unit(i + 2) >= 0xdc00 && unit(i + 2) < 0xe000) {
+      code = 0x10000 + ((code - 0xd800) << 10U) + (unit(i + 2) - 0xdc00);
+      i += 2;
+    } else if (code >= 0xd800 && code < 0xe000) {
+      code = kReplacement;
+    }
+    AppendUtf8(code, &text);
+  }
+  return text;
+}
+
+bool IsUtf8(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t bytes = Utf8CharacterBytes(text);
+    if (bytes == 0) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+
+std::string FromWindows1252(std::string_view raw) {
+  constexpr std::array<std::uint16_t, 32> kAbove7f{
+      0x20ac, 0xfffd, 0x201a, 0x0192, 0x201e, 0x2026, 0x2020, 0x2021, 0x02c6, 0x2030, 0x0160,
+      0x2039, 0x0152, 0xfffd, 0x017d, 0xfffd, 0xfffd, 0x2018, 0x2019, 0x201c, 0x201d, 0x2022,
+      0x2013, 0x2014, 0x02dc, 0x2122, 0x0161, 0x203a, 0x0153, 0xfffd, 0x017e, 0x0178};
+  std::string text;
+  text.reserve(raw.size());
+  for (const char c : raw) {
+    const unsigned byte = Byte(c);
+    AppendUtf8(byte >= 0x80 && byte < 0xa0 ? kAbove7f[byte - 0x80] : byte, &text);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string_view Utf8Text(std::string_view raw, std::string* storage) {
+  std::string_view text = raw;
+  if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
+    *storage = FromUtf16(text.substr(2), text.starts_with("\xfe\xff"));
+    text = *storage;
+  } else if (text.starts_with("\xef\xbb\xbf")) {
+    text.remove_prefix(3);
+  }
+  if (!IsUtf8(text)) {
+    *storage = FromWindows1252(text);
+    text = *storage;
+  }
+  const bool has_nul = text.find('\0') != std::string_view::npos;
+  const bool ends_in_cr =
+      text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos;
+  if (!has_nul && !ends_in_cr) return text;
+  std::string changed(text);
+  std::erase(changed, '\0');
+  if (ends_in_cr) std::ranges::replace(changed, '\r', '\n');
+  *storage = std::move(changed);
+  return *storage;
+}
+
+std::string_view Trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t\r";
+  const std::size_t first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::string LowerCase(std::string_view text) {
+  std::string lower(text);
+  for (char& c : lower) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  }
+  return lower;
+}
+
+std::optional<double> ReadNumber(std::string_view text) {
+  if (text.starts_with('+') && !text.starts_with("+-")) text.remove_prefix(1);
+  double number = 0;
+  const auto parsed = std::from_chars(text.begin(), text.end(), number);
+  if (parsed.ec != std::errc() || parsed.ptr != text.end()) return std::nullopt;
+  return number;
+}
+
+std::optional<double> ReadNumberWithComma(std::string_view text) {
+  if (text.find(',') == std::string_view::npos) return ReadNumber(text);
+  std::string with_point(text);
+  std::ranges::replace(with_point, ',', '.');
+  return ReadNumber(with_point);
+}
+
+std::optional<SampleStatus> ReadNoNumber(std::string_view cell) {
+  constexpr std::size_t kLongest = 12;
+  if (cell.size() > kLongest) return std::nullopt;
+  std::string word = LowerCase(cell);
+  if (!word.empty() && word.find_first_not_of('*') == std::string::npos) {
+    return SampleStatus::kClipped;
+  }
+  if (word.find_first_not_of('-') == std::string::npos) return SampleStatus::kInvalid;
+  constexpr std::array<std::string_view, 8> kNone{"nan",     "-nan", "x",   "#num!",
+                                                  "#value!", "#n/a", "n/a", "invalid"};
+  if (std::ranges::find(kNone, word) != kNone.end()) return SampleStatus::kInvalid;
+  if (word == "under" || word == "underflow") return SampleStatus::kUnder;
+  const bool is_negative = word.starts_with('-');
+  if (is_negative || word.starts_with('+')) word.erase(0, 1);
+  constexpr std::array<std::string_view, 6> kOver{"\xe2\x88\x9e", "inf", "infinity",
+                                                  "over",         "ol",  "overflow"};
+  if (std::ranges::find(kOver, word) == kOver.end()) return std::nullopt;
+  return is_negative ? SampleStatus::kUnder : SampleStatus::kOver;
+}
+
+std::optional<double> ReadClock(std::string_view text) {
+  text = Trimmed(text);
+  // "2024-05-06T12:00:00.5Z"
+  if (text.ends_with('Z')) text.remove_suffix(1);
+  if (const std::size_t blank = text.find_last_of(" T"); blank != std::string_view::npos) {
+    text.remove_prefix(blank + 1);
+  }
+  double seconds = 0;
+  for (int part = 0; part < 3; ++part) {
+    const std::size_t colon = text.find(':');
+    if ((colon == std::string_view::npos) != (part == 2)) return std::nullopt;
+    const auto number = ReadNumberWithComma(text.substr(0, colon));
+    if (!number || !(*number >= 0 && *number < 61)) return std::nullopt;
+    seconds = 60 * seconds + *number;
+    text = part == 2 ? "" : text.substr(colon + 1);
+  }
+  return seconds;
+}
+
+namespace {
+
+struct UnitName {
+  std::string_view name;
+  PrintedUnit unit;
+};
+
+constexpr std::array<UnitName, 67> kUnits{{{"s", {"s", 1}},
+                                           {"sec", {"s", 1}},
+                                           {"second", {"s", 1}},
+                                           {"seconds", {"s", 1}},
+                                           {"sekunden", {"s", 1}},
+                                           {"ms", {"s", 1e-3}},
+                                           {"msec", {"s", 1e-3}},
+                                           {"millisecond", {"s", 1e-3}},
+                                           {"milliseconds", {"s", 1e-3}},
+                                           {"us", {"s", 1e-6}},
+                                           {"\xc2\xb5"
+                                            "s",
+                                            {"s", 1e-6}},
+                                           {"\xce\xbc"
+                                            "s",
+                                            {"s", 1e-6}},
+                                           {"usec", {"s", 1e-6}},
+                                           {"microsecond", {"s", 1e-6}},
+                                           {"microseconds", {"s", 1e-6}},
+                                           {"ns", {"s", 1e-9}},
+                                           {"nanosecond", {"s", 1e-9}},
+                                           {"nanoseconds", {"s", 1e-9}},
+                                           {"ps", {"s", 1e-12}},
+                                           {"m", {"m", 1}},
+                                           {"meter", {"m", 1}},
+                                           {"meters", {"m", 1}},
+                                           {"metre", {"m", 1}},
+                                           {"metres", {"m", 1}},
+                                           {"cm", {"m", 1e-2}},
+                                           {"centimeters", {"m", 1e-2}},
+                                           {"mm", {"m", 1e-3}},
+                                           {"millimeter", {"m", 1e-3}},
+                                           {"millimeters", {"m", 1e-3}},
+                                           {"millimetre", {"m", 1e-3}},
+                                           {"millimetres", {"m", 1e-3}},
+                                           {"um", {"m", 1e-6}},
+                                           {"\xc2\xb5"
+                                            "m",
+                                            {"m", 1e-6}},
+                                           {"\xce\xbc"
+                                            "m",
+                                            {"m", 1e-6}},
+                                           {"micrometer", {"m", 1e-6}},
+                                           {"micrometers", {"m", 1e-6}},
+                                           {"micrometre", {"m", 1e-6}},
+                                           {"micrometres", {"m", 1e-6}},
+                                           {"microns", {"m", 1e-6}},
+                                           {"nm", {"m", 1e-9}},
+                                           {"nanometer", {"m", 1e-9}},
+                                           {"nanometers", {"m", 1e-9}},
+                                           {"nanometres", {"m", 1e-9}},
+                                           {"v", {"V", 1}},
+                                           {"volt", {"V", 1}},
+                                           {"volts", {"V", 1}},
+                                           {"mv", {"V", 1e-3}},
+                                           {"millivolt", {"V", 1e-3}},
+                                           {"millivolts", {"V", 1e-3}},
+                                           {"uv", {"V", 1e-6}},
+                                           {"\xc2\xb5"
+                                            "v",
+                                            {"V", 1e-6}},
+                                           {"\xce\xbc"
+                                            "v",
+                                            {"V", 1e-6}},
+                                           {"microvolts", {"V", 1e-6}},
+                                           {"kv", {"V", 1e3}},
+                                           {"a", {"A", 1}},
+                                           {"amp", {"A", 1}},
+                                           {"amps", {"A", 1}},
+                                           {"ampere", {"A", 1}},
+                                           {"amperes", {"A", 1}},
+                                           {"ma", {"A", 1e-3}},
+                                           {"milliamp", {"A", 1e-3}},
+                                           {"milliamps", {"A", 1e-3}},
+                                           {"milliamperes", {"A", 1e-3}},
+                                           {"ua", {"A", 1e-6}},
+                                           {"\xc2\xb5"
+                                            "a",
+                                            {"A", 1e-6}},
+                                           {"\xce\xbc"
+                                            "a",
+                                            {"A", 1e-6}},
+                                           {"microamps", {"A", 1e-6}}}};
+
+}  // namespace
+
+std::optional<PrintedUnit> FindUnit(std::string_view text) {
+  const bool is_mega = text.size() > 1 && text[0] == 'M' && text.size() < 3;
+  if (is_mega) return std::nullopt;
+  const std::string lower = LowerCase(text);
+  const auto found = std::ranges::find(kUnits, lower, &UnitName::name);
+  if (found == kUnits.end()) return std::nullopt;
+  return found->unit;
+}
+
+ChannelRole RoleOfUnit(std::string_view si_unit) {
+  if (si_unit == "m") return ChannelRole::kDisplacement;
+  if (si_unit == "V") return ChannelRole::kVoltage;
+  if (si_unit == "A") return ChannelRole::kCurrent;
+  return ChannelRole::kOther;
+}
+
 namespace {
 
 // where the cell at the beginning of `line` ends: at a separator outside of quotes

@@ -1,13 +1,58 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "base/result.h"
+#include "base/error.h"
+#include "trial/record.h"
 
 namespace haptometer::trial {
+
+/// The text of a file as UTF-8 with lines that end in LF (or CR LF).
+///
+/// A byte-order mark is taken off; UTF-16 (told by its mark) is converted; text that is not valid
+/// UTF-8 is read as Windows-1252, as oscilloscopes and spreadsheets write "µs"; NUL bytes are
+/// dropped; lines that end in CR alone end in LF. Returns a view of `raw` where nothing needs
+/// changing, else of `storage`. Cost: one pass over the bytes.
+[[nodiscard]] std::string_view Utf8Text(std::string_view raw, std::string* storage);
+
+/// `text` without blanks at its ends.
+[[nodiscard]] std::string_view Trimmed(std::string_view text);
+
+/// `text` in ASCII lower case.
+[[nodiscard]] std::string LowerCase(std::string_view text);
+
+/// The whole of `text` as a number; infinities and NaN count as numbers here.
+[[nodiscard]] std::optional<double> ReadNumber(std::string_view text);
+
+/// The same with a decimal comma or point.
+[[nodiscard]] std::optional<double> ReadNumberWithComma(std::string_view text);
+
+/// What an instrument prints where it has no number: "∞", "inf", "OVER", "OL" are kOver, with a
+/// minus (or "UNDER") kUnder; "****" is kClipped, because it says nothing of the sign; "", "nan",
+/// "---", Saleae's "X" and a spreadsheet's "#NUM!" are kInvalid. Nothing for any other text.
+[[nodiscard]] std::optional<SampleStatus> ReadNoNumber(std::string_view cell);
+
+/// Seconds since midnight of a time on the clock, "12:00:47.056435" or with a decimal comma; a date
+/// before it ("5/7/2021  12:00:47.056435", "2021-07-05T12:00:47Z") is passed over. Nothing where
+/// `text` is none.
+[[nodiscard]] std::optional<double> ReadClock(std::string_view text);
+
+/// A unit as tables print it.
+struct PrintedUnit {
+  std::string_view si_unit;  ///< "s", "m", "V" or "A"
+  double factor = 1;         ///< one printed unit in SI
+};
+
+/// "s", "second(s)", "ms", "us", "m", "mm", "um", "V", "Volt(s)", "mV", "A", "Amp(s)", "mA" ...;
+/// upper and lower case are alike but for a leading M, which is no milli.
+[[nodiscard]] std::optional<PrintedUnit> FindUnit(std::string_view text);
+
+/// What is measured in `si_unit`: "m" is a displacement, "V" a voltage, "A" a current.
+[[nodiscard]] ChannelRole RoleOfUnit(std::string_view si_unit);
 
 /// One line of a table with the separator that it suggests.
 struct TableCells {

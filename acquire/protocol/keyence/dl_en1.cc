@@ -6,8 +6,8 @@
 #include <array>
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
-#include "base/check.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::dl_en1 {
 namespace {

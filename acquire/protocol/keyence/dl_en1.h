@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "acquire/protocol/keyence/dl_line.h"
-#include "acquire/protocol/value.h"
+#include "acquire/protocol/wire.h"
 #include "base/clock.h"
 
 /// The Keyence DL-EN1 (Ethernet unit of the IL series): the lines of protocol/keyence/dl_line.h

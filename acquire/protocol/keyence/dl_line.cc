@@ -5,9 +5,22 @@
 #include <algorithm>
 #include <charconv>
 
-#include "acquire/protocol/digits.h"
-#include "acquire/protocol/keyence/fields.h"
-#include "base/check.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
+
+namespace haptometer::acquire {
+
+Fields::Fields(std::string_view line) {
+  while (size_ < kMost) {
+    const std::size_t comma = line.find(',');
+    fields_[size_++] = line.substr(0, comma);
+    if (comma == std::string_view::npos) return;
+    line.remove_prefix(comma + 1);
+  }
+  too_many_ = true;
+}
+
+}  // namespace haptometer::acquire
 
 namespace haptometer::acquire::dl {
 namespace {

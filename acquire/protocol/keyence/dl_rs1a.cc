@@ -2,11 +2,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
-#include "base/check.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::dl_rs1a {
 namespace {
@@ -94,6 +96,120 @@ std::string FormatSrReply(int unit, int number, std::string_view data) {
 
 std::string FormatErrorReply(const Refusal& refusal) {
   return dl::FormatErrorReply(Spelling(), refusal);
+}
+
+}  // namespace haptometer::acquire::dl_rs1a
+
+// The maker's tables: what the numbers of the DL-RS1A and of the IL series mean.
+
+namespace haptometer::acquire::dl_rs1a {
+namespace {
+
+// codes of data 195; distances and linear ranges of the IL series catalogue (AS_98890_IL), 0 where
+// it has none
+constexpr std::array<Head, 9> kHeads = {{
+    {1, "IL-030", 3, 30, 20, 45, 5},
+    {2, "IL-065", 3, 65, 55, 105, 10},
+    {3, "IL-100", 3, 100, 75, 130, 20},
+    {4, "IL-300", 2, 300, 160, 450, 140},
+    {5, "IL-600", 2, 600, 200, 1000, 400},
+    {106, "IL-S025", 3, 25, 20, 30, 5},
+    {107, "IL-S065", 3, 65, 0, 0, 0},
+    {208, "IL-S100", 3, 100, 0, 0, 0},
+    {311, "IL-2000", 1, 2000, 0, 0, 0},
+}};
+
+constexpr std::array<std::string_view, 6> kHolds = {"sample",       "peak",      "bottom",
+                                                    "peak-to-peak", "auto peak", "auto bottom"};
+constexpr std::array<double, 4> kSamplings_s = {0.33e-3, 1e-3, 2e-3, 5e-3};
+constexpr std::array<double, 10> kHighPasses_hz = {0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100};
+constexpr std::array<MonotonicNs, 8> kRefreshes_ns = {
+    kRefreshNs, 9'000'000, 13'000'000, 15'000'000, 19'000'000, 21'000'000, 25'000'000, 27'000'000};
+constexpr int kMostAveragingCode = 12;
+
+}  // namespace
+
+std::string_view ErrorText(int number) {
+  switch (number) {
+    case kInvalidCommand:
+      return "the unit does not know the command";
+    case kDataLength:
+      return "the command was too long, or its end (CR) did not arrive";
+    case kParameterCount:
+      return "wrong number of parameters";
+    case kParameter:
+      return "a parameter is out of range or cannot be read, or the amplifier is still starting";
+    case kCommunication:
+      return "characters arrived damaged; check baud rate, parity and wiring";
+    case kUnitNumber:
+      return "no amplifier has this identification number";
+    case kExpansionLine:
+      return "the unit cannot talk to an amplifier beside it; check the D-bus connectors";
+    case kWriteControl:
+      return "writing is locked; the unit's R/W switch is in position R";
+    default:
+      return "unknown error";
+  }
+}
+
+const Head* FindHead(int code) {
+  const auto head = std::ranges::find(kHeads, code, &Head::code);
+  return head == kHeads.end() ? nullptr : &*head;
+}
+
+const Head* FindHead(std::string_view name) {
+  const auto head = std::ranges::find(kHeads, name, &Head::name);
+  return head == kHeads.end() ? nullptr : &*head;
+}
+
+std::optional<double> SamplingSeconds(int code) {
+  if (code < 1 || code > static_cast<int>(kSamplings_s.size())) return std::nullopt;
+  return kSamplings_s[static_cast<std::size_t>(code - 1)];
+}
+
+std::optional<int> Averages(int code) {
+  if (code < 0 || code > kMostAveragingCode) return std::nullopt;
+  return 1 << code;
+}
+
+std::optional<int> SamplingCode(double sampling_s) {
+  const auto known = std::ranges::find_if(
+      kSamplings_s, [=](double known_s) { return std::abs(known_s - sampling_s) < 1e-9; });
+  if (known == kSamplings_s.end()) return std::nullopt;
+  return 1 + static_cast<int>(known - kSamplings_s.begin());
+}
+
+std::optional<int> AveragingCode(int averages) {
+  for (int code = 0; code <= kMostAveragingCode; ++code) {
+    if (Averages(code) == averages) return code;
+  }
+  return std::nullopt;
+}
+
+std::string_view HoldName(int code) {
+  if (code < 0 || code >= static_cast<int>(kHolds.size())) return "";
+  return kHolds[static_cast<std::size_t>(code)];
+}
+
+std::optional<double> HighPassHz(int code) {
+  if (code < 0 || code >= static_cast<int>(kHighPasses_hz.size())) return std::nullopt;
+  return kHighPasses_hz[static_cast<std::size_t>(code)];
+}
+
+MonotonicNs LeastExchangeNs(int baud, std::size_t units, Command command) {
+  const std::size_t value_bytes = command == Command::kMs ? 10 : 8;
+  return WireTimeNs(8 + value_bytes * units, baud);
+}
+
+MonotonicNs PollPeriodNs(int baud, std::size_t units, Command command) {
+  constexpr std::size_t kRequestBytes = 4;  // M0 CR LF; the reply has 4, and 8 for each value
+  const std::size_t value_bytes = command == Command::kMs ? 11 : 8;
+  return WireTimeNs(kRequestBytes + 4 + value_bytes * units, baud) + kProcessingNs;
+}
+
+MonotonicNs RefreshNs(std::size_t units) {
+  const std::size_t amplifiers = std::clamp<std::size_t>(units, 1, kRefreshes_ns.size());
+  return kRefreshes_ns[amplifiers - 1];
 }
 
 }  // namespace haptometer::acquire::dl_rs1a

@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "acquire/protocol/keyence/dl_line.h"
-#include "acquire/protocol/value.h"
+#include "acquire/protocol/wire.h"
 #include "base/clock.h"
 
 /// The Keyence DL-RS1A (RS-232C unit of the IL series): ASCII lines, one command at a time. Pure

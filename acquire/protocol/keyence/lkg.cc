@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "acquire/protocol/digits.h"
-#include "acquire/protocol/keyence/fields.h"
-#include "base/check.h"
+#include "acquire/protocol/keyence/dl_line.h"
+#include "acquire/protocol/wire.h"
+#include "base/error.h"
 
 namespace haptometer::acquire::lkg {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "acquire/protocol/value.h"
+#include "acquire/protocol/wire.h"
 
 /// The RS-232C of Keyence's LK-G3001 controller: ASCII lines that end with CR both ways, one
 /// command at a time, upper or lower case. Pure functions between lines and meanings.

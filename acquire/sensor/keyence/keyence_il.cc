@@ -8,7 +8,7 @@
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
-#include "acquire/transport/latency_timer.h"
+#include "acquire/transport/port_list.h"
 
 namespace haptometer::acquire {
 namespace {

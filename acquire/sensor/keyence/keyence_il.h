@@ -7,11 +7,8 @@
 #include <vector>
 
 #include "acquire/protocol/keyence/dl_line.h"
-#include "acquire/protocol/keyence/il_setting.h"
-#include "acquire/sensor/keyence/il_change.h"
-#include "acquire/sensor/keyence/il_poll.h"
+#include "acquire/sensor/keyence/il_settings.h"
 #include "acquire/sensor/keyence/il_unit.h"
-#include "acquire/sensor/keyence/unit_settings.h"
 #include "acquire/sensor/polled_line.h"
 #include "acquire/sensor/sensor.h"
 

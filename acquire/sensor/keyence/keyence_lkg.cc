@@ -6,10 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "acquire/protocol/digits.h"
 #include "acquire/protocol/wire.h"
-#include "acquire/transport/latency_timer.h"
-#include "base/check.h"
+#include "acquire/transport/port_list.h"
+#include "base/error.h"
 
 namespace haptometer::acquire {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/records.h"

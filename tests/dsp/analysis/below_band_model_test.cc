@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"

@@ -10,7 +10,7 @@
 
 #include "dsp/analysis/band_signal.h"
 #include "dsp/analysis/segments.h"
-#include "dsp/filter/zero_phase_blocks.h"
+#include "dsp/filter/zero_phase.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

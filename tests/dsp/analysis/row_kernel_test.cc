@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "dsp/analysis/fault_shape.h"
-#include "dsp/filter/instruction_set.h"
+#include "dsp/filter/lane_cascade.h"
 #include "tests/dsp/signals.h"
 
 namespace haptometer::dsp {

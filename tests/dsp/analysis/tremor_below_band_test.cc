@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
-#include "dsp/filter/settled.h"
+#include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "tests/dsp/analysis/answered.h"
 #include "tests/dsp/records.h"

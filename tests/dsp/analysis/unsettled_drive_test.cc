@@ -116,7 +116,7 @@ const char* Name(Place place) {
   return place == Place::kStart ? "start" : place == Place::kMiddle ? "middle" : "end";
 }
 
-// half a second of either end settles always with an order of 6 (docs/hard_cases.md: 0.484 s)
+// the transient of an order of 6 always lasts less than half a second at either end (0.484 s)
 double SettledDriveSeconds(const Case& c) {
   const TimeWindow on = OnOf(c);
   return std::min(on.end_s, c.record_s - 0.5) - std::max(on.begin_s, 0.5);

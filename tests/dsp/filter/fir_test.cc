@@ -1,4 +1,4 @@
-#include "dsp/filter/fir.h"
+#include "bench/fir.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/filter/overlap_save.h"
 #include "dsp/filter/zero_phase.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"

@@ -9,7 +9,7 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/spectrum/resonance.h"
+#include "dsp/spectrum/frequency_response.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "dsp/spectrum/spectrogram.h"
+#include "dsp/spectrum/welch.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/dsp/spectrum/scipy_welch.h"

@@ -7,10 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/statistics/effect_size.h"
-#include "dsp/statistics/paired.h"
+#include "dsp/statistics/paired_tests.h"
 #include "dsp/statistics/regression.h"
-#include "dsp/statistics/reliability.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {

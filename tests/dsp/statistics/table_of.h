@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "dsp/statistics/complete_table.h"
+#include "dsp/statistics/repeated_measures.h"
 
 namespace haptometer::dsp {
 

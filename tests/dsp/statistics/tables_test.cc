@@ -8,9 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "dsp/statistics/anova.h"
-#include "dsp/statistics/effect_size.h"
-#include "dsp/statistics/paired.h"
+#include "dsp/statistics/paired_tests.h"
+#include "dsp/statistics/repeated_measures.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {

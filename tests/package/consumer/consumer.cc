@@ -1,8 +1,8 @@
 // What somebody else's program needs of the installed library: one include, one call.
 #include <cstdio>
 
-#include "sim/scene_file.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/scene_file.h"
 
 int main(int, char** argv) {
   const auto scene = haptometer::sim::ReadSceneFile(argv[1]);

@@ -5,8 +5,8 @@
 
 #include <fstream>
 
-#include "sim/scene_file.h"
-#include "sim/steady_state.h"
+#include "sim/linear/steady_state.h"
+#include "sim/scene/scene_file.h"
 #include "tests/temporary_files.h"
 
 namespace haptometer::sim {

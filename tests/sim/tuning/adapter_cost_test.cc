@@ -7,7 +7,7 @@
 #include <complex>
 #include <random>
 
-#include "sim/tuning/motor_source.h"
+#include "sim/linear/motor_source.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/box_places.h"
 

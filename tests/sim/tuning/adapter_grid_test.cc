@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sim/receptors.h"
-#include "sim/steady_state.h"
-#include "sim/tuning/motor_source.h"
+#include "sim/linear/motor_source.h"
+#include "sim/linear/steady_state.h"
+#include "sim/skin/skin.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/adapter_reference.h"
 

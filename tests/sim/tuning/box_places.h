@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "sim/tuning/adapter_box.h"
+#include "sim/tuning/adapter_cost.h"
 
 namespace haptometer::tests {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sim/tuning/adapter_optimum.h"
-#include "sim/tuning/limited_climb.h"
+#include "sim/tuning/travel_limit.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/latency_reference.h"

@@ -2,7 +2,7 @@
 """Reference values of tuning under a latency limit: latencies of adapters, and a dense search.
 
 Written from the equations of motion (see limited_reference.py) and from what the headers say of the
-latency (sim/skin_rise.h, dsp/spectrum/envelope.h, dsp/spectrum/onset.h, sim/output_rate.h), not from
+latency (sim/skin/skin_rise.h, dsp/spectrum/envelope.h, dsp/spectrum/envelope.h, sim/effective_scene.h), not from
 the program: the motion from rest as a sum over eigenvectors, the envelope by least squares in each
 window, the crossings by straight lines.
 

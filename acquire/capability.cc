@@ -1,0 +1,241 @@
+#include "acquire/capability.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/protocol/stream_line.h"
+#include "acquire/protocol/wire.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "base/error.h"
+#include "trial/sensor_head.h"
+
+namespace haptometer::acquire {
+namespace {
+
+void CheckNoise(const NoiseInBand& noise) {
+  HAPTOMETER_CHECK(noise.rms_m > 0 && noise.bandwidth_hz > 0, "{} m in {} Hz", noise.rms_m,
+                   noise.bandwidth_hz);
+  HAPTOMETER_CHECK(noise.record_s > 0 && noise.noise_record_s > 0, "{} s, {} s", noise.record_s,
+                   noise.noise_record_s);
+}
+
+// variances of two mean squares of noise, in units of that over the record
+double NoiseParts(const NoiseInBand& noise) { return 1 + noise.record_s / noise.noise_record_s; }
+
+}  // namespace
+
+double RelativeUncertainty(const NoiseInBand& noise, double rms_m) {
+  CheckNoise(noise);
+  HAPTOMETER_CHECK(rms_m > 0, "rms_m = {}", rms_m);
+  const double q = rms_m * rms_m / (noise.rms_m * noise.rms_m);
+  const double scatter = (NoiseParts(noise) + 2 * q) / (4 * noise.bandwidth_hz * noise.record_s);
+  return std::sqrt(scatter) / q;
+}
+
+double SmallestRms(const NoiseInBand& noise, double relative) {
+  CheckNoise(noise);
+  HAPTOMETER_CHECK(relative > 0, "relative = {}", relative);
+  const double s = 4 * noise.bandwidth_hz * noise.record_s * relative * relative;
+  const double q = (1 + std::sqrt(1 + NoiseParts(noise) * s)) / s;
+  return noise.rms_m * std::sqrt(q);
+}
+
+namespace {
+
+// -3 dB: what is less is mostly gone, and correcting for it raises the noise by as much
+constexpr double kLeastGain = std::numbers::sqrt2 / 2;
+// a rate that is enough by the arithmetic is not refused for its rounding
+constexpr double kRounding = 1e-9;
+
+double GainAt(const SensorAbility& sensor, double frequency_hz) {
+  if (sensor.averages == 1 || frequency_hz == 0) return 1;
+  return trial::AveragingGain(frequency_hz, sensor.sampling_s, sensor.averages);
+}
+
+// white noise over 0 to half the rate: what of it lies in the band, and how wide that part is
+void AddNoise(const CapabilityQuestion& question, Capability* capability) {
+  const SensorAbility& sensor = capability->sensor;
+  const double half_rate_hz = 0.5 * sensor.rate_hz;
+  const double bandwidth_hz = std::min(question.upper_hz, half_rate_hz) - question.lower_hz;
+  if (!sensor.noise_rms_m || bandwidth_hz <= 0) return;
+  const double rms_m = *sensor.noise_rms_m * std::sqrt(bandwidth_hz / half_rate_hz);
+  capability->noise_in_band_m = rms_m;
+  if (!(rms_m > 0)) return;
+  const NoiseInBand noise{.rms_m = rms_m,
+                          .bandwidth_hz = bandwidth_hz,
+                          .record_s = question.record_s,
+                          .noise_record_s = question.record_s};
+  capability->smallest_rms_10_percent_m = SmallestRms(noise, 0.1);
+  capability->smallest_rms_1_percent_m = SmallestRms(noise, 0.01);
+}
+
+// "10240", "48.39"
+std::string RateText(double rate_hz) {
+  return rate_hz < 1000 ? fmt::format("{:.4g}", rate_hz) : fmt::format("{:.0f}", rate_hz);
+}
+
+// why it cannot answer; empty where it can
+std::string Obstacle(const Capability& capability, const CapabilityQuestion& question) {
+  const SensorAbility& sensor = capability.sensor;
+  if (capability.highest_hz < question.upper_hz * (1 - kRounding)) {
+    return fmt::format("{} new readings/s ({}) show motion up to {:.3g} Hz; {:g} Hz needs {:g}",
+                       RateText(sensor.rate_hz), sensor.limit, capability.highest_hz,
+                       question.upper_hz, kReadingsPerPeriod * question.upper_hz);
+  }
+  if (capability.gain_upper < kLeastGain) {
+    return fmt::format("its {} averages at {:g} ms leave {:.3f} of {:g} Hz: set fewer",
+                       sensor.averages, 1e3 * sensor.sampling_s, capability.gain_upper,
+                       question.upper_hz);
+  }
+  if (sensor.resolution_m && *sensor.resolution_m > question.resolution_m * (1 + kRounding)) {
+    return fmt::format("its steps are {:g} um, {:g} um are wanted", 1e6 * *sensor.resolution_m,
+                       1e6 * question.resolution_m);
+  }
+  return {};
+}
+
+std::string Praise(const Capability& capability, const CapabilityQuestion& question) {
+  std::string reason = fmt::format("{} new readings/s ({}) show motion up to {:.4g} Hz",
+                                   RateText(capability.sensor.rate_hz), capability.sensor.limit,
+                                   capability.highest_hz);
+  if (capability.smallest_rms_10_percent_m) {
+    reason += fmt::format(
+        "; noise of {:.2g} um in the band lets {:.2g} um RMS be told to 10 % in "
+        "{:g} s",
+        1e6 * *capability.noise_in_band_m, 1e6 * *capability.smallest_rms_10_percent_m,
+        question.record_s);
+  }
+  return reason;
+}
+
+}  // namespace
+
+Capability Judge(const SensorAbility& sensor, const CapabilityQuestion& question) {
+  HAPTOMETER_CHECK(question.lower_hz >= 0 && question.lower_hz < question.upper_hz, "{} to {} Hz",
+                   question.lower_hz, question.upper_hz);
+  HAPTOMETER_CHECK(sensor.rate_hz > 0, "{}: rate_hz = {}", sensor.name, sensor.rate_hz);
+  Capability capability{.sensor = sensor};
+  capability.highest_hz = HighestObservableHz(sensor.rate_hz);
+  capability.gain_lower = GainAt(sensor, question.lower_hz);
+  capability.gain_upper = GainAt(sensor, question.upper_hz);
+  AddNoise(question, &capability);
+  capability.reason = Obstacle(capability, question);
+  capability.can_answer = capability.reason.empty();
+  if (capability.can_answer) capability.reason = Praise(capability, question);
+  return capability;
+}
+
+std::vector<Capability> Judge(const std::vector<SensorAbility>& sensors,
+                              const CapabilityQuestion& question) {
+  std::vector<Capability> capabilities;
+  capabilities.reserve(sensors.size());
+  for (const SensorAbility& sensor : sensors) capabilities.push_back(Judge(sensor, question));
+  std::ranges::sort(capabilities, [](const Capability& a, const Capability& b) {
+    return std::tuple(!a.can_answer, -a.highest_hz, a.sensor.name) <
+           std::tuple(!b.can_answer, -b.highest_hz, b.sensor.name);
+  });
+  return capabilities;
+}
+
+namespace {
+
+// an IL-030 whose readings are means of `averages` raw samples
+SensorAbility Il030(double sampling_s, int averages) {
+  const trial::SensorHead head = trial::Il030();
+  return {.sampling_s = sampling_s,
+          .averages = averages,
+          .resolution_m = head.resolution_m,
+          .noise_rms_m = head.noise_rms_m / std::sqrt(averages),
+          .range_min_m = head.range_min_m,
+          .range_max_m = head.range_max_m};
+}
+
+// the unit's factory settings, 1 ms and 16 averages
+SensorAbility FactoryIl030() {
+  const trial::SensorHead head = trial::Il030();
+  return Il030(head.sampling_s, head.averages);
+}
+
+SensorAbility DlRs1a(int baud) {
+  const MonotonicNs poll_ns = dl_rs1a::PollPeriodNs(baud, 1);
+  const MonotonicNs refresh_ns = dl_rs1a::RefreshNs(1);
+  SensorAbility sensor = FactoryIl030();
+  sensor.name = fmt::format("IL-030 through a DL-RS1A, {} baud", baud);
+  sensor.option = fmt::format("--sensor keyence-il --baud {}", baud);
+  sensor.rate_hz = 1 / SecondsFromNs(std::max(poll_ns, refresh_ns));
+  sensor.limit = poll_ns > refresh_ns ? "the wire" : "the unit's refresh";
+  return sensor;
+}
+
+// Keyence, DL-EN1 User's Manual (633GB): processing 7.8 ms with one amplifier
+SensorAbility DlEn1() {
+  SensorAbility sensor = FactoryIl030();
+  sensor.name = "IL-030 through a DL-EN1";
+  sensor.option = "--sensor keyence-en1";
+  sensor.rate_hz = 1 / SecondsFromNs(dl_en1::RefreshNs(1));
+  sensor.limit = "the unit's processing";
+  return sensor;
+}
+
+// one exchange is `M1` CR and `M1,+01.2345` CR; what the controller adds is not stated
+SensorAbility LkG() {
+  constexpr int kBaud = 115200;
+  constexpr std::size_t kExchangeBytes = 3 + 12;
+  return {.name = "LK-G asked over RS-232C, at an assumed 115200 baud",
+          .option = "--sensor keyence-lkg --baud 115200",
+          .rate_hz = 1 / SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud)),
+          .limit = "the wire alone",
+          .resolution_m = 1e-7};
+}
+
+SensorAbility Stream(int baud) {
+  const StreamFormat format;
+  return {.name = fmt::format("lines of 9 characters that come unasked, {} baud", baud),
+          .option = fmt::format("--sensor stream --baud {}", baud),
+          .rate_hz = MostLinesPerSecond(format, baud),
+          .limit = "the wire",
+          .resolution_m = MetresPerCount(format)};
+}
+
+SensorAbility Modbus(const SensorProfile& profile) {
+  return {.name = fmt::format("{} {}, Modbus", profile.maker, profile.model),
+          .option = "--sensor modbus --profile " + profile.name,
+          .rate_hz = HighestRateHz(profile),
+          .limit = "the wire and the sensor",
+          .resolution_m = profile.resolution_m,
+          .noise_rms_m = profile.noise_rms_m,
+          .range_min_m = profile.range_min_m,
+          .range_max_m = profile.range_max_m};
+}
+
+// the amplifier renews its output with each raw sample; steps are those of the DAQ's converter
+SensorAbility AnalogOutput(double sampling_s, int averages) {
+  SensorAbility sensor = Il030(sampling_s, averages);
+  sensor.name = fmt::format("IL-030, analog output and a DAQ, {:g} ms, {} average{}",
+                            1e3 * sampling_s, averages, averages == 1 ? "" : "s");
+  sensor.option = "--sensor pipe --calibration FILE";
+  sensor.rate_hz = 1 / sampling_s;
+  sensor.limit = "the amplifier's sampling";
+  sensor.resolution_m.reset();
+  return sensor;
+}
+
+}  // namespace
+
+std::vector<SensorAbility> KnownSensors() {
+  constexpr double kFastest_s = 0.33e-3;  // data 132, code 1
+  std::vector<SensorAbility> sensors{AnalogOutput(kFastest_s, 1), AnalogOutput(kFastest_s, 4),
+                                     AnalogOutput(1e-3, 16), DlEn1(), LkG()};
+  for (const int baud : dl_rs1a::kBauds) sensors.push_back(DlRs1a(baud));
+  for (const int baud : {9600, 115200, 230400, 460800, 921600}) sensors.push_back(Stream(baud));
+  for (const SensorProfile& profile : BuiltInProfiles()) sensors.push_back(Modbus(profile));
+  return sensors;
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,189 @@
+#include "acquire/recorder/recording_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptometer::acquire {
+
+void IntervalStatistics::Add(MonotonicNs time_ns) {
+  if (!has_time_) {
+    has_time_ = true;
+    last_ns_ = time_ns;
+    return;
+  }
+  const double interval_s = SecondsFromNs(time_ns - last_ns_);
+  total_ns_ += time_ns - last_ns_;
+  last_ns_ = time_ns;
+  ++intervals_;
+  const double deviation_s = interval_s - mean_s_;
+  mean_s_ += deviation_s / static_cast<double>(intervals_);
+  squares_s2_ += deviation_s * (interval_s - mean_s_);
+}
+
+std::optional<double> IntervalStatistics::RateHz() const {
+  if (total_ns_ <= 0) return std::nullopt;
+  return static_cast<double>(intervals_) / SecondsFromNs(total_ns_);
+}
+
+std::optional<double> IntervalStatistics::DeviationSeconds() const {
+  if (intervals_ < 2) return std::nullopt;
+  return std::sqrt(squares_s2_ / static_cast<double>(intervals_ - 1));
+}
+
+namespace {
+
+constexpr double kUsualIntervals = 8;
+constexpr double kShortestSilenceNs = 50e6;
+constexpr MonotonicNs kVerdictAfterNs = 500'000'000;
+
+}  // namespace
+
+double GapCounter::UsualIntervalNs() const {
+  return static_cast<double>(usual_sum_ns_) /
+         static_cast<double>(std::max<std::uint64_t>(usual_count_, 1));
+}
+
+void GapCounter::Add(const Reading& reading) {
+  if (timing_ == trial::Timing::kUniform) {
+    if (has_last_ && reading.index != last_index_ + 1) ++gaps_;
+    last_index_ = reading.index;
+  } else if (has_last_) {
+    AddInterval(reading.time_ns);
+  }
+  last_ns_ = reading.time_ns;
+  has_last_ = true;
+}
+
+void GapCounter::AddInterval(MonotonicNs time_ns) {
+  const MonotonicNs interval_ns = time_ns - last_ns_;
+  const bool is_long =
+      usual_count_ > 0 && static_cast<double>(interval_ns) > kUsualIntervals * UsualIntervalNs();
+  if (timing_ == trial::Timing::kPolled && is_long) {
+    if (!in_gap_) ++gaps_;
+    in_gap_ = true;
+    return;
+  }
+  in_gap_ = false;
+  usual_sum_ns_ += interval_ns;
+  ++usual_count_;
+  if (timing_ == trial::Timing::kArrival && !is_numbered_) WatchSilence(time_ns, is_long);
+}
+
+void GapCounter::WatchSilence(MonotonicNs time_ns, bool is_long) {
+  const MonotonicNs interval_ns = time_ns - last_ns_;
+  if (!silence_open_) {
+    if (!is_long || static_cast<double>(interval_ns) <= kShortestSilenceNs) return;
+    silence_open_ = true;
+    silence_begin_ns_ = last_ns_;
+    silence_ns_ = interval_ns;
+    rows_since_ = 1;
+    usual_before_ns_ =
+        static_cast<double>(usual_sum_ns_ - interval_ns) / static_cast<double>(usual_count_ - 1);
+    return;
+  }
+  ++rows_since_;
+  if (time_ns - silence_begin_ns_ - silence_ns_ < kVerdictAfterNs) return;
+  silence_open_ = false;
+  if (!SilenceWasGap(time_ns)) return;
+  // a gap is no part of the usual interval
+  ++gaps_;
+  usual_sum_ns_ -= silence_ns_;
+  --usual_count_;
+}
+
+bool GapCounter::SilenceWasGap(MonotonicNs now_ns) const {
+  const double expected = static_cast<double>(now_ns - silence_begin_ns_) / usual_before_ns_;
+  const double missing = expected - static_cast<double>(rows_since_);
+  return missing >= 0.5 * static_cast<double>(silence_ns_) / usual_before_ns_;
+}
+
+void GapCounter::Restart() {
+  gaps_ = gaps();
+  silence_open_ = false;
+  in_gap_ = false;
+  has_last_ = false;
+}
+
+void GapCounter::End(MonotonicNs time_ns) {
+  if (timing_ == trial::Timing::kUniform || !has_last_ || usual_count_ == 0) return;
+  const auto silence_ns = static_cast<double>(time_ns - last_ns_);
+  if (silence_ns <= std::max(kUsualIntervals * UsualIntervalNs(), kShortestSilenceNs)) return;
+  Restart();
+  ++gaps_;
+}
+
+std::uint64_t GapCounter::gaps() const {
+  return gaps_ + (silence_open_ && SilenceWasGap(last_ns_) ? 1 : 0);
+}
+
+Tally::Tally(const Sensor& sensor, MonotonicNs origin_ns)
+    : sensor_(sensor),
+      timing_(sensor.header().timing),
+      rate_hz_(sensor.header().rate_hz),
+      origin_ns_(origin_ns),
+      gaps_(timing_,
+            sensor.header().metadata.fields.contains(std::string(trial::kLineNumbersField))) {}
+
+MonotonicNs Tally::SinceBegin(const Reading& reading) const {
+  if (timing_ != trial::Timing::kUniform) return reading.time_ns - origin_ns_;
+  return NsFromSeconds(static_cast<double>(reading.index) / rate_hz_);
+}
+
+void Tally::Add(const Reading& reading) {
+  ++summary_.readings;
+  ++summary_.statuses[static_cast<std::size_t>(RowStatus(reading))];
+  if (std::ranges::any_of(reading.samples, trial::IsMeasurement, &trial::Sample::status)) {
+    ++summary_.measured;
+  }
+  const MonotonicNs time_ns = SinceBegin(reading);
+  summary_.elapsed_s = SecondsFromNs(time_ns);
+  // what the sensor counts itself needs no guess from the interval
+  if (reading.lost_before > 0) {
+    ++known_gaps_;
+    Restart();
+  }
+  intervals_.Add(time_ns);
+  gaps_.Add(reading);
+}
+
+void Tally::Restart() {
+  gaps_.Restart();
+  intervals_.Restart();
+}
+
+void Tally::Lose(std::uint64_t rows) {
+  summary_.lost += rows;
+  ++known_gaps_;
+  Restart();
+}
+
+void Tally::Leave() {
+  summary_.is_away = true;
+  ++known_gaps_;
+}
+
+void Tally::Return() {
+  summary_.is_away = false;
+  ++summary_.reconnects;
+  Restart();
+}
+
+void Tally::Fire() {
+  ++summary_.triggers;
+  Restart();
+}
+
+void Tally::End(MonotonicNs since_begin_ns) {
+  if (!summary_.is_away) gaps_.End(origin_ns_ + since_begin_ns);
+}
+
+RecordingSummary Tally::Summary() const {
+  RecordingSummary summary = summary_;
+  summary.gaps = gaps_.gaps() + known_gaps_;
+  summary.rate_hz = intervals_.RateHz();
+  summary.interval_sd_s = intervals_.DeviationSeconds();
+  summary.discarded_bytes = sensor_.discarded_bytes();
+  return summary;
+}
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,94 @@
+#include "acquire/recorder/row_sink.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "trial/block.h"
+
+namespace haptometer::acquire {
+
+TrialRotation::TrialRotation(NamePart name, trial::TrialHeader header, RotationLimits limits,
+                             Clock& clock, trial::WriterOptions options)
+    : name_(std::move(name)),
+      header_(std::move(header)),
+      limits_(limits),
+      clock_(clock),
+      options_(options),
+      row_bytes_(trial::LayoutOf(header_).row_bytes) {}
+
+Result<std::unique_ptr<TrialRotation>> TrialRotation::Begin(NamePart name,
+                                                            trial::TrialHeader header,
+                                                            RotationLimits limits, Clock& clock,
+                                                            trial::WriterOptions options) {
+  std::unique_ptr<TrialRotation> rotation(
+      new TrialRotation(std::move(name), std::move(header), limits, clock, options));
+  if (auto begun = rotation->BeginPart(nullptr); !begun) return std::unexpected(begun.error());
+  return rotation;
+}
+
+// the first part begins with the recording, each other one with the row that is due
+Result<void> TrialRotation::BeginPart(const trial::Row* first) {
+  trial::TrialHeader header = header_;
+  ++part_;
+  header.metadata.fields["part"] = std::to_string(part_);
+  if (first != nullptr) {
+    const bool is_uniform = header.timing == trial::Timing::kUniform;
+    start_index_ = first->index;
+    start_ns_ = is_uniform ? NsFromSeconds(static_cast<double>(first->index) / header.rate_hz)
+                           : first->time_ns;
+    header.metadata.fields["part_start_s"] = fmt::format("{:.9f}", SecondsFromNs(start_ns_));
+    header.metadata.fields["continues"] = file_;
+    header.metadata.utc_start = UtcNow();
+  }
+  rows_ = 0;
+  const std::string file = name_(part_);
+  auto writer = trial::TrialWriter::Create(file, std::move(header), options_, clock_);
+  if (!writer) return std::unexpected(writer.error());
+  writer_ = std::move(*writer);
+  const std::lock_guard lock(file_mutex_);
+  file_ = file;
+  return {};
+}
+
+bool TrialRotation::IsDue(const trial::Row& row) {
+  if (rows_ == 0) return false;
+  if (is_asked_.exchange(false)) return true;
+  if (limits_.bytes && (rows_ + 1) * row_bytes_ > *limits_.bytes) return true;
+  if (!limits_.duration_ns) return false;
+  const MonotonicNs time_ns =
+      header_.timing == trial::Timing::kUniform
+          ? NsFromSeconds(static_cast<double>(row.index - start_index_) / header_.rate_hz)
+          : row.time_ns - start_ns_;
+  return time_ns >= *limits_.duration_ns;
+}
+
+Result<void> TrialRotation::Append(const trial::Row& row) {
+  if (IsDue(row)) {
+    if (auto finished = Finish(); !finished) return finished;
+    if (auto begun = BeginPart(&row); !begun) return begun;
+  }
+  trial::Row here = row;
+  here.index -= start_index_;
+  here.time_ns -= start_ns_;
+  here.reply_ns -= start_ns_;
+  ++rows_;
+  return writer_->Append(here);
+}
+
+Result<void> TrialRotation::AddEvent(trial::Event event) {
+  if (event.time_ns) *event.time_ns -= start_ns_;
+  return writer_->AddEvent(std::move(event));
+}
+
+Result<void> TrialRotation::Finish() {
+  const auto totals = writer_->Finish();
+  return totals ? Result<void>{} : std::unexpected(totals.error());
+}
+
+std::string TrialRotation::file() const {
+  const std::lock_guard lock(file_mutex_);
+  return file_;
+}
+
+}  // namespace haptometer::acquire

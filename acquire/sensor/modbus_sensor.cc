@@ -1,0 +1,600 @@
+#include "acquire/sensor/modbus_sensor.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "acquire/protocol/wire.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "acquire/transport/port_list.h"
+#include "trial/trial_format.h"
+
+/// What the registers of a Modbus sensor mean by its profile. `registers` are those of one reading,
+/// as many as profile.count, two bytes each.
+namespace haptometer::acquire {
+
+/// The channel that a trial keeps of it: numbers as sent (f64 for u32, which i32 does not hold).
+/// `register_scale` is the number in the profile's scale register, else 1.
+[[nodiscard]] trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_scale);
+
+/// The number as sent, with what profile and status register say of it.
+[[nodiscard]] trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers);
+
+/// What stands in for a number where none came.
+[[nodiscard]] trial::RawValue NoValue(RegisterType type);
+
+/// The timestamp registers; the profile has some.
+[[nodiscard]] std::string_view TimestampOf(const SensorProfile& profile,
+                                           std::string_view registers);
+
+std::string InWords(const ModbusErrors& errors) {
+  std::string text;
+  const auto add = [&](std::uint64_t count, std::string what) {
+    if (count == 0) return;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+  };
+  for (std::size_t fault = 0; fault < kModbusFaultCount; ++fault) {
+    add(errors.faults[fault], std::string(Name(static_cast<ModbusFault>(fault))));
+  }
+  for (std::size_t code = 0; code < errors.exceptions.size(); ++code) {
+    add(errors.exceptions[code],
+        fmt::format("exception {:02} ({})", code, ModbusExceptionText(static_cast<int>(code))));
+  }
+  return text;
+}
+
+}  // namespace haptometer::acquire
+
+// The wire and the recording; modbus_sensor_start.cc has what comes before it.
+
+namespace haptometer::acquire {
+namespace {
+
+using trial::SampleStatus;
+
+constexpr MonotonicNs kQuietNs = 20'000'000;  // damage is over when nothing came for so long
+constexpr int kMostBadRows = 8;
+
+// a sound one with registers, as many as were asked for
+bool IsReplyTo(const ReadRequest& request, const ModbusReply& reply) {
+  if (reply.arrival != ModbusArrival::kFrame) return false;
+  // lengths are told apart on RTU alone
+  const ReadReply parsed = ParseReadReply(ModbusFraming::kRtu, request, reply.bytes);
+  return parsed.fault == ModbusFault::kNone && parsed.exception == 0;
+}
+
+}  // namespace
+
+ModbusSensor::ModbusSensor(std::unique_ptr<ModbusLink> link, ModbusSetup setup, Clock& clock)
+    : profile_(std::move(setup.profile)),
+      rate_hz_(setup.rate_hz),
+      link_(std::move(link)),
+      clock_(clock) {
+  frame_.reserve(kLongestModbusAdu);
+  held_registers_.reserve(kLongestModbusAdu);
+  if (is_rtu()) exchanges_ = ResponseDeadline(RtuExchangeNs(profile_));
+  timestamp_.reserve(kLongestModbusAdu);
+}
+
+// --- the wire ---
+
+bool ModbusSensor::Send(ReadRequest request, Phase next) {
+  // whatever is there now answers nothing that is still asked; over TCP its identifier says so, and
+  // a call is saved while all is well
+  if (is_rtu() || bad_rows_ > 0) {
+    const std::size_t flushed = link_->Flush();
+    discarded_bytes_ += flushed;
+    const bool is_answered = phase_ == Phase::kFree && next == Phase::kWaiting;
+    const bool is_reply = flushed >= ReplyBytes(link_->framing(), request.count);
+    if (is_rtu() && is_answered && is_reply && replies_.taken > 0) ++replies_.surplus;
+  }
+  request.transaction = next_transaction_++;
+  frame_.clear();
+  AppendReadRequest(link_->framing(), request, frame_);
+  request_ = request;
+  request_ns_ = clock_.Now();
+  other_transaction_ = false;
+  phase_ = next;
+  return link_->Send(frame_);
+}
+
+ModbusReply ModbusSensor::Receive(MonotonicNs deadline) {
+  const ModbusReply reply = link_->Receive(ReplyBytes(link_->framing(), request_.count), deadline);
+  if (reply.arrival == ModbusArrival::kFrame || reply.arrival == ModbusArrival::kDamaged) {
+    const MonotonicNs silent_ns = is_rtu() ? SilentIntervalNs(profile_.wire) : 0;
+    free_from_ns_ = clock_.Now() + std::max(silent_ns, profile_.least_gap_ns);
+  }
+  return reply;
+}
+
+ReadReply ModbusSensor::Parse(const ModbusReply& reply) {
+  ReadReply parsed{.fault = reply.fault};
+  if (reply.arrival == ModbusArrival::kFrame) {
+    parsed = ParseReadReply(link_->framing(), request_, reply.bytes);
+  }
+  if (parsed.fault != ModbusFault::kNone) ++errors_.faults[static_cast<std::size_t>(parsed.fault)];
+  if (parsed.exception != 0) ++errors_.exceptions[static_cast<std::size_t>(parsed.exception)];
+  return parsed;
+}
+
+// --- the recording ---
+
+MonotonicNs ModbusSensor::Begin() {
+  const MonotonicNs now = clock_.Now();
+  next_poll_ns_ = settle_since_ns_ = now;
+  is_held_ = false;
+  if (phase_ == Phase::kWaiting && !is_rtu()) {
+    phase_ = Phase::kFree;  // its identifier will tell
+  } else if (phase_ == Phase::kWaiting || phase_ == Phase::kStepping) {
+    // what was asked before stays outstanding, but its row is none of this recording
+    phase_ = has_checks_ ? Phase::kDraining : Phase::kSettling;
+    drain_until_ns_ = request_ns_ + profile_.longest_reply_ns;
+  } else if (phase_ == Phase::kFree && std::exchange(start_was_silent_, false) && is_rtu()) {
+    phase_ = Phase::kSettling;
+    drain_until_ns_ = now + profile_.longest_reply_ns;
+  }
+  return now;
+}
+
+Outcome ModbusSensor::Next(Reading& reading) {
+  switch (phase_) {
+    case Phase::kDraining:
+    case Phase::kSettling:
+      return Drain(reading);
+    case Phase::kStepping:
+      return WaitForStep(reading);
+    case Phase::kFree: {
+      const Outcome asked = AskForReading();
+      if (phase_ != Phase::kWaiting || asked == Outcome::kGone) return asked;
+      break;
+    }
+    case Phase::kWaiting:
+      break;
+  }
+  return Wait(reading);
+}
+
+// sends the request when its time has come
+Outcome ModbusSensor::AskForReading() {
+  const MonotonicNs due_ns = std::max(free_from_ns_, next_poll_ns_);
+  const MonotonicNs latest_ns = clock_.Now() + kSliceNs;
+  if (due_ns > clock_.Now()) clock_.SleepUntil(std::min(due_ns, latest_ns));
+  if (clock_.Now() < due_ns) return Outcome::kNothing;
+  if (!Send(ReadingRequest(profile_), Phase::kWaiting)) return Outcome::kGone;
+  if (rate_hz_) {
+    // on a grid; polls that could not be made are not made up for
+    const MonotonicNs period_ns = NsFromSeconds(1.0 / *rate_hz_);
+    next_poll_ns_ = std::max(next_poll_ns_ + period_ns, request_ns_);
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::Wait(Reading& reading) {
+  const MonotonicNs deadline =
+      request_ns_ + (is_held_ ? exchanges_.UsualNs() : profile_.response_timeout_ns);
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  switch (reply.arrival) {
+    case ModbusArrival::kGone:
+      return Outcome::kGone;
+    case ModbusArrival::kFrame:
+      if (has_checks_ && IsReplyTo(CheckRequest(profile_), reply)) {
+        // to one of several that were sent; all of them are older than this reading
+        discarded_bytes_ += reply.bytes.size();
+        break;
+      }
+      [[fallthrough]];
+    case ModbusArrival::kDamaged:
+      if (const auto taken = TakeReply(Parse(reply), reading); taken != Outcome::kNothing) {
+        return taken;
+      }
+      if (is_held_) return Outcome::kNothing;  // with another deadline
+      break;
+    case ModbusArrival::kNothing:
+      break;
+  }
+  // replies to other requests do not prolong the wait
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  if (is_held_) {
+    // nothing followed: it is the reply
+    return Accept(held_sample_, held_registers_, held_ns_, reading);
+  }
+  if (!other_transaction_) ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveFault(reading, ModbusFault::kTimeout);
+}
+
+Outcome ModbusSensor::TakeReply(const ReadReply& reply, Reading& reading) {
+  if (reply.fault == ModbusFault::kTransaction) {
+    // an older request's reply; ours may still come
+    discarded_bytes_ += ReplyBytes(ModbusFraming::kTcp, request_.count);
+    other_transaction_ = true;
+    return Outcome::kNothing;
+  }
+  if (reply.fault != ModbusFault::kNone) return GiveFault(reading, reply.fault);
+  bad_rows_ = 0;
+  if (reply.exception != 0) {
+    // an exception has no length: it may be one in reply to an older check
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                   has_checks_ ? Phase::kDraining : Phase::kFree, clock_.Now() + kQuietNs);
+  }
+  const MonotonicNs now = clock_.Now();
+  const trial::Sample sample = DecodeReading(profile_, reply.registers);
+  if (std::exchange(is_held_, now - request_ns_ < exchanges_.EarliestNs())) {
+    ++replies_.surplus;
+    discarded_bytes_ += ReplyBytes(link_->framing(), request_.count);
+  }
+  if (!is_held_) return Accept(sample, reply.registers, now, reading);
+  held_sample_ = sample;
+  held_registers_.assign(reply.registers);
+  held_ns_ = now;
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::Accept(trial::Sample sample, std::string_view registers, MonotonicNs reply_ns,
+                             Reading& reading) {
+  const MonotonicNs exchange_ns = reply_ns - request_ns_;
+  if (exchange_ns < exchanges_.wire_ns()) ++replies_.too_soon;
+  ++replies_.taken;
+  if (is_rtu()) exchanges_.Note(exchange_ns);
+  const Outcome given = GiveRow(reading, sample, Phase::kFree, 0);
+  reading.reply_ns = reply_ns;
+  MarkRepeated(registers, reading);
+  return given;
+}
+
+// A row without a reading. What may still come of it is waited for before the next question, but
+// over TCP a missing reply can be told from the next by its identifier.
+Outcome ModbusSensor::GiveFault(Reading& reading, ModbusFault fault) {
+  const bool is_late = fault == ModbusFault::kTimeout;
+  if (!is_rtu() && ++bad_rows_ > kMostBadRows) return Outcome::kGone;
+  const SampleStatus status =
+      is_late && !other_transaction_ ? SampleStatus::kLate : SampleStatus::kBadFrame;
+  const bool wait_long = is_late || (is_rtu() && !has_checks_);
+  const MonotonicNs until_ns =
+      wait_long ? request_ns_ + profile_.longest_reply_ns : clock_.Now() + kQuietNs;
+  Phase next = has_checks_ ? Phase::kDraining : Phase::kSettling;
+  if (!is_rtu() && is_late) next = Phase::kFree;
+  return GiveRow(reading, {NoValue(profile_.type), status}, next, until_ns);
+}
+
+Outcome ModbusSensor::Drain(Reading& reading) {
+  const MonotonicNs now = clock_.Now();
+  // a wire that never falls silent gives bad rows, not nothing for ever
+  if (now - settle_since_ns_ > profile_.longest_reply_ns + kNsPerS) {
+    request_ns_ = now;
+    return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kBadFrame}, phase_,
+                   now + kQuietNs);
+  }
+  if (now >= drain_until_ns_) {
+    if (phase_ == Phase::kSettling) {
+      phase_ = Phase::kFree;
+      return Outcome::kNothing;
+    }
+    const ReadRequest step =
+        next_step_is_check_ ? CheckRequest(profile_) : ReadingRequest(profile_);
+    return Send(step, Phase::kStepping) ? Outcome::kNothing : Outcome::kGone;
+  }
+  const ModbusReply reply = Receive(std::min(drain_until_ns_, now + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  if (reply.arrival == ModbusArrival::kNothing) return Outcome::kNothing;
+  discarded_bytes_ += reply.bytes.size();
+  if (phase_ == Phase::kSettling) {
+    drain_until_ns_ = std::max(drain_until_ns_, clock_.Now() + kQuietNs);
+  } else {
+    // the late reply may be the one that a step would wait for
+    const bool is_sound = IsReplyTo(ReadingRequest(profile_), reply);
+    next_step_is_check_ = next_step_is_check_ || is_sound;
+    drain_until_ns_ = is_sound ? free_from_ns_ : clock_.Now() + kQuietNs;
+  }
+  return Outcome::kNothing;
+}
+
+Outcome ModbusSensor::WaitForStep(Reading& reading) {
+  const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+  const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+  if (reply.arrival == ModbusArrival::kGone) return Outcome::kGone;
+  discarded_bytes_ += reply.bytes.size();
+  if (IsReplyTo(request_, reply)) {
+    const bool is_over = std::exchange(next_step_is_check_, !next_step_is_check_);
+    phase_ = is_over ? Phase::kFree : Phase::kDraining;
+    drain_until_ns_ = free_from_ns_;
+    return Outcome::kNothing;
+  }
+  if (reply.arrival == ModbusArrival::kFrame && !next_step_is_check_) {
+    const ReadReply refused = ParseReadReply(link_->framing(), request_, reply.bytes);
+    if (refused.exception != 0) {
+      ++errors_.exceptions[static_cast<std::size_t>(refused.exception)];
+      return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kDeviceError},
+                     Phase::kDraining, clock_.Now() + kQuietNs);
+    }
+  }
+  if (clock_.Now() < deadline) return Outcome::kNothing;
+  ++errors_.faults[static_cast<std::size_t>(ModbusFault::kTimeout)];
+  return GiveRow(reading, {NoValue(profile_.type), SampleStatus::kLate}, Phase::kDraining,
+                 free_from_ns_);
+}
+
+// --- rows ---
+
+void ModbusSensor::MarkRepeated(std::string_view registers, Reading& reading) {
+  if (repeats_) repeats_->Mark(reading);
+  if (!profile_.timestamp_address) return;
+  const std::string_view stamp = TimestampOf(profile_, registers);
+  trial::Sample& sample = reading.samples.front();
+  if (stamp == timestamp_ && sample.status == SampleStatus::kOk) {
+    sample.status = SampleStatus::kRepeated;
+  }
+  timestamp_.assign(stamp);
+}
+
+Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next,
+                              MonotonicNs drain_until_ns) {
+  reading.time_ns = request_ns_;
+  reading.reply_ns = clock_.Now();
+  reading.samples.assign(1, sample);
+  is_held_ = false;
+  phase_ = next;
+  drain_until_ns_ = drain_until_ns;
+  settle_since_ns_ = reading.reply_ns;
+  return Outcome::kReading;
+}
+
+}  // namespace haptometer::acquire
+
+// What comes before the recording: the first answers, the header, the remarks.
+
+namespace haptometer::acquire {
+namespace {
+
+constexpr int kTries = 3;
+
+}  // namespace
+
+Result<ReadReply> ModbusSensor::Exchange(ReadRequest request, int tries,
+                                         const std::atomic<bool>& stop) {
+  ReadReply answer{.fault = ModbusFault::kTimeout};
+  for (int attempt = 0; attempt < tries; ++attempt) {
+    clock_.SleepUntil(free_from_ns_);
+    if (!Send(request, Phase::kFree)) {
+      return Failed(link_->name(), "the connection was lost", "check cable and power");
+    }
+    const MonotonicNs deadline = request_ns_ + profile_.longest_reply_ns;
+    while (clock_.Now() < deadline) {
+      if (stop.load()) {
+        return Failed(link_->name(), "was not recorded: interrupted before the first reading");
+      }
+      const ModbusReply reply = Receive(std::min(deadline, clock_.Now() + kSliceNs));
+      if (reply.arrival == ModbusArrival::kGone) {
+        return Failed(link_->name(), "the connection was lost", "check cable and power");
+      }
+      if (reply.arrival == ModbusArrival::kNothing) continue;
+      answer = Parse(reply);
+      if (answer.fault == ModbusFault::kNone) return answer;
+      discarded_bytes_ += reply.bytes.size();
+    }
+    start_was_silent_ = true;
+  }
+  return answer;
+}
+
+// the registers, or why there are none
+Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<bool>& stop) {
+  const auto answer = Exchange(request, kTries, stop);
+  if (!answer) return std::unexpected(answer.error());
+  if (answer->fault == ModbusFault::kNone && answer->exception == 0) {
+    return std::string(answer->registers);
+  }
+  const std::string asked =
+      fmt::format("slave {}, function {:02}, {} registers from {}", request.unit, request.function,
+                  request.count, request.address + profile_.address_base);
+  if (answer->exception != 0) {
+    return CannotAnswer(
+        link_->name(),
+        fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
+                    ModbusExceptionText(answer->exception)),
+        profile_.advice.empty() ? "give the --profile of this sensor" : profile_.advice);
+  }
+  const std::string settings =
+      fmt::format("{} baud, parity {}", profile_.wire.baud, Name(profile_.wire.parity));
+  std::string remedy = fmt::format("check that the sensor is on, --slave{}",
+                                   is_rtu() ? ", baud rate and parity in the profile, and A and B "
+                                              "of the cable"
+                                            : " and the --profile");
+  if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
+  return CannotAnswer(
+      link_->name(),
+      answer->fault == ModbusFault::kTimeout
+          ? fmt::format("nothing answers to {}{}", asked, is_rtu() ? " at " + settings : "")
+          : fmt::format("answers to {} come damaged ({})", asked, Name(answer->fault)),
+      remedy);
+}
+
+Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
+  double register_scale = 1;
+  if (profile_.scale_address) {
+    ReadRequest request = ReadingRequest(profile_);
+    request.address = static_cast<std::uint16_t>(*profile_.scale_address - profile_.address_base);
+    request.count = 1;
+    const auto registers = Ask(request, stop);
+    if (!registers) return std::unexpected(registers.error());
+    register_scale = RegisterAt(*registers, 0);
+    if (register_scale == 0) {
+      return CannotAnswer(
+          link_->name(),
+          fmt::format("register {}, which scales its values, holds 0", *profile_.scale_address),
+          profile_.advice.empty() ? "check the --profile" : profile_.advice);
+    }
+  }
+  const auto registers = Ask(ReadingRequest(profile_), stop);
+  if (!registers) return std::unexpected(registers.error());
+  MakeHeader(register_scale);
+  return LearnCheck(stop);
+}
+
+// TCP needs no checks: there replies are told apart by their identifiers
+Result<void> ModbusSensor::LearnCheck(const std::atomic<bool>& stop) {
+  if (!is_rtu()) return {};
+  const bool was_silent = std::exchange(start_was_silent_, false);
+  const auto answer = Exchange(CheckRequest(profile_), 1, stop);
+  if (!answer) return std::unexpected(answer.error());
+  has_checks_ = answer->fault == ModbusFault::kNone && answer->exception == 0;
+  // registers of a check are behind everything older
+  start_was_silent_ = !has_checks_ && (start_was_silent_ || was_silent);
+  errors_ = {};
+  return {};
+}
+
+void ModbusSensor::MakeHeader(double register_scale) {
+  header_.timing = trial::Timing::kPolled;
+  header_.channels = {ChannelOf(profile_, register_scale)};
+  Describe(header_.metadata);
+  if (!profile_.timestamp_address && profile_.fastest_rate_hz) {
+    repeats_.emplace(NsFromSeconds(1.0 / *profile_.fastest_rate_hz));
+  }
+}
+
+void ModbusSensor::Describe(trial::Metadata& metadata) const {
+  metadata.sensor = "modbus";
+  metadata.source = link_->Source();
+  AddLatencyTimer(link_->LatencyTimer(), metadata);
+  metadata.head = profile_.model.empty() ? profile_.name : profile_.maker + " " + profile_.model;
+  double highest_hz = profile_.fastest_rate_hz.value_or(std::numeric_limits<double>::infinity());
+  if (is_rtu()) highest_hz = HighestRateHz(profile_);
+  highest_hz = std::min(highest_hz, rate_hz_.value_or(highest_hz));
+  if (highest_hz < std::numeric_limits<double>::infinity()) metadata.nominal_rate_hz = highest_hz;
+  const ReadRequest request = ReadingRequest(profile_);
+  metadata.fields["modbus_profile"] = profile_.name;
+  metadata.fields["modbus_slave"] = std::to_string(request.unit);
+  metadata.fields["modbus_function"] = std::to_string(request.function);
+  metadata.fields["modbus_address_on_the_wire"] = std::to_string(request.address);
+  metadata.fields["modbus_count"] = std::to_string(request.count);
+  metadata.fields["modbus_value"] =
+      fmt::format("{} {} at {}", Name(profile_.type), Name(profile_.order), profile_.value_address);
+}
+
+std::vector<std::string> ModbusSensor::Remarks() const {
+  std::vector<std::string> remarks{WireRemarks(profile_)};
+  if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
+    remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
+  }
+  if (is_rtu() && !has_checks_) {
+    remarks.push_back(fmt::format(
+        "{} does not answer the check request of its profile with registers: replies later than "
+        "{:g} s cannot be told from the next (longest_reply_s, check_address and check_count)",
+        profile_.name, SecondsFromNs(profile_.longest_reply_ns)));
+  }
+  if (const std::string errors = InWords(errors_); !errors.empty()) {
+    remarks.push_back("errors on the wire: " + errors);
+  }
+  for (std::string& remark : DoubtfulReplies(replies_, exchanges_.wire_ns())) {
+    remarks.push_back(std::move(remark));
+  }
+  return remarks;
+}
+
+namespace {
+
+using trial::SampleStatus;
+
+trial::Encoding EncodingOf(RegisterType type) {
+  switch (type) {
+    case RegisterType::kF32:
+      return trial::Encoding::kF32;
+    case RegisterType::kU32:  // beyond the counts of i32; exact
+      return trial::Encoding::kF64;
+    default:
+      return trial::Encoding::kI32;
+  }
+}
+
+trial::RawValue RawOf(std::uint32_t bits, RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::Bits(bits);
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(NumberOf(bits, type));
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(static_cast<std::int32_t>(NumberOf(bits, type)));
+}
+
+std::size_t Offset(const SensorProfile& profile, int address) {
+  return static_cast<std::size_t>(address - profile.address);
+}
+
+SampleStatus StatusOf(const SensorProfile& profile, std::string_view registers,
+                      std::uint32_t bits) {
+  if (profile.status_address) {
+    const std::uint16_t flags = RegisterAt(registers, Offset(profile, *profile.status_address));
+    if ((flags & profile.status_mask) != 0) {
+      return profile.status_meaning == StatusMeaning::kInvalid ? SampleStatus::kInvalid
+                                                               : SampleStatus::kDeviceError;
+    }
+  }
+  const double number = NumberOf(bits, profile.type);
+  const bool is_listed =
+      std::ranges::find(profile.invalid_bits, bits) != profile.invalid_bits.end();
+  if (!std::isfinite(number) || is_listed) return SampleStatus::kInvalid;
+  if (profile.least_number && number < *profile.least_number) return SampleStatus::kUnder;
+  if (profile.most_number && number > *profile.most_number) return SampleStatus::kOver;
+  return SampleStatus::kOk;
+}
+
+}  // namespace
+
+trial::ChannelFormat ChannelOf(const SensorProfile& profile, double register_scale) {
+  trial::ChannelFormat channel;
+  channel.name = "displacement";
+  channel.role = trial::ChannelRole::kDisplacement;
+  channel.unit = "m";
+  channel.encoding = EncodingOf(profile.type);
+  channel.scale = profile.scale * register_scale * profile.unit_m;
+  channel.offset = profile.offset * profile.unit_m;
+  const bool is_whole = profile.type != RegisterType::kF32;
+  channel.resolution = profile.resolution_m.value_or(is_whole ? std::abs(channel.scale) : 0);
+  // the ends, whichever way the scale goes
+  const auto end_m = [&](const std::optional<double>& number, double otherwise) {
+    return number ? *number * channel.scale + channel.offset : otherwise;
+  };
+  const double least_m = end_m(profile.least_number, channel.range_min);
+  const double most_m = end_m(profile.most_number, channel.range_max);
+  if (channel.scale > 0) {
+    channel.range_min = profile.range_min_m.value_or(least_m);
+    channel.range_max = profile.range_max_m.value_or(most_m);
+  }
+  return channel;
+}
+
+trial::Sample DecodeReading(const SensorProfile& profile, std::string_view registers) {
+  std::array<std::uint16_t, 2> words{};
+  const std::size_t count = RegistersOf(profile.type);
+  const std::size_t first = Offset(profile, profile.value_address);
+  for (std::size_t i = 0; i < count; ++i) words[i] = RegisterAt(registers, first + i);
+  const std::uint32_t bits = BitsFrom(std::span(words).first(count), profile.type, profile.order);
+  return {RawOf(bits, profile.type), StatusOf(profile, registers, bits)};
+}
+
+trial::RawValue NoValue(RegisterType type) {
+  switch (EncodingOf(type)) {
+    case trial::Encoding::kF32:
+      return trial::RawValue::F32(std::numeric_limits<float>::quiet_NaN());
+    case trial::Encoding::kF64:
+      return trial::RawValue::F64(std::numeric_limits<double>::quiet_NaN());
+    case trial::Encoding::kI32:
+      break;
+  }
+  return trial::RawValue::Counts(kNoCounts);
+}
+
+std::string_view TimestampOf(const SensorProfile& profile, std::string_view registers) {
+  return registers.substr(2 * Offset(profile, *profile.timestamp_address),
+                          2 * static_cast<std::size_t>(profile.timestamp_count));
+}
+
+}  // namespace haptometer::acquire

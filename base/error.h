@@ -1,0 +1,68 @@
+#pragma once
+
+#include <fmt/core.h>
+
+#include <cstdint>
+#include <expected>
+#include <string>
+
+namespace haptometer::internal {
+
+/// Prints `FILE:LINE: check failed: EXPRESSION (DETAIL)` on stderr and aborts.
+[[noreturn]] void CheckFailed(const char* file, int line, const char* expression,
+                              const std::string& detail);
+
+}  // namespace haptometer::internal
+
+/// Guards against a programmer's error; always on. The further arguments are an fmt format and its
+/// values, printed when the condition is false:
+///   HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
+/// Anything that a user, file or device can cause is a Result (base/error.h), never a check.
+#define HAPTOMETER_CHECK(condition, ...)                                  \
+  do {                                                                    \
+    if (!(condition)) {                                                   \
+      ::haptometer::internal::CheckFailed(__FILE__, __LINE__, #condition, \
+                                          fmt::format(__VA_ARGS__));      \
+    }                                                                     \
+  } while (false)
+
+namespace haptometer {
+
+/// Whose doing an error is; decides the program's exit status.
+enum class Cause : std::uint8_t {
+  kFailed,        ///< the program could not finish what it had begun (disk full, lost device): 1
+  kUsage,         ///< the question is put wrongly (option, unit, key of a file): 2
+  kCannotAnswer,  ///< the file or device does not hold the answer, or is not there: 3
+};
+
+/// An error of the outside world in one sentence: what happened, where, and what to do next.
+///
+/// Text() joins the three as "WHERE: WHAT; REMEDY" in one printable line (base/text.h),
+/// whatever a path or a cell in it holds. Programmers' errors abort (base/error.h); numerical
+/// outcomes such as "did not converge" are fields of results, never an Error.
+struct Error {
+  Cause cause = Cause::kFailed;
+  std::string where;   ///< file, port, option or key; empty when `what` says it
+  std::string what;    ///< "is empty", "does not open: No such file or directory"
+  std::string remedy;  ///< "give a trial.bin or a CSV with a header line"; may be empty
+
+  [[nodiscard]] std::string Text() const;
+};
+
+/// The program's exit status for `cause`: 1, 2 or 3.
+[[nodiscard]] int ExitStatus(Cause cause);
+
+/// A value, or the error that stands in its place; functions that give one are [[nodiscard]].
+/// g++ 12 has no and_then(): test, then use.
+template <typename T>
+using Result = std::expected<T, Error>;
+
+/// Shorthands for the `return` of a function that gives a Result.
+[[nodiscard]] std::unexpected<Error> Failed(std::string where, std::string what,
+                                            std::string remedy = {});
+[[nodiscard]] std::unexpected<Error> Usage(std::string where, std::string what,
+                                           std::string remedy = {});
+[[nodiscard]] std::unexpected<Error> CannotAnswer(std::string where, std::string what,
+                                                  std::string remedy = {});
+
+}  // namespace haptometer

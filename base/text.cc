@@ -1,0 +1,143 @@
+#include "base/text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+namespace haptometer {
+namespace {
+
+// one row of the dynamic programme at a time
+std::size_t EditDistance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i + 1);
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({substituted, row[j] + 1, diagonal + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string Nearest(std::string_view word, const std::vector<std::string>& candidates) {
+  std::string nearest;
+  std::size_t least = word.size() / 2 + 1;
+  for (const std::string& candidate : candidates) {
+    const std::size_t distance = EditDistance(word, candidate);
+    if (distance < least) {
+      least = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+namespace {
+
+unsigned Byte(char c) { return static_cast<unsigned char>(c); }
+
+// the code point of the character of `bytes` bytes that `text` begins with
+std::uint32_t CodePoint(std::string_view text, std::size_t bytes) {
+  constexpr std::uint32_t kBitsOfFirst[] = {0, 0x7f, 0x1f, 0x0f, 0x07};
+  std::uint32_t code = Byte(text[0]) & kBitsOfFirst[bytes];
+  for (std::size_t i = 1; i < bytes; ++i) code = code << 6U | (Byte(text[i]) & 0x3fU);
+  return code;
+}
+
+bool IsPrintable(std::uint32_t code) {
+  const auto within = [code](std::uint32_t first, std::uint32_t last) {
+    return code >= first && code <= last;
+  };
+  return !within(0, 0x1f) && !within(0x7f, 0x9f) && !within(0x2028, 0x202e) &&
+         !within(0x2066, 0x2069) && !within(0xfffe, 0xffff);
+}
+
+void AppendEscaped(std::uint32_t code, std::string* text) {
+  auto out = std::back_inserter(*text);
+  if (code == '\n') {
+    *text += "\\n";
+  } else if (code == '\t') {
+    *text += "\\t";
+  } else if (code == '\r') {
+    *text += "\\r";
+  } else if (code < 0x20) {
+    fmt::format_to(out, "\\x{:02x}", code);
+  } else {
+    fmt::format_to(out, "\\u{:04x}", code);
+  }
+}
+
+// `kept` are the control characters that stay
+std::string Escaped(std::string_view text, std::string_view kept) {
+  std::string shown;
+  shown.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t bytes = Utf8CharacterBytes(text);
+    if (bytes == 0) {
+      fmt::format_to(std::back_inserter(shown), "\\x{:02x}", Byte(text[0]));
+      text.remove_prefix(1);
+      continue;
+    }
+    const std::uint32_t code = CodePoint(text, bytes);
+    if (IsPrintable(code) || kept.find(text[0]) != std::string_view::npos) {
+      shown += text.substr(0, bytes);
+    } else {
+      AppendEscaped(code, &shown);
+    }
+    text.remove_prefix(bytes);
+  }
+  return shown;
+}
+
+}  // namespace
+
+std::size_t Utf8CharacterBytes(std::string_view text) {
+  if (text.empty()) return 0;
+  const unsigned first = Byte(text[0]);
+  const std::size_t bytes = first < 0x80   ? 1
+                            : first < 0xc2 ? 0
+                            : first < 0xe0 ? 2
+                            : first < 0xf0 ? 3
+                            : first < 0xf5 ? 4
+                                           : 0;
+  if (bytes > text.size()) return 0;
+  for (std::size_t i = 1; i < bytes; ++i) {
+    if ((Byte(text[i]) & 0xc0U) != 0x80) return 0;
+  }
+  // longer than needed, surrogates, beyond the last code point
+  const unsigned second = bytes > 2 ? Byte(text[1]) : 0x80;
+  const bool is_wrong = (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+  return is_wrong ? 0 : bytes;
+}
+
+bool IsPrintable(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t bytes = Utf8CharacterBytes(text);
+    if (bytes == 0 || !IsPrintable(CodePoint(text, bytes))) return false;
+    text.remove_prefix(bytes);
+  }
+  return true;
+}
+
+std::string Printable(std::string_view text) { return Escaped(text, ""); }
+
+std::string PrintableLines(std::string_view text) { return Escaped(text, "\n\t"); }
+
+Result<void> CheckPrintable(std::string where, std::string_view text) {
+  if (IsPrintable(text)) return {};
+  return Usage(std::move(where),
+               fmt::format("'{}' holds a character that cannot be printed", Printable(text)),
+               "write it without control characters, on one line, in UTF-8");
+}
+
+}  // namespace haptometer

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "dsp/filter/butterworth.h"
+#include "dsp/filter/zero_phase.h"
+
+namespace haptometer::dsp {
+
+/// Samples count as settled where the odd continuation's result agrees with that of the expected
+/// one to this part of the band RMS, what other expectations differ by from that one added.
+inline constexpr double kExpectedTolerance = 9.4e-5;
+/// The same with the constant continuation: a guard against a wrong expectation.
+inline constexpr double kConstantTolerance = 5e-4;
+/// The same with the constant continuation of the fast part alone: vibration, which may end where
+/// the signal does.
+inline constexpr double kFastTolerance = 2.5e-5;
+/// What a settled sample may be wrong by, as a part of the band RMS: the bar that these three hold
+/// (docs/developer/hard-cases.md; 9.8e-5 at worst of 8000 cuts).
+inline constexpr double kSettledError = 1e-4;
+
+/// How far the filtered signal hangs on what lay beyond its ends: the results of other
+/// continuations less that of the odd one, in units of what each may differ by (the largest of
+/// |difference|/tolerance). Settled: at most the band RMS. Between the parts it is below rounding.
+///
+/// The continuations are those of dsp/filter/transient.cc. The expected one is within some
+/// percent of the truth for a hand's tremor, where the constant one can be far off; where the
+/// tremor is not one sine, expectations that saw more or less of it disagree, and less settles.
+/// Signals of fewer than kLeastExpectedMotionSamples, or filters as short, have the constant one
+/// only, to kFastTolerance.
+struct EndDependence {
+  std::vector<double> first;  ///< of the first samples; of all, where the signal is short
+  std::vector<double> last;   ///< of the last samples; empty where the signal is short
+};
+
+/// Measures it: zero-phase runs over the lead-ins at both ends only, whatever the length.
+///
+/// The filter is linear: differences of continuations are filtered, which are 0 inside the signal.
+/// Errors: `read`'s.
+[[nodiscard]] Result<EndDependence> MeasureEndDependence(const ZeroPhaseBlocks& blocks,
+                                                         const ReadSamples& read,
+                                                         ZeroPhaseBlocks::Scratch& scratch);
+
+/// The RMS of the filtered signal over a range of at least one sample.
+using RangeRms = std::function<double(const SampleRange& range)>;
+
+/// What has settled of a filtered signal of `size` samples, continued oddly.
+///
+/// The longest stretch in which the dependence is at most the RMS over that stretch itself
+/// (repeated until that holds). Large motion below the band, such as a hand's tremor, so takes more
+/// from the ends than a clean tone does. A stretch shorter than `least` is widened to that for the
+/// RMS, which a part of a period would say wrongly. Nothing settled: count 0.
+[[nodiscard]] SampleRange SettledRange(std::size_t size, const EndDependence& dependence,
+                                       const RangeRms& rms, std::size_t least);
+
+/// `least` for samples: four time constants of the slowest pole, 2.8 periods of the lower corner
+/// for a band-pass of order 6.
+[[nodiscard]] std::size_t LeastRmsSamples(const FilterDesign& design);
+
+/// A filtered signal and the part of it that does not depend on what lay beyond its ends.
+struct SettledSignal {
+  std::vector<double> filtered;  ///< all of it, continued oddly; the ends are not to be trusted
+  std::size_t begin = 0;         ///< first settled sample
+  std::size_t end = 0;           ///< one past the last; begin == end: nothing has settled
+};
+
+/// Filters with zero phase (FilterZeroPhase) and measures, instead of assuming, where the result
+/// has settled (SettledRange).
+[[nodiscard]] SettledSignal FilterSettled(const FilterDesign& design,
+                                          std::span<const double> signal, int threads = 1);
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,207 @@
+#include "dsp/statistics/repeated_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "dsp/statistics/distributions.h"
+#include "dsp/statistics/moments.h"
+
+namespace haptometer::dsp {
+namespace {
+
+// what subject and condition means leave of each value
+CompleteTable Residuals(const CompleteTable& table, const std::vector<double>& condition_means,
+                        double grand_mean) {
+  CompleteTable residuals = table;
+  for (std::size_t s = 0; s < table.subjects(); ++s) {
+    const double subject_mean = Mean(table.Subject(s));
+    for (std::size_t c = 0; c < table.conditions(); ++c) {
+      residuals.At(s, c) -= subject_mean + (condition_means[c] - grand_mean);
+    }
+  }
+  return residuals;
+}
+
+// The residuals' products between conditions are the doubly centred covariance, up to a factor that
+// cancels in epsilon.
+double GreenhouseGeisser(const CompleteTable& residuals) {
+  const std::size_t k = residuals.conditions();
+  double trace = 0;
+  double squares = 0;
+  for (std::size_t c = 0; c < k; ++c) {
+    for (std::size_t d = 0; d < k; ++d) {
+      double product = 0;
+      for (std::size_t s = 0; s < residuals.subjects(); ++s) {
+        product += residuals.At(s, c) * residuals.At(s, d);
+      }
+      if (c == d) trace += product;
+      squares += product * product;
+    }
+  }
+  const auto df = static_cast<double>(k - 1);
+  return std::clamp(trace * trace / (df * squares), 1 / df, 1.0);
+}
+
+}  // namespace
+
+std::optional<RepeatedMeasuresAnova> AnalyzeRepeatedMeasures(const CompleteTable& table) {
+  const std::size_t k = table.conditions();
+  if (table.subjects() < 2 || k < 2) return std::nullopt;
+  const auto n = static_cast<double>(table.subjects());
+  const double grand_mean = Mean(table.values());
+  std::vector<double> means(k);
+  double conditions = 0;  // sum of squares
+  for (std::size_t c = 0; c < k; ++c) {
+    means[c] = Mean(table.Condition(c));
+    conditions += n * (means[c] - grand_mean) * (means[c] - grand_mean);
+  }
+  const CompleteTable residuals = Residuals(table, means, grand_mean);
+  double error = 0;
+  for (const double residual : residuals.values()) error += residual * residual;
+  // rounding of the values themselves is no residual
+  const double scale = Rms(table.values());
+  if (!(error > 1e-28 * scale * scale)) return std::nullopt;
+
+  RepeatedMeasuresAnova anova;
+  anova.df_conditions = static_cast<double>(k - 1);
+  anova.df_error = anova.df_conditions * (n - 1);
+  anova.f = (conditions / anova.df_conditions) / (error / anova.df_error);
+  anova.p = FisherUpperP(anova.f, anova.df_conditions, anova.df_error);
+  anova.greenhouse_geisser = GreenhouseGeisser(residuals);
+  anova.p_greenhouse_geisser = FisherUpperP(anova.f, anova.greenhouse_geisser * anova.df_conditions,
+                                            anova.greenhouse_geisser * anova.df_error);
+  anova.partial_eta_squared = conditions / (conditions + error);
+  return anova;
+}
+
+std::vector<double> MoreyHalfWidths(const CompleteTable& table) {
+  const std::size_t subjects = table.subjects();
+  const std::size_t conditions = table.conditions();
+  HAPTOMETER_CHECK(subjects >= 2 && conditions >= 2, "{} x {}", subjects, conditions);
+  CompleteTable normalized = table;
+  for (std::size_t s = 0; s < subjects; ++s) {
+    const double mean = Mean(table.Subject(s));
+    for (std::size_t c = 0; c < conditions; ++c) normalized.At(s, c) -= mean;
+  }
+  const auto n = static_cast<double>(subjects);
+  const auto k = static_cast<double>(conditions);
+  const double factor = StudentCritical(n - 1) / std::sqrt(n) * std::sqrt(k / (k - 1));
+  std::vector<double> half_widths(conditions);
+  for (std::size_t c = 0; c < conditions; ++c) {
+    half_widths[c] = factor * StandardDeviation(normalized.Condition(c));
+  }
+  return half_widths;
+}
+
+std::optional<Reliability> AssessRepeats(std::span<const std::vector<double>> cells) {
+  if (cells.size() < 2 || cells[0].size() < 2) return std::nullopt;
+  std::vector<double> means;
+  means.reserve(cells.size());
+  double within = 0;
+  for (const std::vector<double>& cell : cells) {
+    if (cell.size() != cells[0].size()) return std::nullopt;
+    means.push_back(Mean(cell));
+    for (const double value : cell) within += (value - means.back()) * (value - means.back());
+  }
+  const auto n = static_cast<double>(cells.size());
+  const auto k = static_cast<double>(cells[0].size());
+  within /= n * (k - 1);
+  const double sd = StandardDeviation(means);
+  if (!(within > 0)) return std::nullopt;
+  const double f = k * sd * sd / within;
+  const auto icc_of = [k](double ratio) { return (ratio - 1) / (ratio + k - 1); };
+  constexpr double kUpper = (1 + kConfidence) / 2;
+  Reliability reliability;
+  reliability.icc = icc_of(f);
+  reliability.interval = {icc_of(f / FisherQuantile(kUpper, n - 1, n * (k - 1))),
+                          icc_of(f * FisherQuantile(kUpper, n * (k - 1), n - 1))};
+  reliability.within_sd = std::sqrt(within);
+  return reliability;
+}
+
+double VariationOfLogs(double sd) { return std::sqrt(std::expm1(sd * sd)); }
+
+namespace {
+
+// Box and Muller: the same on every standard library
+double NormalDraw(std::mt19937& engine) {
+  constexpr double kRange = 4294967296.0;  // of the engine
+  const double u = (static_cast<double>(engine()) + 0.5) / kRange;
+  const double v = static_cast<double>(engine()) / kRange;
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+double MedianSize(const CompleteTable& left) {
+  std::vector<double> sizes(left.values().size());
+  std::ranges::transform(left.values(), sizes.begin(), [](double x) { return std::abs(x); });
+  return Median(std::move(sizes));
+}
+
+// the mean of it over polished tables of standard normal values
+double MedianSizeOfNormal(std::size_t subjects, std::size_t conditions) {
+  constexpr std::size_t kCells = 6000;
+  constexpr std::size_t kLeastTables = 20;
+  const std::size_t tables = std::max(kLeastTables, kCells / (subjects * conditions));
+  std::mt19937 engine(1);
+  double sum = 0;
+  for (std::size_t k = 0; k < tables; ++k) {
+    CompleteTable table(subjects, conditions);
+    for (std::size_t s = 0; s < subjects; ++s) {
+      for (std::size_t c = 0; c < conditions; ++c) table.At(s, c) = NormalDraw(engine);
+    }
+    sum += MedianSize(MedianPolish(table));
+  }
+  return sum / static_cast<double>(tables);
+}
+
+}  // namespace
+
+double Median(std::vector<double> values) {
+  HAPTOMETER_CHECK(!values.empty(), "no values");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  const double below = *std::max_element(values.begin(), middle);
+  return below + (*middle - below) / 2;
+}
+
+std::optional<double> RobustWithinDeviation(std::span<const std::vector<double>> cells) {
+  std::vector<double> deviations;
+  deviations.reserve(cells.size());
+  for (const std::vector<double>& cell : cells) {
+    if (cell.size() < 2) continue;
+    const auto df = static_cast<double>(cell.size() - 1);
+    deviations.push_back(StandardDeviation(cell) / std::sqrt(ChiSquareQuantile(0.5, df) / df));
+  }
+  if (deviations.empty()) return std::nullopt;
+  const double median = Median(std::move(deviations));
+  return median > 0 ? std::optional(median) : std::nullopt;
+}
+
+CompleteTable MedianPolish(const CompleteTable& table) {
+  constexpr int kSweeps = 20;
+  CompleteTable left = table;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (std::size_t c = 0; c < left.conditions(); ++c) {
+      const double effect = Median(left.Condition(c));
+      for (std::size_t s = 0; s < left.subjects(); ++s) left.At(s, c) -= effect;
+    }
+    for (std::size_t s = 0; s < left.subjects(); ++s) {
+      const auto values = left.Subject(s);
+      const double effect = Median({values.begin(), values.end()});
+      for (std::size_t c = 0; c < left.conditions(); ++c) left.At(s, c) -= effect;
+    }
+  }
+  return left;
+}
+
+double DeviationOfPolished(const CompleteTable& left) {
+  HAPTOMETER_CHECK(left.subjects() > 1 && left.conditions() > 1, "{} x {}", left.subjects(),
+                   left.conditions());
+  return MedianSize(left) / MedianSizeOfNormal(left.subjects(), left.conditions());
+}
+
+}  // namespace haptometer::dsp

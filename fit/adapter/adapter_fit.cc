@@ -1,0 +1,324 @@
+#include "fit/adapter/adapter_fit.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "fit/drop_test/prepared_record.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/uncertainty.h"
+
+namespace haptometer::fit {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr std::size_t kLeastSamples = 32;
+// more samples than this are averaged to blocks, which loses 0.3 % of their weight
+constexpr std::size_t kManySamples = 20000;
+constexpr double kBlocksPerPeriod = 32;
+
+// logarithms of d and of q with their variances
+struct Logarithms {
+  std::array<double, 2> values{};  // ln d, ln q
+  std::array<double, 2> variances{};
+};
+
+struct Part {
+  RingFit fit;
+  Logarithms logarithms;
+  ResidualDensity density;
+  double residual_rms = 0;
+  std::size_t samples = 0;
+};
+
+double Hertz(double stiffness_per_s2) {
+  return std::sqrt(stiffness_per_s2) / (2 * std::numbers::pi);
+}
+
+// the residuals on their grid, 0 where a block has a hole
+std::vector<double> OnGrid(const RingSamples& samples, const std::vector<double>& residuals) {
+  const auto place = [&](double time_s) {
+    return static_cast<std::size_t>(
+        std::lround((time_s - samples.times_s.front()) / samples.step_s));
+  };
+  std::vector<double> grid(place(samples.times_s.back()) + 1, 0.0);
+  for (std::size_t n = 0; n < residuals.size(); ++n) grid[place(samples.times_s[n])] = residuals[n];
+  return grid;
+}
+
+// diagonal of (J'J)^-1 of the two poles
+std::array<double, 2> UnitVariances(const Jacobian& jacobian) {
+  const Eigen::Map<const RowMajor> whole(jacobian.values.data(),
+                                         static_cast<Eigen::Index>(jacobian.rows),
+                                         static_cast<Eigen::Index>(jacobian.columns));
+  Eigen::VectorXd lengths = whole.colwise().norm();
+  lengths = (lengths.array() > 0).select(lengths, 1.0);
+  const Eigen::MatrixXd scaled = whole * lengths.cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(scaled);
+  const Eigen::MatrixXd triangle =
+      qr.matrixQR().topRows(whole.cols()).template triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd inverse = triangle.template triangularView<Eigen::Upper>().solve(
+      Eigen::MatrixXd::Identity(whole.cols(), whole.cols()));
+  return {inverse.row(0).squaredNorm() / (lengths[0] * lengths[0]),
+          inverse.row(1).squaredNorm() / (lengths[1] * lengths[1])};
+}
+
+std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std::size_t end,
+                            const PolePair& start, const RingBackground& background) {
+  const double period = 1 / (Hertz(start.stiffness_per_s2) * record.step_s);
+  const bool many = end - first > kManySamples;
+  const auto block = static_cast<std::size_t>(many ? std::max(period / kBlocksPerPeriod, 1.0) : 1);
+  const RingSamples samples = BlocksOf(record, first, end, block);
+  if (samples.values_v.size() < kLeastSamples) return {};
+  Part part;
+  part.fit = FitRing(samples, start, background);
+  if (!part.fit.converged) return {};
+  part.samples = samples.values_v.size();
+  const auto& residuals = part.fit.jacobian.residuals;
+  const Eigen::Map<const Eigen::VectorXd> view(residuals.data(),
+                                               static_cast<Eigen::Index>(residuals.size()));
+  const double square = view.squaredNorm();
+  part.residual_rms = std::sqrt(square / static_cast<double>(part.samples));
+  part.density =
+      DensityAt(OnGrid(samples, residuals), samples.step_s, Hertz(part.fit.poles.stiffness_per_s2));
+  const double noise =
+      square / static_cast<double>(part.samples - part.fit.jacobian.columns) * part.density.ratio;
+  const auto variances = UnitVariances(part.fit.jacobian);
+  part.logarithms = {
+      {std::log(part.fit.poles.decay_per_s), std::log(part.fit.poles.stiffness_per_s2)},
+      {variances[0] * noise, variances[1] * noise}};
+  return part;
+}
+
+// Sentences where the fit from half a decay time later says something else. The later part is in
+// the whole, so the variance of the difference is the difference of the variances.
+void CompareWithLater(const PreparedRecord& prepared, const Part& whole,
+                      std::vector<std::string>* doubts) {
+  const double wanted_s = 0.5 / whole.fit.poles.decay_per_s;
+  const double length_s =
+      static_cast<double>(prepared.part.end_sample - prepared.part.first_sample) *
+      prepared.record.step_s;
+  const double skipped_s = std::min(wanted_s, length_s / 3);
+  const std::size_t first =
+      prepared.part.first_sample + static_cast<std::size_t>(skipped_s / prepared.record.step_s);
+  const auto later = FitPart(prepared.record, first, prepared.part.end_sample, whole.fit.poles,
+                             prepared.part.background);
+  if (!later) return;
+  constexpr double kSurelyOther = 4;  // deviations
+  constexpr std::array<double, 2> kNoticed{0.02, 1e-4};
+  constexpr std::array<const char*, 2> kSays{
+      "Ba changes by {:+.2g} % when the first {:.3g} s are left out: a joint rubs, or the air or "
+      "the mount takes energy",
+      "Ka changes by {:+.2g} % when the first {:.3g} s are left out: a spring that is not linear "
+      "at this amplitude; tap more softly"};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const double change = later->logarithms.values[k] - whole.logarithms.values[k];
+    const double variance =
+        std::max(later->logarithms.variances[k] - whole.logarithms.variances[k], 0.0);
+    if (std::abs(change) < kNoticed[k] || std::abs(change) < kSurelyOther * std::sqrt(variance)) {
+      continue;
+    }
+    const double percent = 100 * change;
+    doubts->push_back(fmt::format("{}: ", prepared.record.name) +
+                      fmt::format(fmt::runtime(kSays[k]), percent, skipped_s));
+  }
+}
+
+FittedTap Told(const PreparedRecord& prepared, const Part& part) {
+  const auto time = [&](std::size_t sample) {
+    return prepared.record.start_s + static_cast<double>(sample) * prepared.record.step_s;
+  };
+  return {.name = prepared.record.name,
+          .first_s = time(prepared.part.first_sample),
+          .end_s = time(prepared.part.end_sample),
+          .samples = part.samples,
+          .natural_frequency_hz = Hertz(part.fit.poles.stiffness_per_s2),
+          .decay_per_s = part.fit.poles.decay_per_s,
+          .amplitude = part.fit.Envelope(0),
+          .residual_rms = part.residual_rms,
+          .unit = prepared.record.unit,
+          .density = part.density,
+          .found = prepared.part.found};
+}
+
+// FindRingStart speaks of voltages
+std::string OfMotion(std::string text) {
+  constexpr std::string_view kVoltage = "voltage";
+  for (auto at = text.find(kVoltage); at != std::string::npos; at = text.find(kVoltage)) {
+    text.replace(at, kVoltage.size(), "reading");
+  }
+  return text;
+}
+
+Error OfTap(const Error& error) {
+  return {error.cause, error.where, OfMotion(error.what), OfMotion(error.remedy)};
+}
+
+// weighted mean of one logarithm over the taps
+struct Mean {
+  double value = 0;
+  double variance = 0;
+  double birge_ratio = 0;
+};
+
+Mean MeanOf(const std::vector<Logarithms>& taps, std::size_t which) {
+  Mean mean;
+  double weights = 0;
+  for (const auto& tap : taps) {
+    // a clean record's variance is rounding's
+    const double weight = 1 / std::max(tap.variances[which], 1e-30);
+    weights += weight;
+    mean.value += (tap.values[which] - mean.value) * weight / weights;
+  }
+  mean.variance = 1 / weights;
+  if (taps.size() < 2) return mean;
+  double square = 0;
+  for (const auto& tap : taps) {
+    const double off = tap.values[which] - mean.value;
+    square += off * off / std::max(tap.variances[which], 1e-30);
+  }
+  mean.birge_ratio = std::sqrt(square / static_cast<double>(taps.size() - 1));
+  mean.variance *= std::max(1.0, mean.birge_ratio * mean.birge_ratio);
+  return mean;
+}
+
+void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
+  const Mean decay = MeanOf(taps, 0);
+  const Mean stiffness = MeanOf(taps, 1);
+  const double ln_mass = std::log(fit->mass_kg.value);
+  const double share = fit->mass_kg.standard_uncertainty / fit->mass_kg.value;
+  const double ln_two = std::numbers::ln2;
+  fit->stiffness =
+      FromLogarithm(ln_mass + stiffness.value, stiffness.variance, share * share, "N/m");
+  fit->damping =
+      FromLogarithm(ln_mass + ln_two + decay.value, decay.variance, share * share, "N s/m");
+  fit->stiffness_over_mass = FromLogarithm(stiffness.value, stiffness.variance, 0, "1/s^2");
+  fit->damping_over_mass = FromLogarithm(ln_two + decay.value, decay.variance, 0, "1/s");
+  fit->natural_frequency = FromLogarithm(stiffness.value / 2 - std::log(2 * std::numbers::pi),
+                                         stiffness.variance / 4, 0, "Hz");
+  // sqrt(q) / 2d; the two are uncorrelated but for rounding
+  fit->quality_factor = FromLogarithm(stiffness.value / 2 - ln_two - decay.value,
+                                      stiffness.variance / 4 + decay.variance, 0, "");
+  fit->stiffness_birge_ratio = stiffness.birge_ratio;
+  fit->damping_birge_ratio = decay.birge_ratio;
+  const double damping = 2 * fit->mass_kg.value * std::exp(decay.value);
+  const double combined = std::sqrt(decay.variance + share * share);
+  if (!fit->damping.determined) fit->damping.at_most = damping * (1 + kCoverage95 * combined);
+}
+
+// A pair of poles cannot follow a frequency that falls with the amplitude; what is left over looks
+// like one small blow after the other.
+void DoubtManyBlows(const FittedTap& tap, std::vector<std::string>* doubts) {
+  constexpr auto kMany = 3;
+  const auto blows = std::ranges::count_if(
+      tap.found, [](const std::string& sentence) { return sentence.starts_with("a blow"); });
+  if (blows < kMany) return;
+  doubts->push_back(fmt::format(
+      "{}: {} blows were cut off: several small ones in a row are usually a spring that is not "
+      "linear at this amplitude, or a joint that rubs; tap more softly",
+      tap.name, blows));
+}
+
+void Explain(AdapterFit* fit) {
+  fit->assumptions.emplace_back(
+      "one side is held, and the given mass is all that rings on the spring (about a third of the "
+      "spring's own mass counts)");
+  fit->assumptions.emplace_back("the time base is exact: 100 ppm of it are 200 ppm of Ka");
+  if (!fit->damping.determined) {
+    fit->undetermined.push_back(
+        fmt::format("Ba: it is below {:.2g} N s/m (95 %); a longer record or a stronger tap would "
+                    "show the decay",
+                    *fit->damping.at_most));
+  }
+  const auto doubt = [fit](bool is_doubtful, const std::string& sentence) {
+    if (is_doubtful) fit->doubts.push_back(sentence);
+  };
+  const double hertz = fit->natural_frequency.value;
+  doubt(hertz < 20 || hertz > 2000,
+        fmt::format("a resonance of {:.4g} Hz is unlike an adapter's: are the times in ms or us?",
+                    hertz));
+  doubt(fit->mass_kg.value < 1e-5 || fit->mass_kg.value > 0.1,
+        fmt::format("a mass of {:.4g} kg is unlike an adapter's: was it meant in g or mg?",
+                    fit->mass_kg.value));
+  const double quality = fit->quality_factor.value;
+  doubt(
+      fit->quality_factor.determined && (quality < 1 || quality > 2000),
+      fmt::format("a quality factor of {:.4g} is unlike a spring's: is it a ring-down?", quality));
+  for (const auto& tap : fit->taps) {
+    DoubtManyBlows(tap, &fit->doubts);
+    const bool is_length = tap.unit == "m";
+    doubt(is_length && (tap.amplitude > 0.02 || tap.amplitude < 1e-8),
+          fmt::format("{}: a ringing of {:.2g} m is unlike a tap's: is the column in mm or um?",
+                      tap.name, tap.amplitude));
+  }
+}
+
+}  // namespace
+
+Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::string& name) {
+  std::vector<const trial::Channel*> meant;
+  for (const auto& channel : record.channels) {
+    if (channel.role == trial::ChannelRole::kDisplacement) meant.push_back(&channel);
+  }
+  if (meant.empty() && record.channels.size() == 1) meant.push_back(record.channels.data());
+  if (meant.size() != 1) {
+    return CannotAnswer(name, meant.empty() ? "has no displacement" : "has several displacements",
+                        meant.empty() ? "give a trial or a CSV with time_s,displacement_m"
+                                      : "say which is the adapter's: --channel NAME");
+  }
+  if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
+    return CannotAnswer(name, "has gaps or an uneven time base",
+                        "record the tap with a clocked source, without lost rows");
+  }
+  ImpulseRecord tap;
+  tap.name = name;
+  tap.start_s = record.stretches[0].start_s;
+  tap.step_s = 1 / record.stretches[0].rate_hz;
+  tap.voltage_v = meant[0]->values;
+  tap.unit = meant[0]->unit;
+  for (std::size_t n = 0; n < meant[0]->statuses.size(); ++n) {
+    if (!trial::IsMeasurement(meant[0]->statuses[n])) tap.voltage_v[n] = std::nan("");
+  }
+  return tap;
+}
+
+Result<AdapterFit> FitAdapter(const std::vector<ImpulseRecord>& records, const Quantity& mass_kg) {
+  AdapterFit fit;
+  fit.mass_kg = mass_kg;
+  std::vector<Logarithms> taps;
+  for (const auto& record : records) {
+    const auto prepared = PrepareRecord(record);
+    if (!prepared) {
+      fit.left_out.push_back(OfTap(prepared.error()));
+      continue;
+    }
+    const auto part =
+        FitPart(prepared->record, prepared->part.first_sample, prepared->part.end_sample,
+                prepared->start.poles, prepared->part.background);
+    if (!part) {
+      fit.left_out.push_back(CannotAnswer(record.name, "holds too few clean samples of a ring-down",
+                                          "record a tap and three decay times")
+                                 .error());
+      continue;
+    }
+    taps.push_back(part->logarithms);
+    fit.taps.push_back(Told(*prepared, *part));
+    CompareWithLater(*prepared, *part, &fit.doubts);
+  }
+  if (taps.empty()) {
+    if (!fit.left_out.empty()) return std::unexpected(fit.left_out.front());
+    return CannotAnswer("", "no record of a tap is given", "write --adapter tap.bin");
+  }
+  Conclude(taps, &fit);
+  Explain(&fit);
+  return fit;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,244 @@
+#include "fit/drop_test/consistency.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "dsp/statistics/distributions.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/identifiability.h"
+#include "fit/residuals.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr double kSamplesPerPeriod = 16;
+constexpr std::size_t kLeastBlocks = 64;
+constexpr double kMostDamping = 0.3;  // of critical
+constexpr double kSignificance = 0.01;
+constexpr double kDeviations = 4;      // of a difference that is worth a word
+constexpr double kMostFriction = 0.1;  // of the spring's force, of a part that is compared
+constexpr double kLeastKnown = 0.25;   // of a decay rate
+
+// a logarithm and its standard uncertainty
+struct Estimate {
+  double logarithm = 0;
+  double deviation = 0;
+};
+
+struct Rates {
+  Estimate frequency;  // natural
+  Estimate decay;
+  double frequency_widening = 1;
+  double decay_widening = 1;
+  double noise_v = 0;         // of one sample, if it were white
+  double amplitude_v = 0;     // of the ringing at its begin
+  double friction_share = 0;  // of the spring's force there
+  double blocks = 0;
+};
+
+// standard uncertainty of one of a fit's parameters, for residuals of this variance
+double DeviationOf(const RingFit& fit, std::size_t column, double variance) {
+  const std::vector<bool> every(fit.jacobian.columns, true);
+  const std::vector<bool> none(fit.jacobian.columns, false);
+  std::vector<double> weights(fit.jacobian.columns, 0.0);
+  weights[column] = 1;
+  return std::sqrt(variance * Variance(FindIdentifiability(fit.jacobian, every, none), weights));
+}
+
+// the part's record as it would be without dry friction
+ImpulseRecord WithoutFriction(const PreparedRecord& drop) {
+  ImpulseRecord linear = drop.record;
+  const auto& more_v = drop.part.linear_less_friction_v;
+  for (std::size_t n = 0; n < more_v.size(); ++n) {
+    linear.voltage_v[drop.part.first_sample + n] += more_v[n];
+  }
+  return linear;
+}
+
+// By how much the poles are less known than the fit without friction says, of the record that its
+// friction is taken from: the friction is not known exactly and ends the motion; and it is not
+// exactly one force. A fiftieth of what it takes, as viscous damping of the first swing (2 f/(pi
+// zeta) of the decay), is left open in the decay, 1e-4 of it in the frequency.
+void WidenForFriction(const PreparedRecord& drop, const RingFit& fit, std::size_t block,
+                      double variance, Rates* rates) {
+  RingBackground background = drop.part.background;
+  background.has_friction = false;
+  const auto samples =
+      BlocksOf(WithoutFriction(drop), drop.part.first_sample, drop.part.end_sample, block);
+  const RingFit linear = FitRing(samples, fit.poles, background);
+  const double taken = 2 * drop.part.friction_share / std::numbers::pi *
+                       std::sqrt(fit.poles.stiffness_per_s2) / fit.poles.decay_per_s;
+  rates->decay_widening = std::max(
+      std::hypot(rates->decay.deviation, 0.02 * taken) / DeviationOf(linear, 0, variance), 1.0);
+  rates->frequency_widening = std::max(std::hypot(rates->frequency.deviation, 1e-4 * taken) /
+                                           (0.5 * DeviationOf(linear, 1, variance)),
+                                       1.0);
+}
+
+// `poles` of the blocks from `first` on, with uncertainties from the residuals' density
+std::optional<Rates> RatesFrom(const PreparedRecord& drop, const PolePair& start,
+                               std::size_t first) {
+  const double natural = std::sqrt(start.stiffness_per_s2);
+  const double period = 2 * std::numbers::pi / natural / drop.record.step_s;
+  const auto all = static_cast<double>(drop.record.voltage_v.size());
+  const auto block = static_cast<std::size_t>(std::clamp(period / kSamplesPerPeriod, 1.0, all));
+  const auto samples = BlocksOf(drop.record, first, drop.part.end_sample, block);
+  if (samples.values_v.size() < kLeastBlocks) return std::nullopt;
+  const RingFit fit = FitRing(samples, start, drop.part.background);
+  if (!fit.converged) return std::nullopt;
+  double square = 0;
+  for (const double residual : fit.jacobian.residuals) square += residual * residual;
+  const auto rows = static_cast<double>(fit.jacobian.rows);
+  square /= rows - static_cast<double>(fit.jacobian.columns);
+  const ResidualDensity density =
+      DensityAt(fit.jacobian.residuals, samples.step_s, natural / (2 * std::numbers::pi));
+  if (density.is_coloured) square *= density.ratio;
+  const double motion =
+      fit.Envelope(0) / (samples.signal == RecordedSignal::kVoltage ? natural : 1);
+  Rates rates{
+      .frequency = {0.5 * std::log(fit.poles.stiffness_per_s2), 0.5 * DeviationOf(fit, 1, square)},
+      .decay = {std::log(fit.poles.decay_per_s), DeviationOf(fit, 0, square)},
+      .noise_v = std::sqrt(square * static_cast<double>(block)),
+      .amplitude_v = fit.Envelope(0),
+      .friction_share = fit.friction / motion,
+      .blocks = rows};
+  if (first == drop.part.first_sample && !drop.part.linear_less_friction_v.empty()) {
+    WidenForFriction(drop, fit, block, square, &rates);
+  }
+  return rates;
+}
+
+// sqrt(chi^2 / (n - 1)) where that is significant, else 1
+double BirgeRatio(const std::vector<Estimate>& estimates) {
+  if (estimates.size() < 2) return 1;
+  double weight = 0;
+  double sum = 0;
+  for (const auto& [value, deviation] : estimates) {
+    weight += 1 / (deviation * deviation);
+    sum += value / (deviation * deviation);
+  }
+  double chi_square = 0;
+  for (const auto& [value, deviation] : estimates) {
+    chi_square += std::pow((value - sum / weight) / deviation, 2);
+  }
+  const auto degrees = static_cast<double>(estimates.size() - 1);
+  const double limit = dsp::ChiSquareQuantile(1 - kSignificance, degrees);
+  return chi_square > limit ? std::sqrt(chi_square / degrees) : 1;
+}
+
+// how many deviations the later fit is off, and by how much
+struct Shift {
+  double share = 0;
+  double deviations = 0;
+};
+
+// `noise_ratio`: what of the whole's noise is left later, where no misfit adds to it
+Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) {
+  const double square =
+      later.deviation * later.deviation - std::pow(std::min(noise_ratio, 1.0) * whole.deviation, 2);
+  const double share = later.logarithm - whole.logarithm;
+  return {share, square > 0 ? std::abs(share) / std::sqrt(square) : 0};
+}
+
+// Where a later begin says something else, the whole's interval is widened to hold that.
+void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::string>& doubts) {
+  const double decay_per_s = std::exp(whole.decay.logarithm);
+  const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
+  const double left = static_cast<double>(drop.part.end_sample - drop.part.first_sample);
+  const double decay_samples = 1 / (decay_per_s * drop.record.step_s);
+  if (!(decay_samples < left)) return;
+  const std::size_t later_first = drop.part.first_sample + static_cast<std::size_t>(decay_samples);
+  const auto later = RatesFrom(drop, poles, later_first);
+  if (!later) return;
+  // of a motion that friction soon ends, or of noise, its poles say nothing
+  if (later->friction_share > kMostFriction || later->decay.deviation > kLeastKnown) return;
+  const double noise_ratio = later->noise_v / whole.noise_v;
+  const Shift frequency = ShiftOf(whole.frequency, later->frequency, noise_ratio);
+  if (frequency.deviations > kDeviations) {
+    doubts.push_back(fmt::format(
+        "{}: one decay time later the resonance is {:+.2g} % off ({:.0f} times its uncertainty): "
+        "the spring {} with travel, and Kv is an average over this ring-down",
+        drop.record.name, 100 * frequency.share, frequency.deviations,
+        frequency.share < 0 ? "stiffens" : "softens"));
+    whole.frequency_widening =
+        std::hypot(whole.frequency_widening, std::abs(frequency.share) / whole.frequency.deviation);
+  }
+  const Shift decay = ShiftOf(whole.decay, later->decay, noise_ratio);
+  if (decay.deviations > kDeviations) {
+    whole.decay_widening =
+        std::hypot(whole.decay_widening, std::abs(decay.share) / whole.decay.deviation);
+    doubts.push_back(fmt::format(
+        "{}: one decay time later the decay is {:+.2g} % off ({:.0f} times its uncertainty): {}, "
+        "and Bv is an average over this ring-down",
+        drop.record.name, 100 * decay.share, decay.deviations,
+        decay.share > 0 ? "dry friction slows small motions more"
+                        : "the damping grows with travel or speed"));
+  }
+}
+
+// what a drop's own ring-down explains and the fit of all together does not
+void DoubtBelonging(const ComparedDrop& drop, const Rates& whole,
+                    std::vector<std::string>& contradictions) {
+  // both are estimates from some blocks, of noise that may be coloured by chance; and what is below
+  // a millionth of the ringing is rounding
+  const double most_ratio = 1.1 + 4 / std::sqrt(2 * whole.blocks);
+  const double ratio = drop.noise_v / whole.noise_v;
+  if (ratio < most_ratio || drop.noise_v < 1e-6 * whole.amplitude_v) return;
+  contradictions.push_back(fmt::format(
+      "{}: the fit of all records together leaves {:.3g} times what its own ring-down leaves: its "
+      "load, case or mass is not as stated, or it is of another actuator; do not use the constants",
+      drop.prepared->record.name, ratio));
+}
+
+}  // namespace
+
+Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
+  std::map<std::pair<double, double>, std::vector<Rates>> alike;
+  Consistency consistency;
+  double noise_share = 0;  // most of a drop's own noise over that in the fit together
+  for (const ComparedDrop& drop : drops) {
+    const PolePair& poles = drop.prepared->part.poles;
+    if (poles.decay_per_s > kMostDamping * std::sqrt(poles.stiffness_per_s2)) continue;
+    auto whole = RatesFrom(*drop.prepared, poles, drop.prepared->part.first_sample);
+    if (!whole) continue;
+    alike[{drop.load_ohm, drop.mass_ratio}].push_back(*whole);
+    noise_share = std::max(noise_share, std::min(whole->noise_v / drop.noise_v, 1.0));
+    DoubtBelonging(drop, *whole, consistency.contradictions);
+    DoubtLinearity(*drop.prepared, *whole, consistency.doubts);
+    consistency.frequency_widening =
+        std::max(consistency.frequency_widening, whole->frequency_widening);
+    consistency.decay_widening = std::max(consistency.decay_widening, whole->decay_widening);
+  }
+  for (const auto& [condition, rates] : alike) {
+    std::vector<Estimate> frequencies;
+    std::vector<Estimate> decays;
+    for (const Rates& rate : rates) {
+      frequencies.push_back(rate.frequency);
+      decays.push_back(rate.decay);
+    }
+    consistency.frequency_ratio = std::max(consistency.frequency_ratio, BirgeRatio(frequencies));
+    consistency.decay_ratio = std::max(consistency.decay_ratio, BirgeRatio(decays));
+  }
+  consistency.frequency_widening =
+      std::max(consistency.frequency_widening, consistency.frequency_ratio * noise_share);
+  consistency.decay_widening =
+      std::max(consistency.decay_widening, consistency.decay_ratio * noise_share);
+  const auto say = [&consistency](const char* what, const char* constants, double ratio) {
+    if (ratio == 1) return;
+    consistency.doubts.push_back(
+        fmt::format("the drops' {} scatter {:.2g} times as much as their noise explains (Birge "
+                    "ratio): the statistical uncertainties of {} are widened to that",
+                    what, ratio, constants));
+  };
+  say("resonances", "Kv and f0", consistency.frequency_ratio);
+  say("decays", "Bv, Km and Q", consistency.decay_ratio);
+  return consistency;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,592 @@
+#include "fit/drop_test/disturbances.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_fit.h"
+#include "sim/ring_down.h"
+
+namespace haptometer::fit {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr double kSamplesPerPeriod = 16;
+constexpr double kLeastPeriods = 3;
+constexpr std::size_t kLeastBlocks = 32;
+constexpr double kLeastGain = 30;          // in units of the residual's mean square
+constexpr double kLeastFrictionGain = 12;  // of one column whose sign is known: 1 in 4000
+constexpr double kLeastBlowShare = 5e-3;   // of the ringing's first amplitude
+constexpr double kLeastBackgroundShare = 5e-4;
+constexpr double kQuietShare = 0.2;  // of the ringing's first amplitude
+constexpr int kMostRounds = 12;
+
+// A disturbance that the residual was tried for.
+struct Suspect {
+  enum class Kind : std::uint8_t { kNone, kDrift, kHum, kBlow, kNonlinear, kFriction };
+  Kind kind = Kind::kNone;
+  double value = 0;  // frequency in Hz, or time in s
+  double amplitude_v = 0;
+  bool is_positive = false;  // of the first column
+  std::size_t first = 0;     // of a blow: the sample behind it
+  double gain = 0;           // power taken away, in mean squares of what is left, per column
+};
+
+double PeriodOf(const PolePair& poles) {
+  return 2 * std::numbers::pi / std::sqrt(poles.stiffness_per_s2);
+}
+
+// the residual and what the fitted parameters can take up of any further column
+class Remainder {
+ public:
+  explicit Remainder(const RingFit& fit)
+      : rows_(static_cast<Eigen::Index>(fit.jacobian.rows)),
+        residual_(-Eigen::Map<const Eigen::VectorXd>(fit.jacobian.residuals.data(), rows_)) {
+    const Eigen::Map<const RowMajor> jacobian(fit.jacobian.values.data(), rows_,
+                                              static_cast<Eigen::Index>(fit.jacobian.columns));
+    taken_ = jacobian.colwise().normalized().householderQr().householderQ() *
+             Eigen::MatrixXd::Identity(rows_, jacobian.cols());
+    taken_residual_ = taken_.transpose() * residual_;
+    square_ = residual_.squaredNorm();
+  }
+
+  // Amplitudes of further columns, of which the last rows are given and all others are 0, and the
+  // power that they take away per column. What the fit has taken of the columns is subtracted from
+  // their products.
+  [[nodiscard]] Suspect Try(const Eigen::MatrixXd& columns) const {
+    const Eigen::Index rows = columns.rows();
+    const Eigen::MatrixXd taken = taken_.bottomRows(rows).transpose().lazyProduct(columns);
+    return FromProducts(columns.transpose().lazyProduct(columns), taken,
+                        columns.transpose() * residual_.tail(rows));
+  }
+
+  // The same of the columns' products: with each other, with what is taken, with the residual.
+  [[nodiscard]] Suspect FromProducts(const Eigen::MatrixXd& squares, const Eigen::MatrixXd& taken,
+                                     const Eigen::VectorXd& products) const {
+    const Eigen::VectorXd seen = products - taken.transpose() * taken_residual_;
+    const Eigen::MatrixXd normal = squares - taken.transpose() * taken;
+    const Eigen::VectorXd amplitudes = normal.ldlt().solve(seen);
+    const double gained = seen.dot(amplitudes);
+    const double left = std::max(square_ - gained, 0.0);
+    const auto degrees = static_cast<double>(rows_ - taken_.cols() - amplitudes.size());
+    Suspect suspect;
+    suspect.amplitude_v = amplitudes.norm();
+    suspect.is_positive = amplitudes[0] > 0;
+    suspect.gain = gained / static_cast<double>(amplitudes.size()) /
+                   std::max(left / degrees, std::numeric_limits<double>::min());
+    return suspect;
+  }
+
+  // orthonormal: what the fitted parameters take up; then the residual
+  [[nodiscard]] const Eigen::MatrixXd& taken() const { return taken_; }
+  [[nodiscard]] const Eigen::VectorXd& residual() const { return residual_; }
+
+ private:
+  Eigen::Index rows_;
+  Eigen::VectorXd residual_;
+  double square_ = 0;      // of the residual
+  Eigen::MatrixXd taken_;  // orthonormal
+  Eigen::VectorXd taken_residual_;
+};
+
+Suspect TryDrift(const RingSamples& samples, const Remainder& remainder) {
+  const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
+  Suspect suspect = remainder.Try(Eigen::VectorXd::LinSpaced(rows, -0.5, 0.5));
+  suspect.kind = Suspect::Kind::kDrift;
+  return suspect;
+}
+
+Suspect TryHum(const RingSamples& samples, const Remainder& remainder, double hum_hz) {
+  const Eigen::Map<const Eigen::ArrayXd> times(samples.times_s.data(),
+                                               static_cast<Eigen::Index>(samples.times_s.size()));
+  Eigen::MatrixXd columns(times.size(), 2);
+  columns << (2 * std::numbers::pi * hum_hz * times).cos(),
+      (2 * std::numbers::pi * hum_hz * times).sin();
+  Suspect suspect = remainder.Try(columns);
+  suspect.kind = Suspect::Kind::kHum;
+  suspect.value = hum_hz;
+  return suspect;
+}
+
+// A ringing whose frequency and decay change with its amplitude leaves, in first order, the ringing
+// itself times its amplitude squared (a spring that stiffens, damping that grows) or over its
+// amplitude (dry friction).
+Suspect TryNonlinear(const RingSamples& samples, const PolePair& poles, const Remainder& remainder,
+                     double power) {
+  const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
+  const double angular = std::sqrt(poles.stiffness_per_s2);
+  Eigen::MatrixXd columns(rows, 2);
+  for (Eigen::Index n = 0; n < rows; ++n) {
+    const double since_s = samples.times_s[static_cast<std::size_t>(n)] - samples.times_s.front();
+    const auto pair = sim::DampedFundamentals(poles.decay_per_s, poles.stiffness_per_s2, since_s);
+    columns.row(n) << pair.even, angular * pair.odd;
+    columns.row(n) *= std::exp(-power * poles.decay_per_s * since_s);
+  }
+  Suspect suspect = remainder.Try(columns);
+  suspect.kind = Suspect::Kind::kNonlinear;
+  return suspect;
+}
+
+// What dry friction adds, in first order: the derivative of the motion by it.
+Suspect TryFriction(const RingSamples& samples, const RingFit& fit, const Remainder& remainder) {
+  constexpr double kLittle = 1e-4;
+  std::vector<double> since_s = samples.times_s;
+  for (double& time_s : since_s) time_s -= samples.times_s.front();
+  FrictionRing ring{.poles = fit.poles,
+                    .even_v = fit.even_v,
+                    .odd_v_per_s = fit.odd_v_per_s,
+                    .friction = 0,
+                    .signal = samples.signal};
+  const auto without = MotionWithFriction(ring, since_s);
+  const double per_motion =
+      samples.signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  ring.friction = kLittle * fit.Envelope(0) / per_motion;
+  const auto with = MotionWithFriction(ring, since_s);
+  Eigen::MatrixXd column(static_cast<Eigen::Index>(with.size()), 1);
+  for (std::size_t n = 0; n < with.size(); ++n) {
+    column(static_cast<Eigen::Index>(n), 0) = (with[n] - without[n]) / ring.friction;
+  }
+  Suspect suspect = remainder.Try(column);
+  suspect.kind = Suspect::Kind::kFriction;
+  return suspect;
+}
+
+// What a blow adds: a ring-down of the same poles with any jump of position and speed, half a block
+// before a block's middle. For all blocks at once: with r(t) = [E(t), w O(t)], r(t + s) = r(t) M(s)
+// by the addition theorems, so that the products of a blow's columns with anything follow from
+// those of the next block's blow.
+class BlowTrials {
+ public:
+  BlowTrials(const RingSamples& samples, const PolePair& poles, const Remainder& remainder)
+      : samples_(samples),
+        poles_(poles),
+        angular_per_s_(std::sqrt(poles.stiffness_per_s2)),
+        gains_(samples.times_s.size()) {
+    const Eigen::Index taken_count = remainder.taken().cols();
+    const auto rows = static_cast<Eigen::Index>(samples.times_s.size());
+    const auto begin = RowAt(samples.step_s / 2);
+    const Eigen::Matrix2d step = Moves(samples.step_s);
+    Eigen::Matrix2d squares = begin.transpose() * begin;
+    Eigen::Matrix2Xd products = Eigen::Matrix2Xd::Zero(2, taken_count + 1);
+    Eigen::RowVectorXd here(taken_count + 1);
+    for (Eigen::Index n = rows - 1; n >= 0; --n) {
+      const auto at = static_cast<std::size_t>(n);
+      if (n + 1 < rows) {
+        const double gap_s = samples.times_s[at + 1] - samples.times_s[at];
+        const bool is_step = std::abs(gap_s - samples.step_s) < 1e-6 * samples.step_s;
+        const Eigen::Matrix2d moves = is_step ? step : Moves(gap_s);
+        squares = (moves.transpose() * squares * moves + begin.transpose() * begin).eval();
+        products = (moves.transpose() * products).eval();
+      }
+      here << remainder.taken().row(n), remainder.residual()[n];
+      products.noalias() += begin.transpose() * here;
+      if (rows - n < 4) continue;
+      const Suspect suspect = remainder.FromProducts(
+          squares, products.leftCols(taken_count).transpose(), products.col(taken_count));
+      gains_[at] = {suspect.gain, suspect.amplitude_v};
+    }
+  }
+
+  // the blow just before the `first`-th sample
+  [[nodiscard]] Suspect At(std::size_t first) const {
+    Suspect suspect;
+    suspect.kind = Suspect::Kind::kBlow;
+    suspect.first = first;
+    suspect.value = samples_.times_s[first] - samples_.step_s / 2;
+    suspect.gain = gains_[first].gain;
+    suspect.amplitude_v = gains_[first].amplitude_v;
+    return suspect;
+  }
+
+ private:
+  struct Gain {
+    double gain = 0;
+    double amplitude_v = 0;
+  };
+
+  [[nodiscard]] Eigen::RowVector2d RowAt(double time_s) const {
+    const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, time_s);
+    return {pair.even, angular_per_s_ * pair.odd};
+  }
+
+  [[nodiscard]] Eigen::Matrix2d Moves(double by_s) const {
+    const auto pair = sim::DampedFundamentals(poles_.decay_per_s, poles_.stiffness_per_s2, by_s);
+    const double discriminant = poles_.decay_per_s * poles_.decay_per_s - poles_.stiffness_per_s2;
+    Eigen::Matrix2d moves;
+    moves << pair.even, angular_per_s_ * pair.odd, discriminant * pair.odd / angular_per_s_,
+        pair.even;
+    return moves;
+  }
+
+  const RingSamples& samples_;
+  PolePair poles_;
+  double angular_per_s_;
+  std::vector<Gain> gains_;
+};
+
+bool IsLarge(const Suspect& suspect, double ringing_v) {
+  if (suspect.kind == Suspect::Kind::kFriction) {
+    return suspect.is_positive && suspect.gain > kLeastFrictionGain;
+  }
+  const double least =
+      suspect.kind == Suspect::Kind::kBlow ? kLeastBlowShare : kLeastBackgroundShare;
+  return suspect.gain > kLeastGain && suspect.amplitude_v > least * ringing_v;
+}
+
+// the most telling disturbance that is not yet part of the fit
+Suspect Worst(const RingSamples& samples, const RingFit& fit, const RingBackground& background,
+              bool may_have_friction, bool may_have_blows) {
+  const Remainder remainder(fit);
+  const double ringing_v = fit.Envelope(0);
+  Suspect worst;
+  const auto consider = [&](const Suspect& suspect) {
+    if (IsLarge(suspect, ringing_v) && suspect.gain > worst.gain) worst = suspect;
+  };
+  if (!background.drifts) consider(TryDrift(samples, remainder));
+  for (const double hum_hz : {50.0, 60.0}) {
+    const double length_s = samples.times_s.back() - samples.times_s.front();
+    const bool is_seen = length_s * hum_hz > 1 && background.hum_hz == 0;
+    if (is_seen) consider(TryHum(samples, remainder, hum_hz));
+  }
+  // friction before blows: where the motion stops, it looks like one
+  if (may_have_friction && !background.has_friction) {
+    const Suspect friction = TryFriction(samples, fit, remainder);
+    if (IsLarge(friction, ringing_v) && friction.gain > worst.gain) return friction;
+  }
+  if (!may_have_blows) return worst;
+  const BlowTrials blow(samples, fit.poles, remainder);
+  const auto half = static_cast<std::size_t>(PeriodOf(fit.poles) / (2 * samples.step_s)) + 1;
+  const std::size_t end = samples.times_s.size() - std::min(2 * half, samples.times_s.size());
+  for (std::size_t first = half; first < end; first += half) consider(blow.At(first));
+  if (worst.kind != Suspect::Kind::kBlow) return worst;
+  // and the best time around the best of these
+  const std::size_t middle = worst.first;
+  for (std::size_t first = middle - half + 1; first < middle + half; ++first)
+    consider(blow.At(first));
+  for (const double power : {2.0, -1.0}) {
+    consider(TryNonlinear(samples, fit.poles, remainder, power));
+  }
+  return worst;
+}
+
+// sd of the decay rate per unit of noise for a ring-down of amplitude A over a length T, up to a
+// factor: facts of the Cramer-Rao bound, I0 / (A^2 (I0 I2 - I1^2)), I_k = integral of t^k e^(-2 s
+// t)
+double DecayBound(double amplitude_v, double decay_per_s, double length_s) {
+  const double x = 2 * decay_per_s * length_s;
+  if (!(length_s > 0 && amplitude_v > 0)) return std::numeric_limits<double>::infinity();
+  const double left = std::exp(-x);
+  const double i0 = (1 - left) / x;
+  const double i1 = (1 - left * (1 + x)) / (x * x);
+  const double i2 = (2 - left * (2 + x * (2 + x))) / (x * x * x);
+  const double determinant = std::max(i0 * i2 - i1 * i1, 1e-300);
+  return std::sqrt(i0 / determinant / length_s) / (amplitude_v * length_s);
+}
+
+std::size_t SampleAt(const ImpulseRecord& record, double time_s) {
+  const double position = (time_s - record.start_s) / record.step_s;
+  return static_cast<std::size_t>(
+      std::clamp(std::ceil(position), 0.0, static_cast<double>(record.voltage_v.size())));
+}
+
+// cuts the part at the blow and keeps the better side
+void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
+           Disturbances* part) {
+  const double period_s = PeriodOf(fit.poles);
+  const double first_s = record.start_s + static_cast<double>(part->first_sample) * record.step_s;
+  const double end_s = record.start_s + static_cast<double>(part->end_sample) * record.step_s;
+  const double before_s = blow.value - period_s / 16 - first_s;
+  const double after_s = end_s - (blow.value + period_s / 4);
+  const double at_blow_v = fit.Envelope(blow.value - first_s);
+  const double before = DecayBound(fit.Envelope(0), fit.poles.decay_per_s, before_s);
+  const double after =
+      DecayBound(std::max(at_blow_v, blow.amplitude_v), fit.poles.decay_per_s, after_s);
+  const bool height_holds = record.drop_height_m && !part->follows_a_later_blow;
+  const bool keeps_first =
+      before_s >= kLeastPeriods * period_s && (height_holds || before <= after);
+  part->found.push_back(fmt::format(
+      "a blow at {:.4g} s, {:.2g} {} beside a ringing of {:.2g} {}: the part {} it is fitted",
+      blow.value, blow.amplitude_v, record.unit, at_blow_v, record.unit,
+      keeps_first ? "before" : "behind"));
+  if (keeps_first) {
+    part->end_sample = SampleAt(record, blow.value - period_s / 16);
+  } else {
+    part->first_sample = SampleAt(record, blow.value + period_s / 4);
+    part->follows_a_later_blow = true;
+  }
+}
+
+// what lies below the converter's step says nothing but the offset's code
+void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double noise_v,
+                      Disturbances* part) {
+  const double step_v = ConverterStep(record.voltage_v);
+  if (step_v == 0 || noise_v > 0.25 * step_v || !(fit.Envelope(0) > step_v)) return;
+  const double since_s = std::log(fit.Envelope(0) / step_v) / fit.poles.decay_per_s;
+  const std::size_t end = part->first_sample + static_cast<std::size_t>(since_s / record.step_s);
+  const double periods =
+      static_cast<double>(end - part->first_sample) * record.step_s / PeriodOf(fit.poles);
+  if (end >= part->end_sample || periods < kLeastPeriods) return;
+  part->end_sample = end;
+  part->found.push_back(
+      fmt::format("a tail below one step of the converter, {:.3g} {}: left out from {:.4g} s on",
+                  step_v, record.unit, record.start_s + static_cast<double>(end) * record.step_s));
+}
+
+// Whether what a cut leaves out rings at a frequency that no blow explains: a case that is held in
+// one part and free in the other changes it by far more.
+std::string OtherSide(const ImpulseRecord& record, const Disturbances& whole,
+                      const Disturbances& part, const RingFit& kept) {
+  constexpr double kLeastChange = 0.03;
+  constexpr double kMostChange = 0.3;
+  constexpr double kLeastAmplitude = 0.2;
+  const bool is_before = part.first_sample > whole.first_sample;
+  const std::size_t first = is_before ? whole.first_sample : part.end_sample;
+  const std::size_t end = is_before ? part.first_sample : whole.end_sample;
+  const double wanted = PeriodOf(kept.poles) / (kSamplesPerPeriod * record.step_s);
+  const std::size_t block = std::max<std::size_t>(static_cast<std::size_t>(wanted), 1);
+  const auto samples = BlocksOf(record, first, end, block);
+  const double periods = static_cast<double>(end - first) * record.step_s / PeriodOf(kept.poles);
+  if (samples.values_v.size() < 2 * kLeastBlocks || periods < kLeastPeriods) return {};
+  const RingFit other = FitRing(samples, kept.poles, {});
+  if (!other.converged || other.Envelope(0) < kLeastAmplitude * kept.Envelope(0)) return {};
+  const double change =
+      std::abs(0.5 * std::log(other.poles.stiffness_per_s2 / kept.poles.stiffness_per_s2));
+  if (change < kLeastChange || change > kMostChange) return {};
+  return fmt::format(
+      "is no single decaying oscillation: its parts ring at {:.4g} and {:.4g} Hz (a chirp or a "
+      "beat?)",
+      1 / PeriodOf(kept.poles), 1 / PeriodOf(other.poles));
+}
+
+// beyond this share of the spring's force it ends within five swings, and is something else
+constexpr double kMostFriction = 0.045;
+
+double SquaresOf(const RingFit& fit) {
+  double sum = 0;
+  for (const double residual : fit.jacobian.residuals) sum += residual * residual;
+  return sum;
+}
+
+// of the spring's force at the first swing
+double FrictionShare(const RingFit& fit, RecordedSignal signal) {
+  const double per_motion =
+      signal == RecordedSignal::kVoltage ? std::sqrt(fit.poles.stiffness_per_s2) : 1;
+  return fit.friction * per_motion / fit.Envelope(0);
+}
+
+// whether friction explains the record better than no friction does, and slows the motion
+bool Holds(const RingFit& without, const RingFit& with, RecordedSignal signal) {
+  const double left = SquaresOf(with);
+  const auto degrees = static_cast<double>(with.jacobian.rows - with.jacobian.columns);
+  const double share = FrictionShare(with, signal);
+  return with.converged && share > 0 && share < kMostFriction &&
+         SquaresOf(without) - left > kLeastFrictionGain * left / degrees;
+}
+
+// whether more friction than that explains most of what is left
+bool StopsAtOnce(const RingFit& without, const RingFit& with, RecordedSignal signal) {
+  constexpr double kMostLeft = 0.25;
+  return with.converged && FrictionShare(with, signal) >= kMostFriction &&
+         SquaresOf(with) < kMostLeft * SquaresOf(without);
+}
+
+// what makes the part's samples those of a motion without friction
+void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start,
+                             const RingSamples& samples, const RingFit& fit, Disturbances* part) {
+  // the fit's time begins in the middle of the first block, whose mean is less than the motion
+  const double middle_s =
+      samples.times_s.front() -
+      (record.start_s + static_cast<double>(part->first_sample) * record.step_s);
+  const double half_angle = 0.5 * std::sqrt(fit.poles.stiffness_per_s2) * samples.step_s;
+  const double mean_share =
+      samples.step_s > 1.5 * record.step_s ? std::sin(half_angle) / half_angle : 1;
+  const double first_s = record.start_s + static_cast<double>(part->first_sample) * record.step_s;
+  std::vector<double> since_s;
+  for (std::size_t n = part->first_sample; n < part->end_sample; ++n) {
+    since_s.push_back(static_cast<double>(n - part->first_sample) * record.step_s - middle_s);
+  }
+  const FrictionRing ring{.poles = fit.poles,
+                          .even_v = fit.even_v / mean_share,
+                          .odd_v_per_s = fit.odd_v_per_s / mean_share,
+                          .friction = fit.friction / mean_share,
+                          .signal = record.signal};
+  const bool is_release = record.release_current_a.has_value();
+  const double begin_s = (is_release ? start.release_s : start.impact_s) - first_s - middle_s;
+  part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
+  part->friction_share = FrictionShare(fit, record.signal);
+  part->found.push_back(
+      fmt::format("dry friction of {:.2g} % of the spring's force at the first swing: fitted along",
+                  100 * part->friction_share));
+}
+
+// Whether a strong hum is missing in what precedes the motion: then it stands for something that
+// the motion itself does.
+bool HumIsMissingBefore(const ImpulseRecord& record, const RingStart& start,
+                        const RingSamples& samples, const RingFit& fit, double hum_hz) {
+  constexpr double kStrong = 0.2;     // of the ringing
+  constexpr double kMostLeft = 0.25;  // of the hum's power
+  const double seen_s = static_cast<double>(start.quiet_samples) * record.step_s;
+  const double amplitude_v = fit.HumAmplitude();
+  if (amplitude_v < kStrong * fit.Envelope(0) || seen_s * hum_hz < 0.5) return false;
+  std::vector<double> left;
+  for (std::size_t n = 0; n < start.quiet_samples; ++n) {
+    if (!std::isfinite(record.voltage_v[n])) continue;
+    const double angle =
+        2 * std::numbers::pi * hum_hz * (record.start_s + static_cast<double>(n) * record.step_s);
+    left.push_back(record.voltage_v[n] - fit.hum_cosine_v * std::cos(angle) -
+                   fit.hum_sine_v * std::sin(angle));
+  }
+  const double block = samples.step_s / record.step_s;
+  const double noise = SquaresOf(fit) / static_cast<double>(fit.jacobian.residuals.size()) * block;
+  const Eigen::Map<const Eigen::ArrayXd> all(left.data(), static_cast<Eigen::Index>(left.size()));
+  const double square = (all - all.mean()).square().mean();
+  return square - 2 * noise > kMostLeft * 0.5 * amplitude_v * amplitude_v;
+}
+
+// Whether another motion precedes the part: the end of a chirp or of a beat looks like a ring-down
+// when it is cut off. What precedes may be noise, or a ring-down before a later blow; what no
+// decaying oscillation explains of it, beyond noise, is compared with the part's first power.
+bool FollowsAnotherMotion(const ImpulseRecord& record, const RingStart& start,
+                          const Disturbances& part, const RingSamples& samples,
+                          const RingFit& fit) {
+  constexpr double kMostOther = 0.15;
+  constexpr double kSurely = 5;
+  const double period_s = PeriodOf(fit.poles);
+  const auto block = static_cast<std::size_t>(std::lround(samples.step_s / record.step_s));
+  const auto margin = static_cast<std::size_t>(period_s / 4 / record.step_s);
+  const std::size_t first = part.first_sample > start.first_sample ? start.first_sample : 0;
+  if (part.first_sample <= first + margin) return false;
+  const std::size_t end = part.first_sample - margin;
+  const double seen_s = static_cast<double>(end - first) * record.step_s;
+  const RingSamples before = BlocksOf(record, first, end, block);
+  if (before.values_v.size() < kLeastBlocks || seen_s < period_s / 2) return false;
+  const RingFit other = FitRing(before, fit.poles, {});
+  const RingEvidence left = EvidenceOf(before, other, 0);
+  const double share = std::pow(other.Envelope(0) / fit.Envelope(0), 2);
+  return left.lasting_share * share > kMostOther &&
+         left.lasting_share > kSurely * left.lasting_share_deviation;
+}
+
+// whether what is left of the part is one ring-down, and where its tail ends
+void Judge(const ImpulseRecord& record, const RingStart& start, const RingSamples& samples,
+           const RingFit& fit, Disturbances* part) {
+  // what changes with the amplitude is for consistency.h to judge
+  if (fit.friction > 0) WriteLinearLessFriction(record, start, samples, fit, part);
+  const double step_v = ConverterStep(record.voltage_v);
+  const double quiet_v = start.quiet_samples > 0 ? start.quiet_noise_v : 0;
+  const double floor_v =
+      std::max(step_v / std::sqrt(12.0), std::min(quiet_v, 0.1 * fit.Envelope(0))) /
+      std::sqrt(samples.step_s / record.step_s);
+  const std::size_t cuts = part->evidence.cuts;
+  part->evidence = EvidenceOf(samples, fit, floor_v);
+  part->evidence.cuts = cuts;
+  // quiet: nothing but the noise that the ringing leaves, too
+  part->evidence.begins =
+      start.quiet_samples > 0 &&
+      quiet_v < std::hypot(2 * start.residual_rms_v, kQuietShare * fit.Envelope(0));
+  part->no_ring_down =
+      NoRingDown(part->evidence, samples, fit, record.drop_height_m || record.release_current_a);
+  const double hum_hz = part->background.hum_hz;
+  if (part->no_ring_down.empty() && !part->follows_a_later_blow &&
+      HumIsMissingBefore(record, start, samples, fit, hum_hz)) {
+    part->no_ring_down = fmt::format(
+        "is no single decaying oscillation: what looks like hum of {:g} Hz does not precede it (a "
+        "chirp or a beat?)",
+        hum_hz);
+  }
+  if (part->no_ring_down.empty() && FollowsAnotherMotion(record, start, *part, samples, fit)) {
+    part->no_ring_down = fmt::format(
+        "is no single decaying oscillation: another motion precedes that of {:.4g} Hz (a chirp "
+        "or a beat?)",
+        1 / PeriodOf(fit.poles));
+  }
+  CutQuantisedTail(record, fit,
+                   start.quiet_samples > 0 ? start.quiet_noise_v : start.residual_rms_v, part);
+}
+
+// FindDisturbances(), with later blows or as if there were none
+Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool may_have_blows) {
+  constexpr double kLightDamping = 0.3;  // of critical
+  Disturbances part;
+  part.first_sample = start.first_sample;
+  part.end_sample = record.voltage_v.size();
+  part.poles = start.poles;
+  bool may_have_friction = true;
+  std::size_t cuts = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double wanted = PeriodOf(part.poles) / (kSamplesPerPeriod * record.step_s);
+    const std::size_t length = part.end_sample - part.first_sample;
+    const std::size_t block = std::clamp<std::size_t>(static_cast<std::size_t>(wanted), 1,
+                                                      std::max<std::size_t>(length / 256, 1));
+    const auto samples = BlocksOf(record, part.first_sample, part.end_sample, block);
+    if (samples.values_v.size() < kLeastBlocks) break;
+    RingFit fit = FitRing(samples, part.poles, part.background);
+    if (fit.converged) part.poles = fit.poles;
+    may_have_friction =
+        may_have_friction &&
+        part.poles.decay_per_s < kLightDamping * std::sqrt(part.poles.stiffness_per_s2);
+    const Suspect worst =
+        fit.converged ? Worst(samples, fit, part.background, may_have_friction, may_have_blows)
+                      : Suspect{};
+    if (worst.kind == Suspect::Kind::kBlow) {
+      const Disturbances before = part;
+      CutAt(record, fit, worst, &part);
+      ++cuts;
+      part.background.has_friction = false;
+      may_have_friction = true;
+      part.no_ring_down = OtherSide(record, before, part, fit);
+      if (!part.no_ring_down.empty()) return part;
+    } else if (worst.kind == Suspect::Kind::kHum) {
+      part.background.hum_hz = worst.value;
+      part.found.push_back(fmt::format("hum of {:g} Hz, {:.2g} {}: fitted along", worst.value,
+                                       worst.amplitude_v, record.unit));
+    } else if (worst.kind == Suspect::Kind::kDrift) {
+      part.background.drifts = true;
+      part.found.push_back(fmt::format("a drift of {:.2g} {} over the record: fitted along",
+                                       worst.amplitude_v, record.unit));
+    } else if (worst.kind == Suspect::Kind::kFriction) {
+      RingBackground rubbing = part.background;
+      rubbing.has_friction = true;
+      const RingFit with = FitRing(samples, part.poles, rubbing);
+      may_have_friction = Holds(fit, with, record.signal);
+      if (!may_have_friction && StopsAtOnce(fit, with, record.signal)) {
+        part.no_ring_down = "is stopped by dry friction within its first swings";
+        return part;
+      }
+      part.background.has_friction = may_have_friction;
+      if (may_have_friction) part.poles = with.poles;
+    } else {
+      part.evidence.cuts = cuts;
+      Judge(record, start, samples, fit, &part);
+      return part;
+    }
+  }
+  part.evidence.cuts = cuts;
+  part.no_ring_down = "is disturbed again and again: no ring-down is left alone";
+  return part;
+}
+
+}  // namespace
+
+Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start) {
+  Disturbances part = Search(record, start, true);
+  if (part.no_ring_down.empty() || part.evidence.cuts <= kMostCuts) return part;
+  // What is cut again and again may be no blows but something small and lasting, as another mode or
+  // a slow tail: what the whole leaves decides.
+  Disturbances whole = Search(record, start, false);
+  if (!whole.no_ring_down.empty()) return part;
+  whole.found.push_back(
+      fmt::format("{:.2g} % of its power is explained by no single decaying oscillation: another "
+                  "mode or a slow tail is beside it",
+                  100 * std::max(whole.evidence.misfit_share, 0.0)));
+  return whole;
+}
+
+}  // namespace haptometer::fit

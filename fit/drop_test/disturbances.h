@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_evidence.h"
+#include "fit/drop_test/ring_fit.h"
+#include "fit/drop_test/ring_start.h"
+
+namespace haptometer::fit {
+
+/// What a record holds beside one clean ring-down, and the part of it that the fit should use.
+struct Disturbances {
+  std::size_t first_sample = 0;  ///< of the part to fit
+  std::size_t end_sample = 0;    ///< one behind it
+  RingBackground background;     ///< to be fitted along
+  bool follows_a_later_blow =
+      false;       ///< the part is not the first ring-down: no height holds for it
+  PolePair poles;  ///< of the last fit
+  /// (part's samples, missing ones too) to be added, where dry friction was found: what makes them
+  /// those of a motion without it (dry_friction.h). Else empty.
+  std::vector<double> linear_less_friction_v;
+  double friction_share = 0;  ///< of the spring's force at the part's begin; 0: none found
+  RingEvidence evidence;
+  std::string no_ring_down;        ///< why it is none (ring_evidence.h); empty: it is one
+  std::vector<std::string> found;  ///< sentences: what was found, how large, what is done
+};
+
+/// Looks for a later blow, mains hum, drift and a tail below the converter's step.
+///
+/// The record is fitted by one free pole pair (ring_fit.h). Each disturbance that is still missing
+/// is then tried on the residual: a line; a sine of 50 or of 60 Hz; a free jump of the motion at
+/// one of the times half a period apart, against a ringing that changes with its own amplitude and
+/// is no blow (consistency.h). The one that takes most away from the residual's power,
+/// and more than 30 times the mean share of a degree of freedom (one false alarm in 10^5 records of
+/// white noise), is taken in, and the fit repeated until none is left:
+///
+/// - a line or a hum becomes further columns of the fit;
+/// - at a blow the record is cut. The part kept is the one that tells more of the decay, by its
+///   Cramer-Rao bound; where a drop height is stated, the first one as long as it holds three
+///   periods.
+///
+/// A blow below 0.5 % of the ringing's first amplitude, hum and drift below 0.05 %, are let pass.
+/// Cost: some 5 ms; the record is averaged to 16 samples a period first.
+[[nodiscard]] Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& start);
+
+}  // namespace haptometer::fit

@@ -1,0 +1,274 @@
+#include "fit/drop_test/prepared_record.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "dsp/statistics/repeated_measures.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_start.h"
+#include "fit/poles.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr std::ptrdiff_t kLeastSamples = 32;
+
+double PeriodSamples(const ImpulseRecord& record, const RingStart& start) {
+  return 2 * std::numbers::pi / (std::sqrt(start.poles.stiffness_per_s2) * record.step_s);
+}
+
+// start values on the part alone, which begins with a blow of its own
+Result<RingStart> StartOfPart(const ImpulseRecord& record, const Disturbances& part) {
+  ImpulseRecord alone = record;
+  const auto begin = record.voltage_v.begin();
+  alone.voltage_v.assign(begin + static_cast<std::ptrdiff_t>(part.first_sample),
+                         begin + static_cast<std::ptrdiff_t>(part.end_sample));
+  alone.start_s = record.start_s + static_cast<double>(part.first_sample) * record.step_s;
+  auto start = FindRingStart(alone);
+  if (start) start->first_sample += part.first_sample;
+  return start;
+}
+
+// What is known of the blow holds where the record shows it: a part without anything quiet at its
+// begin may be behind it.
+void ForgetMissingBlow(PreparedRecord* prepared) {
+  ImpulseRecord& record = prepared->record;
+  if (!record.is_cut_before || prepared->start.quiet_samples > 0) return;
+  if (record.drop_height_m) {
+    record.drop_height_m.reset();
+    prepared->part.found.emplace_back("nothing quiet before it: the drop height is not used");
+  }
+  if (record.release_current_a) {
+    record.release_current_a.reset();
+    prepared->part.found.emplace_back("nothing quiet before it: the released current is not used");
+  }
+}
+
+Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
+  auto start = FindRingStart(record);
+  if (!start) return std::unexpected(start.error());
+  PreparedRecord prepared{record, *start, {}};
+  const std::size_t clipped = MaskRails(prepared.record.voltage_v, PeriodSamples(record, *start));
+  if (clipped > 0) {
+    start = FindRingStart(prepared.record);
+    if (!start) return std::unexpected(start.error());
+    prepared.start = *start;
+  }
+  prepared.part = FindDisturbances(prepared.record, prepared.start);
+  if (clipped > 0) {
+    prepared.part.found.insert(
+        prepared.part.found.begin(),
+        fmt::format("clipped: {} samples at the recorder's limits are left out", clipped));
+  }
+  if (!prepared.part.no_ring_down.empty()) {
+    return CannotAnswer(record.name, prepared.part.no_ring_down,
+                        "record one free ring-down, or choose the part of the record that is one");
+  }
+  const auto begin = prepared.record.voltage_v.begin();
+  const auto measured =
+      std::count_if(begin + static_cast<std::ptrdiff_t>(prepared.part.first_sample),
+                    begin + static_cast<std::ptrdiff_t>(prepared.part.end_sample),
+                    [](double v) { return std::isfinite(v); });
+  if (measured < kLeastSamples) {
+    return CannotAnswer(record.name,
+                        fmt::format("holds only {} samples that a fit can use", measured),
+                        "record three decay times of one free ring-down");
+  }
+  if (prepared.part.background.has_friction) prepared.start.poles = prepared.part.poles;
+  ForgetMissingBlow(&prepared);
+  if (!prepared.part.follows_a_later_blow) return prepared;
+
+  start = StartOfPart(prepared.record, prepared.part);
+  if (!start) return std::unexpected(start.error());
+  start->quiet_noise_v = prepared.start.quiet_noise_v;
+  start->quiet_samples = prepared.start.quiet_samples;
+  prepared.start = *start;
+  auto& more_v = prepared.part.linear_less_friction_v;
+  const std::size_t skipped = start->first_sample - prepared.part.first_sample;
+  more_v.erase(more_v.begin(),
+               more_v.begin() + static_cast<std::ptrdiff_t>(std::min(skipped, more_v.size())));
+  prepared.part.first_sample = start->first_sample;
+  if (prepared.record.drop_height_m) {
+    prepared.record.drop_height_m.reset();
+    prepared.part.found.emplace_back("the drop height is that of the first blow: not used");
+  }
+  return prepared;
+}
+
+// the record from sample `first` on
+ImpulseRecord From(const ImpulseRecord& record, std::size_t first) {
+  ImpulseRecord later = record;
+  later.voltage_v.assign(record.voltage_v.begin() + static_cast<std::ptrdiff_t>(first),
+                         record.voltage_v.end());
+  later.start_s = record.start_s + static_cast<double>(first) * record.step_s;
+  return later;
+}
+
+// The sample where a fast oscillation sets in behind something slow, as a release behind a pull,
+// and its period; nothing where none does. The record's differences say which oscillation that is:
+// what is slow is small in them.
+struct Onset {
+  std::size_t sample = 0;
+  double period_samples = 0;
+};
+
+std::optional<Onset> OnsetBehindSlow(const ImpulseRecord& record) {
+  constexpr double kCalm = 0.35;  // of the largest amplitude, before the onset
+  constexpr double kSlow = 0.2;   // of the range behind the onset, at least before it
+  const std::vector<double> values = Filled(record.voltage_v);
+  std::vector<double> differences(values.size());
+  for (std::size_t n = 1; n < values.size(); ++n) differences[n] = values[n] - values[n - 1];
+  const auto frequency_hz = StrongestFrequency(differences, record.step_s);
+  if (!frequency_hz) return std::nullopt;
+  const double period = 1 / (*frequency_hz * record.step_s);
+  if (period < 4 || 6 * period > static_cast<double>(values.size())) return std::nullopt;
+  const auto amplitudes = FollowingAmplitude(differences, 0, period);
+  const auto largest = std::ranges::max_element(amplitudes) - amplitudes.begin();
+  const auto whole = static_cast<std::ptrdiff_t>(std::ceil(period));
+  std::ptrdiff_t risen = largest;
+  while (risen > 0 && amplitudes[static_cast<std::size_t>(risen - 1)] >
+                          0.5 * amplitudes[static_cast<std::size_t>(largest)]) {
+    --risen;
+  }
+  if (risen < 2 * whole) return std::nullopt;
+  const auto before = std::max_element(amplitudes.begin(), amplitudes.begin() + risen - whole);
+  if (*before > kCalm * amplitudes[static_cast<std::size_t>(largest)]) return std::nullopt;
+  // behind silence it is a blow, which needs no such search
+  const auto range = [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+    const auto [low, high] = std::minmax_element(values.begin() + first, values.begin() + end);
+    return *high - *low;
+  };
+  const auto size = static_cast<std::ptrdiff_t>(values.size());
+  if (range(0, risen - whole) < kSlow * range(risen, size)) return std::nullopt;
+  return Onset{static_cast<std::size_t>(risen), period};
+}
+
+}  // namespace
+
+Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
+  auto prepared = PrepareAsItIs(record);
+  if (prepared || record.drop_height_m || record.release_current_a) return prepared;
+  // what precedes a release may be no rest: the part behind it alone, from ever later on
+  const auto onset = OnsetBehindSlow(record);
+  if (!onset) return prepared;
+  for (const double periods : {0.5, 1.0, 1.5, 2.0, 3.0}) {
+    const auto first = onset->sample + static_cast<std::size_t>(periods * onset->period_samples);
+    if (first + kLeastSamples > record.voltage_v.size()) break;
+    auto later = PrepareAsItIs(From(record, first));
+    if (!later) continue;
+    later->part.found.insert(
+        later->part.found.begin(),
+        fmt::format(
+            "a release at about {:.4g} s behind something slow: fitted from {:.4g} s on",
+            record.start_s +
+                (static_cast<double>(onset->sample) + onset->period_samples / 2) * record.step_s,
+            later->record.start_s));
+    return later;
+  }
+  return prepared;
+}
+
+namespace {
+
+constexpr double kRisen = 0.3;  // of the largest amplitude
+constexpr double kFallen = 0.1;
+constexpr double kLeastPeriods = 6;
+constexpr std::size_t kLeastSplitSamples = 64;
+
+// the period of the strongest oscillation, in samples
+std::optional<double> PeriodOf(const std::vector<double>& values, double middle_v, double step_s) {
+  std::vector<double> about_middle = values;
+  for (double& value : about_middle) value -= middle_v;
+  const auto frequency_hz = StrongestFrequency(about_middle, step_s);
+  if (!frequency_hz) return std::nullopt;
+  return 1 / (*frequency_hz * step_s);
+}
+
+// where each drop's piece begins: half way from where the ringing had gone to the rise
+std::vector<std::size_t> Begins(const std::vector<double>& amplitudes, std::size_t period) {
+  const double largest = *std::ranges::max_element(amplitudes);
+  std::vector<std::size_t> begins{0};
+  bool rings = false;
+  std::size_t fallen = 0;  // samples that the amplitude has been small for
+  for (std::size_t n = 0; n < amplitudes.size(); ++n) {
+    fallen = amplitudes[n] < kFallen * largest ? fallen + 1 : 0;
+    if (rings && fallen > period) {
+      rings = false;
+      begins.push_back(n);
+    } else if (!rings && amplitudes[n] > kRisen * largest) {
+      if (begins.size() > 1) begins.back() = (begins.back() + n) / 2;
+      rings = true;
+    }
+  }
+  // the last ringing is followed by none
+  if (!rings && begins.size() > 1) begins.pop_back();
+  return begins;
+}
+
+ImpulseRecord Piece(const ImpulseRecord& record, std::size_t begin, std::size_t end,
+                    std::size_t number) {
+  ImpulseRecord piece = record;
+  const auto first = record.voltage_v.begin();
+  piece.voltage_v.assign(first + static_cast<std::ptrdiff_t>(begin),
+                         first + static_cast<std::ptrdiff_t>(end));
+  piece.start_s = record.start_s + static_cast<double>(begin) * record.step_s;
+  piece.name = fmt::format("{}, drop {}", record.name, number);
+  if (number > 1) piece.drop_height_m.reset();
+  return piece;
+}
+
+}  // namespace
+
+std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record) {
+  const auto measured =
+      std::ranges::count_if(record.voltage_v, [](double v) { return std::isfinite(v); });
+  if (static_cast<std::size_t>(measured) < kLeastSplitSamples) return {record};
+  const std::vector<double> values = Filled(record.voltage_v);
+  const double middle_v = dsp::Median(values);
+  const auto period = PeriodOf(values, middle_v, record.step_s);
+  if (!period || kLeastPeriods * *period > static_cast<double>(values.size())) return {record};
+  const auto amplitudes = FollowingAmplitude(values, middle_v, *period);
+  std::vector<std::size_t> begins = Begins(amplitudes, static_cast<std::size_t>(*period));
+  if (begins.size() < 2) return {record};
+  begins.push_back(values.size());
+  std::vector<ImpulseRecord> pieces;
+  for (std::size_t k = 0; k + 1 < begins.size(); ++k) {
+    if (static_cast<double>(begins[k + 1] - begins[k]) < kLeastPeriods * *period) return {record};
+    pieces.push_back(Piece(record, begins[k], begins[k + 1], k + 1));
+  }
+  return pieces;
+}
+
+namespace {
+
+constexpr std::size_t kMostSamples = 100'000;
+constexpr double kBlocksPerPeriod = 1000;
+
+}  // namespace
+
+std::optional<ThinnedRecord> Thinned(const ImpulseRecord& record, const PolePair& poles) {
+  const double period = 2 * std::numbers::pi / (std::sqrt(poles.stiffness_per_s2) * record.step_s);
+  const auto block = static_cast<std::size_t>(period / kBlocksPerPeriod);
+  if (record.voltage_v.size() <= kMostSamples || block < 2) return std::nullopt;
+  auto values = record.voltage_v;
+  ThinnedRecord thinned{record, block, MaskRails(values, period)};
+  thinned.record.start_s += 0.5 * static_cast<double>(block - 1) * record.step_s;
+  thinned.record.step_s *= static_cast<double>(block);
+  thinned.record.voltage_v.clear();
+  thinned.record.voltage_v.reserve(values.size() / block);
+  for (std::size_t first = 0; first + block <= values.size(); first += block) {
+    double sum = 0;
+    for (std::size_t n = first; n < first + block; ++n) sum += values[n];
+    thinned.record.voltage_v.push_back(sum / static_cast<double>(block));
+  }
+  return thinned;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "base/error.h"
+#include "fit/drop_test/disturbances.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/ring_start.h"
+#include "fit/poles.h"
+
+namespace haptometer::fit {
+
+/// A drop ready to be fitted: samples at the converter's rails taken out, the ring-down found, the
+/// part of it chosen that later blows and the quantised tail leave.
+struct PreparedRecord {
+  ImpulseRecord record;  ///< NaN at the rails; no height where the part follows a later blow
+  RingStart start;       ///< of the part
+  Disturbances part;
+};
+
+/// Prepares a record. What was found and done is in `part.found`.
+///
+/// Where the whole record gives none and no height or current is stated, a fast oscillation that
+/// sets in behind something slow (a pull and its release) is tried by itself: `record` is then what
+/// follows its onset.
+/// Errors (Cause::kCannotAnswer): see FindRingStart; and what is no ring-down (ring_evidence.h).
+[[nodiscard]] Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record);
+
+/// The drops of a record that holds several, each with the quiet part before it; else the record.
+///
+/// A further drop begins where the amplitude at the strongest frequency, fallen below a tenth of
+/// its largest for a period, rises beyond three tenths; what follows a blow sooner is a second
+/// impact of the same drop (disturbances.h). Pieces are named "FILE, drop 2". A stated drop height
+/// is that of the first drop: whether the others fell as far, nobody knows. Nothing is split where
+/// a piece would hold fewer than 6 periods.
+[[nodiscard]] std::vector<ImpulseRecord> SplitDrops(const ImpulseRecord& record);
+
+/// A record as means of blocks of equal length.
+struct ThinnedRecord {
+  ImpulseRecord record;     ///< its samples stand in the blocks' middles
+  std::size_t block = 0;    ///< samples a block
+  std::size_t clipped = 0;  ///< samples at the recorder's limits; their blocks are NaN
+};
+
+/// Thins a record that is sampled more finely than a fit has use for: of more than 100 000 samples,
+/// to 1000 or a little more a period of `poles`. Absent: the record is not so fine.
+///
+/// A mean over a block leaves the poles as they are and takes (pi/1000)^2/6 = 1.6e-6 of the
+/// amplitude, by which Km from a drop height is too small; noise that is white loses nothing.
+/// Cost: 1 ns a sample.
+[[nodiscard]] std::optional<ThinnedRecord> Thinned(const ImpulseRecord& record,
+                                                   const PolePair& poles);
+
+}  // namespace haptometer::fit

@@ -1,0 +1,252 @@
+#include "fit/drop_test/ring_down_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "base/error.h"
+#include "fit/drop_test/condensed_record.h"
+#include "fit/drop_test/ringing_model.h"
+#include "fit/least_squares.h"
+
+namespace haptometer::fit {
+namespace {
+
+// Where one record's rows go.
+struct RecordRows {
+  std::span<double> residuals;
+  double* derivatives = nullptr;  // the first row's; null where none are asked for
+  std::size_t columns = 0;        // of a row
+  std::size_t first = 0;          // the record's own
+
+  // one row's derivatives by the shared parameters and the record's own; 0 by all others'
+  void Write(std::size_t n, const double* slopes) const {
+    double* row = derivatives + n * columns;
+    std::fill_n(row, columns, 0.0);
+    std::copy_n(slopes, kSharedCount, row);
+    std::copy_n(slopes + kSharedCount, kOwnCount, row + first);
+  }
+};
+
+double Weight(const RingDownSamples& record, std::size_t n) {
+  return (record.root_weights.empty() ? 1 : record.root_weights[n]) / record.noise_v;
+}
+
+// adds `factor` times the derivatives of a sum of parts
+void AddSlopes(const RingingSum& sum, const PartNumbers& parts, double factor,
+               AnsweredSlopes* slopes) {
+  for (std::size_t part = 0; part < kPartCount; ++part) {
+    if (parts[part] == 0) continue;
+    const double share = factor * parts[part];
+    for (std::size_t k = 0; k < slopes->size(); ++k) (*slopes)[k] += share * sum.slopes[part][k];
+  }
+}
+
+// false, a rejected step, where a trial point is so far away that the voltage overflows
+bool WriteRows(const RingDownSamples& record, const RingingSum& sum, const RecordRows& rows) {
+  RingingParts parts(record, sum.rates);
+  RingingParts parts_of_slopes = parts;
+  for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+    const double weight = Weight(record, n);
+    const double model_v = parts.SumAt(record.times_s[n], sum.voltage);
+    rows.residuals[n] = (model_v - record.voltages_v[n]) * weight;
+    if (!std::isfinite(rows.residuals[n])) return false;
+    if (rows.derivatives == nullptr) continue;
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, parts_of_slopes.At(record.times_s[n]), weight, &slopes);
+    rows.Write(n, slopes.data());
+  }
+  return true;
+}
+
+// a record's rows as few that have the same squares and products
+constexpr std::size_t kCondensedRows = kAnsweredCount + 1;
+
+bool WriteCondensed(const std::vector<CondensedRow>& condensed, const RingingSum& sum,
+                    const RecordRows& rows) {
+  for (std::size_t k = 0; k < kCondensedRows; ++k) {
+    const auto [parts, value] = k < condensed.size() ? condensed[k] : CondensedRow{};
+    rows.residuals[k] = std::inner_product(parts.begin(), parts.end(), sum.voltage.begin(), -value);
+    if (!std::isfinite(rows.residuals[k])) return false;
+    if (rows.derivatives == nullptr) continue;
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, parts, 1, &slopes);
+    rows.Write(k, slopes.data());
+  }
+  return true;
+}
+
+// all rows, reduced
+bool WriteReduced(const RingDownSamples& record, const RingingSum& sum, const RecordRows& rows) {
+  const std::size_t samples = record.times_s.size();
+  std::vector<double> residuals(samples);
+  std::vector<double> derivatives(rows.derivatives == nullptr ? 0 : samples * kAnsweredCount);
+  const RecordRows whole{.residuals = residuals,
+                         .derivatives = derivatives.empty() ? nullptr : derivatives.data(),
+                         .columns = kAnsweredCount,
+                         .first = kSharedCount};
+  if (!WriteRows(record, sum, whole)) return false;
+  if (derivatives.empty()) {
+    std::ranges::fill(rows.residuals, 0.0);
+    const double squares =
+        std::inner_product(residuals.begin(), residuals.end(), residuals.begin(), 0.0);
+    rows.residuals[0] = std::sqrt(squares);
+    return true;
+  }
+  std::vector<std::size_t> all(kAnsweredCount);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto reduced = ReduceRows({derivatives, kAnsweredCount, residuals}, all);
+  for (std::size_t k = 0; k < kCondensedRows; ++k) {
+    const double* row = reduced.data() + k * kCondensedRows;
+    rows.residuals[k] = row[kAnsweredCount];
+    rows.Write(k, row);
+  }
+  return true;
+}
+
+std::size_t RowCount(const std::vector<RingDownSamples>& records) {
+  std::size_t rows = 0;
+  for (const auto& record : records) rows += record.times_s.size();
+  return rows;
+}
+
+}  // namespace
+
+std::vector<double> ToColumns(const RingDownPoint& point) {
+  std::vector<double> columns(point.shared.begin(), point.shared.end());
+  for (const auto& own : point.own) columns.insert(columns.end(), own.begin(), own.end());
+  return columns;
+}
+
+RingDownPoint FromColumns(const std::vector<double>& columns) {
+  RingDownPoint point;
+  std::copy_n(columns.begin(), kSharedCount, point.shared.begin());
+  point.own.resize((columns.size() - kSharedCount) / kOwnCount);
+  for (std::size_t r = 0; r < point.own.size(); ++r) {
+    std::copy_n(columns.begin() + static_cast<std::ptrdiff_t>(Column(r, Own::kAmplitude)),
+                kOwnCount, point.own[r].begin());
+  }
+  return point;
+}
+
+RingDownProblem::RingDownProblem(std::vector<RingDownSamples> records, double inductance_h)
+    : records_(std::move(records)), inductance_h_(inductance_h) {}
+
+LeastSquares RingDownProblem::Whole() const {
+  const std::size_t columns = kSharedCount + kOwnCount * records_.size();
+  const auto evaluate = [this, columns](std::span<const double> point, std::span<double> residuals,
+                                        std::span<double> jacobian) {
+    std::size_t row = 0;
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      const std::size_t rows = records_[r].times_s.size();
+      const std::size_t first = Column(r, Own::kAmplitude);
+      RecordRows out{.residuals = residuals.subspan(row, rows), .columns = columns, .first = first};
+      if (!jacobian.empty()) out.derivatives = jacobian.data() + row * columns;
+      const auto sum = SumOfParts(records_[r], inductance_h_, point.data(), point.data() + first);
+      if (!WriteRows(records_[r], sum, out)) return false;
+      row += rows;
+    }
+    return true;
+  };
+  return {RowCount(records_), columns, evaluate};
+}
+
+LeastSquares RingDownProblem::Condensed() const {
+  const std::size_t columns = kSharedCount + kOwnCount * records_.size();
+  std::vector<Condenser> condensers;
+  condensers.reserve(records_.size());
+  for (const RingDownSamples& record : records_) condensers.emplace_back(record);
+  const auto evaluate = [this, columns, condensers = std::move(condensers)](
+                            std::span<const double> point, std::span<double> residuals,
+                            std::span<double> jacobian) mutable {
+    for (std::size_t r = 0; r < records_.size(); ++r) {
+      const std::size_t first = Column(r, Own::kAmplitude);
+      RecordRows out{.residuals = residuals.subspan(r * kCondensedRows, kCondensedRows),
+                     .columns = columns,
+                     .first = first};
+      if (!jacobian.empty()) out.derivatives = jacobian.data() + r * kCondensedRows * columns;
+      const auto sum = SumOfParts(records_[r], inductance_h_, point.data(), point.data() + first);
+      const bool is_defined = CanBeCondensed(records_[r], sum.rates)
+                                  ? WriteCondensed(condensers[r].At(sum.rates), sum, out)
+                                  : WriteReduced(records_[r], sum, out);
+      if (!is_defined) return false;
+    }
+    return true;
+  };
+  return {kCondensedRows * records_.size(), columns, evaluate};
+}
+
+SolverReport RingDownProblem::Minimise(const std::vector<bool>& is_free, RingDownPoint* point,
+                                       Jacobian* condensed) const {
+  HAPTOMETER_CHECK(point->own.size() == records_.size(), "{} records, {} points", records_.size(),
+                   point->own.size());
+  std::vector<double> columns = ToColumns(*point);
+  const LeastSquares problem = Condensed();
+  const SolverReport report = fit::Minimise(problem, is_free, &columns);
+  if (condensed != nullptr) *condensed = fit::Linearise(problem, columns);
+  *point = FromColumns(columns);
+  return report;
+}
+
+Jacobian RingDownProblem::Linearise(const RingDownPoint& point) const {
+  return fit::Linearise(Whole(), ToColumns(point));
+}
+
+Jacobian RingDownProblem::Condense(const RingDownPoint& point) const {
+  return fit::Linearise(Condensed(), ToColumns(point));
+}
+
+bool RingDownProblem::IsDefined(const RingDownPoint& point) const {
+  std::vector<double> residuals(RowCount(records_));
+  return Whole().evaluate(ToColumns(point), residuals, {});
+}
+
+std::vector<double> RingDownProblem::Residuals(const RingDownPoint& point) const {
+  std::vector<double> residuals(RowCount(records_));
+  Whole().evaluate(ToColumns(point), residuals, {});
+  return residuals;
+}
+
+std::vector<double> RingDownProblem::Products(const RingDownPoint& point,
+                                              std::span<const double> changes) const {
+  std::vector<double> products(kSharedCount + kOwnCount * records_.size());
+  for (std::size_t r = 0; r < records_.size(); ++r) {
+    const RingDownSamples& record = records_[r];
+    const auto sum = SumOfParts(record, inductance_h_, point.shared.data(), point.own[r].data());
+    RingingParts parts(record, sum.rates);
+    PartNumbers along{};
+    for (std::size_t n = 0; n < record.times_s.size(); ++n) {
+      const PartNumbers here = parts.At(record.times_s[n]);
+      const double change = Weight(record, n) * changes[n];
+      for (std::size_t k = 0; k < kPartCount; ++k) along[k] += change * here[k];
+    }
+    changes = changes.subspan(record.times_s.size());
+    AnsweredSlopes slopes{};
+    AddSlopes(sum, along, 1, &slopes);
+    for (std::size_t k = 0; k < kSharedCount; ++k) products[k] += slopes[k];
+    for (std::size_t k = 0; k < kOwnCount; ++k) {
+      products[Column(r, static_cast<Own>(k))] = slopes[kSharedCount + k];
+    }
+  }
+  return products;
+}
+
+std::vector<double> RingDownProblem::Voltages(const RingDownPoint& point, std::size_t record,
+                                              const std::vector<double>& times_s) const {
+  const auto sum =
+      SumOfParts(records_[record], inductance_h_, point.shared.data(), point.own[record].data());
+  RingingParts parts(records_[record], sum.rates);
+  std::vector<double> voltages(times_s.size());
+  std::ranges::transform(times_s, voltages.begin(),
+                         [&](double time_s) { return parts.SumAt(time_s, sum.voltage); });
+  return voltages;
+}
+
+RecordPoles RingDownProblem::Poles(const RingDownPoint& point, std::size_t record) const {
+  return SumOfParts(records_[record], inductance_h_, point.shared.data(), point.own[record].data())
+      .poles;
+}
+
+}  // namespace haptometer::fit

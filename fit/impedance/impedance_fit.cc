@@ -1,0 +1,478 @@
+#include "fit/impedance/impedance_fit.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "dsp/statistics/distributions.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/uncertainty.h"
+
+namespace haptometer::fit {
+
+/// Adds to a finished fit the mass it refers to, what its sweep does not determine and what would,
+/// and what about it is unlike an actuator, with the mistake that usually stands behind it.
+///
+/// Doubted are: a resonance outside of 20-2000 Hz (kHz or rad/s read as Hz) or outside of the
+/// sweep, Q outside of 0.5-300, a coil outside of 0.1 ohm-10 kohm (kohm read as ohm), Km outside of
+/// 1 mN/A-100 N/A, masses outside of 10 mg-100 g (case 1 kg; g read as kg), what
+/// DoubtResiduals finds, and a fitted resistance that is
+/// neither within 2 % nor within 3 deviations of the stated one.
+///
+/// @param fits_resistance whether R was fitted, not taken as stated
+void AddImpedanceFindings(const ActuatorKnowns& knowns, CaseCondition condition,
+                          bool fits_resistance, ImpedanceFit* fit);
+
+namespace {
+
+using Complex = std::complex<double>;
+using P = ImpedanceParameter;
+using Weights = std::vector<double>;
+
+constexpr std::size_t kLeastPoints = 6;
+// of the residual's mean square; a resonance's four shapes of noise alone stay below
+constexpr double kLeastGain = 30;
+constexpr double kMostResistanceShare = 0.05;
+constexpr double kMostBlur = 1e-3;
+
+// what the fit takes from outside
+struct Input {
+  std::string name;
+  std::string unit;
+  Quantity quantity;
+  Weights response;       // of the parameters, per share of the input
+  double mass_power = 0;  // of M
+};
+
+struct Solved {
+  std::vector<ImpedancePoint> points;
+  std::vector<double> parameters;
+  std::vector<bool> is_free;
+  GroupedSolution solution;
+  std::vector<Input> inputs;
+};
+
+std::vector<ImpedancePoint> Measured(const std::vector<ImpedancePoint>& points) {
+  std::vector<ImpedancePoint> measured;
+  measured.reserve(points.size());
+  for (const auto& point : points) {
+    if (std::isfinite(point.frequency_hz) && std::isfinite(std::abs(point.ohm))) {
+      measured.push_back(point);
+    }
+  }
+  std::ranges::sort(measured, {}, [](const ImpedancePoint& point) {
+    return std::tuple(point.frequency_hz, point.ohm.real(), point.ohm.imag());
+  });
+  return measured;
+}
+
+Result<void> CheckPoints(const std::vector<ImpedancePoint>& points, const std::string& name) {
+  if (points.size() < kLeastPoints) {
+    return CannotAnswer(name, fmt::format("holds only {} impedances", points.size()),
+                        "six are the least; 20 around the resonance are good");
+  }
+  for (const auto& point : points) {
+    if (point.frequency_hz > 0 && std::abs(point.ohm) > 0) continue;
+    return CannotAnswer(
+        name,
+        fmt::format("has a point of {:g} ohm at {:g} Hz", std::abs(point.ohm), point.frequency_hz),
+        "frequencies and magnitudes are positive");
+  }
+  std::size_t different = 1;
+  for (std::size_t n = 1; n < points.size(); ++n) {
+    different += points[n].frequency_hz > points[n - 1].frequency_hz ? 1 : 0;
+  }
+  if (different >= 3) return {};
+  return CannotAnswer(name, fmt::format("has {} different frequencies", different),
+                      "sweep through the resonance in steps of a quarter of its width f0/Q");
+}
+
+double MeanSquare(const ImpedanceStart& start, std::size_t points) {
+  return start.cost / static_cast<double>(2 * points - kImpedanceParameters);
+}
+
+// the same points with other phases
+template <typename F>
+std::vector<ImpedancePoint> WithPhases(std::vector<ImpedancePoint> points, F phase) {
+  for (auto& point : points) {
+    point.ohm = std::polar(std::abs(point.ohm), phase(std::arg(point.ohm)));
+  }
+  return points;
+}
+
+// whether another reading of the phases fits far better than the given one, which fits badly
+Result<void> CheckPhases(const std::vector<ImpedancePoint>& points,
+                         const std::optional<ImpedanceStart>& start, const std::string& name) {
+  constexpr double kBadly = 0.02;  // RMS of |Zmodel/Z - 1|
+  constexpr double kFarBetter = 0.2;
+  if (start && std::sqrt(MeanSquare(*start, points.size())) < kBadly) return {};
+  const auto is_better = [&](const std::vector<ImpedancePoint>& other) {
+    const auto fit = StartImpedance(other);
+    const double given = start ? start->cost : fit ? fit->plain_cost : 0;
+    const bool stands_out =
+        fit && fit->plain_cost - fit->cost > kLeastGain * MeanSquare(*fit, other.size());
+    return stands_out && fit->cost < kFarBetter * given;
+  };
+  if (is_better(WithPhases(points, [](double phase) { return -phase; }))) {
+    return CannotAnswer(name, "its phases fit a resonance only with the other sign",
+                        "give the phase of voltage against current: positive for a coil");
+  }
+  const auto to_degrees = [](double phase) { return phase * 180 / std::numbers::pi; };
+  if (is_better(WithPhases(points, to_degrees))) {
+    return CannotAnswer(name, "its phases fit a resonance only as radians",
+                        "give degrees in the column phase_deg");
+  }
+  return {};
+}
+
+Result<void> CheckResonance(const std::vector<ImpedancePoint>& points,
+                            const std::optional<ImpedanceStart>& start, const std::string& name) {
+  const bool stands_out =
+      start && start->plain_cost - start->cost > kLeastGain * MeanSquare(*start, points.size());
+  if (stands_out) return {};
+  return CannotAnswer(name,
+                      fmt::format("shows no resonance between {:g} and {:g} Hz",
+                                  points.front().frequency_hz, points.back().frequency_hz),
+                      "sweep through it, 50 to 500 Hz for an LRA, with the mover free to swing");
+}
+
+double Deviation(const Solved& solved, P parameter) {
+  return std::sqrt(
+      solved.solution.seen.covariance[Index(parameter) * kImpedanceParameters + Index(parameter)]);
+}
+
+// holds a parameter at what was stated; its response to that input follows from the residuals'
+void Hold(P parameter, const Quantity& stated, bool is_logarithm, Solved* solved) {
+  solved->is_free[Index(parameter)] = false;
+  solved->parameters[Index(parameter)] = is_logarithm ? std::log(stated.value) : stated.value;
+}
+
+void Solve(Solved* solved) {
+  static const std::vector<bool> kLogarithms{true, true, true, true, false};
+  solved->solution =
+      SolveGroups(ImpedanceProblem(solved->points), ImpedanceGroups(solved->points.size()),
+                  solved->is_free, kLogarithms, &solved->parameters);
+}
+
+// of a held parameter: its own column is the residuals' change per unit of it
+void AddHeldInput(P parameter, std::string name, std::string unit, const Quantity& stated,
+                  double per_share, Solved* solved) {
+  const Jacobian& jacobian = solved->solution.jacobian;
+  std::vector<double> change(jacobian.rows);
+  for (std::size_t n = 0; n < jacobian.rows; ++n) {
+    change[n] = per_share * jacobian.values[n * jacobian.columns + Index(parameter)];
+  }
+  Input input{std::move(name), std::move(unit), stated,
+              Response(solved->solution.seen, jacobian, change)};
+  input.response[Index(parameter)] += per_share;
+  solved->inputs.push_back(std::move(input));
+}
+
+// the mass M and its inputs; nothing where it is not known
+std::optional<double> TakeMass(const ActuatorKnowns& knowns, CaseCondition condition,
+                               Solved* solved) {
+  if (!knowns.moving_mass_kg) return {};
+  const Weights none(kImpedanceParameters, 0.0);
+  const double mover = knowns.moving_mass_kg->value;
+  if (condition == CaseCondition::kHeld) {
+    solved->inputs.push_back({"moving mass", "kg", *knowns.moving_mass_kg, none, 1});
+    return mover;
+  }
+  if (!knowns.case_mass_kg) return {};
+  const double case_mass = knowns.case_mass_kg->value;
+  const double whole = mover + case_mass;
+  solved->inputs.push_back({"moving mass", "kg", *knowns.moving_mass_kg, none, case_mass / whole});
+  solved->inputs.push_back({"case mass", "kg", *knowns.case_mass_kg, none, mover / whole});
+  return mover * case_mass / whole;
+}
+
+// factor M^mass_power times the product of powers of the parameters
+struct Product {
+  Weights weights;
+  double mass_power = 0;
+  double factor = 1;
+  std::string unit;
+};
+
+double Share(const Input& input, const Product& product) {
+  double share = input.mass_power * product.mass_power;
+  for (std::size_t k = 0; k < product.weights.size(); ++k) {
+    share += input.response[k] * product.weights[k];
+  }
+  return share;
+}
+
+double RelativeUncertainty(const Input& input) {
+  return input.quantity.value == 0 ? 0 : input.quantity.standard_uncertainty / input.quantity.value;
+}
+
+FittedValue Evaluate(const Solved& solved, const std::optional<double>& mass_kg,
+                     const Product& product) {
+  if (product.mass_power != 0 && !mass_kg) return {.at_most = {}, .unit = product.unit};
+  double logarithm = std::log(product.factor);
+  if (product.mass_power != 0) logarithm += product.mass_power * std::log(*mass_kg);
+  for (std::size_t k = 0; k < product.weights.size(); ++k) {
+    logarithm += product.weights[k] * solved.parameters[k];
+  }
+  double input_variance = 0;
+  for (const auto& input : solved.inputs) {
+    input_variance += std::pow(Share(input, product) * RelativeUncertainty(input), 2);
+  }
+  FittedValue value = FromLogarithm(logarithm, Variance(solved.solution.seen, product.weights),
+                                    input_variance, product.unit);
+  value.determined = value.determined && solved.solution.solver.converged &&
+                     Blur(solved.solution.seen, product.weights) < kMostBlur;
+  return value;
+}
+
+Weights Power(P parameter, double power) {
+  Weights weights(kImpedanceParameters, 0.0);
+  weights[Index(parameter)] = power;
+  return weights;
+}
+
+std::array<Product, 3> Constants() {
+  return {Product{Power(P::kAngular, 2), 1, 1, "N/m"},
+          Product{Power(P::kDamping, 1), 1, 1, "N s/m"},
+          Product{Power(P::kCoupling, 0.5), 0.5, 1, "N/A"}};
+}
+
+void Conclude(const Solved& solved, const std::optional<double>& mass_kg, ImpedanceFit* fit) {
+  const auto constants = Constants();
+  fit->stiffness = Evaluate(solved, mass_kg, constants[0]);
+  fit->damping = Evaluate(solved, mass_kg, constants[1]);
+  fit->force_constant = Evaluate(solved, mass_kg, constants[2]);
+  const auto alone = [&](Weights weights, double factor, std::string unit) {
+    return Evaluate(solved, mass_kg, {std::move(weights), 0, factor, std::move(unit)});
+  };
+  fit->stiffness_over_mass = alone(Power(P::kAngular, 2), 1, "1/s^2");
+  fit->damping_over_mass = alone(Power(P::kDamping, 1), 1, "1/s");
+  fit->coupling_over_mass = alone(Power(P::kCoupling, 1), 1, "N^2/(A^2 kg)");
+  fit->natural_frequency = alone(Power(P::kAngular, 1), 0.5 / std::numbers::pi, "Hz");
+  Weights quality = Power(P::kAngular, 1);
+  quality[Index(P::kDamping)] = -1;
+  fit->quality_factor = alone(quality, 1, "");
+  fit->resistance = alone(Power(P::kResistance, 1), 1, "ohm");
+  for (const auto& input : solved.inputs) {
+    InputInfluence influence{.input = input.name,
+                             .value = input.quantity.value,
+                             .standard_uncertainty = input.quantity.standard_uncertainty,
+                             .relative_standard_uncertainty = RelativeUncertainty(input),
+                             .unit = input.unit};
+    for (std::size_t k = 0; k < 3; ++k)
+      influence.percent_per_percent[k] = Share(input, constants[k]);
+    fit->influences.push_back(std::move(influence));
+  }
+}
+
+void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, ImpedanceFit* fit) {
+  const double value = solved.parameters[Index(P::kInductance)];
+  const bool stated = !solved.is_free[Index(P::kInductance)];
+  const double own = stated ? 0 : Deviation(solved, P::kInductance);
+  fit->inductance = {
+      .value = value,
+      .standard_uncertainty = own,
+      .combined_standard_uncertainty = stated ? knowns.inductance_h->standard_uncertainty : own,
+      .at_most = {},
+      .unit = "H",
+      .determined = stated || value > 3 * own};
+  if (fit->inductance.determined) return;
+  fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * own;
+  fit->undetermined.push_back(fmt::format(
+      "L: it is below {:.2g} uH (95 %), which the constants do not feel; points at 1 to 10 kHz "
+      "would show it",
+      1e6 * *fit->inductance.at_most));
+}
+
+// of the logarithms of Kv, Bv, Km, R and L, where determined
+void ConcludeCovariance(const Solved& solved, ImpedanceFit* fit) {
+  const auto constants = Constants();
+  Weights of_inductance = Power(P::kInductance, 1);
+  of_inductance[Index(P::kInductance)] /= fit->inductance.value;
+  const std::array<std::pair<const FittedValue*, Product>, 5> rows{
+      {{&fit->stiffness, constants[0]},
+       {&fit->damping, constants[1]},
+       {&fit->force_constant, constants[2]},
+       {&fit->resistance, {Power(P::kResistance, 1), 0, 1, "ohm"}},
+       {&fit->inductance, {of_inductance, 0, 1, "H"}}}};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const auto& [one, of_one] = rows[i];
+      const auto& [other, of_other] = rows[j];
+      if (!one->determined || !other->determined) continue;
+      double sum = Covariance(solved.solution.seen, of_one.weights, of_other.weights);
+      for (const auto& input : solved.inputs) {
+        const double relative = RelativeUncertainty(input);
+        sum += Share(input, of_one) * Share(input, of_other) * relative * relative;
+      }
+      fit->relative_covariance[i][j] = sum;
+    }
+  }
+}
+
+void Describe(const Solved& solved, ImpedanceFit* fit) {
+  const auto& solution = solved.solution;
+  fit->points = solved.points.size();
+  fit->lowest_hz = solved.points.front().frequency_hz;
+  fit->highest_hz = solved.points.back().frequency_hz;
+  fit->magnitude_noise = solution.noise[0];
+  fit->phase_noise_rad = solution.noise[1];
+  fit->degrees_of_freedom = solution.degrees[0] + solution.degrees[1];
+  fit->coverage_95 = dsp::StudentCritical(std::max(fit->degrees_of_freedom, 1.0));
+  fit->residuals = LookAtResiduals(solution.jacobian.residuals, fit->points);
+  fit->farthest_hz = solved.points[fit->residuals.farthest].frequency_hz;
+  fit->singular_values = solution.seen.singular_values;
+  fit->parameters = solved.parameters;
+  fit->converged = solution.solver.converged;
+  fit->iterations = solution.solver.iterations;
+  const auto& covariance = solution.seen.covariance;
+  for (std::size_t i = 0; i < kImpedanceParameters; ++i) {
+    for (std::size_t k = 0; k < kImpedanceParameters; ++k) {
+      const double scale = std::sqrt(covariance[i * kImpedanceParameters + i] *
+                                     covariance[k * kImpedanceParameters + k]);
+      fit->correlation.push_back(scale > 0 ? covariance[i * kImpedanceParameters + k] / scale : 0);
+    }
+  }
+  const double half_width_hz =
+      std::numbers::sqrt3 / 2 * fit->natural_frequency.value / fit->quality_factor.value;
+  for (const auto& point : solved.points) {
+    fit->model.push_back(ImpedanceAt(solved.parameters, point.frequency_hz));
+    const double off_hz = std::abs(point.frequency_hz - fit->natural_frequency.value);
+    fit->points_near_resonance += off_hz <= half_width_hz ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
+                                  const ActuatorKnowns& knowns, CaseCondition condition,
+                                  const std::string& name) {
+  Solved solved;
+  solved.points = Measured(points);
+  if (auto good = CheckPoints(solved.points, name); !good) return std::unexpected(good.error());
+  const auto start = StartImpedance(solved.points);
+  if (auto good = CheckPhases(solved.points, start, name); !good) {
+    return std::unexpected(good.error());
+  }
+  if (auto good = CheckResonance(solved.points, start, name); !good) {
+    return std::unexpected(good.error());
+  }
+
+  // the sweep's own resistance, unless it tells none
+  solved.parameters = start->parameters;
+  solved.is_free.assign(kImpedanceParameters, true);
+  ImpedanceFit fit;
+  if (knowns.inductance_h) Hold(P::kInductance, *knowns.inductance_h, false, &solved);
+  Solve(&solved);
+  const bool lacks_resistance = Deviation(solved, P::kResistance) > kMostResistanceShare ||
+                                Blur(solved.solution.seen, Power(P::kResistance, 1)) > kMostBlur;
+  if (knowns.resistance_ohm && lacks_resistance) {
+    Hold(P::kResistance, *knowns.resistance_ohm, true, &solved);
+    Solve(&solved);
+    AddHeldInput(P::kResistance, "resistance", "ohm", *knowns.resistance_ohm, 1, &solved);
+    fit.assumptions.emplace_back("the sweep does not tell R: it is taken as stated");
+  }
+  if (knowns.inductance_h) {
+    AddHeldInput(P::kInductance, "inductance", "H", *knowns.inductance_h,
+                 knowns.inductance_h->value, &solved);
+  }
+  const auto mass_kg = TakeMass(knowns, condition, &solved);
+  Conclude(solved, mass_kg, &fit);
+  Describe(solved, &fit);
+  ConcludeInductance(solved, knowns, &fit);
+  ConcludeCovariance(solved, &fit);
+  SetIntervals(fit.coverage_95,
+               {&fit.stiffness, &fit.damping, &fit.force_constant, &fit.stiffness_over_mass,
+                &fit.damping_over_mass, &fit.coupling_over_mass, &fit.natural_frequency,
+                &fit.quality_factor, &fit.resistance, &fit.inductance});
+  AddImpedanceFindings(knowns, condition, solved.is_free[Index(P::kResistance)], &fit);
+  return fit;
+}
+
+namespace {
+
+void ExplainMass(const ActuatorKnowns& knowns, CaseCondition condition, ImpedanceFit* fit) {
+  const bool held = condition == CaseCondition::kHeld;
+  fit->mass_symbol = held ? "Mv" : "Mv Mc/(Mv+Mc)";
+  const bool known = knowns.moving_mass_kg && (held || knowns.case_mass_kg);
+  if (known) return;
+  fit->undetermined.push_back(fmt::format(
+      "Kv, Bv, Km: a sweep holds Kv/M, Bv/M and Km^2/M only; give {}",
+      held ? "--moving-mass 1.4g" : "both masses: --moving-mass 1.4g --case-mass 0.6g"));
+}
+
+void ExplainSweep(const ImpedanceFit& fit, std::vector<std::string>* undetermined) {
+  const std::pair<const char*, const FittedValue*> kValues[]{{"f0", &fit.natural_frequency},
+                                                             {"Bv/M", &fit.damping_over_mass},
+                                                             {"Km^2/M", &fit.coupling_over_mass},
+                                                             {"R", &fit.resistance}};
+  std::string names;
+  for (const auto& [name, value] : kValues) {
+    if (!value->determined) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+  }
+  if (names.empty()) return;
+  undetermined->push_back(fmt::format(
+      "{}: the sweep tells them to worse than 25 %; {} of {} points lie within the resonance's "
+      "width, measure ten there (steps of {:.2g} Hz) and some an octave away on both sides",
+      names, fit.points_near_resonance, fit.points,
+      fit.natural_frequency.value / fit.quality_factor.value / 5));
+}
+
+void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit* fit) {
+  const auto doubt = [fit](bool is_doubtful, std::string sentence) {
+    if (is_doubtful) fit->doubts.push_back(std::move(sentence));
+  };
+  const auto usual = [&](const FittedValue& value, double least, double most, const char* name,
+                         const char* mistake) {
+    doubt(value.determined && (value.value < least || value.value > most),
+          fmt::format("{} of {:.4g} {} is unlike an actuator's: {}", name, value.value, value.unit,
+                      mistake));
+  };
+  usual(fit->natural_frequency, 20, 2000, "a resonance", "is the frequency in kHz or rad/s?");
+  usual(fit->quality_factor, 0.5, 300, "a quality factor", "is it the impedance of an LRA?");
+  usual(fit->resistance, 0.1, 1e4, "a coil", "is the magnitude in kohm or mohm?");
+  usual(fit->force_constant, 1e-3, 100, "a force constant", "check mass and magnitudes");
+  const auto mass = [&](const std::optional<Quantity>& given, double most, const char* name) {
+    doubt(given && (given->value < 1e-5 || given->value > most),
+          fmt::format("{} of {:.4g} kg is unlike an actuator's: was it meant in g or mg?", name,
+                      given ? given->value : 0));
+  };
+  mass(knowns.moving_mass_kg, 0.1, "a moving mass");
+  mass(knowns.case_mass_kg, 1, "a case mass");
+  const double f0 = fit->natural_frequency.value;
+  doubt(f0 < fit->lowest_hz || f0 > fit->highest_hz,
+        fmt::format("the resonance, {:.4g} Hz, lies outside of the sweep", f0));
+  std::ranges::move(
+      DoubtResiduals(
+          fit->residuals, fit->magnitude_noise, fit->farthest_hz,
+          "a second resonance, a spring that bends with the level, or losses of the coil "
+          "that grow with frequency"),
+      std::back_inserter(fit->doubts));
+  if (!knowns.resistance_ohm || !fits_resistance) return;
+  const double apart = fit->resistance.value - knowns.resistance_ohm->value;
+  const double uncertainty = std::hypot(fit->resistance.combined_standard_uncertainty,
+                                        knowns.resistance_ohm->standard_uncertainty);
+  doubt(std::abs(apart) > 3 * uncertainty && std::abs(apart) > 0.02 * knowns.resistance_ohm->value,
+        fmt::format("the sweep gives R = {:.4g} ohm and {:.4g} ohm are stated: a series resistor, "
+                    "leads, or a warm coil (+0.39 %/K)?",
+                    fit->resistance.value, knowns.resistance_ohm->value));
+}
+
+}  // namespace
+
+void AddImpedanceFindings(const ActuatorKnowns& knowns, CaseCondition condition,
+                          bool fits_resistance, ImpedanceFit* fit) {
+  ExplainMass(knowns, condition, fit);
+  ExplainSweep(*fit, &fit->undetermined);
+  AddDoubts(knowns, fits_resistance, fit);
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,275 @@
+#include "fit/residuals.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <ranges>
+#include <span>
+#include <utility>
+
+#include "base/error.h"
+#include "dsp/spectrum/fft.h"
+#include "dsp/statistics/repeated_measures.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr std::size_t kLeastLines = 8;
+constexpr double kOneInAHundred = 2.33;  // deviations of a Gaussian
+
+// the transform of few values is planned longer than its lines are summed up one by one
+constexpr double kMostTerms = 3e5;
+
+// |X[k]|^2 of one line, by Horner's rule
+double PowerOfLine(std::span<const double> values, std::size_t line) {
+  const double angle =
+      2 * std::numbers::pi * static_cast<double>(line) / static_cast<double>(values.size());
+  const double cosine = std::cos(angle);
+  const double sine = std::sin(angle);
+  double real = 0;
+  double imaginary = 0;
+  for (const double value : std::views::reverse(values)) {
+    const double turned = real * cosine + imaginary * sine + value;
+    imaginary = imaginary * cosine - real * sine;
+    real = turned;
+  }
+  return real * real + imaginary * imaginary;
+}
+
+// mean |X[k]|^2 of the lines from `first` to before `end`, and of all but the line at 0
+struct MeanPowers {
+  double band = 0;
+  double whole = 0;
+};
+
+MeanPowers PowersByTransform(const std::vector<double>& values, std::size_t first,
+                             std::size_t end) {
+  const auto lines = dsp::RealSpectrum(values);
+  const auto mean = [](std::span<const std::complex<double>> some) {
+    double sum = 0;
+    for (const auto& line : some) sum += std::norm(line);
+    return sum / static_cast<double>(some.size());
+  };
+  const std::span all(lines);
+  return {mean(all.subspan(first, end - first)), mean(all.subspan(1))};
+}
+
+// the band line by line, the whole by Parseval's theorem
+MeanPowers PowersByLine(const std::vector<double>& values, std::size_t first, std::size_t end) {
+  MeanPowers powers;
+  for (std::size_t line = first; line < end; ++line) powers.band += PowerOfLine(values, line);
+  powers.band /= static_cast<double>(end - first);
+  double squares = 0;
+  double sum = 0;
+  double alternating = 0;
+  double sign = 1;
+  for (const double value : values) {
+    squares += value * value;
+    sum += value;
+    alternating += sign * value;
+    sign = -sign;
+  }
+  const auto count = static_cast<double>(values.size());
+  const bool is_even = values.size() % 2 == 0;
+  const double highest = is_even ? alternating * alternating : 0;  // has no mirror image
+  powers.whole = (count * squares - sum * sum + highest) / 2 / std::floor(count / 2);
+  return powers;
+}
+
+}  // namespace
+
+ResidualDensity DensityAt(const std::vector<double>& residuals, double step_s,
+                          double resonance_hz) {
+  if (residuals.size() < 2 * kLeastLines) return {};
+  const double lines_per_hz = static_cast<double>(residuals.size()) * step_s;
+  const auto first = static_cast<std::size_t>(std::ceil(0.5 * resonance_hz * lines_per_hz));
+  const auto end = static_cast<std::size_t>(1.5 * resonance_hz * lines_per_hz) + 1;
+  // the offset takes the line at 0
+  if (first < 1 || end > residuals.size() / 2 + 1 || end < first + kLeastLines) return {};
+  const double terms = static_cast<double>(end - first) * static_cast<double>(residuals.size());
+  const MeanPowers powers = terms < kMostTerms ? PowersByLine(residuals, first, end)
+                                               : PowersByTransform(residuals, first, end);
+  if (!(powers.whole > 0)) return {};
+  ResidualDensity density;
+  density.ratio = powers.band / powers.whole;
+  const double deviation = 1 / std::sqrt(static_cast<double>(end - first));
+  density.is_coloured = density.ratio > 1 + kOneInAHundred * deviation;
+  return density;
+}
+
+ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t points) {
+  ResidualLook look;
+  std::vector<double> magnitudes;
+  magnitudes.reserve(residuals.size());
+  double product = 0;
+  double square = 0;
+  std::size_t farthest = 0;
+  for (std::size_t n = 0; n < residuals.size(); ++n) {
+    magnitudes.push_back(std::abs(residuals[n]));
+    square += residuals[n] * residuals[n];
+    if (magnitudes[n] > magnitudes[farthest]) farthest = n;
+    const bool has_next = (n + 1) % points != 0;
+    if (has_next) product += residuals[n] * residuals[n + 1];
+  }
+  if (!(square > 0)) return look;
+  look.serial_correlation = product / square * std::sqrt(static_cast<double>(residuals.size()));
+  look.farthest = farthest % points;
+  const double largest = magnitudes[farthest];
+  const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  constexpr double kGaussian = 1.4826;  // a standard deviation over the median magnitude
+  look.farthest_spread = *middle > 0 ? largest / (kGaussian * *middle) : 0;
+  return look;
+}
+
+std::vector<std::string> DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz,
+                                        const std::string& cause) {
+  constexpr double kRounding = 1e-9;
+  constexpr double kSurely = 3.5;
+  constexpr double kFar = 8;
+  std::vector<std::string> doubts;
+  if (noise < kRounding) return doubts;
+  if (look.serial_correlation > kSurely) {
+    doubts.push_back(fmt::format(
+        "the residuals follow each other: {}; the intervals are too narrow then", cause));
+  }
+  if (look.farthest_spread > kFar) {
+    doubts.push_back(
+        fmt::format("the point at {:.5g} Hz lies {:.0f} times the others' spread off the model: is "
+                    "it a slip? all constants lean towards it",
+                    farthest_hz, look.farthest_spread));
+  }
+  return doubts;
+}
+
+namespace {
+
+constexpr double kMedianOfNormal = 0.674489750196082;  // of |t|
+
+double Weight(double t) {
+  const double size = std::abs(t);
+  return size > kHuberBend ? kHuberBend / size : 1;
+}
+
+}  // namespace
+
+double RobustScale(std::span<const double> residuals) {
+  std::vector<double> sizes(residuals.size());
+  std::ranges::transform(residuals, sizes.begin(), [](double r) { return std::abs(r); });
+  return dsp::Median(std::move(sizes)) / kMedianOfNormal;
+}
+
+std::vector<double> HuberRootWeights(std::span<const double> residuals, double scale) {
+  std::vector<double> roots(residuals.size());
+  std::ranges::transform(residuals, roots.begin(), [scale](double r) {
+    return scale > 0 ? std::sqrt(Weight(r / scale)) : 1;
+  });
+  return roots;
+}
+
+double HuberVariance(std::span<const double> scaled_residuals, std::size_t parameters) {
+  double weights = 0;
+  double pull_squares = 0;
+  double within = 0;
+  for (const double t : scaled_residuals) {
+    const double weight = Weight(t);
+    weights += weight;
+    pull_squares += weight * t * weight * t;
+    within += std::abs(t) <= kHuberBend ? 1 : 0;
+  }
+  const auto count = static_cast<double>(scaled_residuals.size());
+  const double degrees = std::max(count - static_cast<double>(parameters), 1.0);
+  const double share = std::max(within, 1.0) / count;
+  return weights / count * pull_squares / degrees / (share * share);
+}
+
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr int kMostRounds = 50;
+constexpr double kSettled = 1e-6;
+// relative residuals of a record without noise are rounding; below this nothing is weighed
+constexpr double kSmallestNoise = 1e-13;
+constexpr double kLeastDegrees = 0.5;
+
+LeastSquares Weighted(const LeastSquares& problem, const NoiseGroups& groups,
+                      const std::vector<double>& noise) {
+  return {problem.residuals, problem.parameters,
+          [&](std::span<const double> at, std::span<double> residuals, std::span<double> jacobian) {
+            if (!problem.evaluate(at, residuals, jacobian)) return false;
+            for (std::size_t n = 0; n < residuals.size(); ++n) {
+              const double weight = 1 / noise[groups.group_of[n]];
+              residuals[n] *= weight;
+              if (jacobian.empty()) continue;
+              for (double& slope : jacobian.subspan(n * at.size(), at.size())) slope *= weight;
+            }
+            return true;
+          }};
+}
+
+// what each residual pays for the parameters
+Eigen::VectorXd Leverages(const Jacobian& jacobian, const Identifiability& seen) {
+  const auto columns = static_cast<Eigen::Index>(jacobian.columns);
+  const Eigen::Map<const RowMajor> slopes(jacobian.values.data(),
+                                          static_cast<Eigen::Index>(jacobian.rows), columns);
+  const Eigen::Map<const RowMajor> covariance(seen.covariance.data(), columns, columns);
+  return (slopes * covariance).cwiseProduct(slopes).rowwise().sum();
+}
+
+double CommonNoise(const LeastSquares& problem, const std::vector<double>& point) {
+  std::vector<double> residuals(problem.residuals);
+  HAPTOMETER_CHECK(problem.evaluate(point, residuals, {}), "no residuals at the start of {}",
+                   problem.parameters);
+  double square = 0;
+  for (const double residual : residuals) square += residual * residual;
+  return std::sqrt(square / static_cast<double>(residuals.size()));
+}
+
+// the groups' noise by the residuals, which are in units of the present one; whether it settled
+bool Update(const NoiseGroups& groups, GroupedSolution* solution) {
+  const Eigen::VectorXd leverages = Leverages(solution->jacobian, solution->seen);
+  std::vector<double> squares(groups.least_noise.size(), 0.0);
+  solution->degrees.assign(groups.least_noise.size(), 0.0);
+  for (std::size_t n = 0; n < groups.group_of.size(); ++n) {
+    const double residual = solution->jacobian.residuals[n];
+    squares[groups.group_of[n]] += residual * residual;
+    solution->degrees[groups.group_of[n]] += 1 - leverages[static_cast<Eigen::Index>(n)];
+  }
+  bool settled = true;
+  for (std::size_t g = 0; g < squares.size(); ++g) {
+    if (solution->degrees[g] < kLeastDegrees) continue;
+    const double factor = std::sqrt(squares[g] / solution->degrees[g]);
+    const double next =
+        std::max({solution->noise[g] * factor, groups.least_noise[g], kSmallestNoise});
+    settled = settled && std::abs(next - solution->noise[g]) <= kSettled * next;
+    solution->noise[g] = next;
+  }
+  return settled;
+}
+
+}  // namespace
+
+GroupedSolution SolveGroups(const LeastSquares& problem, const NoiseGroups& groups,
+                            const std::vector<bool>& is_free, const std::vector<bool>& is_logarithm,
+                            std::vector<double>* point) {
+  HAPTOMETER_CHECK(groups.group_of.size() == problem.residuals, "{} residuals, {} groups",
+                   problem.residuals, groups.group_of.size());
+  GroupedSolution solution;
+  const double common = std::max(CommonNoise(problem, *point), kSmallestNoise);
+  solution.noise.assign(groups.least_noise.size(), common);
+  for (int round = 0; round < kMostRounds; ++round) {
+    const LeastSquares weighted = Weighted(problem, groups, solution.noise);
+    solution.solver = Minimise(weighted, is_free, point);
+    solution.jacobian = Linearise(weighted, *point);
+    solution.seen = FindIdentifiability(solution.jacobian, is_free, is_logarithm);
+    if (Update(groups, &solution)) break;
+  }
+  return solution;
+}
+
+}  // namespace haptometer::fit

@@ -1,0 +1,31 @@
+#include "fit/uncertainty.h"
+
+#include <cmath>
+#include <utility>
+
+namespace haptometer::fit {
+
+FittedValue FromLogarithm(double logarithm, double statistical_variance, double input_variance,
+                          std::string unit) {
+  constexpr double kMostShare = 0.25;
+  FittedValue fitted;
+  fitted.unit = std::move(unit);
+  fitted.value = std::exp(logarithm);
+  fitted.standard_uncertainty = fitted.value * std::sqrt(statistical_variance);
+  fitted.combined_standard_uncertainty =
+      fitted.value * std::sqrt(statistical_variance + input_variance);
+  fitted.determined = std::isfinite(fitted.combined_standard_uncertainty) && fitted.value > 0 &&
+                      statistical_variance < kMostShare * kMostShare;
+  SetIntervals(kCoverage95, {&fitted});
+  return fitted;
+}
+
+void SetIntervals(double coverage, std::initializer_list<FittedValue*> values) {
+  for (FittedValue* value : values) {
+    const double half = coverage * value->combined_standard_uncertainty;
+    value->lower = value->value - half;
+    value->upper = value->value + half;
+  }
+}
+
+}  // namespace haptometer::fit

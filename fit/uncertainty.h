@@ -1,0 +1,26 @@
+#pragma once
+
+#include <initializer_list>
+#include <string>
+
+#include "fit/drop_test/drop_test_fit.h"
+
+namespace haptometer::fit {
+
+/// The constant whose logarithm was fitted.
+///
+///     value = exp(l),  u(value) = value u(l).
+///
+/// Determined: finite, and its statistical standard uncertainty below 25 % of it, beyond which an
+/// interval symmetric in the constant or in its logarithm no longer says the same. The 95 %
+/// interval is that of a normal distribution; see SetIntervals for few residuals.
+///
+/// @param statistical_variance of l, from scatter (type A)
+/// @param input_variance of l, from what was given (type B)
+[[nodiscard]] FittedValue FromLogarithm(double logarithm, double statistical_variance,
+                                        double input_variance, std::string unit);
+
+/// Sets the 95 % intervals to `coverage` combined standard uncertainties on both sides.
+void SetIntervals(double coverage, std::initializer_list<FittedValue*> values);
+
+}  // namespace haptometer::fit

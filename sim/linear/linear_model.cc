@@ -1,0 +1,220 @@
+#include "sim/linear/linear_model.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/error.h"
+#include "sim/linear/driven_step.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+void CheckActuator(const Actuator& actuator) {
+  HAPTOMETER_CHECK(actuator.moving_mass_kg > 0 && actuator.case_mass_kg > 0, "masses {}, {} kg",
+                   actuator.moving_mass_kg, actuator.case_mass_kg);
+  HAPTOMETER_CHECK(actuator.resistance_ohm > 0 && actuator.inductance_h >= 0, "{} ohm, {} H",
+                   actuator.resistance_ohm, actuator.inductance_h);
+}
+
+// a, b and current_row of LinearModel, in arithmetic of either length
+template <typename Scalar>
+struct Rows {
+  explicit Rows(Eigen::Index states)
+      : a(Matrix::Zero(states, states)),
+        b(Vector::Zero(states)),
+        current(RowVector::Zero(states)) {}
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  using Vector = Eigen::Matrix<Scalar, Eigen::Dynamic, 1>;
+  using RowVector = Eigen::Matrix<Scalar, 1, Eigen::Dynamic>;
+  Matrix a;
+  Vector b;
+  RowVector current;
+};
+
+struct Bodies {
+  const Actuator& actuator;
+  const std::optional<Adapter>& adapter;
+  const Skin& skin;
+  const Grip& grip;
+  [[nodiscard]] Eigen::Index states() const {
+    return (adapter ? 6 : 4) + (actuator.inductance_h > 0 ? 1 : 0);
+  }
+};
+
+template <typename Scalar>
+Scalar As(double value) {
+  return static_cast<Scalar>(value);
+}
+
+// Mc1
+template <typename Scalar>
+Scalar CaseSide(const Bodies& bodies) {
+  if (bodies.grip.holds) return std::numeric_limits<Scalar>::infinity();
+  return As<Scalar>(bodies.actuator.case_mass_kg) +
+         As<Scalar>(bodies.adapter ? bodies.adapter->motor_side_mass_kg : 0);
+}
+
+// the moving mass and its spring, which all scenes share, and what they do to the case of mass Mc1
+// (rows 2, 3 and 5 of matrix 2.5, without the coil's and the adapter's part)
+template <typename Scalar>
+void FillMotor(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
+  const auto Mv = As<Scalar>(actuator.moving_mass_kg), Kv = As<Scalar>(actuator.stiffness_n_per_m);
+  const auto Bv = As<Scalar>(actuator.damping_n_s_per_m);
+  rows.a(0, 1) = 1;
+  rows.a.row(1).head(4) << -Kv / Mv, -Bv / Mv, Kv / Mv, Bv / Mv;
+  rows.a(2, 3) = 1;
+  rows.a.row(3).head(4) << Kv / Mc1, Bv / Mc1, -Kv / Mc1, -Bv / Mc1;
+}
+
+// what holds the case: the grip, and the skin itself or the adapter between
+template <typename Scalar>
+void FillMounting(const Bodies& bodies, Scalar Mc1, Rows<Scalar>& rows) {
+  const auto Ks = As<Scalar>(bodies.skin.stiffness_n_per_m),
+             Bs = As<Scalar>(bodies.skin.damping_n_s_per_m);
+  if (bodies.grip.holds) {
+    // the case stays at 0 whatever this is; it keeps the matrix regular and is no slower than the
+    // mover
+    const double pace =
+        std::sqrt(bodies.actuator.stiffness_n_per_m / bodies.actuator.moving_mass_kg);
+    rows.a(2, 2) = rows.a(3, 3) = As<Scalar>(-pace);
+    return;
+  }
+  rows.a(3, 2) -= As<Scalar>(bodies.grip.stiffness_n_per_m) / Mc1;
+  rows.a(3, 3) -= As<Scalar>(bodies.grip.damping_n_s_per_m) / Mc1;
+  if (!bodies.adapter) {
+    rows.a(3, 2) -= Ks / Mc1;
+    rows.a(3, 3) -= Bs / Mc1;
+    return;
+  }
+  const auto Ma2 = As<Scalar>(bodies.adapter->skin_side_mass_kg);
+  const auto Ka = As<Scalar>(bodies.adapter->stiffness_n_per_m),
+             Ba = As<Scalar>(bodies.adapter->damping_n_s_per_m);
+  rows.a(3, 2) -= Ka / Mc1;
+  rows.a(3, 3) -= Ba / Mc1;
+  rows.a(3, 4) = Ka / Mc1;
+  rows.a(3, 5) = Ba / Mc1;
+  rows.a(4, 5) = 1;
+  rows.a.row(5).segment(2, 4) << Ka / Ma2, Ba / Ma2, -(Ka + Ks) / Ma2, -(Ba + Bs) / Ma2;
+}
+
+// the coil (row 1 of matrix 2.5) and its forces
+template <typename Scalar>
+void FillCoil(const Actuator& actuator, Scalar Mc1, Rows<Scalar>& rows) {
+  const auto Mv = As<Scalar>(actuator.moving_mass_kg),
+             Km = As<Scalar>(actuator.force_constant_n_per_a);
+  const auto R = As<Scalar>(actuator.resistance_ohm), L = As<Scalar>(actuator.inductance_h);
+  const Eigen::Index n = rows.a.rows();
+  typename Rows<Scalar>::Vector force_per_ampere = Rows<Scalar>::Vector::Zero(n);
+  force_per_ampere(LinearModel::kMoverVelocity) = -Km / Mv;
+  force_per_ampere(LinearModel::kCaseVelocity) = Km / Mc1;
+  if (L > 0) {
+    const Eigen::Index i = n - 1;
+    rows.a.row(i).head(4) << 0, Km / L, 0, -Km / L;
+    rows.a(i, i) = -R / L;
+    rows.a.col(i) += force_per_ampere;
+    rows.b(i) = 1 / L;
+    rows.current(i) = 1;
+    return;
+  }
+  rows.current.head(4) << 0, Km / R, 0, -Km / R;
+  rows.a += force_per_ampere * rows.current;
+  rows.b = force_per_ampere / R;
+}
+
+template <typename Scalar>
+Rows<Scalar> RowsOf(const Bodies& bodies) {
+  Rows<Scalar> rows(bodies.states());
+  const auto Mc1 = CaseSide<Scalar>(bodies);
+  FillMotor(bodies.actuator, Mc1, rows);
+  FillMounting(bodies, Mc1, rows);
+  FillCoil(bodies.actuator, Mc1, rows);
+  return rows;
+}
+
+// sqrt(R) i, sqrt(B) times each damper's speed
+Eigen::MatrixXd PowerRows(const Bodies& bodies, const LinearModel& model) {
+  const Eigen::Index n = model.states();
+  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n + 1, place); };
+  const Eigen::RowVectorXd motor = unit(LinearModel::kCaseVelocity);
+  Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(5, n + 1);
+  rows.row(0) << model.current_row, model.current_per_volt;
+  rows.row(0) *= std::sqrt(bodies.actuator.resistance_ohm);
+  rows.row(1) =
+      std::sqrt(bodies.actuator.damping_n_s_per_m) * (unit(LinearModel::kMoverVelocity) - motor);
+  rows.row(2) = std::sqrt(bodies.grip.damping_n_s_per_m) * motor;
+  rows.row(3) = std::sqrt(bodies.skin.damping_n_s_per_m) * unit(model.skin_velocity());
+  if (bodies.adapter) {
+    rows.row(4) =
+        std::sqrt(bodies.adapter->damping_n_s_per_m) * (motor - unit(model.skin_velocity()));
+  }
+  return rows;
+}
+
+bool AllButOneBody(const Bodies& bodies) {
+  const double inverse_mass = 1 / bodies.actuator.moving_mass_kg + 1 / CaseSide<double>(bodies);
+  const double square = bodies.actuator.stiffness_n_per_m * inverse_mass;
+  return square > LinearModel::kStiffMoverRadPerS * LinearModel::kStiffMoverRadPerS;
+}
+
+void AddRest(const Bodies& bodies, LinearModel& model) {
+  const auto rows = RowsOf<long double>(bodies);
+  model.a_rest = (rows.a - model.a.cast<long double>()).cast<double>();
+  model.b_rest = (rows.b - model.b.cast<long double>()).cast<double>();
+}
+
+}  // namespace
+
+LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>& adapter,
+                          const Skin& skin) {
+  return AssembleModel(actuator, adapter, skin, Grip{});
+}
+
+LinearModel AssembleModel(const Actuator& actuator, const std::optional<Adapter>& adapter,
+                          const Skin& skin, const Grip& grip) {
+  CheckActuator(actuator);
+  const Bodies bodies{.actuator = actuator, .adapter = adapter, .skin = skin, .grip = grip};
+  HAPTOMETER_CHECK(!(adapter && grip.holds), "an adapter on a case that is held");
+  HAPTOMETER_CHECK(!adapter || (adapter->skin_side_mass_kg > 0 && CaseSide<double>(bodies) > 0),
+                   "skin side {} kg, case side {} kg", adapter->skin_side_mass_kg,
+                   CaseSide<double>(bodies));
+  auto rows = RowsOf<double>(bodies);
+  LinearModel model{
+      .a = std::move(rows.a), .b = std::move(rows.b), .current_row = std::move(rows.current)};
+  if (actuator.inductance_h == 0) model.current_per_volt = 1 / actuator.resistance_ohm;
+  model.power_rows = PowerRows(bodies, model);
+  if (AllButOneBody(bodies)) AddRest(bodies, model);
+  return model;
+}
+
+LinearModel AssembleModel(const Scene& scene) {
+  Actuator actuator = scene.actuator;
+  actuator.resistance_ohm += scene.drive.source_resistance_ohm;
+  return AssembleModel(actuator, scene.adapter, scene.skin, scene.grip);
+}
+
+Eigen::Index StateOf(const LinearModel& model, SensorTarget target) {
+  switch (target) {
+    case SensorTarget::kSkin:
+      return model.skin();
+    case SensorTarget::kCase:
+      return LinearModel::kCase;
+    case SensorTarget::kMover:
+      return LinearModel::kMover;
+  }
+  return model.skin();
+}
+
+std::vector<std::complex<double>> Poles(const LinearModel& model) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(Balance(model.a).matrix, false);
+  const Eigen::VectorXcd& values = solver.eigenvalues();
+  std::vector<std::complex<double>> poles(values.begin(), values.end());
+  std::ranges::sort(poles, {},
+                    [](const auto& pole) { return std::pair(std::abs(pole), pole.imag()); });
+  return poles;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,474 @@
+#include "sim/linear/steady_state.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+#include <vector>
+
+#include "base/error.h"
+#include "sim/linear/driven_step.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/scene_mode.h"
+#include "sim/linear/time_response.h"
+#include "sim/scene_run.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+using Complex = std::complex<double>;
+using Wide = std::complex<long double>;
+
+// M X = r with M = j w I - A in balanced units
+struct PhasorSystem {
+  Eigen::MatrixXcd matrix;  // (n, n)
+  Eigen::VectorXcd right;   // (n)
+  // what rounding left out of both (linear_model.h), or empty
+  Eigen::MatrixXd matrix_rest{};
+  Eigen::VectorXd right_rest{};
+};
+
+PhasorSystem SystemOf(const LinearModel& model, const BalancedMatrix& balanced,
+                      const SineDrive& drive) {
+  const Eigen::Index n = model.states();
+  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+  PhasorSystem system;
+  system.matrix = Complex(0, omega) * Eigen::MatrixXcd::Identity(n, n) - balanced.matrix;
+  system.right = drive.amplitude_v * model.b.cwiseQuotient(balanced.scale);
+  if (model.a_rest.size() == 0) return system;
+  system.matrix_rest =
+      -(balanced.scale.cwiseInverse().asDiagonal() * model.a_rest * balanced.scale.asDiagonal());
+  system.right_rest = drive.amplitude_v * model.b_rest.cwiseQuotient(balanced.scale);
+  // the product with the amplitude was rounded too
+  for (Eigen::Index k = 0; k < n; ++k) {
+    system.right_rest(k) +=
+        std::fma(drive.amplitude_v, model.b(k) / balanced.scale(k), -system.right(k).real());
+  }
+  return system;
+}
+
+Wide RestOfResidual(const PhasorSystem& system, Eigen::Index row, const Eigen::VectorXcd& x) {
+  Wide sum(static_cast<long double>(system.right_rest(row)));
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    sum -= static_cast<long double>(system.matrix_rest(row, k)) * Wide(x(k));
+  }
+  return sum;
+}
+
+// right - matrix * x, accumulated in 64 bits so that the refinement has something to refine
+Eigen::VectorXcd Residual(const PhasorSystem& system, const Eigen::VectorXcd& x) {
+  Eigen::VectorXcd residual(x.size());
+  for (Eigen::Index row = 0; row < x.size(); ++row) {
+    Wide sum(system.right(row));
+    for (Eigen::Index k = 0; k < x.size(); ++k) sum -= Wide(system.matrix(row, k)) * Wide(x(k));
+    if (system.right_rest.size() > 0) sum += RestOfResidual(system, row, x);
+    residual(row) = Complex(static_cast<double>(sum.real()), static_cast<double>(sum.imag()));
+  }
+  return residual;
+}
+
+// |residual| + eps (|M| |x| + |right|): how far each equation may be off
+Eigen::VectorXd EquationBound(const PhasorSystem& system, const Eigen::VectorXcd& x) {
+  // what the numbers themselves are worth
+  const double eps = system.right_rest.size() > 0
+                         ? static_cast<double>(std::numeric_limits<long double>::epsilon())
+                         : std::numeric_limits<double>::epsilon();
+  const Eigen::VectorXd rounding =
+      eps * (system.matrix.cwiseAbs() * x.cwiseAbs() + system.right.cwiseAbs());
+  return Residual(system, x).cwiseAbs() + rounding;
+}
+
+// Bounds of the numbers' errors, each carried as a whole through the inverse: |row M^-1| off, and
+// what rounding does to a sum of the phasors.
+class ErrorBounds {
+ public:
+  ErrorBounds(const PhasorSystem& system, const BalancedMatrix& balanced,
+              const Eigen::MatrixXcd& inverse, const Eigen::VectorXcd& x,
+              const Eigen::VectorXcd& phasors)
+      : from_(balanced.scale.asDiagonal() * inverse),
+        off_(EquationBound(system, x)),
+        phasors_(phasors) {}
+
+  // relative, of row X + fixed
+  double Relative(const Eigen::RowVectorXd& row, double fixed = 0) const {
+    const Number number = Of(row, fixed);
+    return number.error == 0 ? 0 : number.error / number.value;
+  }
+  // of the sum of the rows' squares, which have one sign
+  double RelativeOfPower(const Eigen::MatrixXd& rows, double volt) const {
+    const Eigen::Index n = rows.cols() - 1;
+    double error = 0, sum = 0;
+    for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+      const Number number = Of(rows.row(k).head(n), rows(k, n) * volt);
+      error += 2 * number.value * number.error;
+      sum += number.value * number.value;
+    }
+    return error == 0 ? 0 : error / sum;
+  }
+
+ private:
+  struct Number {
+    double value = 0;
+    double error = 0;
+  };
+  Number Of(const Eigen::RowVectorXd& row, double fixed) const {
+    constexpr double kEps = std::numeric_limits<double>::epsilon();
+    constexpr double kUlps = 8;  // of what becomes of the number itself
+    const Complex value = (row.cast<Complex>() * phasors_).value() + fixed;
+    const double terms = row.cwiseAbs().dot(phasors_.cwiseAbs()) + std::abs(fixed);
+    return {.value = std::abs(value),
+            .error = (row.cast<Complex>() * from_).cwiseAbs().dot(off_) +
+                     kEps * (terms + kUlps * std::abs(value))};
+  }
+
+  Eigen::MatrixXcd from_;
+  Eigen::VectorXd off_;
+  Eigen::VectorXcd phasors_;
+};
+
+Eigen::VectorXcd WithVoltage(const Eigen::VectorXcd& phasors, const SineDrive& drive) {
+  Eigen::VectorXcd with(phasors.size() + 1);
+  with << phasors, drive.amplitude_v;
+  return with;
+}
+
+// the numbers that the phasors hold
+void Summarise(const LinearModel& model, const SineDrive& drive, const Skin& skin,
+               SteadyState& steady) {
+  const Eigen::VectorXcd& x = steady.phasors;
+  const double omega = 2 * std::numbers::pi * drive.frequency_hz;
+  steady.current_a =
+      (model.current_row.cast<Complex>() * x).value() + model.current_per_volt * drive.amplitude_v;
+  const Eigen::VectorXd& mean = steady.mean;
+  steady.mean_current_a = model.current_row.dot(mean) + model.current_per_volt * drive.offset_v;
+  steady.mean_travel_m = mean(LinearModel::kMover) - mean(LinearModel::kCase);
+  steady.mean_skin_force_n = skin.stiffness_n_per_m * mean(model.skin());
+  const auto rms = [](double constant, const Complex& peak) {
+    return constant == 0 ? std::abs(peak) / std::numbers::sqrt2
+                         : std::hypot(constant, std::abs(peak) / std::numbers::sqrt2);
+  };
+  steady.skin_rms_m = rms(mean(model.skin()), x(model.skin()));
+  steady.case_rms_m = rms(mean(LinearModel::kCase), x(LinearModel::kCase));
+  steady.mover_peak_m =
+      std::abs(steady.mean_travel_m) + std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
+  steady.current_rms_a = rms(steady.mean_current_a, steady.current_a);
+  steady.power_w = drive.offset_v * steady.mean_current_a +
+                   (model.power_rows.cast<Complex>() * WithVoltage(x, drive)).squaredNorm() / 2;
+  steady.phase_rad =
+      drive.amplitude_v < 0 ? std::arg(-steady.current_a) : std::arg(steady.current_a);
+  steady.skin_force_peak_n =
+      std::abs(steady.mean_skin_force_n) +
+      std::abs(Complex(skin.stiffness_n_per_m, omega * skin.damping_n_s_per_m) * x(model.skin()));
+}
+
+}  // namespace
+
+SteadyState SolveSteadyState(const LinearModel& model, const SineDrive& drive, const Skin& skin) {
+  HAPTOMETER_CHECK(drive.frequency_hz > 0, "frequency_hz = {}", drive.frequency_hz);
+  // balanced units, so that pivots and norms compare like with like
+  const BalancedMatrix balanced = Balance(model.a);
+  const PhasorSystem system = SystemOf(model, balanced, drive);
+
+  // solve, then correct once by the residual
+  const Eigen::PartialPivLU<Eigen::MatrixXcd> factors(system.matrix);
+  Eigen::VectorXcd x = factors.solve(system.right);
+  x += factors.solve(Residual(system, x));
+
+  SteadyState steady;
+  steady.phasors = balanced.scale.asDiagonal() * x;
+  steady.mean = StaticState(model, drive.offset_v);
+  Summarise(model, drive, skin, steady);
+
+  // a singular matrix gives no number to compare with
+  const Eigen::Index n = model.states();
+  const auto unit = [&](Eigen::Index place) { return Eigen::RowVectorXd::Unit(n, place); };
+  const ErrorBounds bounds(system, balanced, factors.inverse(), x, steady.phasors);
+  const double error =
+      std::max({bounds.Relative(unit(model.skin())), bounds.Relative(unit(LinearModel::kCase)),
+                bounds.Relative(unit(LinearModel::kMover) - unit(LinearModel::kCase)),
+                bounds.Relative(model.current_row, model.current_per_volt * drive.amplitude_v),
+                bounds.RelativeOfPower(model.power_rows, drive.amplitude_v)});
+  // nothing drives it, or it is held
+  const bool silent = drive.amplitude_v == 0;
+  steady.error_estimate = std::isfinite(error) ? error : silent ? 0 : HUGE_VAL;
+  return steady;
+}
+
+SteadyState SolveSteadyState(const Scene& scene) {
+  SteadyState steady = SolveSteadyState(AssembleModel(scene), scene.drive, scene.skin);
+  if (scene.drive.offset_v != 0 && !IsHeldInPlace(scene)) steady.error_estimate = HUGE_VAL;
+  return steady;
+}
+
+bool IsHeldInPlace(const Scene& scene) {
+  return scene.skin.stiffness_n_per_m > 0 || scene.grip.stiffness_n_per_m > 0 || scene.grip.holds;
+}
+
+Eigen::VectorXd StaticState(const LinearModel& model, double voltage_v) {
+  if (voltage_v == 0) return Eigen::VectorXd::Zero(model.states());
+  const BalancedMatrix balanced = Balance(model.a);
+  const Eigen::VectorXd push = -voltage_v * model.b.cwiseQuotient(balanced.scale);
+  const Eigen::PartialPivLU<Eigen::MatrixXd> factors(balanced.matrix);
+  Eigen::VectorXd x = factors.solve(push);
+  x += factors.solve(push - balanced.matrix * x);
+  return balanced.scale.cwiseProduct(x);
+}
+
+double SkinRmsUncertainty(const Scene& scene) {
+  constexpr double kStep = 1e-4;
+  std::array<double, kActuatorSymbols.size()> gradient{};
+  for (std::size_t place = 0; place < gradient.size(); ++place) {
+    const auto logarithm = [&](double factor) {
+      Scene moved = scene;
+      moved.actuator = Scaled(scene.actuator, place, factor);
+      return std::log(SolveSteadyState(moved).skin_rms_m);
+    };
+    gradient[place] = (logarithm(std::exp(kStep)) - logarithm(std::exp(-kStep))) / (2 * kStep);
+  }
+  double square = 0;
+  for (std::size_t i = 0; i < gradient.size(); ++i) {
+    for (std::size_t j = 0; j < gradient.size(); ++j) {
+      square += gradient[i] * scene.actuator_covariance[i][j] * gradient[j];
+    }
+  }
+  return std::sqrt(std::max(square, 0.0));
+}
+
+namespace {
+
+// all that moves at one frequency
+struct FrequencyPart {
+  Eigen::VectorXcd states;
+  Complex current_a;
+  Complex finger_m;
+};
+
+double OmegaOf(double frequency_hz) { return 2 * std::numbers::pi * frequency_hz; }
+
+// What the finger's tone does: its position and its rate each push the skin through `finger`.
+Eigen::VectorXcd StatesUnder(const Tone& tone, Complex finger_m, const LinearModel& model,
+                             const Eigen::MatrixXd& finger, double& error) {
+  Eigen::VectorXcd states = Eigen::VectorXcd::Zero(model.states());
+  const Complex rate = Complex(0, OmegaOf(tone.frequency_hz)) * finger_m;
+  for (const Eigen::Index input : {0, 1}) {
+    if (finger.col(input).isZero(0)) continue;
+    LinearModel pushed = model;
+    pushed.b = finger.col(input);
+    const SteadyState unit =
+        SolveSteadyState(pushed, {.amplitude_v = 1, .frequency_hz = tone.frequency_hz}, Skin{});
+    error = std::max(error, unit.error_estimate);
+    states += (input == 0 ? finger_m : rate) * unit.phasors;
+  }
+  return states;
+}
+
+void Add(const Scene& scene, const LinearModel& model, double frequency_hz,
+         const FrequencyPart& part, Superposition& sum) {
+  const Eigen::VectorXcd& x = part.states;
+  const Complex skin_m = x(model.skin());
+  const Complex impedance(scene.skin.stiffness_n_per_m,
+                          OmegaOf(frequency_hz) * scene.skin.damping_n_s_per_m);
+  sum.skin_rms_m = std::hypot(sum.skin_rms_m, std::abs(skin_m) / std::numbers::sqrt2);
+  sum.case_rms_m =
+      std::hypot(sum.case_rms_m, std::abs(x(LinearModel::kCase)) / std::numbers::sqrt2);
+  sum.current_rms_a = std::hypot(sum.current_rms_a, std::abs(part.current_a) / std::numbers::sqrt2);
+  sum.mover_peak_m += std::abs(x(LinearModel::kMover) - x(LinearModel::kCase));
+  const Complex force_n = impedance * (skin_m - part.finger_m);
+  const Complex finger_m_per_s = Complex(0, OmegaOf(frequency_hz)) * part.finger_m;
+  sum.skin_force_peak_n += std::abs(force_n);
+  sum.power_w -= (std::conj(finger_m_per_s) * force_n).real() / 2;
+  sum.state += x.imag();
+}
+
+// what the drive's offset holds
+void AddMean(const Scene& scene, const LinearModel& model, const SteadyState& driven,
+             Superposition& sum) {
+  if (!IsHeldInPlace(scene)) sum.error_estimate = HUGE_VAL;
+  sum.skin_rms_m = std::hypot(sum.skin_rms_m, driven.mean(model.skin()));
+  sum.case_rms_m = std::hypot(sum.case_rms_m, driven.mean(LinearModel::kCase));
+  sum.current_rms_a = std::hypot(sum.current_rms_a, driven.mean_current_a);
+  sum.mean_travel_m = driven.mean_travel_m;
+  sum.mean_skin_force_n = driven.mean_skin_force_n;
+  sum.mover_peak_m += std::abs(driven.mean_travel_m);
+  sum.skin_force_peak_n += std::abs(driven.mean_skin_force_n);
+  sum.power_w += scene.drive.offset_v * driven.mean_current_a;
+  sum.state += driven.mean;
+}
+
+}  // namespace
+
+Superposition Superpose(const Scene& scene) {
+  const LinearModel model = AssembleModel(scene);
+  const SineDrive drive = scene.drive;
+  const SteadyState driven = SolveSteadyState(model, drive, scene.skin);
+  Superposition sum{.state = Eigen::VectorXd::Zero(model.states()),
+                    .error_estimate = driven.error_estimate};
+  std::map<double, FrequencyPart> parts;
+  parts[drive.frequency_hz] = {driven.phasors, driven.current_a, 0};
+  const Mode mode = SceneMode(scene);
+  for (const Tone& tone : scene.finger.tones) {
+    const Complex finger_m = std::polar(tone.amplitude, tone.phase_rad);
+    const Eigen::VectorXcd states =
+        StatesUnder(tone, finger_m, model, mode.finger, sum.error_estimate);
+    FrequencyPart& part = parts[tone.frequency_hz];
+    if (part.states.size() == 0) part.states = Eigen::VectorXcd::Zero(model.states());
+    part.states += states;
+    part.current_a += (model.current_row.cast<Complex>() * states).value();
+    part.finger_m += finger_m;
+  }
+  sum.power_w = drive.amplitude_v * parts[drive.frequency_hz].current_a.real() / 2;
+  for (const auto& [frequency_hz, part] : parts) Add(scene, model, frequency_hz, part, sum);
+  if (drive.offset_v != 0) AddMean(scene, model, driven, sum);
+  return sum;
+}
+
+namespace {
+
+constexpr double kMostPlayed = 1 << 20;
+constexpr double kParts = 1e6;  // of a hertz that frequencies are written in
+
+// one frequency's share of a sum of sines
+struct TonePart {
+  double frequency_hz = 0;
+  Complex amplitude;  // Im(amplitude exp(j w t))
+};
+
+double SumOf(const std::vector<TonePart>& parts, double mean) {
+  double sum = std::abs(mean);
+  for (const TonePart& part : parts) sum += std::abs(part.amplitude);
+  return sum;
+}
+
+MotionJet JetAt(const std::vector<TonePart>& parts, double mean, long double t_s) {
+  MotionJet jet{.x = mean};
+  for (const TonePart& part : parts) {
+    const double w = 2 * std::numbers::pi * part.frequency_hz;
+    const Eigen::Vector2d turn = DriveAt(part.frequency_hz, t_s);
+    const Complex now = part.amplitude * Complex(turn[1], turn[0]);
+    jet.x += now.imag();
+    jet.v += w * now.real();
+    jet.a -= w * w * now.imag();
+  }
+  return jet;
+}
+
+// the largest value over one period, around a constant part
+double PeakOf(const std::vector<TonePart>& parts, double mean, double period_s, double highest_hz) {
+  if (period_s == 0) return SumOf(parts, mean);
+  const auto count =
+      static_cast<std::int64_t>(std::ceil(kOutputsPerPeriod * highest_hz * period_s));
+  const long double step_s = static_cast<long double>(period_s) / static_cast<long double>(count);
+  double peak = 0;
+  MotionJet before = JetAt(parts, mean, 0);
+  for (std::int64_t k = 1; k <= count; ++k) {
+    const MotionJet now = JetAt(parts, mean, step_s * static_cast<long double>(k));
+    peak = std::max(peak, HermiteQuintic(before, now, static_cast<double>(step_s)).Peak());
+    before = now;
+  }
+  return peak;
+}
+
+// of all frequencies, which are the keys; 0 where it is too long to play
+double CommonPeriod(const std::map<double, Complex>& voltages) {
+  std::int64_t common = 0;
+  for (const auto& [frequency_hz, voltage] : voltages) {
+    const double parts = std::round(frequency_hz * kParts);
+    if (parts < 1 || parts > 1e15 || parts / kParts != frequency_hz) return 0;
+    common = std::gcd(common, static_cast<std::int64_t>(parts));
+  }
+  const double period_s = kParts / static_cast<double>(common);
+  const double outputs = kOutputsPerPeriod * voltages.rbegin()->first * period_s;
+  return outputs <= kMostPlayed ? period_s : 0;
+}
+
+// Adds up the tones.
+class SumOfTones {
+ public:
+  SumOfTones(const Scene& scene, double period_s)
+      : scene_(scene), model_(AssembleModel(scene)), period_s_(period_s) {
+    steady_.start = StaticState(model_, scene.drive.offset_v);
+    steady_.period_s = period_s;
+    AddMean();
+  }
+
+  void Add(double frequency_hz, Complex voltage_v) {
+    const SineDrive unit{.amplitude_v = 1, .frequency_hz = frequency_hz};
+    const SteadyState one = SolveSteadyState(model_, unit, scene_.skin);
+    const double w = 2 * std::numbers::pi * frequency_hz;
+    const Complex skin = one.phasors(model_.skin()) * voltage_v;
+    const Skin& tissue = scene_.skin;
+    steady_.start += (one.phasors * voltage_v).imag();
+    skin_square_ += std::norm(skin) / 2;
+    case_square_ += std::norm(one.phasors(LinearModel::kCase) * voltage_v) / 2;
+    current_square_ += std::norm(one.current_a * voltage_v) / 2;
+    steady_.power_w += std::norm(voltage_v) * one.power_w;
+    steady_.skin_power_w += tissue.damping_n_s_per_m * w * w * std::norm(skin) / 2;
+    travel_.push_back(
+        {frequency_hz,
+         (one.phasors(LinearModel::kMover) - one.phasors(LinearModel::kCase)) * voltage_v});
+    force_.push_back(
+        {frequency_hz, Complex(tissue.stiffness_n_per_m, w * tissue.damping_n_s_per_m) * skin});
+    steady_.error_estimate = std::max(steady_.error_estimate, one.error_estimate);
+    highest_hz_ = std::max(highest_hz_, frequency_hz);
+  }
+
+  SteadyTones Take() {
+    steady_.skin_rms_m = std::sqrt(skin_square_);
+    steady_.case_rms_m = std::sqrt(case_square_);
+    steady_.current_rms_a = std::sqrt(current_square_);
+    if (!(steady_.error_estimate < 1)) return steady_;
+    steady_.mover_peak_m = PeakOf(travel_, mean_travel_m_, period_s_, highest_hz_);
+    steady_.skin_force_peak_n = PeakOf(force_, steady_.mean_skin_force_n, period_s_, highest_hz_);
+    return steady_;
+  }
+
+ private:
+  // what the offset holds
+  void AddMean() {
+    const double offset_v = scene_.drive.offset_v;
+    if (offset_v == 0) return;
+    if (!IsHeldInPlace(scene_)) steady_.error_estimate = HUGE_VAL;
+    const Eigen::VectorXd& mean = steady_.start;
+    const double current_a = model_.current_row.dot(mean) + model_.current_per_volt * offset_v;
+    skin_square_ = mean(model_.skin()) * mean(model_.skin());
+    case_square_ = mean(LinearModel::kCase) * mean(LinearModel::kCase);
+    current_square_ = current_a * current_a;
+    steady_.power_w = offset_v * current_a;
+    mean_travel_m_ = mean(LinearModel::kMover) - mean(LinearModel::kCase);
+    steady_.mean_skin_force_n = scene_.skin.stiffness_n_per_m * mean(model_.skin());
+  }
+
+  const Scene& scene_;
+  LinearModel model_;
+  double period_s_;
+  double mean_travel_m_ = 0;
+  double highest_hz_ = 0;
+  SteadyTones steady_;
+  double skin_square_ = 0, case_square_ = 0, current_square_ = 0;
+  std::vector<TonePart> travel_, force_;
+};
+
+}  // namespace
+
+SteadyTones SolveSteadyTones(const Scene& scene) {
+  HAPTOMETER_CHECK(scene.drive.kind == DriveKind::kTones && !scene.drive.tones.empty(),
+                   "a drive of kind {}", Name(scene.drive.kind));
+  std::map<double, Complex> voltages;
+  for (const Tone& tone : scene.drive.tones) {
+    voltages[tone.frequency_hz] += std::polar(tone.amplitude, tone.phase_rad);
+  }
+  SumOfTones sum(scene, CommonPeriod(voltages));
+  for (const auto& [frequency_hz, voltage_v] : voltages) {
+    if (voltage_v != 0.0) sum.Add(frequency_hz, voltage_v);
+  }
+  return sum.Take();
+}
+
+}  // namespace haptometer::sim

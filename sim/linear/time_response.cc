@@ -1,0 +1,160 @@
+#include "sim/linear/time_response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/error.h"
+#include "sim/linear/driven_step.h"
+#include "sim/linear/steady_state.h"
+
+namespace haptometer::sim {
+
+HermiteQuintic::HermiteQuintic(const MotionJet& begin, const MotionJet& end, double h_s) {
+  const double v0 = begin.v * h_s, v1 = end.v * h_s;
+  const double a0 = begin.a * h_s * h_s, a1 = end.a * h_s * h_s, d = end.x - begin.x;
+  c_ = {begin.x,
+        v0,
+        a0 / 2,
+        10 * d - 6 * v0 - 4 * v1 - 1.5 * a0 + 0.5 * a1,
+        -15 * d + 8 * v0 + 7 * v1 + 1.5 * a0 - a1,
+        6 * d - 3 * (v0 + v1) + 0.5 * (a1 - a0)};
+}
+
+double HermiteQuintic::At(double u) const {
+  return c_[0] + u * (c_[1] + u * (c_[2] + u * (c_[3] + u * (c_[4] + u * c_[5]))));
+}
+
+double HermiteQuintic::Slope(double u) const {
+  return c_[1] + u * (2 * c_[2] + u * (3 * c_[3] + u * (4 * c_[4] + u * 5 * c_[5])));
+}
+
+double HermiteQuintic::Peak() const {
+  constexpr int kHalvings = 40;  // the peak is flat: 2^-26 would do
+  const double ends = std::max(std::abs(At(0)), std::abs(At(1)));
+  const bool rises = Slope(0) > 0;
+  if ((Slope(1) > 0) == rises) return ends;
+  double low = 0, high = 1;
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    const double middle = 0.5 * (low + high);
+    ((Slope(middle) > 0) == rises ? low : high) = middle;
+  }
+  return std::max(ends, std::abs(At(low)));
+}
+
+Eigen::MatrixXd UniformMotion(const LinearModel& model, const SineDrive& drive,
+                              const Eigen::VectorXd& initial, double start_s, double rate_hz,
+                              std::size_t count) {
+  HAPTOMETER_CHECK(rate_hz > 0, "rate_hz = {}", rate_hz);
+  HAPTOMETER_CHECK(initial.size() == model.states(), "{} of {} states", initial.size(),
+                   model.states());
+  Eigen::MatrixXd samples(model.states(), static_cast<Eigen::Index>(count));
+  if (count == 0) return samples;
+  samples.col(0) = initial;
+  Eigen::VectorXd x = initial;
+  DriveSequence sequence(drive.frequency_hz, start_s, rate_hz);
+  StepUniformly(DrivenStep(model, drive, 1 / rate_hz), sequence, 0, samples.cols() - 1, x,
+                [&](Eigen::Index i, const auto& state, const Eigen::Vector2d&) {
+                  samples.col(i + 1) = state;
+                });
+  return samples;
+}
+
+namespace {
+
+// Times are taken apart into powers of two from 2^-64 s, where even the fastest state (L/R of
+// microseconds) stands still to the last bit, up to 2^19 s.
+constexpr int kSmallestExponent = -64;
+constexpr int kPowers = 84;
+
+Eigen::VectorXd StateAtStart(const LinearModel& model, const SineDrive& drive, Start start) {
+  if (start == Start::kRest) return Eigen::VectorXd::Zero(model.states());
+  return SolveSteadyState(model, drive, Skin{}).phasors.imag();
+}
+
+// S(h) = integral of exp(G' s) c c' exp(G s) over [0, h] as its Taylor series, |G| h <= 1/4:
+// its terms h^(k+1) / (k+1)! M_k with M_0 = c c', M_(k+1) = G' M_k + M_k G fall faster than 2^-k/k!
+Eigen::MatrixXd ShortGramian(const Eigen::MatrixXd& g, const Eigen::VectorXd& c, double h) {
+  constexpr int kTerms = 16;
+  Eigen::MatrixXd term = h * c * c.transpose();
+  Eigen::MatrixXd sum = term;
+  for (int k = 1; k <= kTerms; ++k) {
+    term = (h / (k + 1)) * (g.transpose() * term + term * g).eval();
+    sum += term;
+  }
+  return sum;
+}
+
+}  // namespace
+
+TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive, Start start)
+    : TimeResponse(model, drive, StateAtStart(model, drive, start)) {}
+
+TimeResponse::TimeResponse(const LinearModel& model, const SineDrive& drive,
+                           Eigen::VectorXd initial)
+    : states_(model.states()),
+      model_(model),
+      drive_(drive),
+      generator_(DrivenGenerator(model, drive)),
+      initial_(std::move(initial)) {
+  HAPTOMETER_CHECK(initial_.size() == states_, "{} of {} states", initial_.size(), states_);
+  // each exponential on its own: squaring the smallest would lose what distinguishes it from 1
+  powers_.reserve(kPowers);
+  for (int k = 0; k < kPowers; ++k) {
+    powers_.push_back(DrivenStep(model_, drive_, std::ldexp(1.0, k + kSmallestExponent)));
+  }
+}
+
+Eigen::VectorXd TimeResponse::StateAt(double t_s) const {
+  HAPTOMETER_CHECK(t_s >= 0 && t_s < std::ldexp(1.0, kPowers + kSmallestExponent), "t_s = {}", t_s);
+  Eigen::VectorXd z(states_ + 2);
+  z.head(states_) = initial_;
+
+  // largest power first; what has passed is a sum of powers of two, hence exact
+  double passed_s = 0;
+  for (int k = kPowers - 1; k >= 0; --k) {
+    const double step_s = std::ldexp(1.0, k + kSmallestExponent);
+    if (t_s - passed_s < step_s) continue;
+    passed_s += step_s;
+    z.tail(2) = DriveAt(drive_.frequency_hz, static_cast<long double>(passed_s));
+    z.head(states_) = (powers_[static_cast<std::size_t>(k)] * z).eval();
+  }
+  return z.head(states_);
+}
+
+Eigen::MatrixXd TimeResponse::Sample(double start_s, double rate_hz, std::size_t count) const {
+  return UniformMotion(model_, drive_, StateAt(start_s), start_s, rate_hz, count);
+}
+
+Eigen::MatrixXd TimeResponse::Exponential(double h_s) const {
+  if (model_.a_rest.size() == 0) return MatrixExponential(h_s * generator_);
+  const auto length_s = static_cast<long double>(h_s);
+  return LongMatrixExponential(LongDrivenGenerator(model_, drive_), length_s).cast<double>();
+}
+
+double TimeResponse::WindowRms(Eigen::Index state, double begin_s, double end_s) const {
+  HAPTOMETER_CHECK(begin_s >= 0 && end_s > begin_s, "[{}, {}] s", begin_s, end_s);
+  const double length_s = end_s - begin_s;
+  const BalancedMatrix balanced = Balance(generator_);
+
+  // an interval so short that its series converges at once, 2^-doublings of the window
+  const double norm = balanced.matrix.cwiseAbs().colwise().sum().maxCoeff() * length_s;
+  const int doublings = std::max(0, 2 + std::ilogb(norm) + 1);
+  const double short_s = std::ldexp(length_s, -doublings);
+  Eigen::VectorXd c = Eigen::VectorXd::Zero(states_ + 2);
+  c(state) = balanced.scale(state);
+  Eigen::MatrixXd gramian = ShortGramian(balanced.matrix, c, short_s);
+
+  // twice the interval: its first half, and its second half seen from the beginning
+  for (int k = 0; k < doublings; ++k) {
+    const Eigen::MatrixXd e = balanced.scale.cwiseInverse().asDiagonal() *
+                              Exponential(std::ldexp(short_s, k)) * balanced.scale.asDiagonal();
+    gramian += (e.transpose() * gramian * e).eval();
+  }
+  Eigen::VectorXd z(states_ + 2);
+  z << StateAt(begin_s), DriveAt(drive_.frequency_hz, static_cast<long double>(begin_s));
+  z = z.cwiseQuotient(balanced.scale);
+  return std::sqrt(std::max(0.0, z.dot(gramian * z)) / length_s);
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,48 @@
+#include "sim/skin/skin_rise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "base/error.h"
+#include "dsp/spectrum/envelope.h"
+
+namespace haptometer::sim {
+
+namespace {
+constexpr double kQuietPeriods = 6;  // of rest put before the motion
+constexpr double kSteadyPeriods = 10;
+}  // namespace
+
+bool LastsForARise(const SteadyPart& part, double tone_hz) {
+  return (part.end_s - part.begin_s) * tone_hz >= kLeastRisePeriods * (1 - 1e-9);
+}
+
+std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, double tone_hz,
+                               const SteadyPart& part) {
+  HAPTOMETER_CHECK(LastsForARise(part, tone_hz), "a steady part of {} s at {} Hz",
+                   part.end_s - part.begin_s, tone_hz);
+  // rest before, so that the envelope has seen it
+  const auto quiet = static_cast<std::size_t>(std::ceil(kQuietPeriods / tone_hz * rate_hz));
+  const double quiet_s = static_cast<double>(quiet) / rate_hz;
+  std::vector<double> padded_m(quiet, 0.0);
+  padded_m.insert(padded_m.end(), skin_m.begin(), skin_m.end());
+  const dsp::Envelope envelope = dsp::DemodulateTone(padded_m, {rate_hz, tone_hz});
+  const double last_s = envelope.start_s +
+                        static_cast<double>(envelope.amplitude.size()) * envelope.step_s -
+                        envelope.step_s;
+  const double end_s = std::min(last_s, quiet_s + part.end_s - envelope.support_s / 2);
+  const auto edge =
+      dsp::FindOnset(envelope, {.quiet_begin_s = envelope.start_s,
+                                .quiet_end_s = quiet_s + part.drive_s - envelope.support_s / 2,
+                                .steady_begin_s = end_s - kSteadyPeriods / tone_hz,
+                                .steady_end_s = end_s});
+  if (!edge) return std::nullopt;
+  return SkinRise{.rise_s = edge->rise_s,
+                  .rise_at_most_s = edge->rise_at_most_s,
+                  .latency_s = std::max(0.0, edge->time_s - quiet_s - part.drive_s),
+                  .uncertainty_s = std::max(edge->time_uncertainty_s, edge->rise_uncertainty_s)};
+}
+
+}  // namespace haptometer::sim

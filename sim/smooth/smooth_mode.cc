@@ -1,0 +1,318 @@
+#include "sim/smooth/smooth_mode.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace haptometer::sim {
+
+namespace {
+
+// of the growing oscillation that scales are taken from, over its angular frequency
+constexpr double kGrowth = 0.1;
+
+double Quadratic(const Eigen::MatrixXd& form, const Eigen::VectorXd& x) { return x.dot(form * x); }
+
+Eigen::VectorXd WithInputs(const Eigen::Ref<const Eigen::VectorXd>& x, const Eigen::Vector3d& u) {
+  Eigen::VectorXd z(x.size() + kInputs);
+  z << x, u;
+  return z;
+}
+
+}  // namespace
+
+double HighestFrequencyHz(const ExcitationPiece& piece) {
+  double highest_hz = 0;
+  for (const ExcitationTerm& term : piece.terms) {
+    highest_hz = std::max(highest_hz, term.frequency_hz);
+  }
+  return highest_hz;
+}
+
+SmoothMode::SmoothMode(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
+                       bool with_energy)
+    : system_(&system),
+      mode_(mode),
+      with_energy_(with_energy),
+      inputs_(system.linear.modes[mode].Inputs()) {
+  Begin(piece, piece.begin_s);
+}
+
+void SmoothMode::Begin(const ExcitationPiece& piece, long double origin_s) {
+  piece_ = piece;
+  origin_s_ = origin_s;
+  const ExcitationShape shape = ShapeOf(piece);
+  rows_[0] = shape.rows;
+  rows_[1] = rows_[0] * shape.generator;
+  rows_[2] = rows_[1] * shape.generator;
+}
+
+Eigen::Index SmoothMode::states() const { return n() + (system_->heating ? 1 : 0); }
+
+Eigen::Index SmoothMode::integrals() const {
+  if (!with_energy_) return 0;
+  const PiecewiseLinearSystem& linear = system_->linear;
+  return static_cast<Eigen::Index>(2 + linear.dissipating_elements.size() +
+                                   linear.squared_rows.size());
+}
+
+Eigen::Vector3d SmoothMode::InputsThen(double t_s, std::size_t derivative) const {
+  FillSignals(piece_, origin_s_ + static_cast<long double>(t_s), signals_);
+  return rows_[derivative] * signals_;
+}
+
+// rad/s
+double SmoothMode::Pace() const {
+  const double highest_hz = HighestFrequencyHz(piece_);
+  return 2 * std::numbers::pi * (highest_hz > 0 ? highest_hz : 1);
+}
+
+double SmoothMode::PaceOf(const ExcitationTerm& term) const {
+  return term.frequency_hz > 0 ? 2 * std::numbers::pi * term.frequency_hz : Pace();
+}
+
+Eigen::Vector3d SmoothMode::SourceOf(const ExcitationTerm& term) const {
+  const Eigen::VectorXd largest = LargestSignals({piece_.begin_s, piece_.end_s, {term}});
+  double amplitude = largest[0];
+  if (term.kind != ExcitationTerm::Kind::kPolynomial) {
+    amplitude = std::abs(term.amplitude) * largest[0];
+    if (largest.size() > 2) amplitude += std::abs(term.amplitude_per_s) * largest[2];
+  }
+  Eigen::Vector3d source = amplitude * Eigen::Vector3d::Unit(term.input);
+  if (term.input == kFinger) source[kFingerRate] = amplitude * PaceOf(term);
+  return source;
+}
+
+Eigen::Vector3d SmoothMode::LargestInputs() const {
+  Eigen::Vector3d largest = Eigen::Vector3d::Zero();
+  for (const ExcitationTerm& term : piece_.terms) largest += SourceOf(term);
+  return largest;
+}
+
+double SmoothMode::RisePerKelvin() const {
+  return system_->heating ? system_->resistance_ohm * system_->heating->resistance_per_k : 0;
+}
+
+SmoothMode::Coil SmoothMode::CoilAt(double volt, const Eigen::Ref<const Eigen::VectorXd>& y) const {
+  const Mode& m = mode();
+  Coil coil;
+  if (system_->heating) coil.rise_ohm = RisePerKelvin() * y[n()];
+  coil.held_back = 1 / (1 + m.current_per_volt * coil.rise_ohm);
+  coil.current_a = (m.current_row.dot(y.head(n())) + m.current_per_volt * volt) * coil.held_back;
+  return coil;
+}
+
+double SmoothMode::Current(double t_s, const Eigen::VectorXd& y) const {
+  return CoilAt(InputsThen(t_s)[kVoltage], y).current_a;
+}
+
+void SmoothMode::Rate(double t_s, const ConstVector& y, Vector rate) const {
+  const Mode& m = mode();
+  const auto x = y.head(n());
+  Eigen::Vector3d u = InputsThen(t_s);
+  if (system_->heating) {
+    const CoilHeating& heating = *system_->heating;
+    const Coil coil = CoilAt(u[kVoltage], y);
+    rate[n()] = ((system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a -
+                 y[n()] / heating.thermal_resistance_k_per_w) /
+                heating.heat_capacity_j_per_k;
+    u[kVoltage] -= coil.rise_ohm * coil.current_a;
+  }
+  rate.head(n()).noalias() = m.a * x;
+  rate.head(n()).noalias() += inputs_ * u;
+  if (!system_->spring) return;
+  const SpringTerms& terms = system_->spring_terms[mode_];
+  rate.head(n()) -= system_->spring->Force(terms.deflection.dot(x)) * terms.push;
+}
+
+void SmoothMode::Jacobian(double t_s, const ConstVector& y, Matrix jacobian) const {
+  const Mode& m = mode();
+  const Eigen::Index size = n();
+  const auto x = y.head(size);
+  jacobian.topLeftCorner(size, size) = m.a;
+  if (system_->heating) {
+    const CoilHeating& heating = *system_->heating;
+    const Coil coil = CoilAt(InputsThen(t_s)[kVoltage], y);
+    const double per_k = RisePerKelvin(), current = coil.current_a;
+    const double resistance = system_->resistance_ohm + coil.rise_ohm;
+    // di/dx, di/dtheta
+    const Eigen::RowVectorXd by_state = coil.held_back * m.current_row;
+    const double by_theta = -m.current_per_volt * per_k * current * coil.held_back;
+    jacobian.topLeftCorner(size, size) -= coil.rise_ohm * m.b * by_state;
+    jacobian.col(size).head(size) = -(per_k * current + coil.rise_ohm * by_theta) * m.b;
+    jacobian.row(size).head(size) =
+        2 * resistance * current / heating.heat_capacity_j_per_k * by_state;
+    jacobian(size, size) = (per_k * current * current + 2 * resistance * current * by_theta -
+                            1 / heating.thermal_resistance_k_per_w) /
+                           heating.heat_capacity_j_per_k;
+  }
+  if (!system_->spring) return;
+  const SpringTerms& terms = system_->spring_terms[mode_];
+  jacobian.topLeftCorner(size, size) -=
+      system_->spring->Stiffness(terms.deflection.dot(x)) * terms.push * terms.deflection;
+}
+
+void SmoothMode::IntegralRate(double t_s, const ConstVector& y, Vector rate) const {
+  const Mode& m = mode();
+  const Eigen::Vector3d u = InputsThen(t_s);
+  const Coil coil = CoilAt(u[kVoltage], y);
+  const Eigen::VectorXd z = WithInputs(y.head(n()), u);
+  rate.setZero();  // a mode may know of no dissipation at all
+  rate[0] = u[kVoltage] * coil.current_a;
+  if (m.finger_force_row.size() > 0) rate[0] -= u[kFingerRate] * m.finger_force_row.dot(z);
+  for (std::size_t k = 0; k < m.dissipating.size(); ++k) {
+    const Eigen::MatrixXd& form = m.dissipating[k];
+    if (form.size() == 0) continue;
+    rate[static_cast<Eigen::Index>(k) + 1] = Quadratic(form, z.head(form.rows()));
+  }
+  if (system_->heating) {
+    rate[static_cast<Eigen::Index>(system_->coil_element) + 1] =
+        (system_->resistance_ohm + coil.rise_ohm) * coil.current_a * coil.current_a;
+    // forms know of the cold coil's current
+    rate[static_cast<Eigen::Index>(system_->source_element) + 1] *= coil.held_back * coil.held_back;
+  }
+  auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());
+  for (const Eigen::RowVectorXd& row : system_->linear.squared_rows) {
+    const double value = RowOfPositions(row).dot(y.head(n()));
+    rate[place++] = value * value;
+  }
+  rate[place] = coil.current_a * coil.current_a;
+}
+
+// a row over the positions as one over the mode's coordinates
+Eigen::RowVectorXd SmoothMode::RowOfPositions(const Eigen::RowVectorXd& row) const {
+  return mode().positions.size() > 0 ? (row * mode().positions).eval() : row;
+}
+
+double SmoothMode::Value(std::size_t guard, double t_s, const Eigen::VectorXd& y) const {
+  const Guard& that = mode().guards[guard];
+  const auto x = y.head(n());
+  double value = that.row.dot(x) + that.offset;
+  if (that.feed.size() > 0) {
+    // the coil's current feels the voltage at once, less what the rise takes
+    Eigen::Vector3d u = InputsThen(t_s);
+    const Coil coil = CoilAt(u[kVoltage], y);
+    u[kVoltage] -= coil.rise_ohm * coil.current_a;
+    value += that.feed.dot(u);
+  }
+  if (system_->spring) {
+    const SpringTerms& terms = system_->spring_terms[mode_];
+    value -= terms.guard_pulls[guard] * system_->spring->Force(terms.deflection.dot(x));
+  }
+  return value;
+}
+
+double SmoothMode::Value(const WatchedNumber& number, double t_s, const Eigen::VectorXd& y) const {
+  const double value = number.row.dot(y.head(n())) + number.offset;
+  return number.feed.size() > 0 ? value + number.feed.dot(InputsThen(t_s)) : value;
+}
+
+// x and its derivatives by differentiating the equations of motion
+GuardJet SmoothMode::Jet(std::size_t guard, double t_s, const Eigen::VectorXd& y) const {
+  const Mode& m = mode();
+  const Eigen::Index size = n();
+  const Coil coil = CoilAt(InputsThen(t_s)[kVoltage], y);
+  Eigen::VectorXd rate(states());
+  Rate(t_s, ConstVector(y.data(), y.size()), Vector(rate.data(), rate.size()));
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(states(), states());
+  Jacobian(t_s, ConstVector(y.data(), y.size()),
+           Matrix(jacobian.data(), jacobian.rows(), jacobian.cols()));
+  // the inputs' derivatives, the voltage's as the coil feels them
+  Eigen::Vector3d input_rate = InputsThen(t_s, 1), input_second = InputsThen(t_s, 2);
+  input_rate[kVoltage] *= coil.held_back;
+  input_second[kVoltage] *= coil.held_back;
+  Eigen::VectorXd second = jacobian * rate;
+  second.head(size) += inputs_ * input_rate;
+  Eigen::VectorXd third = jacobian * second;
+  third.head(size) += inputs_ * input_second;
+  // what the Jacobian's own change adds: twice each product of first derivatives, f'' d'^2
+  if (system_->heating) {
+    const double current_rate = m.current_row.dot(rate.head(size));
+    third.head(size) -= 2 * RisePerKelvin() * rate[size] * current_rate * m.b;
+  }
+  if (system_->spring) {
+    const SpringTerms& terms = system_->spring_terms[mode_];
+    const double speed = terms.deflection.dot(rate.head(size));
+    third.head(size) -= system_->spring->Stiffening(terms.deflection.dot(y.head(size))) * speed *
+                        speed * terms.push;
+  }
+  const Guard& that = m.guards[guard];
+  Eigen::RowVectorXd feed = Eigen::RowVectorXd::Zero(kInputs);
+  if (that.feed.size() > 0) feed = that.feed;
+  return {Value(guard, t_s, y), that.row.dot(rate.head(size)) + feed.dot(input_rate),
+          that.row.dot(second.head(size)) + feed.dot(input_second), that.row.dot(third.head(size))};
+}
+
+double SmoothMode::StoredEnergy(double t_s, const Eigen::VectorXd& y) const {
+  const Eigen::MatrixXd& form = mode().stored_j;
+  const auto x = y.head(n());
+  const double linear_j =
+      form.rows() == n() ? Quadratic(form, x) : Quadratic(form, WithInputs(x, InputsThen(t_s)));
+  if (!system_->spring) return linear_j;
+  return linear_j + system_->spring->Energy(system_->spring_terms[mode_].deflection.dot(x));
+}
+
+Eigen::VectorXd SmoothMode::ScaleFrom(const Eigen::VectorXd& y) const {
+  const Mode& m = mode();
+  const auto magnitudes = [&](double omega, const Eigen::VectorXd& source) -> Eigen::VectorXd {
+    Eigen::MatrixXcd matrix = -m.a.cast<std::complex<double>>();
+    matrix.diagonal().array() += std::complex<double>(kGrowth * omega, omega);
+    return matrix.partialPivLu().solve(source.cast<std::complex<double>>()).cwiseAbs();
+  };
+  Eigen::VectorXd scale(states());
+  scale.head(n()) = magnitudes(Pace(), Pace() * y.head(n()));
+  for (const ExcitationTerm& term : piece_.terms) {
+    scale.head(n()) += magnitudes(PaceOf(term), inputs_ * SourceOf(term));
+  }
+  if (system_->heating) {
+    const double current = LargestCurrent(scale);
+    scale[n()] = y[n()] + system_->resistance_ohm * current * current / Pace() /
+                              system_->heating->heat_capacity_j_per_k;
+  }
+  return scale;
+}
+
+double SmoothMode::LargestCurrent(const Eigen::VectorXd& scale) const {
+  return mode().current_row.cwiseAbs().dot(scale.head(n())) +
+         mode().current_per_volt * LargestInputs()[kVoltage];
+}
+
+double SmoothMode::LastRise(const Eigen::VectorXd& scale) const {
+  const double through_k_per_w = system_->heating->thermal_resistance_k_per_w;
+  if (std::isinf(through_k_per_w)) return 0;
+  const double current = LargestCurrent(scale);
+  return system_->resistance_ohm * current * current * through_k_per_w;
+}
+
+Eigen::VectorXd SmoothMode::IntegralScale(const Eigen::VectorXd& scale) const {
+  if (!with_energy_) return {};
+  const Mode& m = mode();
+  const Eigen::Vector3d largest = LargestInputs();
+  const Eigen::VectorXd z = WithInputs(scale.head(n()), largest);
+  const double current = LargestCurrent(scale);
+  double power_w = largest[kVoltage] * current;
+  if (m.finger_force_row.size() > 0) {
+    power_w += largest[kFingerRate] * m.finger_force_row.cwiseAbs().dot(z);
+  }
+  for (const Eigen::MatrixXd& form : m.dissipating) {
+    if (form.size() > 0) power_w += Quadratic(form.cwiseAbs(), z.head(form.rows()));
+  }
+  double stored_j = Quadratic(m.stored_j.cwiseAbs(), z.head(m.stored_j.rows()));
+  if (system_->spring) {
+    const Eigen::RowVectorXd& deflection = system_->spring_terms[mode_].deflection;
+    stored_j += system_->spring->Energy(deflection.cwiseAbs().dot(scale.head(n())));
+  }
+  Eigen::VectorXd integral_scale =
+      Eigen::VectorXd::Constant(integrals(), power_w / Pace() + stored_j);
+  auto place = 1 + static_cast<Eigen::Index>(system_->linear.dissipating_elements.size());
+  for (const Eigen::RowVectorXd& row : system_->linear.squared_rows) {
+    const double value = RowOfPositions(row).cwiseAbs().dot(scale.head(n()));
+    integral_scale[place++] = value * value / Pace();
+  }
+  integral_scale[place] = current * current / Pace();
+  return integral_scale;
+}
+
+}  // namespace haptometer::sim

@@ -1,0 +1,517 @@
+#include "sim/smooth/smooth_motion.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "sim/piecewise/guard.h"
+
+namespace haptometer::sim {
+
+namespace {
+
+// the solver's local tolerance over what is asked of the whole motion: errors add up over the
+// steps of a ringing resonance (measured: by 300 to 3000 and by 50 to 510)
+constexpr double kLocalPartBdf = 1.0 / 3000;
+constexpr double kLocalPartAdams = 1.0 / 1000;
+// where rounding begins to rule
+constexpr double kLeastRelative = 0x1p-48;
+// of the second run
+constexpr double kCoarser = 100;
+// by how much the error is smaller at least than that of the second run (measured: 14 to 180)
+constexpr double kLeastGain = 10;
+// what a guard may be wrong by, over the local tolerance
+constexpr double kNoiseParts = 10;
+constexpr double kLongestStepPeriods = 0.125;
+constexpr int kMostCrowdedEvents = 100;
+constexpr double kCrowdedPart = 0x1p-40;  // of an output step
+// how much the acceleration may change until bounces are over (piecewise_linear.h)
+constexpr double kSteadyAcceleration = 1e-3;
+// rates above so many times the drive's are stiff
+constexpr double kStiffRatio = 30;
+// and above so many BDF wins at any tolerance: Adams's steps are no longer than a few of theirs
+constexpr double kVeryStiffRatio = 1000;
+// below this the higher orders of Adams's formulas win even where they must keep steps short
+constexpr double kAdamsTolerance = 1e-7;
+
+double LocalTolerance(double tolerance, OdeMethod method) {
+  const double part = method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
+  return std::max(part * tolerance, kLeastRelative);
+}
+
+// A function over a step that is so smooth over an eighth of a period that the polynomial through
+// Chebyshev's points is as good: to 1e-15 of what a sine adds.
+template <typename Function>
+Eigen::VectorXd ThroughPoints(const Function& value) {
+  constexpr Eigen::Index kPoints = 13;
+  Eigen::MatrixXd powers(kPoints, kPoints);
+  Eigen::VectorXd values(kPoints);
+  for (Eigen::Index k = 0; k < kPoints; ++k) {
+    const double angle = (static_cast<double>(k) + 0.5) / kPoints * std::numbers::pi;
+    const double u = (1 - std::cos(angle)) / 2;
+    values[k] = value(u);
+    for (Eigen::Index j = 0; j < kPoints; ++j) powers(k, j) = j == 0 ? 1 : powers(k, j - 1) * u;
+  }
+  return powers.partialPivLu().solve(values);
+}
+
+// Where a guard falls below zero; one that may be wrong by `noise` only where it falls that far.
+std::optional<double> FallWithin(const Eigen::VectorXd& coefficients, double noise) {
+  Eigen::VectorXd raised = coefficients;
+  raised[0] += noise;
+  const std::optional<double> u = FirstFall(raised, 0);
+  if (!u || noise == 0) return u;
+  return LastAbove(coefficients, *u);
+}
+
+}  // namespace
+
+OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
+                    double tolerance) {
+  double fastest_per_s = system.linear.modes[mode].a.eigenvalues().cwiseAbs().maxCoeff();
+  if (system.heating) {
+    const double time_s =
+        system.heating->heat_capacity_j_per_k * system.heating->thermal_resistance_k_per_w;
+    fastest_per_s = std::max(fastest_per_s, 1 / time_s);
+  }
+  const double ratio = fastest_per_s / (2 * std::numbers::pi * frequency_hz);
+  const bool stiff =
+      ratio > kVeryStiffRatio || (ratio > kStiffRatio && tolerance > kAdamsTolerance);
+  return stiff ? OdeMethod::kBdf : OdeMethod::kAdams;
+}
+
+// the run with the larger tolerance and what it differs by
+struct SmoothMotion::Companion {
+  SmoothMotion motion;
+  Eigen::VectorXd largest;
+  Eigen::VectorXd difference;
+};
+
+SmoothMotion::ModeRun::ModeRun(const SmoothSystem& system, std::size_t mode,
+                               const ExcitationPiece& piece, bool with_energy, OdeMethod method,
+                               double relative)
+    : problem(system, mode, piece, with_energy), solver(problem, method, relative) {}
+
+SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, PiecewiseStart start,
+                           const OutputGrid& grid, const SmoothSettings& settings,
+                           double temperature_rise_k)
+    : system_(std::move(system)),
+      excitation_(std::move(excitation)),
+      rate_hz_(grid.rate_hz),
+      grid_origin_s_(static_cast<long double>(grid.origin_s)),
+      settings_(settings),
+      runs_(system_.linear.modes.size()),
+      mode_(start.mode),
+      x_(std::move(start.x)),
+      temperature_rise_k_(temperature_rise_k) {
+  HAPTOMETER_CHECK(rate_hz_ > 0 && mode_ < runs_.size(), "{} Hz, mode {}", rate_hz_, mode_);
+  HAPTOMETER_CHECK(grid.origin_s <= 0 && -grid.origin_s * rate_hz_ < 1, "origin {} s at {} Hz",
+                   grid.origin_s, rate_hz_);
+  HAPTOMETER_CHECK(x_.size() == system_.linear.modes[mode_].a.rows(), "{} states", x_.size());
+  TakePiece(0);
+  const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
+  method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
+  relative_ = LocalTolerance(settings_.tolerance, method_);
+  if (settings_.with_error) {
+    SmoothSettings coarse = settings_;
+    coarse.tolerance *= kCoarser;
+    coarse.with_error = coarse.with_energy = false;
+    coarse.method = method_;
+    companion_.reset(new Companion{
+        .motion{system_, excitation_, {.mode = mode_, .x = x_}, grid, coarse, temperature_rise_k},
+        .largest = Positions().cwiseAbs(),
+        .difference = Eigen::VectorXd::Zero(Positions().size())});
+  }
+  Enter(Whole());
+  ForgetRanges();
+  if (!settings_.with_energy) return;
+  flow_.integrals.assign(static_cast<std::size_t>(Run().problem.integrals()), 0);
+  initial_j_ = Run().problem.StoredEnergy(0, x_);
+}
+
+SmoothMotion::~SmoothMotion() = default;
+
+void SmoothMotion::Enter(Eigen::VectorXd y) {
+  std::unique_ptr<ModeRun>& run = runs_[mode_];
+  const bool known = run != nullptr;
+  if (!known) {
+    run = std::make_unique<ModeRun>(system_, mode_, piece_, settings_.with_energy, method_,
+                                    relative_);
+  }
+  run->problem.Begin(piece_, origin_s_);
+  Eigen::VectorXd scale = run->problem.ScaleFrom(y);
+  if (known) scale = scale.cwiseMax(run->solver.scale());
+  run->solver.Begin({.y = std::move(y),
+                     .scale = scale,
+                     .integral_scale = run->problem.IntegralScale(scale),
+                     .longest_step_s = LongestStepS()});
+  run->armed.assign(system_.linear.modes[mode_].guards.size(), false);
+  fall_.reset();
+  terms_.resize(0, 0);
+  watched_until_s_ = 0;
+  Arm();
+}
+
+void SmoothMotion::TakePiece(std::size_t place) {
+  place_ = place;
+  piece_ = excitation_.Piece(place);
+}
+
+double SmoothMotion::LongestStepS() const {
+  const double highest_hz = HighestFrequencyHz(piece_);
+  return highest_hz > 0 ? kLongestStepPeriods / highest_hz : 1 / rate_hz_;
+}
+
+double SmoothMotion::TauOfPieceEnd() const {
+  if (place_ + 1 == excitation_.size()) return std::numeric_limits<double>::infinity();
+  return static_cast<double>(piece_.end_s - origin_s_);
+}
+
+void SmoothMotion::NextPiece() {
+  const double tau_s = std::min(TauOfPieceEnd(), Run().solver.end_s());
+  Watch(tau_s);
+  Eigen::VectorXd y = Run().solver.At(tau_s);
+  Pass(tau_s);
+  origin_s_ = piece_.end_s;
+  TakePiece(place_ + 1);
+  Enter(std::move(y));
+}
+
+// what the mode's integrals came to
+void SmoothMotion::Pass(double tau_s) {
+  if (!settings_.with_energy) return;
+  const Eigen::VectorXd integrals = Run().solver.IntegralsAt(tau_s);
+  for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
+    flow_.integrals[k] += static_cast<long double>(integrals[static_cast<Eigen::Index>(k)]);
+  }
+}
+
+void SmoothMotion::Next() {
+  if (stalled_at_s_) return;
+  const long double target_s = TimeOf(index_ + 1);
+  for (;;) {
+    const auto tau_s = static_cast<double>(target_s - origin_s_);
+    const double piece_end_s = TauOfPieceEnd(), known_s = Run().solver.end_s();
+    if (fall_ && fall_->tau_s <= std::min(tau_s, piece_end_s)) {
+      Fire(*fall_);
+    } else if (piece_end_s < tau_s && known_s >= piece_end_s) {
+      NextPiece();
+    } else if (known_s >= tau_s) {
+      TakeOutput(tau_s);
+      break;
+    } else if (++steps_ > settings_.most_steps) {
+      Stall(kTooManySteps);
+    } else {
+      Advance();
+    }
+    if (stalled_at_s_) return;
+  }
+  ++index_;
+  if (companion_) Compare();
+}
+
+void SmoothMotion::TakeOutput(double tau_s) {
+  Watch(tau_s);
+  const Eigen::VectorXd y = Run().solver.At(tau_s);
+  const Eigen::Index n = system_.linear.modes[mode_].a.rows();
+  x_ = y.head(n);
+  if (!system_.heating) return;
+  temperature_rise_k_ = y(n);
+  if (!ranges_.empty()) temperature_peak_k_.Include(temperature_rise_k_);
+}
+
+void SmoothMotion::ForgetRanges() {
+  const Mode& mode = system_.linear.modes[mode_];
+  ranges_.assign(mode.watched.size(), {});
+  for (std::size_t k = 0; k < ranges_.size(); ++k) {
+    ranges_[k].Include(Run().problem.Value(mode.watched[k], TauOfOutput(), x_));
+  }
+  if (!ranges_.empty()) temperature_peak_k_ = {temperature_rise_k_, temperature_rise_k_};
+}
+
+// What the numbers come to from where they were watched last.
+void SmoothMotion::Watch(double tau_s) {
+  const OdeSolver& solver = Run().solver;
+  const double begin_s = solver.begin_s(), step_s = solver.end_s() - begin_s;
+  if (ranges_.empty() || !(step_s > 0 && tau_s > watched_until_s_)) return;
+  const double from = std::max(0.0, (watched_until_s_ - begin_s) / step_s);
+  const double to = std::min(1.0, (tau_s - begin_s) / step_s);
+  for (std::size_t k = 0; k < ranges_.size(); ++k) {
+    const Eigen::VectorXd polynomial = PolynomialOfNumber(k);
+    ranges_[k].Include(PolynomialValue(polynomial, from));
+    ranges_[k].Include(PolynomialValue(polynomial, to));
+    ExtendRange(polynomial, from, to, ranges_[k]);
+  }
+  if (system_.heating) {
+    ExtendRange(StepTerms().bottomRows(1).transpose(), from, to, temperature_peak_k_);
+  }
+  watched_until_s_ = tau_s;
+}
+
+void SmoothMotion::Advance() {
+  Watch(Run().solver.end_s());
+  terms_.resize(0, 0);
+  if (!Run().solver.Step()) {
+    Stall("the solver cannot go on");
+    return;
+  }
+  LookForFall();
+  if (!fall_) Arm();
+}
+
+// what a guard's value may be wrong by
+double SmoothMotion::NoiseOf(std::size_t guard) {
+  const Guard& that = system_.linear.modes[mode_].guards[guard];
+  const double terms = that.row.cwiseAbs().dot(Run().solver.scale().head(that.row.size()));
+  return kNoiseParts * relative_ * (terms + std::abs(that.offset));
+}
+
+// guards that have risen clear of zero
+void SmoothMotion::Arm() {
+  ModeRun& run = Run();
+  if (std::ranges::all_of(run.armed, [](bool armed) { return armed; })) return;
+  const Eigen::VectorXd y = run.solver.At(run.solver.end_s());
+  for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
+    run.armed[guard] =
+        run.armed[guard] || run.problem.Value(guard, run.solver.end_s(), y) > NoiseOf(guard);
+  }
+}
+
+// The step's polynomial in u, t = begin + u step, one row a state.
+const Eigen::MatrixXd& SmoothMotion::StepTerms() {
+  if (terms_.size() > 0) return terms_;
+  ModeRun& run = Run();
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  terms_.resize(run.problem.states(), run.solver.order() + 1);
+  double factor = 1;  // step^k / k!
+  for (Eigen::Index k = 0; k < terms_.cols(); ++k) {
+    terms_.col(k) = factor * run.solver.At(begin_s, static_cast<int>(k));
+    factor *= step_s / static_cast<double>(k + 1);
+  }
+  return terms_;
+}
+
+// the guard that falls first within the step
+void SmoothMotion::LookForFall() {
+  ModeRun& run = Run();
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  for (std::size_t guard = 0; guard < run.armed.size(); ++guard) {
+    const std::optional<double> u =
+        FallWithin(PolynomialOf(guard), run.armed[guard] ? 0 : NoiseOf(guard));
+    if (!u) continue;
+    const double tau_s = std::min(begin_s + *u * step_s, run.solver.end_s());
+    if (!fall_ || tau_s < fall_->tau_s) fall_ = Fall{.guard = guard, .tau_s = tau_s};
+  }
+}
+
+// A guard over the step; one that feels what acts from outside is no polynomial.
+Eigen::VectorXd SmoothMotion::PolynomialOf(std::size_t guard) {
+  ModeRun& run = Run();
+  const Guard& that = system_.linear.modes[mode_].guards[guard];
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  if (that.feed.size() > 0) {
+    return ThroughPoints([&](double u) {
+      const double t_s = begin_s + u * step_s;
+      return run.problem.Value(guard, t_s, run.solver.At(t_s));
+    });
+  }
+  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  coefficients[0] = run.problem.Value(guard, begin_s, StepTerms().col(0));
+  return coefficients;
+}
+
+Eigen::VectorXd SmoothMotion::PolynomialOfNumber(std::size_t number) {
+  ModeRun& run = Run();
+  const WatchedNumber& that = system_.linear.modes[mode_].watched[number];
+  const double begin_s = run.solver.begin_s(), step_s = run.solver.end_s() - begin_s;
+  if (that.feed.size() > 0) {
+    return ThroughPoints([&](double u) {
+      const double t_s = begin_s + u * step_s;
+      return run.problem.Value(that, t_s, run.solver.At(t_s));
+    });
+  }
+  Eigen::VectorXd coefficients = (that.row * StepTerms().topRows(that.row.size())).transpose();
+  coefficients[0] += that.offset;
+  return coefficients;
+}
+
+void SmoothMotion::Fire(const Fall& fall) {
+  ModeRun& run = Run();
+  Watch(fall.tau_s);
+  const Eigen::VectorXd y = run.solver.At(fall.tau_s);
+  const double rate = run.problem.Jet(fall.guard, fall.tau_s, y)[1];
+  const std::size_t place = system_.linear.modes[mode_].guards[fall.guard].transition;
+  Pass(fall.tau_s);
+  origin_s_ += static_cast<long double>(fall.tau_s);
+  crowded_events_ = fall.tau_s * rate_hz_ < kCrowdedPart ? crowded_events_ + 1 : 0;
+  const auto time_s = static_cast<double>(origin_s_);
+  Eigen::VectorXd after = Follow(place, y, time_s, rate);
+  const Transition& transition = system_.linear.transitions[place];
+  if (const std::optional<double> rest_s = TimeToRest(transition, after)) {
+    after = Follow(transition.bounce->rest_via, after, time_s + *rest_s, 0);
+  }
+  Enter(std::move(after));
+  if (crowded_events_ >= kMostCrowdedEvents) Stall("events without end");
+}
+
+Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::VectorXd& y,
+                                     double time_s, double guard_rate) {
+  const Transition& way = system_.linear.transitions[transition];
+  const Eigen::Index n = way.map.cols(), m = way.map.rows();
+  Eigen::VectorXd after(m + y.size() - n);
+  after.head(m) = way.map * y.head(n) + way.shift;
+  after.tail(y.size() - n) = y.tail(y.size() - n);
+  const auto stored_j = [&](std::size_t mode, const Eigen::VectorXd& state) {
+    SmoothMode problem(system_, mode, piece_, true);
+    problem.Begin(piece_, origin_s_);
+    return problem.StoredEnergy(0, state);
+  };
+  if (settings_.with_energy) {
+    flow_.impact_j += static_cast<long double>(stored_j(mode_, y) - stored_j(way.mode, after));
+  }
+  mode_ = way.mode;
+  events_.push_back({.time_s = time_s, .transition = transition, .guard_rate = guard_rate});
+  return after;
+}
+
+// the rule of accumulation; heights that the tolerance hides are none
+std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
+                                               const Eigen::VectorXd& y) {
+  if (!transition.bounce || !transition.departure || transition.bounce->restitution >= 1) return {};
+  SmoothMode problem(system_, mode_, piece_, false);
+  problem.Begin(piece_, origin_s_);
+  const std::size_t guard = transition.departure->guard;
+  const GuardJet jet = problem.Jet(guard, 0, y);
+  const double speed = std::max(jet[1], 0.0);
+  const double acceleration = -jet[2];
+  if (!(acceleration > 0)) return {};
+  const double rest_s = 2 * speed / (acceleration * (1 - transition.bounce->restitution));
+  const double height = std::max(transition.bounce->rest_height, NoiseOf(guard));
+  const bool low = speed * speed / (2 * acceleration) <= height;
+  const bool steady = std::abs(jet[3]) * rest_s <= kSteadyAcceleration * acceleration;
+  return low && steady ? std::optional(rest_s) : std::nullopt;
+}
+
+void SmoothMotion::Stall(std::string_view reason) {
+  stalled_at_s_ = static_cast<double>(origin_s_ + static_cast<long double>(Run().solver.end_s()));
+  stall_reason_ = reason;
+  // in the coordinates of the mode that it ended in
+  TakeOutput(Run().solver.end_s());
+}
+
+void SmoothMotion::Compare() {
+  companion_->motion.Next();
+  const Eigen::VectorXd here = Positions();
+  companion_->largest = companion_->largest.cwiseMax(here.cwiseAbs());
+  companion_->difference =
+      companion_->difference.cwiseMax((here - companion_->motion.Positions()).cwiseAbs());
+}
+
+double SmoothMotion::error_estimate() const {
+  HAPTOMETER_CHECK(companion_ != nullptr, "no second run was asked for");
+  if (companion_->motion.stalled_at_s()) return std::numeric_limits<double>::infinity();
+  // what never moved has no error
+  const Eigen::VectorXd scale = companion_->largest.cwiseMax(std::numeric_limits<double>::min());
+  return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
+}
+
+OdeWork SmoothMotion::work() const {
+  OdeWork work;
+  for (const std::unique_ptr<ModeRun>& run : runs_) {
+    if (run) work += run->solver.work();
+  }
+  if (companion_) work += companion_->motion.work();
+  return work;
+}
+
+long double SmoothMotion::TimeOf(std::uint64_t output) const {
+  return grid_origin_s_ + static_cast<long double>(output) / static_cast<long double>(rate_hz_);
+}
+
+// from where the mode was entered to the output; output 0 is the beginning
+double SmoothMotion::TauOfOutput() const {
+  return index_ == 0 ? 0 : static_cast<double>(TimeOf(index_) - origin_s_);
+}
+
+}  // namespace haptometer::sim
+
+// What a SmoothMotion shows of where it stands.
+
+namespace haptometer::sim {
+
+Eigen::VectorXd SmoothMotion::Positions() const {
+  const Mode& mode = system_.linear.modes[mode_];
+  if (mode.positions.size() == 0) return x_;
+  return mode.positions * x_;
+}
+
+// the integrals up to the output
+std::vector<double> SmoothMotion::IntegralsHere() const {
+  HAPTOMETER_CHECK(settings_.with_energy, "no energies were kept");
+  // after a stall the output lies behind the solver's last step
+  const OdeSolver& solver = runs_[mode_]->solver;
+  const double tau_s = std::clamp(TauOfOutput(), solver.begin_s(), solver.end_s());
+  const Eigen::VectorXd since = solver.IntegralsAt(tau_s);
+  std::vector<double> integrals;
+  integrals.reserve(flow_.integrals.size());
+  for (std::size_t k = 0; k < flow_.integrals.size(); ++k) {
+    integrals.push_back(static_cast<double>(flow_.integrals[k]) +
+                        since[static_cast<Eigen::Index>(k)]);
+  }
+  return integrals;
+}
+
+EnergyLedger SmoothMotion::Ledger() const {
+  const std::vector<double> integrals = IntegralsHere();
+  const auto squares =
+      integrals.end() - 1 - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size());
+  return {.initial_j = initial_j_,
+          .stored_j = runs_[mode_]->problem.StoredEnergy(TauOfOutput(), x_),
+          .input_j = integrals.front(),
+          .impact_j = static_cast<double>(flow_.impact_j),
+          .dissipated_j{integrals.begin() + 1, squares}};
+}
+
+std::vector<double> SmoothMotion::SquareIntegrals() const {
+  const std::vector<double> integrals = IntegralsHere();
+  const auto end = integrals.end() - 1;
+  return {end - static_cast<std::ptrdiff_t>(system_.linear.squared_rows.size()), end};
+}
+
+// the state with the coil's rise
+Eigen::VectorXd SmoothMotion::Whole() const {
+  Eigen::VectorXd y = x_;
+  if (!system_.heating) return y;
+  y.conservativeResize(y.size() + 1);
+  y(y.size() - 1) = temperature_rise_k_;
+  return y;
+}
+
+Eigen::VectorXd SmoothMotion::Rates() const {
+  const Eigen::VectorXd y = Whole();
+  Eigen::VectorXd rate(y.size());
+  runs_[mode_]->problem.Rate(TauOfOutput(), OdeProblem::ConstVector(y.data(), y.size()),
+                             OdeProblem::Vector(rate.data(), rate.size()));
+  const Mode& mode = system_.linear.modes[mode_];
+  if (mode.positions.size() == 0) return rate.head(x_.size());
+  return mode.positions * rate.head(x_.size());
+}
+
+Eigen::VectorXd SmoothMotion::Inputs() const {
+  Eigen::VectorXd signals;
+  FillSignals(piece_, std::max(0.0L, TimeOf(index_)), signals);
+  return ShapeOf(piece_).rows * signals;
+}
+
+double SmoothMotion::CurrentA() const {
+  return runs_[mode_]->problem.Current(TauOfOutput(), Whole());
+}
+
+}  // namespace haptometer::sim

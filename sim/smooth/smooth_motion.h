@@ -1,0 +1,204 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sim/linear/excitation.h"
+#include "sim/piecewise/energy_ledger.h"
+#include "sim/piecewise/piecewise_motion.h"
+#include "sim/scene/scene.h"
+#include "sim/smooth/ode_solver.h"
+#include "sim/smooth/smooth_mode.h"
+#include "sim/smooth/smooth_system.h"
+
+namespace haptometer::sim {
+
+/// The reason for a stall where SmoothSettings::most_steps are not enough.
+inline constexpr std::string_view kTooManySteps = "the solver needs too many steps";
+
+/// How a smooth motion is computed.
+struct SmoothSettings {
+  double tolerance = 1e-8;  ///< of each position and speed over its largest value; 1e-12 to 1e-2
+  std::optional<OdeMethod> method{};  ///< absent: the cheaper one, MethodFor()
+  bool with_energy = false;           ///< keep the ledger
+  bool with_error = false;  ///< a second run with a tolerance 100 times as large beside it
+  std::int64_t most_steps = 10'000'000;  ///< of the solver, in all: half a minute
+};
+
+/// The method that costs less at equal error, as measured by bench/smooth_bench.cc: BDF where a
+/// mode is stiff against `frequency_hz` (the coil's R/L or its heat, 30 times) and the tolerance
+/// above 1e-7, or very stiff (1000 times), else Adams.
+[[nodiscard]] OdeMethod MethodFor(const SmoothSystem& system, std::size_t mode, double frequency_hz,
+                                  double tolerance);
+
+/// The motion of a scene with smooth nonlinear effects, with the face of PiecewiseMotion: outputs
+/// on the same grid, events located, energies counted.
+///
+/// **Between events** SUNDIALS CVODES integrates; each step leaves a polynomial behind. A guard,
+/// being affine in the states, is a polynomial too over that step, and the first place where it
+/// falls below zero is found for certain (guard_polynomial.h): what is missed is at most what the
+/// solution's own error hides. No step is longer than an eighth of the fastest tone's period, or
+/// without tones than an output step.
+///
+/// **The excitation's pieces** begin at known times, each with a new beginning of the solver. What
+/// is shown for the very moment is the state before the new piece.
+///
+/// **At an event** the motion goes on from the map of its transition, with a new beginning of the
+/// solver. A guard that begins within its own error of zero (the one just left) is no event until
+/// it has risen above that, or falls below it. Accumulating bounces end by the rule of
+/// piecewise_linear.h, where those lower than the tolerance count as at rest.
+///
+/// **Energies** are integrals in the same integration, with the same error control.
+///
+/// **Error.** The tolerance steers each step's error, not what becomes of it; `with_error` measures
+/// that. Beyond 1e-12 rounding wins; a chaotic motion has no error that stays small.
+///
+/// **A stall** is said: a hundred events within 2^-40 of an output step, a solver that cannot go on
+/// or needs more steps than it may take.
+class SmoothMotion {
+ public:
+  SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start, double rate_hz,
+               const SmoothSettings& settings, double temperature_rise_k = 0)
+      : SmoothMotion(std::move(system), drive, std::move(start), OutputGrid{.rate_hz = rate_hz},
+                     settings, temperature_rise_k) {}
+  SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start,
+               const OutputGrid& grid, const SmoothSettings& settings,
+               double temperature_rise_k = 0)
+      : SmoothMotion(std::move(system), Excitation(drive), std::move(start), grid, settings,
+                     temperature_rise_k) {}
+  SmoothMotion(SmoothSystem system, Excitation excitation, PiecewiseStart start,
+               const OutputGrid& grid, const SmoothSettings& settings,
+               double temperature_rise_k = 0);
+  // problems refer to the system within
+  SmoothMotion(const SmoothMotion&) = delete;
+  SmoothMotion& operator=(const SmoothMotion&) = delete;
+  ~SmoothMotion();
+
+  /// Goes on to the next output. Cost: some 3 us a step of the solver, of which there are 30 to 300
+  /// in a period and 30 to 100 after an event. Nothing happens after a stall.
+  void Next();
+
+  /// The number of the output that the motion stands at; 0: at its beginning.
+  [[nodiscard]] std::uint64_t index() const { return index_; }
+  /// The state there, in the coordinates of the mode() there.
+  [[nodiscard]] const Eigen::VectorXd& x() const { return x_; }
+  [[nodiscard]] std::size_t mode() const { return mode_; }
+  /// The mode's positions x: what all modes have in common.
+  [[nodiscard]] Eigen::VectorXd Positions() const;
+  /// Their rates by time.
+  [[nodiscard]] Eigen::VectorXd Rates() const;
+  /// (kInputs): what acts from outside there.
+  [[nodiscard]] Eigen::VectorXd Inputs() const;
+  /// The coil's current there, also where it is no state.
+  [[nodiscard]] double CurrentA() const;
+  /// The coil's rise there; 0 without heating.
+  [[nodiscard]] double temperature_rise_k() const { return temperature_rise_k_; }
+  [[nodiscard]] const std::vector<Event>& events() const { return events_; }
+  /// The balance up to here; needs `with_energy`.
+  [[nodiscard]] EnergyLedger Ledger() const;
+  /// Integrals since t = 0 of the squares of the system's squared_rows; need `with_energy`.
+  [[nodiscard]] std::vector<double> SquareIntegrals() const;
+  /// As PiecewiseMotion's, of the steps' polynomials.
+  [[nodiscard]] const std::vector<ValueRange>& Ranges() const { return ranges_; }
+  /// The coil's largest rise since then; 0 where nothing is watched.
+  [[nodiscard]] double temperature_peak_k() const { return temperature_peak_k_.largest; }
+  void ForgetRanges();
+  /// Integral since t = 0 of the current's square in A^2 s; needs `with_energy`.
+  [[nodiscard]] double CurrentSquareIntegral() const { return IntegralsHere().back(); }
+  /// When the motion stalled, if it did, and why.
+  [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
+  [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
+  [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_.linear; }
+  [[nodiscard]] OdeMethod method() const { return method_; }
+  /// What it cost, both runs.
+  [[nodiscard]] OdeWork work() const;
+  /// The solver's steps so far, without those of the run that errors are told from.
+  [[nodiscard]] std::int64_t steps() const { return steps_; }
+  /// A tenth of the largest difference to the second run over all outputs so far, each position
+  /// over its largest value. In every scene of the tests the error is below it. Infinite after the
+  /// second run stalled; needs `with_error`.
+  [[nodiscard]] double error_estimate() const;
+
+ private:
+  struct ModeRun {
+    ModeRun(const SmoothSystem& system, std::size_t mode, const ExcitationPiece& piece,
+            bool with_energy, OdeMethod method, double relative);
+    SmoothMode problem;
+    OdeSolver solver;
+    std::vector<bool> armed{};  // of each guard: it has risen
+  };
+  struct Fall {
+    std::size_t guard = 0;
+    double tau_s = 0;
+  };
+  struct Flow {  // long sums, up to where the mode began
+    long double impact_j = 0;
+    std::vector<long double> integrals;  // as SmoothMode's
+  };
+  struct Companion;
+
+  [[nodiscard]] ModeRun& Run() { return *runs_[mode_]; }
+  void Enter(Eigen::VectorXd y);
+  void TakePiece(std::size_t place);
+  void NextPiece();
+  void Pass(double tau_s);
+  [[nodiscard]] double TauOfPieceEnd() const;
+  [[nodiscard]] double LongestStepS() const;
+  void Advance();
+  void LookForFall();
+  [[nodiscard]] Eigen::VectorXd PolynomialOf(std::size_t guard);
+  [[nodiscard]] double NoiseOf(std::size_t guard);
+  void Arm();
+  void Fire(const Fall& fall);
+  [[nodiscard]] Eigen::VectorXd Follow(std::size_t transition, const Eigen::VectorXd& y,
+                                       double time_s, double guard_rate);
+  [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition,
+                                                 const Eigen::VectorXd& y);
+  void Stall(std::string_view reason);
+  void TakeOutput(double tau_s);
+  void Watch(double tau_s);
+  [[nodiscard]] const Eigen::MatrixXd& StepTerms();
+  [[nodiscard]] Eigen::VectorXd PolynomialOfNumber(std::size_t number);
+  void Compare();
+  [[nodiscard]] std::vector<double> IntegralsHere() const;
+  [[nodiscard]] Eigen::VectorXd Whole() const;
+  [[nodiscard]] long double TimeOf(std::uint64_t output) const;
+  [[nodiscard]] double TauOfOutput() const;
+
+  SmoothSystem system_;
+  Excitation excitation_;
+  std::size_t place_ = 0;  // of the piece
+  ExcitationPiece piece_;
+  double rate_hz_;
+  long double grid_origin_s_;
+  SmoothSettings settings_;
+  OdeMethod method_ = OdeMethod::kBdf;
+  double relative_ = 0;                         // the solver's local tolerance
+  std::vector<std::unique_ptr<ModeRun>> runs_;  // one for each mode that was entered
+  std::uint64_t index_ = 0;
+  std::size_t mode_;
+  long double origin_s_ = 0;  // the time at which the mode was entered
+  Eigen::VectorXd x_;
+  double temperature_rise_k_;
+  std::optional<Fall> fall_;  // in the step that was taken last
+  Eigen::MatrixXd terms_;     // of that step; empty: not asked for
+  std::vector<ValueRange> ranges_;
+  ValueRange temperature_peak_k_{.least = 0, .largest = 0};
+  double watched_until_s_ = 0;  // from where the mode was entered
+  std::vector<Event> events_;
+  int crowded_events_ = 0;
+  std::int64_t steps_ = 0;
+  std::optional<double> stalled_at_s_;
+  std::string_view stall_reason_;
+  double initial_j_ = 0;
+  Flow flow_;
+  std::unique_ptr<Companion> companion_;
+};
+
+}  // namespace haptometer::sim

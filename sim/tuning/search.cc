@@ -1,0 +1,252 @@
+#include "sim/tuning/search.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <queue>
+#include <utility>
+#include <vector>
+
+namespace haptometer::sim {
+
+namespace {
+
+using CubeView = std::function<LimitedView(const CubePlace&)>;
+using Curvature = Eigen::Matrix<double, kCubeAxes, kCubeAxes>;
+
+struct CubeBounds {
+  CubePlace lower, upper;
+};
+
+// f + (rho / 2) max(0, h + lambda / rho)^2 for the lambda and rho of a round
+struct LimitedMerit {
+  double lambda = 1, rho = 10;
+  [[nodiscard]] double Pull(const LimitedView& at) const {
+    return std::max(0.0, rho * at.excess + lambda);
+  }
+  [[nodiscard]] double Value(const LimitedView& at) const {
+    return at.cost + Pull(at) * Pull(at) / (2 * rho);
+  }
+  [[nodiscard]] CubePlace Slopes(const LimitedView& at) const {
+    return at.cost_slopes + Pull(at) * at.excess_slopes;
+  }
+};
+
+// second slopes of f + pull h, and what the square adds
+Curvature CurvatureAt(const CubeView& view, const LimitedMerit& merit, const CubePlace& place,
+                      const LimitedView& here) {
+  constexpr double kStep = 1e-6;
+  const double pull = merit.Pull(here);
+  Curvature bend;
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    const CubePlace step = kStep * CubePlace::Unit(axis);
+    const LimitedView after = view(place + step), before = view(place - step);
+    bend.col(axis) = (after.cost_slopes - before.cost_slopes +
+                      pull * (after.excess_slopes - before.excess_slopes)) /
+                     (2 * kStep);
+  }
+  if (pull > 0) bend += merit.rho * here.excess_slopes * here.excess_slopes.transpose();
+  return (bend + bend.transpose()) / 2;
+}
+
+// the axes along which the merit may fall: neither fixed nor held by a bound
+CubePlace Loose(const CubeBounds& bounds, const CubePlace& place, const CubePlace& slopes) {
+  CubePlace loose = CubePlace::Ones();
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    const bool held = (place[axis] <= bounds.lower[axis] && slopes[axis] > 0) ||
+                      (place[axis] >= bounds.upper[axis] && slopes[axis] < 0);
+    if (held || bounds.lower[axis] == bounds.upper[axis]) loose[axis] = 0;
+  }
+  return loose;
+}
+
+// the Newton step along the loose axes, damped by `damping` times the diagonal's size
+CubePlace Step(const Curvature& bend, const CubePlace& slopes, const CubePlace& loose,
+               double damping) {
+  Curvature system = loose.asDiagonal() * bend * loose.asDiagonal();
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    system(axis, axis) += loose[axis] > 0 ? damping * (1 + std::abs(bend(axis, axis))) : 1;
+  }
+  const Eigen::LDLT<Curvature> factors(system);
+  if (!factors.isPositive()) return CubePlace::Zero();
+  return -factors.solve(loose.cwiseProduct(slopes));
+}
+
+// the least merit that damped Newton steps find
+CubePlace Descend(const CubeView& view, const LimitedMerit& merit, const CubeBounds& bounds,
+                  CubePlace place) {
+  constexpr int kMostSteps = 60;
+  constexpr double kLeastDamping = 1e-12, kMostDamping = 1e8;
+  double damping = 1e-6;
+  LimitedView here = view(place);
+  for (int count = 0; count < kMostSteps; ++count) {
+    const CubePlace slopes = merit.Slopes(here);
+    const CubePlace loose = Loose(bounds, place, slopes);
+    if (loose.cwiseProduct(slopes).norm() < 1e-13) return place;
+    const Curvature bend = CurvatureAt(view, merit, place, here);
+    bool moved = false;
+    for (; damping < kMostDamping && !moved; damping *= 8) {
+      const CubePlace next = (place + Step(bend, slopes, loose, damping))
+                                 .cwiseMax(bounds.lower)
+                                 .cwiseMin(bounds.upper);
+      const LimitedView there = view(next);
+      if (!(merit.Value(there) < merit.Value(here))) continue;
+      place = next;
+      here = there;
+      moved = true;
+    }
+    if (!moved) return place;
+    damping = std::max(kLeastDamping, damping / 64);
+  }
+  return place;
+}
+
+}  // namespace
+
+LimitedSummit ClimbWithinBounds(const CubeView& view, const CubePlace& lower,
+                                const CubePlace& upper, const CubePlace& start) {
+  constexpr int kMostRounds = 40;
+  LimitedMerit merit;
+  LimitedSummit summit{.place = start};
+  double before = HUGE_VAL;
+  for (int round = 0; round < kMostRounds; ++round) {
+    summit.place = Descend(view, merit, {.lower = lower, .upper = upper}, summit.place);
+    const LimitedView at = view(summit.place);
+    const double miss = std::abs(std::max(at.excess, -merit.lambda / merit.rho));
+    merit.lambda = merit.Pull(at);
+    summit.cost = at.cost;
+    summit.kept = at.excess <= kKeptLimit;
+    if (miss < kKeptLimit / 10) break;
+    if (miss > before / 8) merit.rho *= 4;
+    before = miss;
+  }
+  summit.price = merit.lambda;
+  return summit;
+}
+
+namespace {
+
+using Function = std::function<double(const std::vector<double>&)>;
+
+// the next of all combinations of digits below `base`, as an odometer; false after the last
+bool Advance(std::vector<int>& digits, int base) {
+  for (int& digit : digits) {
+    if (++digit < base) return true;
+    digit = 0;
+  }
+  return false;
+}
+
+// the best of the neighbours one step away, or `here`
+CubePoint BestNeighbour(const Function& function, const CubePoint& here, double step) {
+  CubePoint best = here;
+  std::vector<int> digits(here.place.size(), 0);
+  std::vector<double> place(here.place.size());
+  do {
+    for (std::size_t k = 0; k < place.size(); ++k) {
+      place[k] = std::clamp(here.place[k] + (digits[k] - 1) * step, 0.0, 1.0);
+    }
+    const double value = function(place);
+    if (value > best.value) best = {.place = place, .value = value};
+  } while (Advance(digits, 3));
+  return best;
+}
+
+}  // namespace
+
+CubePoint ClimbWithinCube(const Function& function, std::vector<double> start) {
+  constexpr int kFirstHalving = 4;
+  constexpr int kLastHalving = 40;
+  constexpr int kMostMoves = 1000;
+  // what the rounding of a function of some ten operations may feign
+  constexpr double kGain = 16 * std::numeric_limits<double>::epsilon();
+  CubePoint here{.place = std::move(start)};
+  here.value = function(here.place);
+  for (int halving = kFirstHalving; halving <= kLastHalving; ++halving) {
+    const double step = std::ldexp(1, -halving);
+    for (int move = 0; move < kMostMoves; ++move) {
+      CubePoint next = BestNeighbour(function, here, step);
+      if (!(next.value - here.value > kGain * std::abs(here.value))) break;
+      here = std::move(next);
+    }
+  }
+  return here;
+}
+
+namespace {
+
+using Cost = std::function<BoxCost(const AdapterBox&)>;
+
+// a bound that comes so near to the cost of an adapter cannot be raised further
+constexpr double kSettled = 1e-10;
+
+struct OpenBox {
+  AdapterBox box;
+  BoxCost cost{};
+};
+// the box that may hold the least cost comes first
+struct Costlier {
+  bool operator()(const OpenBox& a, const OpenBox& b) const { return a.cost.lower > b.cost.lower; }
+};
+using OpenBoxes = std::priority_queue<OpenBox, std::vector<OpenBox>, Costlier>;
+
+enum class Fate : std::uint8_t { kKept, kFlattened, kDropped };
+
+// what the trend along one axis makes of its interval
+Fate FateOf(Interval& axis, int trend) {
+  if (trend == 0 || axis.lower == axis.upper) return Fate::kKept;
+  const double bound = trend > 0 ? 0 : 1;
+  if ((trend > 0 ? axis.lower : axis.upper) != bound) return Fate::kDropped;
+  axis = Interval::Of(bound);
+  return Fate::kFlattened;
+}
+
+// Bounds the box, flattened as far as it may be; false where it cannot hold the least.
+bool Bound(const Cost& over, OpenBox& open) {
+  for (bool flattened = true; flattened;) {
+    open.cost = over(open.box);
+    flattened = false;
+    for (std::size_t axis = 0; axis < kBoxAxes; ++axis) {
+      const Fate fate = FateOf(open.box[axis], open.cost.trend[axis]);
+      if (fate == Fate::kDropped) return false;
+      flattened = flattened || fate == Fate::kFlattened;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+LeastOfBoxes LeastCost(const Cost& over, double enough, std::size_t most_boxes) {
+  OpenBox whole;
+  whole.box.fill({.lower = 0, .upper = 1});
+  Bound(over, whole);
+  OpenBoxes open;
+  open.push(whole);
+  std::size_t boxes = 1;
+  OpenBox best = whole;  // by its middle
+  const auto open_by = [&] { return std::min(enough, (1 - kSettled) * best.cost.middle); };
+  while (!open.empty() && open.top().cost.lower < open_by() && boxes < most_boxes) {
+    const OpenBox first = open.top();
+    open.pop();
+    const auto widest = std::ranges::max_element(first.cost.spread);
+    const auto axis = static_cast<std::size_t>(widest - first.cost.spread.begin());
+    OpenBox lower{.box = first.box};
+    OpenBox upper{.box = first.box};
+    lower.box[axis].upper = upper.box[axis].lower = first.box[axis].middle();
+    for (OpenBox* half : {&lower, &upper}) {
+      if (!Bound(over, *half)) continue;
+      if (half->cost.middle < best.cost.middle) best = *half;
+      open.push(*half);
+    }
+    boxes += 2;
+  }
+  return {.cost = open.empty() ? std::numeric_limits<double>::infinity() : open.top().cost.lower,
+          .boxes = boxes,
+          .reached = best.box};
+}
+
+}  // namespace haptometer::sim

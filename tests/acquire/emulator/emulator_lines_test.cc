@@ -1,0 +1,207 @@
+// The emulated DL-EN1, LK-G3001 and a DL-RS1A with several amplifiers: their bytes, what writing to
+// them does, and what the faults of answers do to bytes and times.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+
+#include "acquire/emulator/dl_unit.h"
+#include "acquire/emulator/lkg_unit.h"
+#include "tests/acquire/emulator_run.h"
+#include "tests/acquire/il_series_emulated.h"
+#include "tests/residual.h"
+
+namespace haptometer::acquire::emulator {
+namespace {
+
+constexpr MonotonicNs kMs = 1'000'000;
+
+// sends `request` and waits long enough for any answer but a late one
+std::string Ask(Device& device, ManualClock& clock, std::string_view request) {
+  device.Receive(request, clock.Now());
+  return TextOf(RunUntil(device, clock, clock.Now() + kNsPerS));
+}
+
+struct Exchange {
+  const char* request;
+  const char* answer;
+};
+
+// --- DL-EN1 ----------------------------------------------------------------------------------
+
+class DlEn1Answers : public ::testing::TestWithParam<Exchange> {};
+
+TEST_P(DlEn1Answers, AreTheManuals) {
+  ManualClock clock;
+  DlEn1Unit unit({.heads = {StillHead(12.345e-3, "IL-065"), StillHead(-0.056789, "IL-300")}});
+  EXPECT_EQ(Ask(unit, clock, GetParam().request), GetParam().answer);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Requests, DlEn1Answers,
+    ::testing::Values(Exchange{"SR,01,195\r\n", "SR,01,195,+000000002\r\n"},
+                      Exchange{"SR,02,195\r\n", "SR,02,195,+000000004\r\n"},
+                      Exchange{"SR,01,200\r\n", "SR,01,200,EMULATED\r\n"},
+                      Exchange{"FR,01,037\r\n", "FR,01,037,+000000003\r\n"},
+                      Exchange{"FR,02,037\r\n", "FR,02,037,+000000002\r\n"},
+                      Exchange{"SR,00,195\r\n", "ER,SR,022\r\n"},  // 00 is the unit itself
+                      Exchange{"SR,03,195\r\n", "ER,SR,022\r\n"},
+                      Exchange{"SR,01,999\r\n", "ER,SR,020\r\n"},
+                      Exchange{"SW,01,132,+000000001\r\n", "ER,SW,014\r\n"},
+                      Exchange{"AW,132,1\r\n", "ER,AW,255\r\n"},  // DL-RS1A only
+                      Exchange{"ZZ\r\n", "ER,ZZ,255\r\n"}));
+
+TEST(DlEn1Unit, SendsValuesWithoutAPoint) {
+  ManualClock clock;
+  // 5 mm is within both ranges; two decimals of an IL-300, three of an IL-030
+  DlEn1Unit unit({.heads = {StillHead(5.678e-3), StillHead(-5.67e-3, "IL-300")}});
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+000005678,-000000567\r\n");
+  EXPECT_EQ(Ask(unit, clock, "MS\r\n"), "MS,04,+000005678,04,-000000567\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,02,037\r\n"), "SR,02,037,-000000567\r\n");
+}
+
+TEST(DlEn1Unit, HasTheUnitsSpecialValuesInM0AndTheAmplifiersInSr) {
+  ManualClock clock;
+  DlEn1Unit over({.heads = {StillHead(10.4e-3)}});
+  EXPECT_EQ(Ask(over, clock, "M0\r\n"), "M0,+099999999\r\n");
+  EXPECT_EQ(Ask(over, clock, "SR,01,037\r\n"), "SR,01,037,+000099999\r\n");
+  ManualClock another;
+  DlEn1Unit broken({.heads = {StillHead(0)}, .faults = *ParseFaultPlan("amplifier-error")});
+  EXPECT_EQ(Ask(broken, another, "M0\r\n"), "M0,+100000000\r\n");
+  EXPECT_EQ(Ask(broken, another, "SR,01,037\r\n"), "SR,01,037,+000100000\r\n");
+}
+
+// --- LK-G3001 --------------------------------------------------------------------------------
+
+TEST(LkgUnit, AnswersInItsModes) {
+  ManualClock clock;
+  LkgUnit unit({.heads = {StillHead(1.234e-3)}});
+  EXPECT_EQ(Ask(unit, clock, "M1\r"), "M1,+01.2340\r");
+  EXPECT_EQ(Ask(unit, clock, "m1\r"), "M1,+01.2340\r") << "either case";
+  EXPECT_EQ(Ask(unit, clock, "M2\r"), "M2,XXXXXXXX\r") << "no second head";
+  EXPECT_EQ(Ask(unit, clock, "M0\r"), "M0,+01.2340,XXXXXXXX\r");
+  EXPECT_EQ(Ask(unit, clock, "ZZ\r"), "ER,ZZ,00\r");
+  EXPECT_EQ(Ask(unit, clock, "Q0\r"), "Q0\r");
+  EXPECT_EQ(Ask(unit, clock, "M1\r"), "ER,M1,01\r") << "measures nothing in communication mode";
+  EXPECT_EQ(Ask(unit, clock, "R0\r"), "R0\r");
+  EXPECT_EQ(Ask(unit, clock, "M1\r"), "M1,+01.2340\r");
+  EXPECT_EQ(Ask(unit, clock, std::string(40, 'x') + "\r"), "ER,xx,20\r");
+}
+
+TEST(LkgUnit, IsRefusedWithoutHeads) {
+  EXPECT_FALSE(Validate(LkgSetup{}));
+  EXPECT_FALSE(Validate(LkgSetup{.heads = {StillHead(0), StillHead(0), StillHead(0)}}));
+}
+
+// --- DL-RS1A with several amplifiers, and writing ----------------------------------------------
+
+DlRs1aSetup ThreeAmplifiers() {
+  DlRs1aSetup setup{.baud = 38400, .head = StillHead(1.234e-3)};
+  setup.expansions = {StillHead(-2.5e-3), StillHead(3e-3, "IL-300")};
+  return setup;
+}
+
+TEST(DlRs1aAmplifiers, AnswerInTheOrderOfTheirNumbers) {
+  ManualClock clock;
+  DlRs1aUnit unit(ThreeAmplifiers());
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,-02.500,+003.00\r\n");
+  EXPECT_EQ(Ask(unit, clock, "MS\r\n"), "MS,04,+01.234,04,-02.500,04,+003.00\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,02,037\r\n"), "SR,02,037,+003.00\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,00,193\r\n"), "SR,00,193,4022\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,01,193\r\n"), "SR,01,193,4023\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,03,037\r\n"), "ER,SR,65\r\n");
+}
+
+TEST(DlRs1aAmplifiers, AreWrittenWhereTheSwitchAllowsIt) {
+  ManualClock clock;
+  DlRs1aSetup setup = ThreeAmplifiers();
+  setup.is_writable = true;
+  DlRs1aUnit unit(setup);
+  EXPECT_EQ(Ask(unit, clock, "SW,01,132,1\r\n"), "SW,01,132\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,01,132\r\n"), "SR,01,132,1\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,00,132\r\n"), "SR,00,132,2\r\n") << "only the one that was meant";
+  EXPECT_EQ(Ask(unit, clock, "AW,133,4\r\n"), "AW,133\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,02,133\r\n"), "SR,02,133,4\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SW,00,133,15\r\n"), "ER,SW,22\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SW,00,195,1\r\n"), "ER,SW,22\r\n") << "read only";
+  EXPECT_EQ(Ask(unit, clock, "SW,00,132,x\r\n"), "ER,SW,22\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SW,07,132,1\r\n"), "ER,SW,65\r\n");
+}
+
+TEST(DlRs1aAmplifiers, ShowNothingUntilAChangeHasSettled) {
+  ManualClock clock;
+  DlRs1aSetup setup = ThreeAmplifiers();
+  setup.is_writable = true;
+  DlRs1aUnit unit(setup);
+  // 4096 averages of 1 ms
+  ASSERT_EQ(Ask(unit, clock, "SW,00,133,12\r\n"), "SW,00,133\r\n");
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,-99.998,-02.500,+003.00\r\n");
+  clock.Advance(9 * kNsPerS);
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,-02.500,+003.00\r\n");
+}
+
+TEST(DlRs1aAmplifiers, ShiftTheirZeroAtTheEdge) {
+  ManualClock clock;
+  DlRs1aSetup setup = ThreeAmplifiers();
+  setup.is_writable = true;
+  DlRs1aUnit unit(setup);
+  for (const char* request : {"SW,00,001,0\r\n", "SW,00,001,1\r\n", "SW,00,001,1\r\n"}) {
+    EXPECT_EQ(Ask(unit, clock, request), "SW,00,001\r\n");
+  }
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+00.000,-02.500,+003.00\r\n");
+  for (const char* request : {"SW,00,002,0\r\n", "SW,00,002,1\r\n"}) {
+    EXPECT_EQ(Ask(unit, clock, request), "SW,00,002\r\n");
+  }
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,-02.500,+003.00\r\n");
+}
+
+// --- faults of answers ---------------------------------------------------------------------------
+
+DlRs1aSetup Faulty(std::string_view plan) {
+  return {.baud = 38400, .head = StillHead(1.234e-3), .faults = *ParseFaultPlan(plan)};
+}
+
+TEST(AnswerFaults, AMergedAnswerComesWithTheNext) {
+  ManualClock clock;
+  DlRs1aUnit unit(Faulty("merged:3"));
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234\r\n");
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234\r\n");
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "");
+  EXPECT_EQ(Ask(unit, clock, "MS\r\n"), "M0,+01.234\r\nMS,04,+01.234\r\n");
+}
+
+TEST(AnswerFaults, AWrongIdIsAnotherAmplifiersOrOneTooMany) {
+  ManualClock clock;
+  DlRs1aUnit unit(Faulty("wrong-id"));
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234,+01.234\r\n");
+  EXPECT_EQ(Ask(unit, clock, "SR,00,195\r\n"), "SR,01,195,1\r\n");
+  ManualClock another;
+  LkgUnit lkg({.heads = {StillHead(0)}, .faults = *ParseFaultPlan("wrong-id")});
+  EXPECT_EQ(Ask(lkg, another, "M1\r"), "M2,XXXXXXXX\r");
+}
+
+TEST(AnswerFaults, AnErrorHasTheNumberThatWasAskedFor) {
+  ManualClock clock;
+  DlRs1aUnit unit(Faulty("error-65"));
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "ER,M0,65\r\n");
+  EXPECT_FALSE(ParseFaultPlan("error-"));
+  EXPECT_FALSE(ParseFaultPlan("late-65"));
+  EXPECT_EQ(ParseFaultPlan("error-7:20")->every, 20);
+}
+
+TEST(AnswerFaults, AByteGapPausesInTheMiddle) {
+  ManualClock clock;
+  DlRs1aUnit unit(Faulty("byte-gap:2"));
+  EXPECT_EQ(Ask(unit, clock, "M0\r\n"), "M0,+01.234\r\n");
+  unit.Receive("M0\r\n", clock.Now());
+  const auto bytes = RunUntil(unit, clock, clock.Now() + kNsPerS);
+  ASSERT_EQ(TextOf(bytes), "M0,+01.234\r\n");
+  for (std::size_t i = 1; i < bytes.size(); ++i) {
+    // the next byte is ready 300 ms after the answer began, of which it had used five bytes' time
+    const bool gap = bytes[i].time - bytes[i - 1].time > 100 * kMs;
+    EXPECT_EQ(gap, i == bytes.size() / 2) << i;
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::acquire::emulator

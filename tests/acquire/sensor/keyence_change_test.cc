@@ -1,0 +1,250 @@
+// Writing to IL amplifiers, against the emulated units: what is changed, what is said, and that
+// nothing is written unless it was asked for.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "acquire/emulator/dl_unit.h"
+#include "acquire/sensor/keyence/keyence_il.h"
+#include "tests/acquire/device_transport.h"
+#include "tests/acquire/il_series_emulated.h"
+#include "tests/acquire/sensor_rows.h"
+#include "tests/residual.h"
+
+namespace haptometer::acquire {
+namespace {
+
+using emulator::StillHead;
+using ::testing::AllOf;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using trial::SampleStatus;
+
+std::vector<il_setting::Write> Writes(std::initializer_list<std::string_view> texts) {
+  std::vector<il_setting::Write> writes;
+  for (const std::string_view text : texts) {
+    const auto parsed = il_setting::Parse(text);
+    writes.insert(writes.end(), parsed.value().begin(), parsed.value().end());
+  }
+  return writes;
+}
+
+class KeyenceChange : public ::testing::Test {
+ protected:
+  Result<void> StartRs1a(KeyenceIlSetup setup, bool is_writable = true) {
+    setup.baud = 38400;
+    emulator::DlRs1aSetup unit{.baud = 38400, .head = StillHead(1.234e-3)};
+    unit.expansions = {StillHead(-2.5e-3), StillHead(3e-3, "IL-300")};
+    unit.is_writable = is_writable;
+    device_ = std::make_unique<emulator::DlRs1aUnit>(unit);
+    return Start(setup);
+  }
+  Result<void> StartEn1(KeyenceIlSetup setup, bool is_writable = true) {
+    setup.unit = IlUnit::kDlEn1;
+    device_ = std::make_unique<emulator::DlEn1Unit>(emulator::DlEn1Setup{
+        .heads = {StillHead(1.234e-3), StillHead(3e-3, "IL-300")}, .is_writable = is_writable});
+    return Start(setup);
+  }
+  Result<void> Start(const KeyenceIlSetup& setup) {
+    sensor_ = std::make_unique<KeyenceIl>(
+        std::make_unique<tests::DeviceTransport>(*device_, clock_), setup, clock_);
+    return StartAndBegin(*sensor_);
+  }
+  Reading NextRow() { return NextRowOf(*sensor_); }
+  const trial::Metadata& metadata() const { return sensor_->header().metadata; }
+
+  ManualClock clock_;
+  std::unique_ptr<emulator::Device> device_;
+  std::unique_ptr<KeyenceIl> sensor_;
+};
+
+TEST_F(KeyenceChange, EveryAmplifierIsAChannelWithItsOwnStepAndRange) {
+  ASSERT_TRUE(StartRs1a({}));
+  const auto& channels = sensor_->header().channels;
+  ASSERT_EQ(channels.size(), 3U);
+  EXPECT_EQ(channels[0].name, "displacement");
+  EXPECT_EQ(channels[1].name, "displacement_01");
+  EXPECT_EQ(channels[2].name, "displacement_02");
+  EXPECT_REL(channels[1].scale, 1e-6, 1e-15, "1 um steps");
+  EXPECT_REL(channels[2].scale, 1e-5, 1e-15, "an IL-300 has two decimals");
+  // 160 to 450 mm about 300 mm
+  EXPECT_REL(channels[2].range_min, -150e-3, 1e-15, "range of the IL-300");
+  EXPECT_REL(channels[2].range_max, 140e-3, 1e-15, "range of the IL-300");
+  EXPECT_EQ(metadata().fields.at("keyence_data_195"), "1");
+  EXPECT_EQ(metadata().fields.at("keyence_data_195_02"), "4");
+  const Reading row = NextRow();
+  EXPECT_EQ(Counts(row.samples[0]), 1234);
+  EXPECT_EQ(Counts(row.samples[1]), -2500);
+  EXPECT_EQ(Counts(row.samples[2]), 300);
+}
+
+TEST_F(KeyenceChange, TheEn1sChannelsFollowFr) {
+  ASSERT_TRUE(StartEn1({}));
+  const auto& channels = sensor_->header().channels;
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_EQ(channels[0].name, "displacement");
+  EXPECT_EQ(channels[1].name, "displacement_02");
+  EXPECT_REL(channels[0].scale, 1e-6, 1e-15, "1 um steps");
+  EXPECT_REL(channels[1].scale, 1e-5, 1e-15, "an IL-300 has two decimals");
+  EXPECT_EQ(metadata().sensor, "keyence-en1");
+  EXPECT_EQ(metadata().head, "IL-030");
+  EXPECT_EQ(metadata().averages, 1);
+  EXPECT_EQ(metadata().source, "emulated device: emulator on a manual clock");
+  const Reading row = NextRow();
+  EXPECT_EQ(Counts(row.samples[0]), 1234);
+  EXPECT_EQ(Counts(row.samples[1]), 300);
+}
+
+TEST_F(KeyenceChange, MsRecordsTheOutputsToo) {
+  ASSERT_TRUE(StartRs1a({.command = dl::Command::kMs}));
+  const auto& channels = sensor_->header().channels;
+  ASSERT_EQ(channels.size(), 6U);
+  EXPECT_EQ(channels[3].name, "outputs");
+  EXPECT_EQ(channels[3].role, trial::ChannelRole::kOther);
+  EXPECT_EQ(channels[5].name, "outputs_02");
+  const Reading row = NextRow();
+  ASSERT_EQ(row.samples.size(), 6U);
+  EXPECT_EQ(Counts(row.samples[0]), 1234);
+  EXPECT_EQ(Counts(row.samples[3]), 4) << "GO";
+}
+
+TEST_F(KeyenceChange, ASettingIsWrittenToEveryAmplifierAndReadBack) {
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"sampling=0.33ms", "averaging=4"})}));
+  EXPECT_EQ(metadata().sampling_s, 0.33e-3);
+  EXPECT_EQ(metadata().averages, 4);
+  EXPECT_EQ(metadata().fields.at("changed_sampling"), "1ms -> 0.33ms");
+  EXPECT_EQ(metadata().fields.at("changed_averaging_02"), "1 -> 4");
+  EXPECT_EQ(metadata().fields.at("keyence_data_133_01"), "2");
+  EXPECT_THAT(sensor_->Remarks(), Contains("changed amplifier 00: sampling 1ms -> 0.33ms"));
+  // the values were waited for: they are there from the first row on
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
+}
+
+TEST_F(KeyenceChange, TheLongestAveragingIsWaitedFor) {
+  // 4096 x 1 ms, of which the emulated amplifier needs two
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"averaging=4096"})}));
+  EXPECT_GE(clock_.Now(), NsFromSeconds(8.192));
+  EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
+}
+
+TEST_F(KeyenceChange, WithoutATargetTheWaitEndsAndIsSaid) {
+  device_ = std::make_unique<emulator::DlRs1aUnit>(emulator::DlRs1aSetup{
+      .head = StillHead(0), .faults = *emulator::ParseFaultPlan("invalid"), .is_writable = true});
+  ASSERT_TRUE(Start({.writes = Writes({"averaging=2"})}));
+  EXPECT_LE(clock_.Now(), 4 * kNsPerS);
+  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("shows no value since its settings were "
+                                                     "changed: is there a target?")));
+}
+
+TEST_F(KeyenceChange, WhatIsSetAlreadyIsNotWritten) {
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"sampling=1ms", "high-pass=off"})}, false));
+  EXPECT_FALSE(metadata().fields.contains("changed_sampling"));
+}
+
+TEST_F(KeyenceChange, TheHighPassIsItsCornerAndTheFilter) {
+  ASSERT_TRUE(StartRs1a({.writes = Writes({"high-pass=10Hz"})}));
+  EXPECT_EQ(metadata().fields.at("keyence_data_159"), "6");
+  EXPECT_EQ(metadata().fields.at("keyence_data_133"), "14");
+  EXPECT_THAT(sensor_->Remarks(), Contains("the amplifier's high-pass filter at 10 Hz is on"));
+}
+
+TEST_F(KeyenceChange, ALockedUnitNamesItsSwitch) {
+  const auto started = StartRs1a({.writes = Writes({"sampling=0.33ms"})}, false);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+  EXPECT_EQ(started.error().Text(),
+            "emulator: the DL-RS1A refuses to write data 132 with error 67: writing is locked; the "
+            "unit's R/W switch is in position R; slide the R/W switch of the DL-RS1A to W, and "
+            "back to R afterwards");
+  EXPECT_THAT(StartEn1({.device_zero = true}, false).error().Text(),
+              HasSubstr("the DL-EN1 refuses to write data 001 with error 014"));
+}
+
+TEST_F(KeyenceChange, TheDevicesZeroIsShifted) {
+  ASSERT_TRUE(StartRs1a({.device_zero = true}));
+  EXPECT_EQ(metadata().fields.at("changed_zero"), "+01.234 -> +00.000");
+  EXPECT_EQ(metadata().fields.at("changed_zero_02"), "+003.00 -> +000.00");
+  const Reading row = NextRow();
+  for (const trial::Sample& sample : row.samples) EXPECT_EQ(Counts(sample), 0);
+}
+
+TEST_F(KeyenceChange, ARefusalInTheMiddleNamesWhatWasChanged) {
+  // the answers are a probe, 27 settings, then SR, SW, SR for each write: the second SW is the 33rd
+  emulator::DlRs1aSetup unit{.baud = 38400, .head = StillHead(1.234e-3)};
+  unit.expansions = {StillHead(-2.5e-3), StillHead(3e-3, "IL-300")};
+  unit.is_writable = true;
+  unit.faults = *emulator::ParseFaultPlan("error-22:33");
+  device_ = std::make_unique<emulator::DlRs1aUnit>(unit);
+  EXPECT_THAT(
+      Start({.baud = 38400, .writes = Writes({"sampling=0.33ms", "averaging=4"})}).error().Text(),
+      AllOf(HasSubstr("refuses to write data 133 with error 22"),
+            HasSubstr("; already changed: amplifier 00: sampling 1ms -> 0.33ms; see the")));
+}
+
+TEST_F(KeyenceChange, TheEn1WritesInItsOwnSpelling) {
+  ASSERT_TRUE(StartEn1({.writes = Writes({"averaging=128"}), .device_zero = true}));
+  EXPECT_EQ(metadata().averages, 128);
+  EXPECT_EQ(metadata().fields.at("changed_averaging_02"), "1 -> 128");
+  EXPECT_EQ(metadata().fields.at("changed_zero"), "+000001234 -> +000000000");
+  EXPECT_EQ(Counts(NextRow().samples[0]), 0);
+}
+
+TEST_F(KeyenceChange, PollsLieOnTheGridAndAreNeverFaster) {
+  ASSERT_TRUE(StartRs1a({.rate_hz = 30}));
+  MonotonicNs first_ns = 0;
+  for (int row = 0; row < 100; ++row) {
+    const Reading reading = NextRow();
+    if (row == 0) first_ns = reading.time_ns;
+    EXPECT_ABS(SecondsFromNs(reading.time_ns - first_ns), row / 30.0, 1e-9, "rounded to ns");
+  }
+  EXPECT_EQ(metadata().nominal_rate_hz, 30);
+}
+
+TEST_F(KeyenceChange, ATooHighRateLeavesSlotsOut) {
+  // three amplifiers at 38400 baud take 12.3 ms; of a grid of 10 ms every second slot is used
+  ASSERT_TRUE(StartRs1a({.rate_hz = 100}));
+  const MonotonicNs first_ns = NextRow().time_ns;
+  for (int row = 1; row < 20; ++row) {
+    EXPECT_ABS(SecondsFromNs(NextRow().time_ns - first_ns), row * 0.02, 1e-9, "rounded to ns");
+  }
+}
+
+// --- names -----------------------------------------------------------------------------------
+
+TEST(IlSetting, NamesAreTheMakersCodes) {
+  using il_setting::Parse;
+  using il_setting::Write;
+  EXPECT_EQ(*Parse("sampling=default"), (std::vector{Write{"sampling", 132, 0}}));
+  EXPECT_EQ(*Parse("sampling=0.33ms"), (std::vector{Write{"sampling", 132, 1}}));
+  EXPECT_EQ(*Parse("sampling=5ms"), (std::vector{Write{"sampling", 132, 4}}));
+  EXPECT_EQ(*Parse("averaging=1"), (std::vector{Write{"averaging", 133, 0}}));
+  EXPECT_EQ(*Parse("averaging=16"), (std::vector{Write{"averaging", 133, 4}}));
+  EXPECT_EQ(*Parse("averaging=4096"), (std::vector{Write{"averaging", 133, 12}}));
+  EXPECT_EQ(*Parse("averaging=difference"), (std::vector{Write{"averaging", 133, 13}}));
+  EXPECT_EQ(*Parse("hold=sample"), (std::vector{Write{"hold", 136, 0}}));
+  EXPECT_EQ(*Parse("hold=auto bottom"), (std::vector{Write{"hold", 136, 5}}));
+  EXPECT_EQ(*Parse("high-pass=100Hz"),
+            (std::vector{Write{"high-pass", 159, 9}, Write{"high-pass", 133, 14}}));
+  EXPECT_EQ(*Parse("high-pass=off"), (std::vector{Write{"high-pass", 133, 0, 14}}));
+}
+
+TEST(IlSetting, OthersAreRefusedWithThoseThereAre) {
+  const auto key = il_setting::Parse("speed=1ms");
+  ASSERT_FALSE(key);
+  EXPECT_EQ(key.error().Text(),
+            "--set: 'speed=1ms' is no setting of an IL amplifier; write sampling=..., "
+            "averaging=..., hold=... or high-pass=...");
+  EXPECT_EQ(key.error().cause, Cause::kUsage);
+  EXPECT_EQ(il_setting::Parse("sampling=3ms").error().Text(),
+            "--set: an IL amplifier has no sampling '3ms'; use one of default, 0.33ms, 1ms, 2ms, "
+            "5ms");
+  EXPECT_THAT(il_setting::Parse("high-pass=3Hz").error().Text(), HasSubstr("one of off, 0.1Hz"));
+  EXPECT_FALSE(il_setting::Parse("sampling"));
+  EXPECT_FALSE(il_setting::Parse("averaging=3"));
+  EXPECT_FALSE(il_setting::Parse(""));
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

@@ -1,0 +1,315 @@
+#include "acquire/sensor/pipe_sensor.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "acquire/transport/open_port.h"
+#include "tests/acquire/pty_pair.h"
+#include "tests/acquire/scripted_transport.h"
+#include "tests/acquire/sensor_rows.h"
+#include "tests/residual.h"
+
+// "displacement:m,voltage:V" and a calibration become channels.
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::HasSubstr;
+using trial::ChannelRole;
+
+// a file of the test that runs, removed with it
+class CalibrationFile {
+ public:
+  explicit CalibrationFile(const std::string& text)
+      : path_(::testing::TempDir() +
+              ::testing::UnitTest::GetInstance()->current_test_info()->name() + ".toml") {
+    std::ofstream(path_) << text;
+  }
+  ~CalibrationFile() { std::filesystem::remove(path_); }
+  CalibrationFile(const CalibrationFile&) = delete;
+  CalibrationFile& operator=(const CalibrationFile&) = delete;
+  [[nodiscard]] const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::string ErrorOf(std::string_view text, SampleFormat format = SampleFormat::kF64,
+                    const std::string& calibration = {}) {
+  const auto channels = ReadPipeChannels(text, format, calibration);
+  if (channels) return "no error";
+  EXPECT_EQ(channels.error().cause, Cause::kUsage);
+  return channels.error().Text();
+}
+
+TEST(PipeChannels, AreNamedLikeTheColumnsOfACsv) {
+  const auto channels =
+      ReadPipeChannels("displacement:um,Voltage:mV,current_a,trigger,displacement_2:m,temperature",
+                       SampleFormat::kF32, "");
+  ASSERT_TRUE(channels) << channels.error().Text();
+  const auto& formats = channels->formats;
+  ASSERT_EQ(formats.size(), 6U);
+  EXPECT_EQ(formats[0].name, "displacement");
+  EXPECT_EQ(formats[0].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(formats[0].unit, "m");
+  EXPECT_EQ(formats[0].scale, 1e-6);
+  EXPECT_EQ(formats[0].encoding, trial::Encoding::kF32);
+  EXPECT_EQ(formats[1].role, ChannelRole::kVoltage);
+  EXPECT_EQ(formats[1].scale, 1e-3);
+  EXPECT_EQ(formats[2].name, "current");
+  EXPECT_EQ(formats[2].role, ChannelRole::kCurrent);
+  EXPECT_EQ(formats[3].role, ChannelRole::kTrigger);
+  EXPECT_EQ(formats[4].name, "displacement_2");
+  EXPECT_EQ(formats[4].role, ChannelRole::kDisplacement);
+  EXPECT_EQ(formats[5].role, ChannelRole::kOther);
+}
+
+TEST(PipeChannels, AreRefusedWhereTheySayTooLittle) {
+  EXPECT_THAT(ErrorOf("displacement"), HasSubstr("displacement does not say its unit"));
+  EXPECT_THAT(ErrorOf("displacement:V"), HasSubstr("displacement:V does not say its unit"));
+  EXPECT_THAT(ErrorOf("time:s,voltage:V"), HasSubstr("time:s"));
+  EXPECT_THAT(ErrorOf("status,voltage:V"), HasSubstr("status"));
+  EXPECT_THAT(ErrorOf("voltage:V,voltage:V"), HasSubstr("call the second one voltage_2"));
+  EXPECT_THAT(ErrorOf(""), HasSubstr("names no channel"));
+  EXPECT_THAT(ErrorOf("voltage:V,"), HasSubstr("names no channel"));
+  EXPECT_THAT(ErrorOf("voltage:"), HasSubstr("names no channel"));
+}
+
+TEST(PipeChannels, ACalibratedChannelComesInVolts) {
+  const CalibrationFile file("[displacement]\nscale_m_per_v = 1e-3\nbad_above_v = 5.25\n");
+  for (const char* text : {"displacement,voltage:V", "displacement:V,voltage:V"}) {
+    const auto channels = ReadPipeChannels(text, SampleFormat::kF64, file.path());
+    ASSERT_TRUE(channels) << channels.error().Text();
+    EXPECT_EQ(channels->formats[0].scale, 1e-3);
+    EXPECT_EQ(channels->formats[0].unit, "m");
+    EXPECT_EQ(channels->limits[0].bad_above, 5.25);
+    EXPECT_EQ(channels->formats[1].scale, 1);
+    EXPECT_EQ(channels->fields.at("calibration"), file.path());
+  }
+  const auto milli = ReadPipeChannels("displacement:mV", SampleFormat::kF64, file.path());
+  ASSERT_TRUE(milli);
+  EXPECT_REL(milli->formats[0].scale, 1e-6, 1e-15, "one product");
+  EXPECT_REL(milli->limits[0].bad_above, 5250, 1e-15, "one quotient");
+  EXPECT_THAT(ErrorOf("displacement:m", SampleFormat::kF64, file.path()),
+              HasSubstr("displacement comes in V by its calibration, not in m"));
+}
+
+TEST(PipeChannels, CountsNeedACalibration) {
+  EXPECT_THAT(ErrorOf("displacement", SampleFormat::kI16),
+              HasSubstr("nothing says what a count of displacement is"));
+  EXPECT_THAT(ErrorOf("displacement:m", SampleFormat::kI16),
+              HasSubstr("counts of displacement have no unit"));
+  const CalibrationFile no_counts("[displacement]\nscale_m_per_v = 1e-3\n");
+  EXPECT_THAT(ErrorOf("displacement", SampleFormat::kI16, no_counts.path()),
+              HasSubstr("add v_per_count"));
+}
+
+TEST(PipeChannels, CountsOfATriggerStayCounts) {
+  const CalibrationFile file(
+      "[displacement]\nscale_m_per_v = 1e-3\nv_per_count = 0.5\nv_at_zero_count = 1\n");
+  const auto channels = ReadPipeChannels("displacement,trigger", SampleFormat::kI16, file.path());
+  ASSERT_TRUE(channels) << channels.error().Text();
+  EXPECT_EQ(channels->formats[0].scale, 0.5e-3);
+  EXPECT_EQ(channels->formats[0].offset, 1e-3);
+  EXPECT_EQ(channels->formats[0].encoding, trial::Encoding::kI32);
+  EXPECT_EQ(channels->formats[1].scale, 1);
+  EXPECT_EQ(channels->formats[1].role, ChannelRole::kTrigger);
+}
+
+}  // namespace
+}  // namespace haptometer::acquire
+
+// Samples through a scripted pipe on a manual clock.
+
+namespace haptometer::acquire {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using tests::ScriptedTransport;
+using trial::SampleStatus;
+
+constexpr MonotonicNs kMs = 1'000'000;
+
+class PipeSensorTest : public ::testing::Test {
+ protected:
+  void Make(const std::string& channels, SampleFormat format) {
+    auto transport = std::make_unique<ScriptedTransport>(clock_);
+    pipe_ = transport.get();
+    const auto read = ReadPipeChannels(channels, format, "");
+    ASSERT_TRUE(read) << read.error().Text();
+    sensor_ = std::make_unique<PipeSensor>(
+        std::move(transport), PipeSetup{.format = format, .rate_hz = 10'000, .channels = *read},
+        clock_);
+  }
+  std::string StartError() {
+    const auto started = sensor_->Start(kNeverStop);
+    EXPECT_FALSE(started);
+    if (started) return {};
+    EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
+    return started.error().Text();
+  }
+  // the statuses of the rows up to the end
+  std::vector<SampleStatus> ToTheEnd() {
+    std::vector<SampleStatus> statuses;
+    Reading reading;
+    (void)sensor_->Begin();
+    for (int call = 0; call < 10'000; ++call) {
+      const Outcome outcome = sensor_->Next(reading);
+      if (outcome == Outcome::kEnd) return statuses;
+      if (outcome != Outcome::kReading) continue;
+      EXPECT_EQ(reading.index, static_cast<std::int64_t>(statuses.size()));
+      statuses.push_back(RowStatus(reading));
+    }
+    ADD_FAILURE() << "no end";
+    return statuses;
+  }
+
+  ManualClock clock_;
+  ScriptedTransport* pipe_ = nullptr;
+  std::unique_ptr<PipeSensor> sensor_;
+};
+
+TEST_F(PipeSensorTest, RowsLieOnAGridWhateverTheirArrival) {
+  Make("displacement:um,voltage:V", SampleFormat::kText);
+  pipe_->Send("1,2\n3,", kMs);
+  pipe_->Send("4\n5,6\n", 700 * kMs);
+  pipe_->HangUp(701 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  const trial::TrialHeader& header = sensor_->header();
+  EXPECT_EQ(header.timing, trial::Timing::kUniform);
+  EXPECT_EQ(header.rate_hz, 10'000);
+  EXPECT_EQ(header.metadata.sensor, "pipe");
+  EXPECT_EQ(header.metadata.source, "device: scripted, 2 x text");
+  EXPECT_EQ(header.channels.at(0).scale, 1e-6);
+  EXPECT_EQ(ToTheEnd(), std::vector(3, SampleStatus::kOk));
+  EXPECT_EQ(sensor_->discarded_bytes(), 0U);
+}
+
+TEST_F(PipeSensorTest, TheGridOfASecondBeginningStartsAtZeroToo) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n2\n3\n4\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  (void)sensor_->Begin();
+  Reading reading;
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  EXPECT_EQ(reading.index, 1);
+  EXPECT_EQ(ToTheEnd().size(), 2U) << "what a tare took is gone, and the grid begins behind it";
+}
+
+TEST_F(PipeSensorTest, ACutRowAtTheEndIsCounted) {
+  Make("voltage:V", SampleFormat::kF64);
+  pipe_->Send(std::string(8 * 3 + 5, '\0'), kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_EQ(ToTheEnd().size(), 3U);
+  EXPECT_EQ(sensor_->discarded_bytes(), 5U);
+}
+
+TEST_F(PipeSensorTest, AHeadingIsPassedOverAndALaterWrongLineKeepsItsPlace) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("# my DAQ\nvolts\n1\nx\n3\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  EXPECT_THAT(sensor_->Remarks(),
+              Contains(HasSubstr("2 lines before the first row were passed over: \"volts\"")));
+  EXPECT_EQ(ToTheEnd(),
+            (std::vector{SampleStatus::kOk, SampleStatus::kBadFrame, SampleStatus::kOk}));
+  EXPECT_EQ(sensor_->discarded_bytes(), 1U);  // the x; the heading is no part of the recording
+}
+
+TEST_F(PipeSensorTest, SaysWhatDoesNotFit) {
+  Make("voltage:V,current:A", SampleFormat::kText);
+  pipe_->Send("1,2,3\n1,2,3\n", kMs);
+  pipe_->HangUp(2 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("no line is a row of 2 x text: \"1,2,3\""));
+}
+
+TEST_F(PipeSensorTest, GivesUpOnEndlessText) {
+  Make("voltage:V", SampleFormat::kText);
+  std::string lines;
+  for (int i = 0; i < 200; ++i) lines += "hello\n";
+  pipe_->Send(lines, kMs);
+  EXPECT_THAT(StartError(), HasSubstr("\"hello\""));
+}
+
+TEST_F(PipeSensorTest, SaysWhenTheInputIsEmptyOrTooShort) {
+  Make("voltage:V", SampleFormat::kF64);
+  pipe_->Send("abc", kMs);
+  pipe_->HangUp(2 * kMs);
+  EXPECT_THAT(StartError(), HasSubstr("scripted: ended before a whole row came (3 bytes did)"));
+}
+
+TEST_F(PipeSensorTest, WaitsForAProgramThatIsSlowToBeginButNotForever) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n", 59 * kNsPerS);
+  EXPECT_TRUE(sensor_->Start(kNeverStop));
+  Make("voltage:V", SampleFormat::kText);
+  EXPECT_THAT(StartError(), HasSubstr("no row came in 60 s"));
+}
+
+TEST_F(PipeSensorTest, CanBeInterruptedWhileItWaits) {
+  Make("voltage:V", SampleFormat::kText);
+  const std::atomic<bool> stop{true};
+  const auto started = sensor_->Start(stop);
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().cause, Cause::kFailed);
+}
+
+TEST_F(PipeSensorTest, SilenceIsNothing) {
+  Make("voltage:V", SampleFormat::kText);
+  pipe_->Send("1\n", kMs);
+  ASSERT_TRUE(sensor_->Start(kNeverStop));
+  Reading reading;
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kReading);
+  const MonotonicNs before = clock_.Now();
+  EXPECT_EQ(sensor_->Next(reading), Outcome::kNothing);
+  EXPECT_EQ(clock_.Now() - before, 100 * kMs);
+}
+
+// --- the pipe itself ---
+
+TEST(InputPipe, HandsOutWhatIsWrittenAndThenItsEnd) {
+  const std::string path = ::testing::TempDir() + "haptometer_fifo";
+  std::filesystem::remove(path);
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  auto pipe = InputPipe::Open(path);
+  ASSERT_TRUE(pipe) << pipe.error().Text();
+  SystemClock clock;
+  std::array<char, 16> buffer{};
+  // no writer yet: silence, not an end
+  EXPECT_EQ((*pipe)->Read(buffer, clock.Now()).state, ReadState::kTimeout);
+  {
+    const OwnedDescriptor writer(open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    ASSERT_EQ(write(writer.get(), "abc", 3), 3);
+    const ReadOutcome outcome = (*pipe)->Read(buffer, clock.Now() + kNsPerS);
+    EXPECT_EQ(outcome.state, ReadState::kBytes);
+    EXPECT_EQ(std::string(buffer.data(), outcome.bytes), "abc");
+  }
+  EXPECT_EQ((*pipe)->Read(buffer, clock.Now() + kNsPerS).state, ReadState::kGone);
+  EXPECT_FALSE((*pipe)->Write("x", clock.Now()));
+  std::filesystem::remove(path);
+}
+
+TEST(InputPipe, RefusesWhatHoldsNoSamples) {
+  const auto error = [](const std::string& path) {
+    const auto pipe = InputPipe::Open(path);
+    return pipe ? "no error" : pipe.error().Text();
+  };
+  EXPECT_THAT(error(::testing::TempDir()), HasSubstr("is a directory; pipe samples into it"));
+  EXPECT_THAT(error("/nonexistent/fifo"), HasSubstr("is not there"));
+  const tests::PtyPair terminal;
+  EXPECT_THAT(error(terminal.path()), HasSubstr("is a terminal; pipe samples into it"));
+}
+
+}  // namespace
+}  // namespace haptometer::acquire

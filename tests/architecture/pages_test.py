@@ -1,0 +1,128 @@
+"""Reads docs/: each test that docs/developer/hard-cases.md names exists; no page uses a word that the glossary
+lists as not to be used; links between pages and paths
+in code lead to what exists."""
+import fnmatch
+import os
+import pathlib
+import re
+import sys
+
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+from programs import check
+
+GLOSSARY = pathlib.Path("docs/explanation/glossary.md")
+HARD_CASES = pathlib.Path("docs/developer/hard-cases.md")
+MARK = "<!-- words not to use -->"
+
+CASE = re.compile(r"^(?:TEST|TEST_F|TEST_P|TYPED_TEST|RC_GTEST_PROP|RC_GTEST_FIXTURE_PROP)\(\s*(\w+),\s*(\w+)",
+                  re.MULTILINE)
+SCRIPT = re.compile(r"(?:haptometer_script_test\(\s*|add_test\(NAME )([\w.]+(?:\$\{\w+\})?)")
+
+
+def pages():
+    """The pages of the project, by path from its root."""
+    found = sorted(pathlib.Path("docs").rglob("*.md")) + [pathlib.Path("README.md"), pathlib.Path("CONTRIBUTING.md")]
+    check(len(found) > 10, f"{len(found)} pages")
+    return found
+
+
+def prose(text):
+    """The text with its code, its links' targets and its comments taken out; as many lines."""
+    blank = lambda match: re.sub(r"[^\n]", " ", match.group())
+    text = re.sub(r"^```.*?^```$", blank, text, flags=re.MULTILINE | re.DOTALL)
+    text = re.sub(r"^(?: {4}|\t).*$", blank, text, flags=re.MULTILINE)
+    text = re.sub(r"`[^`]*`", blank, text)
+    text = re.sub(r"\]\([^)]*\)", blank, text)
+    return re.sub(r"<!--.*?-->", blank, text, flags=re.DOTALL)
+
+
+def words_not_to_use():
+    """The first column of the glossary's marked table."""
+    text = GLOSSARY.read_text(encoding="utf-8")
+    check(text.count(MARK) == 1, f"{GLOSSARY} has no single {MARK}")
+    rows = [line.split("|")[1].strip() for line in text.split(MARK)[1].splitlines() if line.startswith("|")]
+    check(rows[0] == "word" and len(rows) > 20, f"{len(rows)} rows below the mark")
+    return rows[2:]
+
+
+def uses(text, words):
+    """(line, word) of every word that stands in a page's prose."""
+    text = prose(text)
+    for word in words:
+        pattern = r"\b" + r"\s+".join(map(re.escape, word.split())) + r"\b"
+        for match in re.finditer(pattern, text, re.IGNORECASE):
+            yield text.count("\n", 0, match.start()) + 1, word
+
+
+def check_words():
+    words = words_not_to_use()
+    check(list(uses("A record\ntells more.\n", ["tells"])) == [(2, "tells")], "the search finds nothing")
+    check(not list(uses("`tells`\n\n    tells\n", ["tells"])), "the search looks into code")
+    wrong = []
+    for page in pages():
+        text = page.read_text(encoding="utf-8")
+        text = text.split(MARK)[0] if page == GLOSSARY else text
+        wrong += [f"{page}:{line}: '{word}'" for line, word in uses(text, words)]
+    check(not wrong, "words that the glossary replaces:\n" + "\n".join(wrong))
+
+
+def test_names():
+    """ROOM.SUITE.NAME of the cases in C++, as ctest has them without an instance's name, and the scripts' names."""
+    names = set()
+    for path in pathlib.Path("tests").rglob("*.[ch]*"):
+        parts = path.parts
+        if path.suffix not in (".cc", ".h") or len(parts) < 3:
+            continue
+        room = f"dsp_{parts[2]}" if parts[1] == "dsp" else parts[1]
+        names |= {f"{room}.{suite}.{name}" for suite, name in CASE.findall(path.read_text(encoding="utf-8"))}
+    for path in list(pathlib.Path("tests").rglob("CMakeLists.txt")) + [pathlib.Path("bench/CMakeLists.txt")]:
+        names |= {re.sub(r"\$\{\w+\}", "_", name) for name in SCRIPT.findall(path.read_text(encoding="utf-8"))}
+    return names
+
+
+def check_named_tests():
+    names = test_names()
+    rooms = {name.split(".")[0] for name in names}
+    rows = HARD_CASES.read_text(encoding="utf-8").splitlines()
+    named = {word for row in rows if row.startswith("|") for word in re.findall(r"`([a-z_]+\.[\w.*]+)`", row)}
+    named = {word for word in named if word.split(".")[0] in rooms}
+    check(len(names) > 1000 and len(named) > 100, f"{len(names)} tests, {len(named)} named")
+    lost = sorted(word for word in named if not fnmatch.filter(names, word))
+    check(not lost, f"{HARD_CASES} names tests that do not exist: {', '.join(lost)}")
+
+
+def check_terms():
+    """The glossary has each term once, in the order of the alphabet."""
+    text = GLOSSARY.read_text(encoding="utf-8").split("## Words")[0]
+    terms = [line.split("|")[1].strip().lower() for line in text.splitlines() if line.startswith("| ")][1:]
+    check(len(terms) > 50, f"{len(terms)} terms")
+    check(len(terms) == len(set(terms)), "a term stands twice")
+    for before, after in zip(terms, terms[1:]):
+        check(before < after, f"{GLOSSARY}: '{after}' stands behind '{before}'")
+
+
+def check_links():
+    lost = []
+    for page in pages():
+        for target in re.findall(r"\]\(([^)#\s]+)[^)]*\)", page.read_text(encoding="utf-8")):
+            if "://" not in target and not (page.parent / target).exists():
+                lost.append(f"{page}: {target}")
+    check(not lost, "links that lead nowhere:\n" + "\n".join(lost))
+
+
+def check_paths():
+    """A path of a file or folder of the tree, in code, exists; NAME stands for a name to be chosen."""
+    rooms = "acquire|base|bench|cmake|dsp|fit|fixtures|fuzz|packaging|sim|tests|tools|trial|docs"
+    lost = []
+    for page in pages():
+        for path in re.findall(rf"`((?:{rooms})/[\w./-]*)`", page.read_text(encoding="utf-8")):
+            if "NAME" not in path and not pathlib.Path(path).exists():
+                lost.append(f"{page}: {path}")
+    check(not lost, "paths that do not exist:\n" + "\n".join(lost))
+
+
+check_words()
+check_terms()
+check_paths()
+check_named_tests()
+check_links()

@@ -1,0 +1,118 @@
+// Km where the loads show little of it: its interval, its limit.
+#include "fit/drop_test/drop_test_solution.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/drop_test_model.h"
+#include "fit/drop_test/drop_test_solution.h"
+#include "tests/fit/synthetic_drop.h"
+#include "tests/repetitions.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using tests::MakeRecord;
+using tests::SyntheticDrop;
+
+// an open and a loaded record; `noise` of the first amplitude that Km = 1 N/A gives
+std::vector<ImpulseRecord> Pair(double force_constant_n_per_a, double noise, unsigned seed) {
+  SyntheticDrop open;
+  open.force_constant_n_per_a = force_constant_n_per_a;
+  open.noise_v = noise * tests::SpeedVoltage(open);
+  open.seed = 2 * seed + 1;
+  SyntheticDrop loaded = open;
+  loaded.load_ohm = 33;
+  loaded.seed = open.seed + 1;
+  return {MakeRecord(open), MakeRecord(loaded)};
+}
+
+DropTestFit Fit(const std::vector<ImpulseRecord>& records) {
+  const auto fit = FitDropTest(records, tests::ThesisKnowns());
+  EXPECT_TRUE(fit) << fit.error().Text();
+  return fit.value_or(DropTestFit{});
+}
+
+double SquareSum(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value * value;
+  return sum;
+}
+
+// chi^2 above its least, all else fitted, with Km^2 held `away` from its best value
+double Rise(const DropTestRoad& road, const DropTestModel& model, double away) {
+  const std::size_t column = Index(Shared::kForceConstantSquared);
+  std::vector<bool> is_free = UnknownColumns(model, road.problem);
+  is_free[column] = false;
+  RingDownPoint point = road.point;
+  point.shared[column] += away;
+  EXPECT_TRUE(road.problem.Minimise(is_free, &point).converged);
+  return SquareSum(road.problem.Residuals(point)) - SquareSum(road.problem.Residuals(road.point));
+}
+
+TEST(ForceConstant, ItsSquareIsGaussianWhereTheNoiseIsLow) {
+  const auto model = MakeDropTestModel(Pair(1, 0.01, 5), tests::ThesisKnowns());
+  ASSERT_TRUE(model);
+  const DropTestRoad road = Travel(*model, false);
+  std::vector<double> weights(road.jacobian.columns, 0.0);
+  weights[Index(Shared::kForceConstantSquared)] = 1;
+  const double deviation = std::sqrt(Variance(road.seen, weights));
+  for (const double away : {-2.0, -1.0, 1.0, 2.0}) {
+    EXPECT_REL(Rise(road, *model, away * deviation), away * away, 0.02,
+               "curvature of the order of the decay rate's 0.2 %");
+  }
+}
+
+TEST(ForceConstant, ItsProfileWidthIsWhereChiSquareHasRisen) {
+  // of Km known to 10 %, and of one that is lost in the noise
+  for (const double force_constant : {1.0, 0.03}) {
+    const auto model = MakeDropTestModel(Pair(force_constant, 0.2, 5), tests::ThesisKnowns());
+    ASSERT_TRUE(model);
+    const DropTestRoad road = Travel(*model, false);
+    for (const int side : {-1, 1}) {
+      const double width = ProfileWidth(road, *model, side, 1.96);
+      EXPECT_REL(Rise(road, *model, side * width), 1.96 * 1.96 * road.variance, 0.02,
+                 "twice the 1 % that the search stops at");
+    }
+  }
+}
+
+TEST(ForceConstant, ItsIntervalHoldsTheTruth) {
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 4 : 100);
+  int held = 0;
+  for (int k = 0; k < repetitions; ++k) {
+    const FittedValue km = Fit(Pair(1, 0.2, static_cast<unsigned>(k))).force_constant;
+    if (!km.determined) {
+      held += km.at_most.value_or(0) >= 1 ? 1 : 0;
+      continue;
+    }
+    held += km.lower <= 1 && 1 <= km.upper ? 1 : 0;
+  }
+  // 95 % of 100 within three of its standard deviations
+  EXPECT_GE(held, std::lround(repetitions * 0.95 - 3 * std::sqrt(repetitions * 0.95 * 0.05)));
+}
+
+TEST(ForceConstant, WhatIsLostInTheNoiseHasALimit) {
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 4 : 100);
+  constexpr double kTruth = 0.05;  // its square is 1/100 of its deviation
+  int below = 0;
+  int determined = 0;
+  for (int k = 0; k < repetitions; ++k) {
+    const DropTestFit fit = Fit(Pair(kTruth, 0.2, static_cast<unsigned>(k)));
+    EXPECT_TRUE(fit.stiffness.determined && fit.damping.determined) << "Km takes nothing with it";
+    determined += fit.force_constant.determined ? 1 : 0;
+    if (fit.force_constant.determined) continue;
+    ASSERT_TRUE(fit.force_constant.at_most);
+    below += *fit.force_constant.at_most >= kTruth ? 1 : 0;
+    EXPECT_LT(*fit.force_constant.at_most, 1.2);
+  }
+  EXPECT_EQ(below + determined, repetitions) << "a limit never lies below the truth here";
+  // 2.5 % exceed nothing by chance
+  EXPECT_LE(determined, std::lround(repetitions * 0.025 + 3 * std::sqrt(repetitions * 0.025)));
+}
+
+}  // namespace
+}  // namespace haptometer::fit

@@ -1,0 +1,199 @@
+#include "fit/drop_test/impulse_record.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using ::testing::HasSubstr;
+
+trial::Record MakeRecording() {
+  trial::Record record;
+  record.rows = 3;
+  record.channels = {{.name = "voltage_v",
+                      .role = trial::ChannelRole::kVoltage,
+                      .unit = "V",
+                      .values = {0.1, 0.2, 0.3},
+                      .statuses = {trial::SampleStatus::kOk, trial::SampleStatus::kClipped,
+                                   trial::SampleStatus::kOk}}};
+  record.stretches = {{.first_row = 0, .rows = 3, .start_s = -0.5, .rate_hz = 1000}};
+  return record;
+}
+
+std::string ErrorOf(const trial::Record& record) {
+  const auto file = ImpulseFromRecord(record, "impulse.csv");
+  EXPECT_FALSE(file);
+  if (file) return {};
+  EXPECT_EQ(file.error().cause, Cause::kCannotAnswer);
+  EXPECT_FALSE(file.error().remedy.empty());
+  return file.error().Text();
+}
+
+TEST(ImpulseRecord, TakesVoltageTimeBaseAndEveryKey) {
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"case", "free"},
+                               {"load_ohm", "33"},
+                               {"drop_height_m", "0.010(1)"},
+                               {"rebound", "0.1"},
+                               {"moving_mass_kg", "1.40(3) g"},
+                               {"case_mass_kg", "6e-4"},
+                               {"resistance_ohm", "27 ohm"},
+                               {"inductance_h", "130uH"},
+                               {"operator", "somebody"}};
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.name, "impulse.csv");
+  EXPECT_EQ(file->record.start_s, -0.5);
+  EXPECT_EQ(file->record.step_s, 1e-3);
+  EXPECT_EQ(file->record.voltage_v[0], 0.1);
+  EXPECT_TRUE(std::isnan(file->record.voltage_v[1]));  // clipped: not a measurement
+  EXPECT_EQ(file->record.condition, CaseCondition::kFree);
+  EXPECT_EQ(file->record.load_ohm->value, 33);
+  EXPECT_EQ(file->record.drop_height_m->value, 0.01);
+  EXPECT_ABS(file->record.drop_height_m->standard_uncertainty, 1e-3, 1e-15, "digits of a bracket");
+  EXPECT_EQ(file->record.rebound->value, 0.1);
+  EXPECT_ABS(file->knowns.moving_mass_kg->value, 1.4e-3, 1e-18, "g to kg");
+  EXPECT_ABS(file->knowns.moving_mass_kg->standard_uncertainty, 3e-5, 1e-18, "g to kg");
+  EXPECT_EQ(file->knowns.case_mass_kg->value, 6e-4);
+  EXPECT_EQ(file->knowns.resistance_ohm->value, 27);
+  EXPECT_ABS(file->knowns.inductance_h->value, 130e-6, 1e-18, "uH to H");
+}
+
+TEST(ImpulseRecord, AnAbsentKeyIsUnknownAndInfIsOpen) {
+  auto recording = MakeRecording();
+  auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_FALSE(file->record.load_ohm || file->record.condition || file->record.drop_height_m ||
+               file->record.rebound || file->knowns.moving_mass_kg);
+  recording.metadata.fields = {{"load_ohm", "inf"}};
+  file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_TRUE(std::isinf(file->record.load_ohm->value));
+}
+
+TEST(ImpulseRecord, OfSeveralVoltagesNoneIsTaken) {
+  auto recording = MakeRecording();
+  recording.channels.push_back(*recording.Find(trial::ChannelRole::kVoltage));
+  recording.channels.back().name = "CH2";
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_FALSE(file);
+  EXPECT_NE(file.error().Text().find("CH2; say which is the coil's: --channel NAME"),
+            std::string::npos)
+      << file.error().Text();
+}
+
+TEST(ImpulseRecord, AUnitIsNeverSwallowedByTheKeysUnit) {
+  // "0.01 m" must not become 0.01 mm
+  auto recording = MakeRecording();
+  recording.metadata.fields = {{"drop_height_m", "0.01 m"}};
+  const auto file = ImpulseFromRecord(recording, "impulse.csv");
+  ASSERT_TRUE(file);
+  EXPECT_EQ(file->record.drop_height_m->value, 0.01);
+}
+
+TEST(ImpulseRecord, BadKeysAreNamed) {
+  const auto error_with = [](const std::string& key, const std::string& value) {
+    auto recording = MakeRecording();
+    recording.metadata.fields = {{key, value}};
+    return ErrorOf(recording);
+  };
+  EXPECT_THAT(error_with("case", "loose"), HasSubstr("impulse.csv: case: 'loose' is not known"));
+  EXPECT_THAT(error_with("load_ohm", "some"), HasSubstr("impulse.csv: load_ohm"));
+  EXPECT_THAT(error_with("load_ohm", "0"), HasSubstr("out of range"));
+  EXPECT_THAT(error_with("moving_mass_kg", "-1e-3"), HasSubstr("moving_mass_kg"));
+  EXPECT_THAT(error_with("drop_height_m", "10 ohm"), HasSubstr("drop_height_m"));
+  EXPECT_THAT(error_with("rebound", "1.5"), HasSubstr("rebound"));
+}
+
+TEST(ImpulseRecord, ARecordingWithoutAVoltageOrWithGapsIsRefused) {
+  auto recording = MakeRecording();
+  recording.stretches = {{.first_row = 0, .rows = 1, .start_s = 0, .rate_hz = 1000},
+                         {.first_row = 1, .rows = 2, .start_s = 1, .rate_hz = 1000}};
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("gaps"));
+  recording = MakeRecording();
+  recording.channels[0].role = trial::ChannelRole::kCurrent;
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("no voltage"));
+}
+
+TEST(ImpulseRecord, WithoutAVoltageADisplacementIsTaken) {
+  auto recording = MakeRecording();
+  recording.channels[0].role = trial::ChannelRole::kDisplacement;
+  const auto file = ImpulseFromRecord(recording, "tap.csv");
+  ASSERT_TRUE(file) << file.error().Text();
+  EXPECT_EQ(file->record.signal, RecordedSignal::kDisplacement);
+  EXPECT_EQ(file->record.unit, "m");
+  recording.channels.push_back(recording.channels[0]);
+  EXPECT_THAT(ErrorOf(recording), HasSubstr("several displacements"));
+}
+
+}  // namespace
+namespace {
+
+constexpr double kPeriodSamples = 40;
+
+// a ring-down of amplitude 1 and Q = 60, rounded to `step` and cut at `limit`
+std::vector<double> RingDown(double step, double limit) {
+  std::vector<double> values;
+  for (int n = 0; n < 1200; ++n) {
+    const double angle = 2 * std::numbers::pi * n / kPeriodSamples;
+    double v = std::exp(-angle / 120) * std::sin(angle + 0.3);
+    if (step > 0) v = std::round(v / step) * step;
+    values.push_back(std::clamp(v, -limit, limit));
+  }
+  return values;
+}
+
+std::size_t Masked(std::vector<double> values) { return MaskRails(values, kPeriodSamples); }
+
+TEST(MaskRails, LeavesWholePeaksAlone) {
+  EXPECT_EQ(Masked(RingDown(0, 2)), 0U);
+  for (const double step : {1e-4, 0.0078125, 0.1}) {
+    SCOPED_TRACE(step);
+    EXPECT_EQ(Masked(RingDown(step, 2)), 0U) << "a rounded peak is flat for a while";
+  }
+}
+
+TEST(MaskRails, TakesOutEverySampleAtALimit) {
+  for (const double step : {0.0, 0.0078125}) {
+    SCOPED_TRACE(step);
+    auto values = RingDown(step, 0.796875);  // whole steps of 1/128
+    const auto at_limit = static_cast<std::size_t>(
+        std::ranges::count_if(values, [](double v) { return std::abs(v) == 0.796875; }));
+    EXPECT_EQ(MaskRails(values, kPeriodSamples), at_limit);
+    EXPECT_GT(at_limit, 20U);
+    EXPECT_EQ(static_cast<std::size_t>(
+                  std::ranges::count_if(values, [](double v) { return std::isnan(v); })),
+              at_limit);
+  }
+}
+
+TEST(MaskRails, OneLimitAloneIsEnough) {
+  auto values = RingDown(0, 2);
+  for (double& v : values) v = std::min(v, 0.8);
+  EXPECT_GT(MaskRails(values, kPeriodSamples), 10U);
+  EXPECT_LT(*std::ranges::min_element(values), -0.85) << "the other side is whole";
+}
+
+TEST(MaskRails, AConstantRecordHasNoRails) {
+  EXPECT_EQ(Masked(std::vector<double>(100, 1.0)), 0U);
+  EXPECT_EQ(Masked({}), 0U);
+}
+
+TEST(ConverterStep, IsTheDistanceOfNeighbouringCodes) {
+  EXPECT_DOUBLE_EQ(ConverterStep(RingDown(0.0078125, 2)), 0.0078125);
+  EXPECT_EQ(ConverterStep(RingDown(0, 2)), 0) << "not rounded";
+  EXPECT_EQ(ConverterStep({1, 1, 1}), 0) << "one value has no neighbour";
+  EXPECT_DOUBLE_EQ(ConverterStep({0, 2, 6, std::nan("")}), 2) << "codes may be missing";
+  EXPECT_EQ(ConverterStep({0, 2, 5}), 0) << "2.5 steps of 2 are none";
+}
+
+}  // namespace
+}  // namespace haptometer::fit

@@ -1,0 +1,138 @@
+#include "fit/drop_test/prepared_record.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/ring_start.h"
+#include "tests/fit/synthetic_drop.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using tests::MakeRecord;
+using tests::SyntheticDrop;
+
+// drops one after another, `share` of the first one's speed each, half of a second apart
+ImpulseRecord Train(const std::vector<double>& shares, double spacing_s = 0.5,
+                    double quiet_s = 0.01) {
+  ImpulseRecord train;
+  for (std::size_t k = 0; k < shares.size(); ++k) {
+    SyntheticDrop drop;
+    drop.noise_v = 2e-3;
+    drop.seed = static_cast<unsigned>(k) + 1;
+    drop.quiet_s = quiet_s;
+    drop.length_s = spacing_s - quiet_s;
+    drop.height_m *= shares[k] * shares[k];
+    drop.offset_v = 0.01;
+    const ImpulseRecord record = MakeRecord(drop);
+    if (k == 0) train = record;
+    if (k > 0) {
+      train.voltage_v.insert(train.voltage_v.end(), record.voltage_v.begin(),
+                             record.voltage_v.end());
+    }
+  }
+  train.name = "taps.csv";
+  return train;
+}
+
+ImpulseRecord Short() {
+  ImpulseRecord record;
+  record.voltage_v = {1, 2, 3};
+  return record;
+}
+
+TEST(SplitDrops, ARecordOfOneDropStaysWhole) {
+  for (const auto& record : {MakeRecord({}), Train({1.0}), Short()}) {
+    const auto drops = SplitDrops(record);
+    ASSERT_EQ(drops.size(), 1U);
+    EXPECT_EQ(drops[0].voltage_v.size(), record.voltage_v.size());
+    EXPECT_EQ(drops[0].name, record.name);
+  }
+  // a bounce while it still rings is no further drop
+  EXPECT_EQ(SplitDrops(Train({1.0, 0.6}, 0.08, 0)).size(), 1U);
+}
+
+TEST(SplitDrops, TapsAfterEachOtherAreTakenApart) {
+  ImpulseRecord train = Train({1.0, 0.7, 1.2, 0.5});
+  train.drop_height_m = Quantity{0.01, 0};
+  const auto drops = SplitDrops(train);
+  ASSERT_EQ(drops.size(), 4U);
+  std::size_t samples = 0;
+  for (const auto& drop : drops) samples += drop.voltage_v.size();
+  EXPECT_EQ(samples, train.voltage_v.size()) << "nothing is lost";
+  EXPECT_EQ(drops[2].name, "taps.csv, drop 3");
+  EXPECT_TRUE(drops[0].drop_height_m);
+  EXPECT_FALSE(drops[1].drop_height_m) << "only the first one's is known";
+  EXPECT_REL(drops[1].start_s,
+             train.start_s + static_cast<double>(drops[0].voltage_v.size()) * train.step_s, 1e-12,
+             "rounding");
+
+  const auto fit = FitDropTest(drops, tests::ThesisKnowns());
+  ASSERT_TRUE(fit) << fit.error().Text();
+  EXPECT_REL(fit->stiffness.value, 2800.0, 5e-5, "noise, 4 standard uncertainties");
+  EXPECT_REL(fit->damping.value, 0.0322, 3e-3, "noise, 4 standard uncertainties");
+  for (const auto& record : fit->records) {
+    EXPECT_THAT(record.found, ::testing::Each(::testing::HasSubstr("what precedes the blow")))
+        << "the ringing before it";
+  }
+}
+
+}  // namespace
+namespace {
+
+tests::SyntheticDrop Fine() {
+  tests::SyntheticDrop drop;
+  drop.step_s = 0.26 / 250'000;  // 4300 samples a period
+  return drop;
+}
+
+PolePair PolesOf(const ImpulseRecord& record) {
+  const auto start = FindRingStart(record);
+  EXPECT_TRUE(start);
+  return start ? start->poles : PolePair{};
+}
+
+TEST(ThinnedRecord, KeepsThePolesAndTheAmplitudeToMillionths) {
+  const auto record = tests::MakeRecordWithHeight(Fine());
+  const auto thinned = Thinned(record, PolesOf(record));
+  ASSERT_TRUE(thinned);
+  EXPECT_EQ(thinned->block, 4U);
+  EXPECT_EQ(thinned->clipped, 0U);
+  const auto fit = FitDropTest({thinned->record}, tests::ThesisKnowns());
+  ASSERT_TRUE(fit);
+  EXPECT_REL(fit->stiffness.value, 2800.0, 1e-11, "a mean keeps the poles");
+  EXPECT_REL(fit->damping.value, 0.0322, 1e-11, "a mean keeps the poles");
+  // of four samples' mean: sin(4 x)/(4 sin x), x half a sample's phase
+  const double lost = std::pow(M_PI / 4272.0, 2) * (4 * 4 - 1) / 6;
+  EXPECT_ABS(fit->force_constant.value, 1 - lost, 1e-3 * lost, "4272 is rounded");
+}
+
+TEST(ThinnedRecord, ClippedBlocksAreNoMeasurement) {
+  auto record = tests::MakeRecord(Fine());
+  for (double& v : record.voltage_v) v = std::clamp(v, -0.3, 0.3);
+  const auto thinned = Thinned(record, PolesOf(record));
+  ASSERT_TRUE(thinned);
+  const auto at_limits =
+      std::ranges::count_if(record.voltage_v, [](double v) { return std::abs(v) >= 0.3; });
+  EXPECT_EQ(thinned->clipped, static_cast<std::size_t>(at_limits));
+  const auto lost =
+      std::ranges::count_if(thinned->record.voltage_v, [](double v) { return std::isnan(v); });
+  EXPECT_GE(4 * lost, at_limits);
+}
+
+TEST(ThinnedRecord, WhatAFitHasUseForStays) {
+  const auto record = tests::MakeRecord({});
+  EXPECT_FALSE(Thinned(record, PolesOf(record)));
+  auto drop = Fine();
+  drop.length_s = 0.06;  // fine, but short
+  const auto brief = tests::MakeRecord(drop);
+  EXPECT_FALSE(Thinned(brief, PolesOf(brief)));
+}
+
+}  // namespace
+}  // namespace haptometer::fit

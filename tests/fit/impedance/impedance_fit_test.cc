@@ -1,0 +1,384 @@
+#include "fit/impedance/impedance_fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/linear/steady_state.h"
+#include "tests/fit/bound.h"
+#include "tests/fit/pulls.h"
+#include "tests/repetitions.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Complex = std::complex<double>;
+
+// Lindsay 2013, Table 2.1
+constexpr double kKv = 2800, kBv = 0.0322, kKm = 1.0, kR = 27, kL = 130e-6;
+constexpr double kMv = 1.4e-3, kMc = 0.6e-3;
+constexpr double kTwoPi = 2 * std::numbers::pi;
+
+// the circuit once more: impedance of a coil that moves a mass M
+Complex TrueImpedance(double hz, double mass, double km = kKm) {
+  const Complex s(0, kTwoPi * hz);
+  return kR + s * kL + km * km / (mass * s + kBv + kKv / s);
+}
+
+struct Sweep {
+  std::vector<double> frequencies_hz;
+  double magnitude_noise = 0;
+  double phase_noise_rad = 0;
+  double mass_kg = kMv;
+  unsigned seed = 1;
+};
+
+// 21 points within 10 Hz of the resonance and 24 from 100 to 500 Hz
+std::vector<double> GoodFrequencies() {
+  std::vector<double> hertz;
+  for (int k = -10; k <= 10; ++k) hertz.push_back(225 + k);
+  for (int k = 0; k < 24; ++k) hertz.push_back(100 * std::pow(5, k / 23.0));
+  return hertz;
+}
+
+std::vector<ImpedancePoint> Points(const Sweep& sweep) {
+  std::mt19937_64 engine(sweep.seed);
+  std::normal_distribution<double> noise;
+  std::vector<ImpedancePoint> points;
+  for (const double hz : sweep.frequencies_hz) {
+    Complex z = TrueImpedance(hz, sweep.mass_kg);
+    z *= std::polar(std::exp(sweep.magnitude_noise * noise(engine)),
+                    sweep.phase_noise_rad * noise(engine));
+    points.push_back({hz, z});
+  }
+  return points;
+}
+
+ActuatorKnowns Masses() { return {Quantity{kMv, 0}, Quantity{kMc, 0}, {}, {}}; }
+
+ImpedanceFit Fit(const std::vector<ImpedancePoint>& points, const ActuatorKnowns& knowns = Masses(),
+                 CaseCondition condition = CaseCondition::kHeld) {
+  const auto fit = FitImpedance(points, knowns, condition, "z.csv");
+  EXPECT_TRUE(fit) << fit.error().Text();
+  return fit ? *fit : ImpedanceFit{};
+}
+
+// voltage over current of the 5-state solver with the case in the air
+TEST(ImpedanceModel, IsTheSolversOfSimWithAFreeCase) {
+  const auto actuator = sim::ThesisC10100();
+  const auto model = sim::AssembleModel(actuator, {}, {});
+  const double mass = kMv * kMc / (kMv + kMc);
+  const std::vector<double> parameters{0.5 * std::log(kKv / mass), std::log(kBv / mass),
+                                       std::log(kKm * kKm / mass), std::log(kR), kL};
+  for (const double hz : {20.0, 150.0, 225.0, 405.0, 410.9, 415.0, 600.0, 3000.0}) {
+    const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 5, .frequency_hz = hz}, {});
+    const Complex z = 5.0 / steady.current_a;
+    const Complex own = ImpedanceAt(parameters, hz).ohm;
+    EXPECT_ABS(std::abs(own - z) / std::abs(z), 0.0, 1e-13, "rounding of both");
+  }
+}
+
+TEST(ImpedanceModel, DerivativesAreThoseOfTheModel) {
+  const std::vector<double> parameters{std::log(1414.0), std::log(23.0), std::log(714.0),
+                                       std::log(27.0), 130e-6};
+  constexpr double kStep = 1e-5;
+  for (const double hz : {100.0, 224.0, 225.5, 400.0}) {
+    const auto at = ImpedanceAt(parameters, hz);
+    for (std::size_t k = 0; k < kImpedanceParameters; ++k) {
+      auto up = parameters;
+      auto down = parameters;
+      up[k] += kStep;
+      down[k] -= kStep;
+      const Complex slope = (ImpedanceAt(up, hz).ohm - ImpedanceAt(down, hz).ohm) / (2 * kStep);
+      EXPECT_ABS(std::abs(slope - at.slopes[k]) / std::abs(at.slopes[k]), 0.0, 3e-6,
+                 "central differences: step^2 (w/g)^2");
+    }
+  }
+}
+
+TEST(ImpedanceFit, ACleanSweepGivesTheConstantsToRounding) {
+  const auto fit = Fit(Points({GoodFrequencies()}));
+  EXPECT_REL(fit.stiffness.value, kKv, 1e-13, "noise-free");
+  EXPECT_REL(fit.damping.value, kBv, 1e-13, "noise-free");
+  EXPECT_REL(fit.force_constant.value, kKm, 1e-13, "noise-free");
+  EXPECT_REL(fit.resistance.value, kR, 1e-13, "noise-free");
+  EXPECT_REL(fit.inductance.value, kL, 1e-12, "noise-free");
+  EXPECT_REL(fit.natural_frequency.value, 225.0790790392765, 1e-13, "sqrt(2e6)/2pi");
+  EXPECT_EQ(fit.mass_symbol, "Mv");
+  EXPECT_THAT(fit.undetermined, IsEmpty());
+  EXPECT_THAT(fit.doubts, IsEmpty());
+}
+
+TEST(ImpedanceFit, AFreeCaseRingsWithTheReducedMass) {
+  std::vector<double> hertz;
+  for (int k = 0; k < 60; ++k) hertz.push_back(200 * std::pow(4, k / 59.0));
+  const auto fit = Fit(Points({.frequencies_hz = hertz, .mass_kg = kMv * kMc / (kMv + kMc)}),
+                       Masses(), CaseCondition::kFree);
+  EXPECT_REL(fit.stiffness.value, kKv, 1e-13, "noise-free");
+  EXPECT_REL(fit.damping.value, kBv, 1e-13, "noise-free");
+  EXPECT_REL(fit.force_constant.value, kKm, 1e-13, "noise-free");
+}
+
+struct Case {
+  std::string name;
+  Sweep sweep;
+};
+
+std::vector<double> Between(double first, double last, int count) {
+  std::vector<double> hertz;
+  for (int k = 0; k < count; ++k) hertz.push_back(first + (last - first) * k / (count - 1));
+  return hertz;
+}
+
+class ImpedanceSweeps : public ::testing::TestWithParam<Case> {};
+
+// bounds of ln Kv, ln Bv, ln Km, R by the circuit above, all noise known
+std::vector<double> Bounds(const Sweep& sweep) {
+  const auto residuals = [&](const std::vector<double>& p) {
+    std::vector<double> weighted;
+    for (const double hz : sweep.frequencies_hz) {
+      const Complex s(0, kTwoPi * hz);
+      const double km = std::exp(p[2]);
+      const Complex z =
+          p[3] + s * p[4] + km * km / (sweep.mass_kg * s + std::exp(p[1]) + std::exp(p[0]) / s);
+      weighted.push_back(std::log(std::abs(z)) / sweep.magnitude_noise);
+      weighted.push_back(std::arg(z) / sweep.phase_noise_rad);
+    }
+    return weighted;
+  };
+  return tests::CramerRaoDeviations(residuals,
+                                    {std::log(kKv), std::log(kBv), std::log(kKm), kR, kL},
+                                    {1e-4, 1e-3, 1e-3, 1e-2, 1e-5});
+}
+
+TEST_P(ImpedanceSweeps, ErrorsAreAtTheBoundAndAsStated) {
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 10 : 100);
+  tests::Pulls stiffness, damping, force_constant, resistance;
+  int doubted = 0;
+  for (int k = 0; k < repetitions; ++k) {
+    Sweep sweep = GetParam().sweep;
+    sweep.seed = static_cast<unsigned>(k) + 1;
+    const auto fit = Fit(Points(sweep));
+    ASSERT_TRUE(fit.force_constant.determined);
+    stiffness.Add(fit.stiffness.value, kKv, fit.stiffness.standard_uncertainty);
+    damping.Add(fit.damping.value, kBv, fit.damping.standard_uncertainty);
+    force_constant.Add(fit.force_constant.value, kKm, fit.force_constant.standard_uncertainty);
+    resistance.Add(fit.resistance.value, kR, fit.resistance.standard_uncertainty);
+    const bool is_outside = GetParam().name == "OneSideOnly";  // of the sweep: said each time
+    doubted += fit.doubts.size() > (is_outside ? 1 : 0) ? 1 : 0;
+  }
+  const auto bounds = Bounds(GetParam().sweep);
+  ExpectEfficient(stiffness, bounds[0] * kKv, "Kv");
+  ExpectEfficient(damping, bounds[1] * kBv, "Bv");
+  ExpectEfficient(force_constant, bounds[2] * kKm, "Km");
+  ExpectEfficient(resistance, bounds[3], "R");
+  EXPECT_LE(doubted, 0.01 * repetitions) << "false alarms";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Noise, ImpedanceSweeps,
+    ::testing::Values(Case{"BridgeOfATenthOfAPercent", {GoodFrequencies(), 1e-3, 1e-3}},
+                      Case{"MagnitudesBetterThanPhases", {GoodFrequencies(), 2e-3, 2e-2}},
+                      Case{"OscilloscopeOfTwoPercent", {GoodFrequencies(), 2e-2, 2e-2}},
+                      Case{"OneSideOnly", {Between(150, 222, 40), 2e-3, 2e-3}},
+                      Case{"FivePointsInTheResonance", {Between(100, 340, 121), 3e-3, 3e-3}}),
+    [](const auto& tried) { return tried.param.name; });
+
+TEST(ImpedanceFit, WithoutAMassTheRatiosAreGiven) {
+  const auto fit = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), {});
+  EXPECT_FALSE(fit.stiffness.determined);
+  EXPECT_FALSE(fit.force_constant.determined);
+  EXPECT_THAT(fit.undetermined, Contains(HasSubstr("--moving-mass")));
+  EXPECT_REL(fit.stiffness_over_mass.value, 2e6, 1e-3, "noise");
+  EXPECT_REL(fit.coupling_over_mass.value, 1 / 1.4e-3, 0.01, "noise");
+  EXPECT_REL(fit.quality_factor.value, 61.4875, 0.01, "noise");
+  // held was assumed for a free case without the case's mass
+  const auto free = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), {Quantity{kMv, 0}, {}, {}, {}},
+                        CaseCondition::kFree);
+  EXPECT_FALSE(free.stiffness.determined);
+  EXPECT_THAT(free.undetermined, Contains(HasSubstr("--case-mass")));
+}
+
+TEST(ImpedanceFit, TheMassIsTypeB) {
+  auto knowns = Masses();
+  knowns.moving_mass_kg = Quantity{kMv, 0.02 * kMv};
+  const auto fit = Fit(Points({GoodFrequencies(), 1e-4, 1e-4}), knowns);
+  EXPECT_REL(fit.stiffness.combined_standard_uncertainty, 0.02 * kKv, 1e-3, "Kv = M w0^2");
+  EXPECT_REL(fit.force_constant.combined_standard_uncertainty, 0.01, 1e-2, "Km = sqrt(M k)");
+  ASSERT_EQ(fit.influences.size(), 1U);
+  EXPECT_REL(fit.influences[0].percent_per_percent[2], 0.5, 1e-12, "closed form");
+}
+
+TEST(ImpedanceFit, CovarianceIsThatOfTheConstants) {
+  auto knowns = Masses();
+  knowns.moving_mass_kg = Quantity{kMv, 0.02 * kMv};
+  const auto fit = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns);
+  const FittedValue* values[]{&fit.stiffness, &fit.damping, &fit.force_constant, &fit.resistance,
+                              &fit.inductance};
+  for (std::size_t k = 0; k < 5; ++k) {
+    ASSERT_TRUE(values[k]->determined) << k;
+    EXPECT_REL(std::sqrt(fit.relative_covariance[k][k]),
+               values[k]->combined_standard_uncertainty / values[k]->value, 1e-9, "the same sums");
+  }
+  // Kv and Bv go by M, Km by its root; R and L do not
+  EXPECT_REL(fit.relative_covariance[0][1], 4e-4, 1e-2, "noise of 1e-5");
+  EXPECT_REL(fit.relative_covariance[0][2], 2e-4, 1e-2, "noise of 1e-5");
+  EXPECT_LT(std::abs(fit.relative_covariance[0][3]), 1e-6);
+  EXPECT_EQ(fit.relative_covariance[2][3], fit.relative_covariance[3][2]);
+  const auto faint = Fit(Points({GoodFrequencies(), 5e-2, 5e-2}));
+  ASSERT_FALSE(faint.inductance.determined);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_EQ(faint.relative_covariance[4][k], 0);
+}
+
+TEST(ImpedanceFit, AStatedResistanceServesWhereTheSweepTellsNone) {
+  // eight points within a sixth of the resonance's width: a circle's small arc
+  const Sweep sweep{
+      .frequencies_hz = Between(224.8, 225.4, 8), .magnitude_noise = 1e-2, .phase_noise_rad = 1e-2};
+  const auto without = Fit(Points(sweep));
+  EXPECT_FALSE(without.resistance.determined && without.force_constant.determined);
+  EXPECT_THAT(without.undetermined, Contains(HasSubstr("worse than 25 %")));
+  auto knowns = Masses();
+  knowns.resistance_ohm = Quantity{kR, 0.27};
+  knowns.inductance_h = Quantity{kL, 0};
+  const auto with = Fit(Points(sweep), knowns);
+  EXPECT_THAT(with.assumptions, Contains(HasSubstr("R: it is taken as stated")));
+  ASSERT_TRUE(with.force_constant.determined);
+  EXPECT_ABS(with.force_constant.value, kKm, 3 * with.force_constant.combined_standard_uncertainty,
+             "3 deviations");
+  EXPECT_GT(with.force_constant.combined_standard_uncertainty,
+            with.force_constant.standard_uncertainty);
+  // the response to R against the fit with another R
+  auto other = knowns;
+  other.resistance_ohm = Quantity{kR * 1.001, 0.27};
+  const auto moved = Fit(Points(sweep), other);
+  const double percent = std::log(moved.force_constant.value / with.force_constant.value) / 1e-3;
+  const auto& influence = with.influences.at(0);
+  EXPECT_EQ(influence.input, "resistance");
+  EXPECT_ABS(influence.percent_per_percent[2], percent, 0.02 * std::abs(percent) + 1e-3,
+             "second order of 0.1 %, and the noises that are estimated again");
+}
+
+TEST(ImpedanceFit, AnInductanceThatIsNotSeenIsALimit) {
+  const auto fit = Fit(Points({GoodFrequencies(), 5e-2, 5e-2}));
+  EXPECT_FALSE(fit.inductance.determined);
+  EXPECT_THAT(fit.undetermined, Contains(HasSubstr("L: it is below")));
+  EXPECT_GT(*fit.inductance.at_most, 0);
+  EXPECT_TRUE(fit.force_constant.determined);
+}
+
+TEST(ImpedanceFit, OtherReadingsOfThePhaseAreRefused) {
+  auto reversed = Points({GoodFrequencies(), 1e-3, 1e-3});
+  auto radians = reversed;
+  for (auto& point : reversed) point.ohm = std::conj(point.ohm);
+  for (auto& point : radians) {
+    point.ohm = std::polar(std::abs(point.ohm), std::arg(point.ohm) * std::numbers::pi / 180);
+  }
+  const auto fit = FitImpedance(reversed, Masses(), CaseCondition::kHeld, "z.csv");
+  ASSERT_FALSE(fit);
+  EXPECT_THAT(fit.error().Text(), HasSubstr("other sign"));
+  const auto other = FitImpedance(radians, Masses(), CaseCondition::kHeld, "z.csv");
+  ASSERT_FALSE(other);
+  EXPECT_THAT(other.error().Text(), HasSubstr("radians"));
+}
+
+TEST(ImpedanceFit, WhatHoldsNoResonanceIsRefused) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::mt19937_64 engine(seed);
+    std::normal_distribution<double> noise(0, 0.01);
+    std::vector<ImpedancePoint> coil;
+    for (const double hz : GoodFrequencies()) {
+      coil.push_back(
+          {hz, Complex(27, kTwoPi * hz * kL) * std::polar(std::exp(noise(engine)), noise(engine))});
+    }
+    const auto fit = FitImpedance(coil, Masses(), CaseCondition::kHeld, "z.csv");
+    ASSERT_FALSE(fit) << "seed " << seed;
+    EXPECT_THAT(fit.error().Text(), HasSubstr("no resonance"));
+  }
+}
+
+TEST(ImpedanceFit, ASlipIsNamed) {
+  auto points = Points({GoodFrequencies(), 1e-3, 1e-3});
+  points[5].ohm *= 1.1;
+  EXPECT_THAT(Fit(points).doubts, Contains(HasSubstr("the point at 220 Hz")));
+}
+
+TEST(ImpedanceFit, BadTablesAreRefusedOrThinned) {
+  const auto refused = [](std::vector<ImpedancePoint> points) {
+    return !FitImpedance(points, Masses(), CaseCondition::kHeld, "z.csv");
+  };
+  EXPECT_TRUE(refused({}));
+  EXPECT_TRUE(refused(Points({{224, 226}})));
+  EXPECT_TRUE(refused(Points({std::vector<double>(50, 225.0)})));
+  auto zero = Points({GoodFrequencies()});
+  zero[3].ohm = 0;
+  EXPECT_TRUE(refused(zero));
+  auto negative = Points({GoodFrequencies()});
+  negative[3].frequency_hz = -1;
+  EXPECT_TRUE(refused(negative));
+  auto constant = Points({GoodFrequencies()});
+  for (auto& point : constant) point.ohm = 27;
+  EXPECT_TRUE(refused(constant));
+  auto holes = Points({GoodFrequencies()});
+  holes[5].ohm = std::nan("");
+  holes[6].frequency_hz = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(Fit(holes).points, holes.size() - 2);
+}
+
+// any numbers, from 1e-300 to 1e300, give a refusal or finite numbers
+TEST(ImpedanceFit, GarbageIsRefusedOrFinite) {
+  std::mt19937_64 engine(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < 60; ++k) {
+    const double spread = k % 3 == 0 ? 300 : k % 3 == 1 ? 10 : 1;
+    std::vector<ImpedancePoint> points;
+    for (int n = 0; n < 12; ++n) {
+      points.push_back({std::pow(10, spread * uniform(engine)),
+                        std::polar(std::pow(10, spread * uniform(engine)), 4 * uniform(engine))});
+    }
+    const auto fit = FitImpedance(points, Masses(), CaseCondition::kHeld, "garbage");
+    if (!fit) continue;
+    for (const FittedValue* value : {&fit->stiffness, &fit->damping, &fit->force_constant}) {
+      if (!value->determined) continue;
+      EXPECT_TRUE(std::isfinite(value->value) &&
+                  std::isfinite(value->combined_standard_uncertainty));
+    }
+  }
+}
+
+TEST(ImpedanceFit, WrongUnitsAndWrongModelsAreDoubted) {
+  auto kilohertz = Points({GoodFrequencies(), 1e-3, 1e-3});
+  for (auto& point : kilohertz) point.frequency_hz *= 1e-3;
+  EXPECT_THAT(Fit(kilohertz).doubts, Contains(HasSubstr("in kHz")));
+  auto kilohm = Points({GoodFrequencies(), 1e-3, 1e-3});
+  for (auto& point : kilohm) point.ohm *= 1e-3;
+  EXPECT_THAT(Fit(kilohm).doubts, Contains(HasSubstr("in kohm")));
+  auto knowns = Masses();
+  knowns.moving_mass_kg = Quantity{1.4, 0};
+  EXPECT_THAT(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns).doubts,
+              Contains(HasSubstr("g or mg")));
+  knowns = Masses();
+  knowns.resistance_ohm = Quantity{22, 0};
+  EXPECT_THAT(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns).doubts,
+              Contains(HasSubstr("22 ohm are stated")));
+  // a second resonance
+  auto second = Points({GoodFrequencies(), 1e-3, 1e-3});
+  for (auto& point : second) {
+    const Complex s(0, kTwoPi * point.frequency_hz);
+    point.ohm += 0.02 / (1e-4 * s + 0.02 + 400.0 / s);
+  }
+  EXPECT_THAT(Fit(second).doubts, Contains(HasSubstr("follow each other")));
+}
+
+}  // namespace
+}  // namespace haptometer::fit

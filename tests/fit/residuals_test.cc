@@ -1,0 +1,163 @@
+#include "fit/residuals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "fit/drop_test/drop_test_fit.h"
+#include "tests/fit/pulls.h"
+#include "tests/fit/synthetic_drop.h"
+#include "tests/repetitions.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+constexpr double kStepS = 1e-4;
+constexpr double kResonanceHz = 225;
+
+// x[n] = share x[n-1] + white noise
+std::vector<double> Noise(double share, unsigned seed) {
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal;
+  std::vector<double> noise(20'000);
+  double last = 0;
+  for (double& x : noise) x = last = share * last + normal(engine);
+  return noise;
+}
+
+TEST(ResidualDensity, OfWhiteNoiseIsOne) {
+  int coloured = 0;
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    const auto density = DensityAt(Noise(0, seed), kStepS, kResonanceHz);
+    EXPECT_ABS(density.ratio, 1.0, 4 / std::sqrt(450.0), "450 lines, four deviations");
+    coloured += density.is_coloured ? 1 : 0;
+  }
+  EXPECT_LE(coloured, 3) << "1 % of white records";
+}
+
+TEST(ResidualDensity, OfFilteredNoiseIsThatOfTheFilter) {
+  // at frequencies far below the corner (1-a^2)/(1-a)^2 = (1+a)/(1-a) of the white density
+  const auto density = DensityAt(Noise(0.5, 1), kStepS, kResonanceHz);
+  EXPECT_TRUE(density.is_coloured);
+  EXPECT_REL(density.ratio, 3.0, 0.2, "450 lines, four deviations");
+}
+
+TEST(ResidualDensity, NeedsLinesAndABandBelowHalfTheRate) {
+  const auto noise = Noise(0.5, 1);
+  EXPECT_EQ(DensityAt(noise, kStepS, 4000).ratio, 1);
+  EXPECT_EQ(DensityAt({noise.begin(), noise.begin() + 300}, kStepS, kResonanceHz).ratio, 1)
+      << "6.75 lines in the band";
+  EXPECT_EQ(DensityAt(std::vector<double>(1000, 0.0), kStepS, kResonanceHz).ratio, 1);
+}
+
+}  // namespace
+namespace {
+
+using tests::SyntheticDrop;
+
+std::vector<double> Normal(std::size_t count) {
+  std::mt19937_64 engine(5);
+  std::normal_distribution<double> normal;
+  std::vector<double> values(count);
+  for (double& value : values) value = normal(engine);
+  return values;
+}
+
+TEST(Huber, TheScaleOfNormalResidualsIsTheirDeviation) {
+  const auto values = Normal(40'000);
+  EXPECT_ABS(RobustScale(values), 1.0, 0.02, "1.17/sqrt(2 n) is its own deviation");
+  auto spoiled = values;
+  for (std::size_t n = 0; n < spoiled.size(); n += 10) spoiled[n] = 1e6;
+  EXPECT_ABS(RobustScale(spoiled), 1.14, 0.03, "quantile 5/9 of |t| in place of 1/2");
+}
+
+TEST(Huber, WeightsAreAFixedForceBeyondTheBend) {
+  const std::vector<double> residuals{0, 2, -2.69, 26.9, -269};
+  const auto roots = HuberRootWeights(residuals, 2);
+  EXPECT_EQ(roots[0], 1.0);
+  EXPECT_EQ(roots[1], 1.0);
+  EXPECT_REL(roots[2] * roots[2], 1.0, 1e-15, "at the bend");
+  EXPECT_REL(roots[3] * roots[3], 0.1, 1e-15, "rounding");
+  EXPECT_REL(roots[4] * roots[4], 0.01, 1e-15, "rounding");
+}
+
+TEST(Huber, NormalNoiseCostsFivePercent) {
+  // E[psi^2]/(E[psi'])^2 of the normal distribution is 1/0.95 (Huber 1964, table 1), mean(w) 0.96
+  const double variance = HuberVariance(Normal(400'000), 0);
+  EXPECT_ABS(variance, 0.9587 / 0.95, 0.01, "400 000 draws");
+}
+
+TEST(Huber, WithoutFarSamplesTheFitIsTheSame) {
+  const auto fit =
+      FitDropTest({tests::MakeRecordWithHeight({})}, tests::ThesisKnowns(), Loss::kHuber);
+  ASSERT_TRUE(fit);
+  EXPECT_TRUE(fit->converged);
+  EXPECT_REL(fit->stiffness.value, 2800.0, 1e-12, "noise-free");
+  EXPECT_REL(fit->damping.value, 0.0322, 1e-11, "noise-free");
+  EXPECT_REL(fit->force_constant.value, 1.0, 1e-12, "noise-free");
+}
+
+SyntheticDrop NoisyDrop(int seed, double load_ohm) {
+  SyntheticDrop drop;
+  drop.noise_v = 0.01 * tests::SpeedVoltage(drop);
+  drop.load_ohm = load_ohm;
+  drop.seed = static_cast<unsigned>(seed);
+  return drop;
+}
+
+// every fiftieth sample up to half of the amplitude off, as where a switch sparks nearby
+ImpulseRecord Spoiled(const SyntheticDrop& drop) {
+  auto record = tests::MakeRecord(drop);
+  std::mt19937_64 engine(drop.seed + 1000);
+  std::uniform_real_distribution<double> where;
+  for (double& v : record.voltage_v) {
+    if (where(engine) > 0.02) continue;
+    v += (where(engine) - 0.5) * tests::SpeedVoltage(drop);
+  }
+  return record;
+}
+
+TEST(Huber, SpikesHardlyMoveTheFitAndAreCovered) {
+  // of clean records, by least squares: the bound for these
+  tests::Pulls clean;
+  tests::Pulls squares;
+  tests::Pulls stiffness;
+  tests::Pulls damping;
+  tests::Pulls force;
+  for (int k = 0; k < tests::Repetitions(tests::kIsSanitized ? 4 : 40); ++k) {
+    const auto open = NoisyDrop(2 * k + 1, tests::kOpen);
+    const auto loaded = NoisyDrop(2 * k + 2, 33);
+    const auto fit_of = [&](auto make, Loss loss) {
+      auto fit = FitDropTest({make(open), make(loaded)}, tests::ThesisKnowns(), loss);
+      EXPECT_TRUE(fit && fit->converged) << (fit ? "" : fit.error().Text());
+      return fit ? *fit : DropTestFit{};
+    };
+    const auto plain = fit_of(tests::MakeRecord, Loss::kSquares).damping;
+    clean.Add(plain.value, 0.0322, plain.standard_uncertainty);
+    const auto moved = fit_of(Spoiled, Loss::kSquares).damping;
+    squares.Add(moved.value, 0.0322, moved.standard_uncertainty);
+    const auto fit = fit_of(Spoiled, Loss::kHuber);
+    stiffness.Add(fit.stiffness.value, 2800, fit.stiffness.standard_uncertainty);
+    damping.Add(fit.damping.value, 0.0322, fit.damping.standard_uncertainty);
+    force.Add(fit.force_constant.value, 1, fit.force_constant.standard_uncertainty);
+    ASSERT_FALSE(fit.records.empty());
+    EXPECT_GT(fit.records[0].drawn_samples, 10U);
+  }
+  if (tests::kIsSanitized) return;
+  const double slack = 2.5 / std::sqrt(2.0 * damping.count());
+  std::printf("  Bv: RMSE over that of clean records %.3f, by squares %.2f\n",
+              damping.rms() / clean.rms(), squares.rms() / clean.rms());
+  EXPECT_LE(damping.rms() / clean.rms(), 1.15 + slack);
+  EXPECT_GE(squares.rms() / clean.rms(), 2.0) << "least squares are moved";
+  for (const auto* pulls : {&stiffness, &damping, &force}) {
+    std::printf("  pulls %.3f +- %.3f\n", pulls->mean(), pulls->deviation());
+    EXPECT_ABS(pulls->mean(), 0.0, 0.15 + std::sqrt(2.0) * slack, "of so many pulls");
+    EXPECT_ABS(pulls->deviation(), 1.0, 0.1 + slack, "of so many pulls");
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::fit

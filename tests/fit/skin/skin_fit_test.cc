@@ -1,0 +1,379 @@
+#include "fit/skin/skin_fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "sim/linear/steady_state.h"
+#include "tests/fit/bound.h"
+#include "tests/fit/pulls.h"
+#include "tests/repetitions.h"
+#include "tests/residual.h"
+
+namespace haptometer::fit {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using Complex = std::complex<double>;
+
+// truth: what a contact of 78.5 mm2 has by the thesis's text, and a gram of skin
+struct Truth {
+  double stiffness = 1861.7;
+  double damping = 2.2189;
+  double mass_kg = 1e-3;
+};
+
+struct Sweep {
+  Truth truth = {};
+  std::vector<double> frequencies_hz;
+  double magnitude_noise = 0;
+  double phase_noise_rad = 0;  // 0: no phases
+  DriveQuantity drive = DriveQuantity::kCurrent;
+  bool states_uncertainty = false;
+  unsigned seed = 1;
+};
+
+// displacement of the skin over current or voltage by sim's five states, the mass on the case
+Complex SimResponse(const Truth& truth, DriveQuantity drive, double hz) {
+  auto actuator = sim::ThesisC10100();
+  actuator.case_mass_kg += truth.mass_kg;
+  const sim::Skin skin{truth.stiffness, truth.damping};
+  const auto model = sim::AssembleModel(actuator, {}, skin);
+  const auto steady = sim::SolveSteadyState(model, {.amplitude_v = 1, .frequency_hz = hz}, skin);
+  const Complex displacement = steady.phasors(model.skin());
+  const bool by_current = drive == DriveQuantity::kCurrent;
+  return by_current ? displacement / steady.current_a : displacement;
+}
+
+std::vector<double> Spaced(double first, double last, int count) {
+  std::vector<double> hertz;
+  for (int k = 0; k < count; ++k) {
+    hertz.push_back(first * std::pow(last / first, k / (count - 1.0)));
+  }
+  return hertz;
+}
+
+SkinSweep Measure(const Sweep& sweep) {
+  SkinSweep measured{.name = "skin.csv", .area_m2 = {}, .drive = sweep.drive, .points = {}};
+  std::mt19937_64 engine(sweep.seed);
+  std::normal_distribution<double> noise;
+  const double drive = sweep.drive == DriveQuantity::kCurrent ? 0.1 : 3.0;
+  for (const double hz : sweep.frequencies_hz) {
+    const Complex response = SimResponse(sweep.truth, sweep.drive, hz);
+    SkinPoint point{.frequency_hz = hz,
+                    .displacement_m = std::abs(response) * drive *
+                                      std::exp(sweep.magnitude_noise * noise(engine)),
+                    .drive = drive,
+                    .phase_rad = {},
+                    .displacement_standard_uncertainty_m = {}};
+    if (sweep.phase_noise_rad > 0) {
+      point.phase_rad = std::arg(response) + sweep.phase_noise_rad * noise(engine);
+    }
+    if (sweep.states_uncertainty) {
+      point.displacement_standard_uncertainty_m = sweep.magnitude_noise * point.displacement_m;
+    }
+    measured.points.push_back(point);
+  }
+  return measured;
+}
+
+sim::StatedActuator Actuator() { return *sim::FindActuator("thesis-c10-100"); }
+
+SkinFit Fit(const SkinSweep& sweep, const sim::StatedActuator& actuator = Actuator()) {
+  const auto fit = FitSkin(sweep, actuator);
+  EXPECT_TRUE(fit) << fit.error().Text();
+  return fit ? *fit : SkinFit{};
+}
+
+TEST(ContactModel, IsTheSolversOfSim) {
+  for (const auto drive : {DriveQuantity::kCurrent, DriveQuantity::kVoltage}) {
+    for (const double mass : {0.0, 1e-3, 2e-2}) {
+      for (const double hz : {20.0, 60.0, 175.0, 225.0, 226.0, 500.0, 2000.0}) {
+        const Truth truth{600, 0.75, mass};
+        const Complex sim = SimResponse(truth, drive, hz);
+        const Complex own =
+            ContactAt(sim::ThesisC10100(), drive, {std::log(600.0), std::log(0.75), mass}, hz)
+                .motion;
+        EXPECT_ABS(std::abs(own - sim) / std::abs(sim), 0.0, 1e-13,
+                   "3e-15 from 60 Hz on; below, what the sums of sim's case row lose");
+      }
+    }
+  }
+}
+
+TEST(ContactModel, DerivativesAreThoseOfTheModel) {
+  const std::vector<double> at{std::log(1500.0), std::log(1.5), 1e-3};
+  const std::vector<double> steps{1e-5, 1e-5, 1e-8};
+  for (const auto drive : {DriveQuantity::kCurrent, DriveQuantity::kVoltage}) {
+    for (const double hz : {50.0, 200.0, 225.0, 400.0}) {
+      const auto value = ContactAt(sim::ThesisC10100(), drive, at, hz);
+      for (std::size_t k = 0; k < kContactParameters; ++k) {
+        auto up = at, down = at;
+        up[k] += steps[k];
+        down[k] -= steps[k];
+        const Complex slope = std::log(ContactAt(sim::ThesisC10100(), drive, up, hz).motion /
+                                       ContactAt(sim::ThesisC10100(), drive, down, hz).motion) /
+                              (2 * steps[k]);
+        EXPECT_ABS(std::abs(slope - value.logarithmic_slopes[k]) / std::abs(slope), 0.0, 1e-8,
+                   "rounding of a difference of 1e-5 and less");
+      }
+    }
+  }
+}
+
+TEST(SkinFit, CleanSweepsGiveTheSkinToRounding) {
+  for (const auto drive : {DriveQuantity::kCurrent, DriveQuantity::kVoltage}) {
+    const auto fit = Fit(Measure({.frequencies_hz = Spaced(50, 500, 25), .drive = drive}));
+    EXPECT_REL(fit.stiffness.value, 1861.7, 1e-13, "noise-free");
+    EXPECT_REL(fit.damping.value, 2.2189, 1e-13, "noise-free");
+    EXPECT_REL(fit.mass.value, 1e-3, 1e-13, "noise-free");
+    EXPECT_TRUE(fit.stiffness.determined && fit.damping.determined && fit.mass.determined);
+    EXPECT_THAT(fit.undetermined, IsEmpty());
+    EXPECT_THAT(fit.doubts, IsEmpty());
+  }
+}
+
+// skins from a cotton ball to a heel under the same actuator
+TEST(SkinFit, EverySkinOfALargeRangeIsFound) {
+  std::mt19937_64 engine(4);
+  std::uniform_real_distribution<double> uniform;
+  for (int k = 0; k < 60; ++k) {
+    const Truth truth{100 * std::pow(100, uniform(engine)), 0.1 * std::pow(100, uniform(engine)),
+                      5e-3 * uniform(engine)};
+    const auto fit = Fit(Measure({.truth = truth, .frequencies_hz = Spaced(20, 800, 40)}));
+    EXPECT_REL(fit.stiffness.value, truth.stiffness, 1e-11, "noise-free, some are faint");
+    EXPECT_REL(fit.damping.value, truth.damping, 1e-11, "noise-free, some are faint");
+    EXPECT_ABS(fit.mass.value, truth.mass_kg, 1e-15, "noise-free, some are faint");
+  }
+}
+
+struct Case {
+  std::string name;
+  Sweep sweep;
+};
+
+class SkinSweeps : public ::testing::TestWithParam<Case> {};
+
+std::vector<double> Bounds(const Sweep& sweep) {
+  const auto residuals = [&](const std::vector<double>& p) {
+    std::vector<double> weighted;
+    for (const double hz : sweep.frequencies_hz) {
+      const Complex response = SimResponse({std::exp(p[0]), std::exp(p[1]), p[2]}, sweep.drive, hz);
+      weighted.push_back(std::log(std::abs(response)) / sweep.magnitude_noise);
+      if (sweep.phase_noise_rad > 0) {
+        weighted.push_back(std::arg(response) / sweep.phase_noise_rad);
+      }
+    }
+    return weighted;
+  };
+  const Truth& truth = sweep.truth;
+  return tests::CramerRaoDeviations(
+      residuals, {std::log(truth.stiffness), std::log(truth.damping), truth.mass_kg},
+      {1e-3, 1e-3, 1e-6});
+}
+
+TEST_P(SkinSweeps, ErrorsAreAtTheBoundAndAsStated) {
+  const int repetitions = tests::Repetitions(tests::kIsSanitized ? 50 : 400);
+  const Truth truth = GetParam().sweep.truth;
+  tests::Pulls stiffness, damping, mass;
+  int doubted = 0;
+  for (int k = 0; k < repetitions; ++k) {
+    Sweep sweep = GetParam().sweep;
+    sweep.seed = static_cast<unsigned>(k) + 1;
+    const auto fit = Fit(Measure(sweep));
+    // Ks and Bs in logarithms, in which they are fitted: a few percent are no straight line
+    stiffness.Add(std::log(fit.stiffness.value), std::log(truth.stiffness),
+                  fit.stiffness.standard_uncertainty / fit.stiffness.value);
+    damping.Add(std::log(fit.damping.value), std::log(truth.damping),
+                fit.damping.standard_uncertainty / fit.damping.value);
+    mass.Add(fit.mass.value, truth.mass_kg, fit.mass.standard_uncertainty);
+    doubted += fit.doubts.empty() ? 0 : 1;
+  }
+  const auto bounds = Bounds(GetParam().sweep);
+  std::printf("bounds: Ks %.2g %%, Bs %.2g %%, m %.2g g\n", 100 * bounds[0], 100 * bounds[1],
+              1e3 * bounds[2]);
+  ExpectEfficient(stiffness, bounds[0], "Ks");
+  ExpectEfficient(damping, bounds[1], "Bs");
+  ExpectEfficient(mass, bounds[2], "m");
+  EXPECT_LE(doubted, 0.01 * repetitions) << "false alarms";
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, SkinSweeps,
+                         ::testing::Values(Case{"TwoPercentByCurrent",
+                                                {.truth = {},
+                                                 .frequencies_hz = Spaced(40, 500, 40),
+                                                 .magnitude_noise = 0.02}},
+                                           Case{"WithPhases",
+                                                {.truth = {},
+                                                 .frequencies_hz = Spaced(40, 500, 25),
+                                                 .magnitude_noise = 0.03,
+                                                 .phase_noise_rad = 0.02}},
+                                           Case{"SoftSkinByVoltage",
+                                                {.truth = {600, 0.75, 0.5e-3},
+                                                 .frequencies_hz = Spaced(40, 500, 40),
+                                                 .magnitude_noise = 0.02,
+                                                 .drive = DriveQuantity::kVoltage}},
+                                           Case{"NoMass",
+                                                {.truth = {1000, 1.2, 0},
+                                                 .frequencies_hz = Spaced(40, 500, 60),
+                                                 .magnitude_noise = 0.01}}),
+                         [](const auto& tried) { return tried.param.name; });
+
+TEST(SkinFit, StatedUncertaintiesAreBelievedUnlessTheSweepScattersMore) {
+  const auto fit = Fit(Measure({.frequencies_hz = Spaced(40, 500, 40),
+                                .magnitude_noise = 0.02,
+                                .states_uncertainty = true}));
+  EXPECT_TRUE(fit.uncertainties_stated);
+  EXPECT_GE(fit.magnitude_noise, 1.0);
+  EXPECT_LT(fit.magnitude_noise, 1.4) << "37 degrees of freedom";
+}
+
+TEST(SkinFit, TheActuatorsConstantsAreTypeB) {
+  auto actuator = Actuator();
+  actuator.force_constant_n_per_a = Quantity{1.0, 0.02};
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 40), .magnitude_noise = 1e-4});
+  const auto fit = Fit(sweep, actuator);
+  // against the fit with another Km
+  actuator.force_constant_n_per_a = Quantity{1.001, 0.02};
+  const auto moved = Fit(sweep, actuator);
+  const double percent = std::log(moved.stiffness.value / fit.stiffness.value) / 1e-3;
+  const auto& influence = fit.influences.at(4);
+  EXPECT_EQ(influence.input, "Km");
+  EXPECT_REL(influence.stiffness_percent_per_percent, percent, 0.02,
+             "second order of 0.1 % and noises estimated again");
+  EXPECT_REL(fit.stiffness.combined_standard_uncertainty,
+             std::hypot(fit.stiffness.standard_uncertainty, 0.02 * percent * fit.stiffness.value),
+             0.02, "the same");
+  EXPECT_EQ(fit.influences.back().input, "displacement over drive");
+  // a displacement that is 1 % too large is a Km that is 1 % too small
+  EXPECT_REL(fit.influences.back().stiffness_percent_per_percent,
+             -influence.stiffness_percent_per_percent, 1e-6, "the response is Km times a shape");
+}
+
+TEST(SkinFit, CorrelationsOfTheActuatorCount) {
+  auto actuator = Actuator();
+  actuator.moving_mass_kg = Quantity{1.4e-3, 1.4e-5};
+  actuator.stiffness_n_per_m = Quantity{2800, 28};
+  const auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 40), .magnitude_noise = 1e-5});
+  const auto apart = Fit(sweep, actuator);
+  actuator.correlations["Mv_Kv"] = 1;
+  const auto together = Fit(sweep, actuator);
+  const double mass = apart.influences.at(0).stiffness_percent_per_percent;
+  const double spring = apart.influences.at(2).stiffness_percent_per_percent;
+  // 1 % of each: squares add, or the two themselves
+  EXPECT_REL(apart.stiffness.combined_standard_uncertainty,
+             0.01 * std::hypot(mass, spring) * apart.stiffness.value, 1e-4, "statistics adds less");
+  EXPECT_REL(together.stiffness.combined_standard_uncertainty,
+             0.01 * std::abs(mass + spring) * together.stiffness.value, 1e-3,
+             "statistics adds less");
+}
+
+TEST(SkinFit, APolarityThatIsTurnedIsSaid) {
+  auto sweep = Measure(
+      {.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01, .phase_noise_rad = 0.01});
+  for (auto& point : sweep.points) *point.phase_rad += std::numbers::pi;
+  const auto fit = Fit(sweep);
+  EXPECT_THAT(fit.assumptions, Contains(HasSubstr("polarity")));
+  EXPECT_REL(fit.stiffness.value, 1861.7, 0.1, "noise");
+}
+
+TEST(SkinFit, WhatTheFrequenciesDoNotHoldIsNotDetermined) {
+  // 1 % around the actuator's resonance
+  const auto fit = Fit(Measure({.frequencies_hz = Spaced(224, 226, 12), .magnitude_noise = 0.02}));
+  EXPECT_FALSE(fit.stiffness.determined && fit.mass.determined);
+  EXPECT_FALSE(fit.undetermined.empty());
+}
+
+TEST(SkinFit, WrongUnitsAreDoubted) {
+  auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 30), .magnitude_noise = 0.01});
+  const auto is_named = [](const SkinSweep& mistaken) {
+    const auto fit = FitSkin(mistaken, Actuator());
+    return !fit || !fit->doubts.empty();
+  };
+  auto in_um = sweep;
+  for (auto& point : in_um.points) point.displacement_m *= 1e6;
+  EXPECT_TRUE(is_named(in_um));
+  auto in_ma = sweep;
+  for (auto& point : in_ma.points) point.drive *= 1e3;
+  EXPECT_TRUE(is_named(in_ma));
+  auto in_khz = sweep;
+  for (auto& point : in_khz.points) point.frequency_hz *= 1e-3;
+  EXPECT_TRUE(is_named(in_khz));
+  auto constant = sweep;
+  for (auto& point : constant.points) point.displacement_m = 1e-5;
+  EXPECT_TRUE(is_named(constant));
+  auto swapped = sweep;
+  for (auto& point : swapped.points) std::swap(point.displacement_m, point.drive);
+  EXPECT_TRUE(is_named(swapped));
+}
+
+TEST(SkinFit, ASlipIsNamed) {
+  auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01});
+  sweep.points[12].displacement_m *= 10;  // a decimal point
+  const auto fit = Fit(sweep);
+  EXPECT_THAT(fit.doubts, Contains(HasSubstr("the point at 141.42 Hz")));
+}
+
+TEST(SkinFit, BadSweepsAreRefused) {
+  const auto good = Measure({.frequencies_hz = Spaced(40, 500, 30)});
+  const auto refused = [](const SkinSweep& sweep, const sim::StatedActuator& actuator) {
+    return !FitSkin(sweep, actuator);
+  };
+  auto two = good;
+  two.points.resize(2);
+  EXPECT_TRUE(refused(two, Actuator()));
+  EXPECT_TRUE(refused({}, Actuator()));
+  auto same = good;
+  for (auto& point : same.points) point.frequency_hz = 225;
+  EXPECT_TRUE(refused(same, Actuator()));
+  auto negative = good;
+  negative.points[3].displacement_m = -1e-6;
+  EXPECT_TRUE(refused(negative, Actuator()));
+  auto some = good;
+  some.points[3].phase_rad = 0.1;
+  EXPECT_TRUE(refused(some, Actuator()));
+  auto unknown = Actuator();
+  unknown.force_constant_n_per_a.reset();
+  EXPECT_TRUE(refused(good, unknown));
+  auto hole = good;
+  hole.points[3].displacement_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(Fit(hole).points, 29U);
+}
+
+// any numbers, from 1e-300 to 1e300, give a refusal or finite numbers
+TEST(SkinFit, GarbageIsRefusedOrFinite) {
+  std::mt19937_64 engine(6);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < (tests::kIsSanitized ? 40 : 200); ++k) {
+    const double spread = k % 4 == 0 ? 300 : k % 4 == 1 ? 30 : 3;
+    SkinSweep sweep{.name = "garbage", .area_m2 = {}, .drive = {}, .points = {}};
+    sweep.drive = k % 2 == 0 ? DriveQuantity::kCurrent : DriveQuantity::kVoltage;
+    for (int n = 0; n < 12; ++n) {
+      SkinPoint point{};
+      point.frequency_hz = std::pow(10, spread * uniform(engine));
+      point.displacement_m = std::pow(10, spread * uniform(engine));
+      point.drive = std::pow(10, spread * uniform(engine));
+      if (k % 3 == 0) point.phase_rad = 1e3 * uniform(engine);
+      sweep.points.push_back(point);
+    }
+    const auto fit = FitSkin(sweep, Actuator());
+    if (!fit) continue;
+    for (const FittedValue* value : {&fit->stiffness, &fit->damping, &fit->mass}) {
+      if (!value->determined) continue;
+      EXPECT_TRUE(std::isfinite(value->value) &&
+                  std::isfinite(value->combined_standard_uncertainty));
+    }
+  }
+}
+
+}  // namespace
+}  // namespace haptometer::fit

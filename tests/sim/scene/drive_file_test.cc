@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "sim/scene/scene_file.h"
+
+namespace haptometer::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kBodies =
+    "[actuator]\nmodel = 'thesis-c10-100'\n"
+    "[skin]\nstiffness_n_per_m = 600\ndamping_n_s_per_m = 0.75\n";
+
+Scene Read(const std::string& drive) {
+  const auto scene = ReadSceneText(kBodies + drive, "scene.toml");
+  EXPECT_TRUE(scene) << scene.error().Text();
+  return scene.value_or(Scene{});
+}
+
+// lines count from the whole scene's: [drive] is the sixth
+std::string ErrorOf(const std::string& drive) {
+  const auto scene = ReadSceneText(kBodies + drive, "scene.toml");
+  if (scene) return "none";
+  EXPECT_EQ(scene.error().cause, Cause::kUsage);
+  return scene.error().Text();
+}
+
+TEST(DriveFile, ReadsASine) {
+  const Drive drive = Read(
+                          "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = '0.2kHz'\n"
+                          "source_resistance_ohm = 3\n")
+                          .drive;
+  EXPECT_EQ(drive.kind, DriveKind::kSine);
+  EXPECT_EQ(drive.amplitude_v, 5);
+  EXPECT_EQ(drive.frequency_hz, 200);
+  EXPECT_EQ(drive.source_resistance_ohm, 3);
+}
+
+TEST(DriveFile, ReadsTones) {
+  const Drive drive =
+      Read(
+          "[drive]\nkind = 'tones'\n[[drive.tone]]\namplitude_v = 1\nfrequency_hz = 40\n"
+          "[[drive.tone]]\namplitude_v = '500mV'\nfrequency_hz = 225\nphase_rad = -1.5\n")
+          .drive;
+  EXPECT_EQ(drive.kind, DriveKind::kTones);
+  ASSERT_EQ(drive.tones.size(), 2U);
+  EXPECT_EQ(drive.tones[0].amplitude, 1);
+  EXPECT_EQ(drive.tones[0].phase_rad, 0);
+  EXPECT_EQ(drive.tones[1].amplitude, 0.5);
+  EXPECT_EQ(drive.tones[1].frequency_hz, 225);
+  EXPECT_EQ(drive.tones[1].phase_rad, -1.5);
+  EXPECT_EQ(HighestFrequencyHz(drive), 225);
+  EXPECT_EQ(LargestVoltageV(drive), 1.5);
+  EXPECT_TRUE(IsLasting(drive));
+}
+
+TEST(DriveFile, ReadsABurst) {
+  const Drive drive =
+      Read(
+          "[drive]\nkind = 'burst'\namplitude_v = 5\nfrequency_hz = 175\nstart_s = '5ms'\n"
+          "rise_s = '10ms'\nhold_s = 0.1\nfall_s = 0.02\n")
+          .drive;
+  EXPECT_EQ(drive.kind, DriveKind::kBurst);
+  EXPECT_EQ(drive.start_s, 0.005);
+  EXPECT_EQ(drive.rise_s, 0.01);
+  EXPECT_EQ(drive.hold_s, 0.1);
+  EXPECT_EQ(drive.fall_s, 0.02);
+  EXPECT_DOUBLE_EQ(EndOfDriveS(drive), 0.135);
+  EXPECT_FALSE(IsLasting(drive));
+}
+
+TEST(DriveFile, ReadsAChirpUpAndDown) {
+  const Drive drive =
+      Read(
+          "[drive]\nkind = 'chirp'\namplitude_v = 2\nfrequency_hz = 400\nend_frequency_hz = 50\n"
+          "duration_s = 0.5\nhold_tolerance = 1e-6\nstart_s = 1e-3\n")
+          .drive;
+  EXPECT_EQ(drive.kind, DriveKind::kChirp);
+  EXPECT_EQ(drive.end_frequency_hz, 50);
+  EXPECT_EQ(drive.duration_s, 0.5);
+  EXPECT_EQ(drive.hold_tolerance, 1e-6);
+  EXPECT_EQ(HighestFrequencyHz(drive), 400);
+  EXPECT_EQ(EndOfDriveS(drive), 0.501);
+}
+
+TEST(DriveFile, ReadsAPulseOfEitherSign) {
+  const Drive drive = Read("[drive]\nkind = 'pulse'\namplitude_v = -3\nhold_s = '2ms'\n").drive;
+  EXPECT_EQ(drive.kind, DriveKind::kPulse);
+  EXPECT_EQ(drive.amplitude_v, -3);
+  EXPECT_EQ(drive.hold_s, 0.002);
+  EXPECT_EQ(HighestFrequencyHz(drive), 0);
+  EXPECT_EQ(LargestVoltageV(drive), 3);
+}
+
+// each fault with its line, its key and what is allowed
+TEST(DriveFile, TellsEachFault) {
+  const std::string sine = "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 225\n";
+  const std::string burst = "[drive]\nkind = 'burst'\namplitude_v = 5\nfrequency_hz = 225\n";
+  const std::string chirp = "[drive]\nkind = 'chirp'\namplitude_v = 5\nfrequency_hz = 50\n";
+  const std::string tones = "[drive]\nkind = 'tones'\n[[drive.tone]]\n";
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"[drive]\nkind = 'square'\n",
+       "scene.toml:7: [drive]: kind: \"square\" is not known; use one of sine, tones, burst, "
+       "chirp, "
+       "pulse, samples"},
+      {"[drive]\nfrequency_hz = 3\n",
+       "scene.toml:6: [drive]: kind: is missing; write kind = \"sine\""},
+      {"[drive]\nkind = 3\n", "scene.toml:7: [drive]: kind: is not a text; put it in quotes"},
+      {sine + "hold_s = 1\n", "scene.toml:10: [drive]: key hold_s is not known"},
+      {sine + "phase_rad = 1\n", "scene.toml:10: [drive]: key phase_rad is not known"},
+      {sine + "source_resistance_ohm = -1\n",
+       "scene.toml:10: [drive]: source_resistance_ohm: must not be negative; check its sign"},
+      {"[drive]\nkind = 'sine'\namplitude_v = -5\nfrequency_hz = 225\n",
+       "scene.toml:8: [drive]: amplitude_v: must not be negative; check its sign"},
+      {"[drive]\nkind = 'tones'\n",
+       "scene.toml:6: [drive]: tone: is missing; give one or more [[drive.tone]]"},
+      {"[drive]\nkind = 'tones'\nfrequency_hz = 5\n[[drive.tone]]\namplitude_v = 1\n"
+       "frequency_hz = 4\n",
+       "scene.toml:8: [drive]: key frequency_hz is not known"},
+      {tones + "amplitude_v = 1\nfrequency_hz = 0\n",
+       "scene.toml:10: [drive]: [[tone]] 1: frequency_hz: must be greater than 0; check its sign"},
+      {tones + "frequency_hz = 3\n",
+       "scene.toml:8: [drive]: [[tone]] 1: amplitude_v: is missing; add it, in V or with a unit"},
+      {burst,
+       "scene.toml:6: [drive]: hold_s: leaves a burst of no length; give rise_s, hold_s or "
+       "fall_s"},
+      {burst + "hold_s = -1\n",
+       "scene.toml:10: [drive]: hold_s: must not be negative; check its sign"},
+      {burst + "hold_s = 1\nduration_s = 1\n",
+       "scene.toml:11: [drive]: key duration_s is not known"},
+      {chirp + "duration_s = 1\n",
+       "scene.toml:6: [drive]: end_frequency_hz: is missing; add it, in Hz or with a unit"},
+      {chirp + "end_frequency_hz = 60\n",
+       "scene.toml:6: [drive]: duration_s: is missing; add it, in s or with a unit"},
+      {chirp + "end_frequency_hz = 60\nduration_s = 1\nhold_tolerance = 1\n",
+       "scene.toml:12: [drive]: hold_tolerance: is not 1e-13 to 0.1; it is relative to "
+       "amplitude_v"},
+      {chirp + "end_frequency_hz = 1e6\nduration_s = 1000\n",
+       "scene.toml:11: [drive]: duration_s: takes 1.4e+11 cubics at this hold_tolerance; shorten "
+       "it "
+       "to 0.0705 s, or loosen hold_tolerance"},
+      {"[drive]\nkind = 'pulse'\namplitude_v = 3\n",
+       "scene.toml:6: [drive]: hold_s: is missing; add it, in s or with a unit"},
+      {"[drive]\nkind = 'pulse'\namplitude_v = 3\nhold_s = 0\n",
+       "scene.toml:9: [drive]: hold_s: must be greater than 0; check its sign"},
+      {"[drive]\nkind = 'samples'\nrate_hz = 1000\n",
+       "scene.toml:6: [drive]: file: is missing; a file of voltages, one a line under voltage_v"},
+      {"[drive]\nkind = 'samples'\nfile = 'v.csv'\n",
+       "scene.toml:8: [drive]: file: v.csv: no such file; check the path"},
+      {burst + "hold_s = 1\n[run]\nstart = 'steady'\n",
+       "scene.toml:12: [run]: start: \"steady\" is of drives that last, and kind = \"burst\" ends; "
+       "write start = \"rest\""}};
+  for (const auto& [text, message] : cases) {
+    EXPECT_EQ(ErrorOf(text).substr(0, message.size()), message) << text;
+  }
+}
+
+class SamplesFile : public ::testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(directory_); }
+  void TearDown() override { fs::remove_all(directory_); }
+  // a scene beside a file of voltages with this content
+  Result<Scene> With(const std::string& content) const {
+    std::ofstream(directory_ / "v.csv") << content;
+    std::ofstream(directory_ / "scene.toml")
+        << kBodies << "[drive]\nkind = 'samples'\nrate_hz = 8000\nfile = 'v.csv'\n";
+    return ReadSceneFile(directory_ / "scene.toml");
+  }
+  const fs::path directory_ =
+      fs::path(::testing::TempDir()) / ("drive_file_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(SamplesFile, IsReadFromBesideTheScene) {
+  for (const char* content :
+       {"voltage_v\n0\n1.5\n-2e-1\n+0.25\n", "voltage_v\r\n0\r\n1.5\r\n-2e-1 \r\n0.25",
+        "\xef\xbb\xbfvoltage_v\n0\n 1.5\n\t-0.2\n0.25\n\n"}) {
+    const auto scene = With(content);
+    ASSERT_TRUE(scene) << scene.error().Text();
+    ASSERT_TRUE(scene->drive.samples);
+    EXPECT_EQ(scene->drive.samples->rate_hz, 8000);
+    EXPECT_EQ(scene->drive.samples->voltages_v, (std::vector<double>{0, 1.5, -0.2, 0.25}));
+    EXPECT_EQ(EndOfDriveS(scene->drive), 3.0 / 8000);
+    EXPECT_EQ(LargestVoltageV(scene->drive), 1.5);
+  }
+}
+
+TEST_F(SamplesFile, TellsItsOwnLines) {
+  const std::string file = (directory_ / "v.csv").string();
+  const std::string head = (directory_ / "scene.toml").string() + ":9: [drive]: file: " + file;
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"0\n1\n", ":1: is not the column's name voltage_v; begin the file with it"},
+      {"voltage\n0\n", ":1: is not the column's name voltage_v; begin the file with it"},
+      {"voltage_v_rms\n0\n1\n", ":1: is not the column's name voltage_v; begin the file with it"},
+      {"voltage_v\n0\nx\n", ":3: \"x\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n\n1\n", ":3: \"\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n1,5\n", ":3: \"1,5\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n1e10\n", ":3: \"1e10\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\nnan\n", ":3: \"nan\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n0\n5V\n", ":3: \"5V\" is no voltage; write a number of volts, up to 1e+09"},
+      {"voltage_v\n1\n", ": has fewer than two voltages; give one a line"}};
+  for (const auto& [content, message] : cases) {
+    const auto scene = With(content);
+    ASSERT_FALSE(scene) << content;
+    EXPECT_EQ(scene.error().Text(), head + message) << content;
+    EXPECT_EQ(scene.error().cause, Cause::kUsage);
+  }
+}
+
+TEST_F(SamplesFile, ThatIsNotThereIsTold) {
+  With("voltage_v\n0\n1\n").value();
+  fs::remove(directory_ / "v.csv");
+  const auto scene = ReadSceneFile(directory_ / "scene.toml");
+  ASSERT_FALSE(scene);
+  EXPECT_NE(scene.error().Text().find("v.csv: no such file"), std::string::npos)
+      << scene.error().Text();
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,477 @@
+#include "sim/smooth/smooth_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+#include "sim/linear/linear_model.h"
+#include "sim/smooth/smooth_system.h"
+#include "tests/residual.h"
+#include "tests/sim/reference/smooth_reference.h"
+#include "tests/sim/smooth_scenes.h"
+#include "tests/sim/thesis_scenes.h"
+
+namespace haptometer::sim {
+namespace {
+
+using tests::Alone;
+using tests::DrawnApart;
+using tests::FromRest;
+using tests::ReducedMass;
+using tests::Rigid;
+using tests::RunTo;
+using tests::Travel;
+
+SmoothMotion MotionOf(const Scene& scene, const PiecewiseEffects& piecewise,
+                      const SmoothEffects& smooth, const SmoothSettings& settings,
+                      double rate_hz = 1e4) {
+  return {AssembleSmooth(scene, piecewise, smooth), scene.drive, PiecewiseStartOf(scene), rate_hz,
+          settings};
+}
+
+// ------------------------------------------------------------------------------- no smooth effect
+
+struct Comparison {
+  double error = 0;    // of the worst position over its largest value
+  double event_s = 0;  // of the worst event
+  double estimate = 0;
+  double imbalance = 0;
+};
+
+Comparison CompareWithExact(const PiecewiseEffects& effects, const SmoothSettings& settings,
+                            const Scene& scene = FromRest(tests::AdapterScene())) {
+  const OutputGrid grid{.rate_hz = 1e4};
+  const Excitation excitation(scene.drive, scene.finger.tones);
+  PiecewiseMotion exact(AssemblePiecewise(scene, effects), excitation, PiecewiseStartOf(scene),
+                        grid);
+  SmoothMotion motion(AssembleSmooth(scene, effects, {}), excitation, PiecewiseStartOf(scene), grid,
+                      settings);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(exact.Positions().size()), apart = largest;
+  for (int i = 0; i < 300; ++i) {
+    exact.Next();
+    motion.Next();
+    largest = largest.cwiseMax(exact.Positions().cwiseAbs());
+    apart = apart.cwiseMax((motion.Positions() - exact.Positions()).cwiseAbs());
+  }
+  Comparison comparison{.error = apart.cwiseQuotient(largest).maxCoeff(),
+                        .estimate = motion.error_estimate(),
+                        .imbalance = motion.Ledger().Imbalance()};
+  EXPECT_EQ(motion.events().size(), exact.events().size());
+  const std::size_t count = std::min(motion.events().size(), exact.events().size());
+  for (std::size_t k = 0; k < count; ++k) {
+    EXPECT_EQ(motion.events()[k].transition, exact.events()[k].transition);
+    comparison.event_s = std::max(comparison.event_s,
+                                  std::abs(motion.events()[k].time_s - exact.events()[k].time_s));
+  }
+  return comparison;
+}
+
+TEST(SmoothMotion, WithoutSmoothEffectsItIsTheExactMotion) {
+  const TravelStops soft{
+      .gap_up_m = 0.3e-3, .gap_down_m = 0.3e-3, .stiffness_n_per_m = 1e6, .damping_n_s_per_m = 1};
+  const std::vector<PiecewiseEffects> cases{
+      {},
+      {.stops = Rigid(0.3e-3, 0.5)},
+      {.stops = soft, .contact_loss = ContactLoss{0.07}},
+      {.stops = Rigid(0.3e-3, 0.5), .contact_loss = ContactLoss{0.07}}};
+  for (const PiecewiseEffects& effects : cases) {
+    for (const OdeMethod method : {OdeMethod::kBdf, OdeMethod::kAdams}) {
+      for (const double tolerance : {1e-4, 1e-7}) {
+        const Comparison found = CompareWithExact(
+            effects,
+            {.tolerance = tolerance, .method = method, .with_energy = true, .with_error = true});
+        EXPECT_ABS(found.error, 0, tolerance, "what was asked for");
+        EXPECT_LE(found.error, found.estimate);
+        EXPECT_ABS(found.event_s, 0, 4e-4 * tolerance, "a velocity's error over its acceleration");
+        EXPECT_ABS(found.imbalance, 0, tolerance, "integrals as good as the states");
+      }
+    }
+  }
+}
+
+TEST(SmoothMotion, ACoilWithoutInductanceIsOneStateLess) {
+  Scene scene = FromRest(tests::AdapterScene());
+  scene.actuator.inductance_h = 0;
+  const std::vector<PiecewiseEffects> cases{
+      {},
+      {.stops = Rigid(0.2e-3, 0.0)},  // at rest the force between the two feels the voltage
+      {.stops = Rigid(0.3e-3, 0.5), .contact_loss = ContactLoss{0.07}}};
+  for (const PiecewiseEffects& effects : cases) {
+    const SmoothSettings settings{.tolerance = 1e-7, .with_energy = true, .with_error = true};
+    const Comparison found = CompareWithExact(effects, settings, scene);
+    EXPECT_ABS(found.error, 0, 1e-7, "what was asked for");
+    EXPECT_ABS(found.event_s, 0, 4e-11, "a velocity's error over its acceleration");
+    EXPECT_ABS(found.imbalance, 0, 1e-7, "integrals as good as the states");
+  }
+  // and where it heats, no heat is lost
+  const CoilHeating heating{.heat_capacity_j_per_k = 1e-4,
+                            .thermal_resistance_k_per_w = std::numeric_limits<double>::infinity()};
+  SmoothMotion motion =
+      MotionOf(scene, {}, {.heating = heating}, {.tolerance = 1e-8, .with_energy = true});
+  RunTo(motion, 300);
+  EXPECT_GT(motion.temperature_rise_k(), 50);
+  EXPECT_REL(motion.Ledger().dissipated_j[0], 1e-4 * motion.temperature_rise_k(), 1e-8,
+             "the tolerance");
+  EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-8, "the tolerance");
+}
+
+// what moves the finger, and drives that come in pieces, some of which end between outputs
+TEST(SmoothMotion, UnderAnyExcitationItIsTheExactMotion) {
+  Scene scene = FromRest(tests::AdapterScene());
+  scene.finger.tones = {{.amplitude = 50e-6, .frequency_hz = 9, .phase_rad = 1},
+                        {.amplitude = 5e-6, .frequency_hz = 340}};
+  const Drive sine = scene.drive;
+  Drive burst = sine;
+  burst.kind = DriveKind::kBurst;
+  burst.start_s = 1.23456e-3;
+  burst.rise_s = 4e-3;
+  burst.hold_s = 11e-3;
+  burst.fall_s = 5e-3;
+  Drive pulse{.amplitude_v = 5, .kind = DriveKind::kPulse};
+  pulse.start_s = 2e-3;
+  pulse.hold_s = 3.14159e-3;
+  const std::vector<PiecewiseEffects> cases{
+      {}, {.stops = Rigid(0.2e-3, 0.5), .contact_loss = ContactLoss{0.07}}};
+  for (const Drive& drive : {sine, burst, pulse}) {
+    scene.drive = drive;
+    for (const double inductance_h : {130e-6, 0.0}) {
+      scene.actuator.inductance_h = inductance_h;
+      for (const PiecewiseEffects& effects : cases) {
+        const SmoothSettings settings{.tolerance = 1e-7, .with_energy = true, .with_error = true};
+        const Comparison found = CompareWithExact(effects, settings, scene);
+        EXPECT_ABS(found.error, 0, 1e-7, "what was asked for");
+        EXPECT_ABS(found.event_s, 0, 1e-9, "1e-7 of 0.3 mm over a slow impact's 0.03 m/s");
+        EXPECT_ABS(found.imbalance, 0, 1e-7, "integrals as good as the states");
+      }
+    }
+  }
+}
+
+TEST(SmoothMotion, TheErrorFallsWithTheTolerance) {
+  const PiecewiseEffects effects{.stops = Rigid(0.3e-3, 0.5)};
+  for (const OdeMethod method : {OdeMethod::kBdf, OdeMethod::kAdams}) {
+    double before = 1;
+    for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
+      const Comparison found = CompareWithExact(
+          effects,
+          {.tolerance = tolerance, .method = method, .with_energy = true, .with_error = true});
+      EXPECT_ABS(found.error, 0, tolerance, "what was asked for");
+      EXPECT_LT(found.error, before / 10) << "orders 4 and up";
+      EXPECT_LE(found.error, found.estimate);
+      before = found.error;
+    }
+  }
+}
+
+TEST(SmoothMotion, WhatIsNeverReachedAndHowOftenOneLooksLeaveNoTrace) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const SmoothEffects smooth{.spring = StiffeningSpring{3e9}};
+  const SmoothSettings settings{.tolerance = 1e-6};
+  SmoothMotion bare = MotionOf(scene, {}, smooth, settings);
+  const PiecewiseEffects far{.stops = Rigid(1, 0.5), .contact_loss = ContactLoss{100.0}};
+  SmoothMotion guarded = MotionOf(scene, far, smooth, settings);
+  SmoothMotion often = MotionOf(scene, far, smooth, settings, 8e4);
+  for (std::uint64_t i = 1; i <= 200; ++i) {
+    RunTo(bare, i);
+    RunTo(guarded, i);
+    RunTo(often, 8 * i);
+    EXPECT_EQ(bare.x(), guarded.x());
+    EXPECT_EQ(bare.x(), often.x());
+  }
+}
+
+// ------------------------------------------------------------------------------ stiffening spring
+
+TEST(SmoothMotion, AnUndampedDuffingSpringFollowsTheEllipticCosine) {
+  const Scene scene = Alone();
+  const double Kv = scene.actuator.stiffness_n_per_m, mass_kg = ReducedMass(scene);
+  constexpr double A = 0.8e-3;
+  for (const double K3 : {0.0, 1e8, 3e9, 1e12}) {
+    // x = A cn(W t, k), W^2 = (Kv + K3 A^2)/m, k^2 = K3 A^2 / (2 (Kv + K3 A^2)); period 4 K(k)/W
+    const double stiffness = Kv + K3 * A * A;
+    const double W = std::sqrt(stiffness / mass_kg);
+    const double k = std::sqrt(K3 * A * A / (2 * stiffness));
+    const double period_s = 4 * std::comp_ellint_1(k) / W;
+    SmoothMotion motion(AssembleSmooth(scene, {}, {.spring = StiffeningSpring{K3}}), scene.drive,
+                        DrawnApart(scene, A), 16 / period_s,
+                        {.tolerance = 1e-10, .with_energy = true});
+    double worst = 0;
+    for (std::uint64_t i = 1; i <= 160; ++i) {
+      RunTo(motion, i);
+      const double t_s = static_cast<double>(i) * period_s / 16;
+      worst = std::max(worst, std::abs(Travel(motion) / A - boost::math::jacobi_cn(k, W * t_s)));
+    }
+    EXPECT_ABS(worst, 0, 1e-9, "ten periods at 1e-10: the phase's error grows with each");
+    EXPECT_REL(Travel(motion), A, 1e-10, "a whole number of periods");
+    EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-9, "no loss, no input: the stored energy stays");
+    EXPECT_REL(motion.Ledger().initial_j, Kv * A * A / 2 + K3 * std::pow(A, 4) / 4, 1e-14,
+               "Kv A^2/2 + K3 A^4/4");
+  }
+}
+
+TEST(SmoothMotion, TheSagShiftsTheSwing) {
+  // about s the spring is another one: Kv + 3 K3 s^2, 3 K3 s d^2 besides the cube; energy is kept,
+  // and the far turning point is where U equals its value at the near one
+  const Scene scene = Alone();
+  const StiffeningSpring spring{.cubic_n_per_m3 = 3e9, .sag_m = 3e-4};
+  constexpr double A = 0.5e-3;
+  const auto energy = [&](double d) {
+    return scene.actuator.stiffness_n_per_m * d * d / 2 + spring.Energy(d);
+  };
+  double low = -2 * A, high = 0;
+  while (high - low > 1e-18) {
+    const double middle = (low + high) / 2;
+    (energy(middle) > energy(A) ? low : high) = middle;
+  }
+  SmoothMotion motion(AssembleSmooth(scene, {}, {.spring = spring}), scene.drive,
+                      DrawnApart(scene, A), 2e5, {.tolerance = 1e-10, .with_energy = true});
+  double least = 0;
+  for (std::uint64_t i = 1; i <= 2000; ++i) {
+    RunTo(motion, i);
+    least = std::min(least, Travel(motion));
+  }
+  EXPECT_REL(least, low, 1e-5, "200 kHz: within 2.5 us of the turning point, (w t)^2/2");
+  EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-10, "the tolerance");
+}
+
+// -------------------------------------------------------------------------------------- the coil
+
+TEST(SmoothMotion, ConstantResistanceHeatsByTheClosedForm) {
+  // Km = 0, alpha = 0: i = I sin(w t - phi) from its steady state on, P = R I^2/2 (1 - cos 2(...))
+  Scene scene = Alone();
+  scene.drive = {.amplitude_v = 5, .frequency_hz = 225};
+  scene.start = Start::kSteady;
+  const double R = scene.actuator.resistance_ohm, L = scene.actuator.inductance_h;
+  const double w = 2 * std::numbers::pi * 225, phi = std::atan2(w * L, R);
+  const double power_w = 12.5 * R / (R * R + w * w * L * L);
+  const CoilHeating heating{
+      .heat_capacity_j_per_k = 2e-3, .thermal_resistance_k_per_w = 5, .resistance_per_k = 0};
+  const double C = heating.heat_capacity_j_per_k, a = 1 / (C * 5);
+  PiecewiseStart start{.x = Eigen::VectorXd::Zero(5)};
+  start.x(4) = -std::sqrt(2 * power_w / R) * std::sin(phi);
+  SmoothMotion motion(AssembleSmooth(scene, {}, {.heating = heating}), scene.drive, start, 1e4,
+                      {.tolerance = 1e-9});
+  // theta' = -a theta + P/C (1 - cos(2 w t - 2 phi)); the ripple's particular solution
+  const auto ripple = [&](double t) {
+    return -power_w / C *
+           (a * std::cos(2 * w * t - 2 * phi) + 2 * w * std::sin(2 * w * t - 2 * phi)) /
+           (a * a + 4 * w * w);
+  };
+  const double last_k = power_w / C / a;
+  for (std::uint64_t i = 1; i <= 500; ++i) {
+    RunTo(motion, i);
+    const double t = static_cast<double>(i) * 1e-4;
+    const double expected =
+        last_k * (1 - std::exp(-a * t)) + ripple(t) - ripple(0) * std::exp(-a * t);
+    EXPECT_ABS(motion.temperature_rise_k() / last_k, expected / last_k, 1e-9, "the tolerance");
+  }
+}
+
+TEST(SmoothMotion, NoHeatIsLost) {
+  // without a way out all that the coil dissipates warms it, whatever R does meanwhile
+  const Scene scene = FromRest(tests::AdapterScene());
+  const CoilHeating heating{.heat_capacity_j_per_k = 1e-4,
+                            .thermal_resistance_k_per_w = std::numeric_limits<double>::infinity()};
+  SmoothMotion motion =
+      MotionOf(scene, {}, {.heating = heating}, {.tolerance = 1e-8, .with_energy = true});
+  RunTo(motion, 500);
+  EXPECT_GT(motion.temperature_rise_k(), 50);
+  EXPECT_REL(motion.Ledger().dissipated_j[0], 1e-4 * motion.temperature_rise_k(), 1e-8,
+             "the tolerance");
+  EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-8, "the tolerance");
+}
+
+// --------------------------------------------------------------------------- SciPy, all together
+
+void ExpectReference(const PiecewiseEffects& effects, std::span<const double, 8> state,
+                     std::span<const double> events_s) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  const SmoothEffects smooth{
+      .spring = StiffeningSpring{.cubic_n_per_m3 = 3e9, .sag_m = 5e-5},
+      .heating = CoilHeating{.heat_capacity_j_per_k = 1e-3, .thermal_resistance_k_per_w = 100}};
+  SmoothMotion motion = MotionOf(
+      scene, effects, smooth, {.tolerance = 1e-10, .with_energy = true, .with_error = true}, 9600);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(7);
+  for (std::uint64_t i = 1; i <= 300; ++i) {
+    RunTo(motion, i);
+    largest = largest.cwiseMax(motion.Positions().cwiseAbs());
+  }
+  // the reference's first is the current, the program's last
+  Eigen::VectorXd expected(7);
+  for (Eigen::Index k = 0; k < 6; ++k) expected(k) = state[static_cast<std::size_t>(k) + 1];
+  expected(6) = state[0];
+  const double worst = (motion.Positions() - expected).cwiseAbs().cwiseQuotient(largest).maxCoeff();
+  EXPECT_ABS(worst, 0, 1e-9, "1e-10 asked for, and each event passes its error on to the next");
+  EXPECT_ABS(motion.temperature_rise_k(), state[7], 1e-8, "1e-9 of the rise");
+  EXPECT_LE(worst, motion.error_estimate());
+  EXPECT_ABS(motion.Ledger().Imbalance(), 0, 1e-9, "integrals as good as the states");
+  ASSERT_EQ(motion.events().size(), events_s.size());
+  for (std::size_t k = 0; k < events_s.size(); ++k) {
+    EXPECT_ABS(motion.events()[k].time_s, events_s[k], 1e-12, "velocities to 1e-10");
+  }
+}
+
+TEST(SmoothMotion, SpringAndHeatAgreeWithSciPy) { ExpectReference({}, tests::kSmoothState, {}); }
+
+TEST(SmoothMotion, StopsAgreeWithSciPy) {
+  ExpectReference({.stops = Rigid(0.3e-3, 0.5)}, tests::kSmoothStopsState,
+                  tests::kSmoothStopsEventsS);
+}
+
+TEST(SmoothMotion, BreakingContactAgreesWithSciPy) {
+  ExpectReference({.contact_loss = ContactLoss{0.07}}, tests::kSmoothContactState,
+                  tests::kSmoothContactEventsS);
+}
+
+TEST(SmoothMotion, WorkIsCounted) {
+  const Scene scene = FromRest(tests::AdapterScene());
+  SmoothMotion motion = MotionOf(scene, {.stops = Rigid(0.3e-3, 0.5)}, {}, {.tolerance = 1e-4});
+  RunTo(motion, 300);
+  const OdeWork work = motion.work();
+  EXPECT_GT(work.steps, 300);
+  EXPECT_GE(work.evaluations, work.steps);
+  EXPECT_GT(work.jacobians, 0);
+  EXPECT_EQ(work.restarts, static_cast<std::int64_t>(motion.events().size()) + 1);
+
+  SmoothMotion limited = MotionOf(scene, {}, {}, {.tolerance = 1e-4, .most_steps = 100});
+  for (int i = 0; i < 300; ++i) limited.Next();
+  ASSERT_TRUE(limited.stalled_at_s().has_value());
+  EXPECT_EQ(limited.stall_reason(), kTooManySteps);
+}
+
+}  // namespace
+}  // namespace haptometer::sim
+
+// Events of a SmoothMotion that are hard to see or to leave behind.
+
+namespace haptometer::sim {
+namespace {
+
+using tests::Alone;
+using tests::DrawnApart;
+using tests::ReducedMass;
+using tests::RunTo;
+
+// d = A cos w t over a gap, both ways
+SmoothMotion Reaching(double gap_m, double tolerance) {
+  Scene scene = Alone();
+  const TravelStops stops{.gap_down_m = gap_m, .stiffness_n_per_m = 1e-3};
+  return {AssembleSmooth(scene, {.stops = stops}, {}),
+          scene.drive,
+          DrawnApart(scene, 0.5e-3),
+          200,
+          {.tolerance = tolerance}};
+}
+
+TEST(SmoothEvents, AGrazeIsDecidedAndTwoCrossingsWithinAStepAreSeen) {
+  const double w = std::sqrt(2800 / ReducedMass(Alone()));
+  for (const double part : {1e-3, 1e-5, 1e-7, 1e-8}) {
+    // far within half a period of 1.2 ms: 0.04 of w t at 1e-3, 1.4e-4 at 1e-8
+    SmoothMotion reached = Reaching(0.5e-3 * (1 - part), 1e-10);
+    RunTo(reached, 1);  // 5 ms are two periods
+    EXPECT_EQ(reached.events().size(), 4U) << part;
+    const double first_s = (std::numbers::pi - std::acos(1 - part)) / w;
+    if (!reached.events().empty()) {
+      EXPECT_ABS(reached.events()[0].time_s, first_s, 1e-13 / std::sqrt(part),
+                 "1e-10 of A over the speed, which is sqrt(2 part) w A");
+    }
+    SmoothMotion missed = Reaching(0.5e-3 * (1 + part), 1e-10);
+    RunTo(missed, 1);
+    EXPECT_TRUE(missed.events().empty()) << part;
+  }
+}
+
+// a mass of 1 kg at height h over the floor, x = [h, v, 1]; at rest only the constant is left
+SmoothSystem Ball(double restitution) {
+  constexpr double kGravity = 9.81;
+  Mode flight{.name = "flight",
+              .a = Eigen::MatrixXd::Zero(3, 3),
+              .b = Eigen::VectorXd::Zero(3),
+              .positions = {},
+              .stored_j = Eigen::MatrixXd::Zero(3, 3),
+              .current_row = Eigen::RowVectorXd::Zero(3)};
+  flight.a(0, 1) = 1;
+  flight.a(1, 2) = -kGravity;
+  flight.guards = {{.row = Eigen::RowVectorXd::Unit(3, 0), .offset = 0, .transition = 0}};
+  Mode rest{.name = "rest",
+            .a = Eigen::MatrixXd::Zero(1, 1),
+            .b = Eigen::VectorXd::Zero(1),
+            .positions = Eigen::Vector3d::Unit(2),
+            .stored_j = Eigen::MatrixXd::Zero(1, 1),
+            .current_row = Eigen::RowVectorXd::Zero(1)};
+  Transition impact{.name = "impact",
+                    .mode = 0,
+                    .map = Eigen::Vector3d(1, -restitution, 1).asDiagonal(),
+                    .shift = Eigen::VectorXd::Zero(3)};
+  impact.departure = Departure{.guard = 0, .order = restitution > 0 ? std::size_t{1} : 2};
+  impact.bounce = Bounce{.restitution = restitution, .rest_height = 1e-14, .rest_via = 1};
+  Transition stay{.name = "rest",
+                  .mode = 1,
+                  .map = Eigen::RowVector3d::Unit(2),
+                  .shift = Eigen::VectorXd::Zero(1)};
+  return {.linear = {
+              .modes = {flight, rest}, .transitions = {impact, stay}, .dissipating_elements = {}}};
+}
+
+TEST(SmoothEvents, ABouncingBallComesToRest) {
+  const double first_s = std::sqrt(2 / 9.81);
+  for (const double e : {0.0, 0.7, 0.98}) {
+    for (const double tolerance : {1e-4, 1e-9}) {
+      SmoothMotion ball(Ball(e), {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100,
+                        {.tolerance = tolerance});
+      RunTo(ball, 100 * static_cast<std::uint64_t>(2 + first_s * (1 + e) / (1 - e)));
+      EXPECT_EQ(ball.stall_reason(), "") << e;
+      EXPECT_EQ(ball.mode(), 1U) << e;
+      EXPECT_EQ(ball.Positions()(0), 0);
+      // a height that is wrong by the tolerance is a flight wrong by sqrt(2 h/g), and all after it
+      EXPECT_ABS(ball.events().back().time_s, first_s * (1 + e) / (1 - e),
+                 tolerance + std::sqrt(2 * tolerance / 9.81) * e / (1 - e),
+                 "Zeno's time, t1 (1 + e)/(1 - e)");
+      EXPECT_LT(ball.events().size(), 1000U);
+    }
+  }
+}
+
+TEST(SmoothEvents, AnEndlessToAndFroIsSaidToStall) {
+  // two modes that each hand over to the other at once
+  SmoothSystem system = Ball(0);
+  Mode& flight = system.linear.modes[0];
+  flight.guards[0].offset = -0.5;
+  system.linear.modes[1] = flight;
+  system.linear.modes[1].guards[0].transition = 1;
+  system.linear.modes[1].guards[0].offset = -0.6;
+  system.linear.transitions[0] = {.name = "to",
+                                  .mode = 1,
+                                  .map = Eigen::Matrix3d::Identity(),
+                                  .shift = Eigen::Vector3d::Zero()};
+  system.linear.transitions[1] = system.linear.transitions[0];
+  system.linear.transitions[1].mode = 0;
+  SmoothMotion motion(system, {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100, {.tolerance = 1e-9});
+  RunTo(motion, 100);
+  ASSERT_TRUE(motion.stalled_at_s().has_value());
+  EXPECT_EQ(motion.stall_reason(), "events without end");
+  EXPECT_REL(*motion.stalled_at_s(), std::sqrt(1 / 9.81), 1e-8, "where the first event was");
+}
+
+TEST(SmoothEvents, WhatIsNotANumberStalls) {
+  SmoothSystem system = Ball(0.5);
+  SmoothMotion broken(system, {}, {.x = Eigen::Vector3d(std::nan(""), 0, 1)}, 100, {});
+  RunTo(broken, 10);
+  EXPECT_EQ(broken.stall_reason(), "the solver cannot go on");
+  // a guard that is not one never fires
+  system.linear.modes[0].guards[0].offset = std::nan("");
+  SmoothMotion falling(system, {}, {.x = Eigen::Vector3d(1, 0, 1)}, 100, {});
+  RunTo(falling, 100);
+  EXPECT_EQ(falling.events().size(), 0U);
+  EXPECT_REL(falling.x()(0), 1 - 9.81 / 2, 1e-8, "free fall");
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,169 @@
+#include "sim/tuning/search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/residual.h"
+
+namespace haptometer::sim {
+namespace {
+
+constexpr double kFree = -std::numeric_limits<double>::infinity();
+
+// half the squared distance from `top`, under excess <= 0 along one direction
+LimitedView Bowl(const CubePlace& place, const CubePlace& top, double excess,
+                 const CubePlace& slopes) {
+  return {.cost = (place - top).squaredNorm() / 2,
+          .excess = excess,
+          .cost_slopes = place - top,
+          .excess_slopes = slopes};
+}
+
+TEST(BoundedClimb, EndsOnItsBoundsExactly) {
+  const CubePlace top{-1, 0.25, 2, 0.5, 0.75};
+  const auto view = [&](const CubePlace& x) { return Bowl(x, top, kFree, CubePlace::Zero()); };
+  CubePlace upper = CubePlace::Ones();
+  upper[3] = 0;  // held
+  const LimitedSummit summit = ClimbWithinBounds(view, CubePlace::Zero(), upper, CubePlace::Zero());
+  EXPECT_EQ(summit.place[0], 0);
+  EXPECT_EQ(summit.place[2], 1);
+  EXPECT_EQ(summit.place[3], 0);
+  EXPECT_ABS(summit.place[1], 0.25, 1e-12, "where slopes end");
+  EXPECT_EQ(summit.price, 0);
+  EXPECT_TRUE(summit.kept);
+}
+
+// nearest point of the plane sum x = 2: every number falls by the same, which is the price
+TEST(BoundedClimb, EndsOnItsLimitWithItsPrice) {
+  const CubePlace top{0.9, 0.8, 0.7, 0.6, 0.5};
+  const auto view = [&](const CubePlace& x) {
+    return Bowl(x, top, x.sum() - 2, CubePlace::Ones());
+  };
+  const LimitedSummit summit =
+      ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones());
+  for (int axis = 0; axis < kCubeAxes; ++axis) {
+    EXPECT_ABS(summit.place[axis], top[axis] - 0.3, 1e-10, "the limit is met to 1e-11");
+  }
+  EXPECT_ABS(summit.price, 0.3, 1e-9, "rho times that");
+  EXPECT_TRUE(summit.kept);
+}
+
+// along the valley x1 = x0^2 (Rosenbrock) inside a disc: on the disc's edge the gradients align
+TEST(BoundedClimb, FollowsABentRidge) {
+  const auto view = [](const CubePlace& x) {
+    const double off = x[1] - x[0] * x[0];
+    LimitedView at{.cost = 1e4 * off * off + (1 - x[0]) * (1 - x[0]),
+                   .excess = x[0] * x[0] + x[1] * x[1] - 0.5};
+    at.cost_slopes[0] = -4e4 * off * x[0] - 2 * (1 - x[0]);
+    at.cost_slopes[1] = 2e4 * off;
+    at.excess_slopes[0] = 2 * x[0];
+    at.excess_slopes[1] = 2 * x[1];
+    return at;
+  };
+  CubePlace upper = CubePlace::Zero();
+  upper[0] = upper[1] = 1;
+  const LimitedSummit summit = ClimbWithinBounds(view, CubePlace::Zero(), upper, CubePlace::Zero());
+  EXPECT_TRUE(summit.kept);
+  const LimitedView at = view(summit.place);
+  EXPECT_ABS(at.excess, 0, 1e-11, "met");
+  EXPECT_ABS((at.cost_slopes + summit.price * at.excess_slopes).norm(), 0, 1e-7,
+             "1e4 times the last step");
+  // on the edge and in the valley, but for what the price pulls it off
+  EXPECT_ABS(summit.place[0], std::sqrt((std::sqrt(3) - 1) / 2), 1e-4, "the valley's steepness");
+}
+
+TEST(BoundedClimb, SaysWhereALimitCannotBeKept) {
+  const auto view = [](const CubePlace& x) {
+    return Bowl(x, CubePlace::Zero(), 1 + x.sum(), CubePlace::Ones());
+  };
+  EXPECT_FALSE(
+      ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones()).kept);
+}
+
+}  // namespace
+namespace {
+
+using Number = Slope<Interval, kBoxAxes>;
+
+Number Axis(const AdapterBox& box, std::size_t axis) {
+  return Variable<Interval, kBoxAxes>(box[axis], axis, Interval::Of(1));
+}
+
+// u^2 + v^2 - 1.2 u v + x2 (x0 + 0.1) + (1 - x3) (x1 + 0.1) + 2, u = x0 - c, v = x1 - c: the least,
+// 2, at x0 = x1 = c, x2 = 0, x3 = 1
+BoxCost Valley(const AdapterBox& box, double c) {
+  const auto at = [c](const AdapterBox& where) {
+    const Interval minus_c = Interval::Of(-c), tenth = Interval::Of(0.1);
+    const Number u = Axis(where, 0) + minus_c, v = Axis(where, 1) + minus_c;
+    return Square(u) + Square(v) + u * v * Interval::Of(-1.2) +
+           Axis(where, 2) * (Axis(where, 0) + tenth) +
+           (Axis(where, 3) * Interval::Of(-1) + Interval::Of(1)) * (Axis(where, 1) + tenth) +
+           Interval::Of(2);
+  };
+  return MeanValueBound(box, at(box), at(MiddleOf(box)).value);
+}
+
+TEST(BoxSearch, ClosesInOnTheLeastFromBelow) {
+  for (const double c : {0.0, 0.3, 0.5, 1.0}) {
+    const LeastOfBoxes least =
+        LeastCost([c](const AdapterBox& box) { return Valley(box, c); }, 2 - 1e-6, 20'000);
+    EXPECT_LE(least.cost, 2) << c;
+    EXPECT_GE(least.cost, 2 - 1e-6) << c;
+    EXPECT_GT(least.boxes, 1U);
+  }
+}
+
+TEST(BoxSearch, FlattensWhatOnlyRises) {
+  // without flattening x2 and x3 every valley's box would be cut along them too
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 2 - 1e-6, 20'000);
+  EXPECT_LT(least.boxes, 400U);
+}
+
+TEST(BoxSearch, StopsAtTheMostBoxes) {
+  const LeastOfBoxes least =
+      LeastCost([](const AdapterBox& box) { return Valley(box, 0.3); }, 3, 11);
+  EXPECT_LE(least.cost, 2);
+  EXPECT_EQ(least.boxes, 11U);
+}
+
+}  // namespace
+namespace {
+
+TEST(CompassSearch, FindsTheTopOfASkewHill) {
+  const auto hill = [](const std::vector<double>& x) {
+    const double u = x[0] - 0.3, v = x[1] - 0.7;
+    return -(u * u + 1.6 * u * v + v * v);
+  };
+  const CubePoint top = ClimbWithinCube(hill, {0, 0});
+  EXPECT_ABS(top.place[0], 0.3, 1e-8, "the last step, times the hill's skew");
+  EXPECT_ABS(top.place[1], 0.7, 1e-8, "the last step, times the hill's skew");
+}
+
+TEST(CompassSearch, MeetsABoundExactly) {
+  const auto slope = [](const std::vector<double>& x) {
+    return x[0] - std::pow(x[1] - 0.25, 2) - 3 * x[2];
+  };
+  const CubePoint top = ClimbWithinCube(slope, {0.5, 0.5, 0.5});
+  EXPECT_EQ(top.place[0], 1);
+  EXPECT_EQ(top.place[2], 0);
+  EXPECT_ABS(top.place[1], 0.25, 1e-7, "a maximum is flat: the root of rounding");
+}
+
+// A narrow ridge askew to all neighbours, which only steps of 1e-9 follow: without a bound on moves
+// 2e7 evaluations are not enough. After a million the hill is taken away.
+TEST(CompassSearch, EndsOnANarrowRidge) {
+  int evaluations = 0;
+  const auto ridge = [&](const std::vector<double>& x) {
+    if (++evaluations > 1'000'000) return 0.0;
+    return 1 + 1e-3 * x[0] - 1e6 * std::pow(x[1] - 0.37 * x[0], 2);
+  };
+  const CubePoint top = ClimbWithinCube(ridge, {0, 0});
+  EXPECT_LT(evaluations, 350'000) << "37 lengths of 1000 moves with 9 evaluations at most";
+  EXPECT_GE(top.value, 1);
+}
+
+}  // namespace
+}  // namespace haptometer::sim

@@ -1,0 +1,233 @@
+// What other programs write: oscilloscopes, DAQs, LabVIEW.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/residual.h"
+#include "trial/import/readers.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+Record Parsed(std::string_view text, const ImportOptions& options = {}) {
+  auto record = ParseCsv(text, "f.csv", options);
+  EXPECT_TRUE(record) << record.error().Text();
+  return record ? std::move(*record) : Record{};
+}
+
+std::string ErrorOf(std::string_view text, const ImportOptions& options = {}) {
+  const auto record = ParseCsv(text, "f.csv", options);
+  if (record) return "was read";
+  EXPECT_FALSE(record.error().remedy.empty());
+  return record.error().Text();
+}
+
+TEST(ForeignTable, ALineOfUnitsBelowTheNames) {
+  // the form of PicoScope's CSV
+  const Record record =
+      Parsed("Time,Channel A,Channel B\n(ms),(V),(mV)\n\n0.0,1.5,2\n0.5,2.5,-3\n");
+  ASSERT_EQ(record.channels.size(), 2);
+  EXPECT_EQ(record.channels[0].name, "Channel A");
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  EXPECT_EQ(record.channels[0].values[1], 2.5);
+  EXPECT_REL(record.channels[1].values[1], -3e-3, 1e-15, "one product");
+  EXPECT_REL(record.stretches.at(0).rate_hz, 2000, 1e-15, "printed times");
+}
+
+TEST(ForeignTable, NamesAndUnitsAsWordsAndAPreamble) {
+  // the forms of Keysight's and Tektronix's CSV
+  const Record words = Parsed("x-axis,1\nsecond,Volt\n-1e-3,1\n0,2\n1e-3,3\n");
+  EXPECT_EQ(words.Find(ChannelRole::kVoltage)->values.size(), 3);
+  EXPECT_EQ(TimeOf(words, 0), -1e-3);
+  const Record preamble = Parsed(
+      "Model,TDS2024\nSample Interval,1e-4\nsome words, with, commas\n\nTIME [s],CH1 [V]\n"
+      "0,1,\n0.0001,2,\n");
+  EXPECT_EQ(preamble.metadata.fields.at("table.Model"), "TDS2024");
+  EXPECT_THAT(preamble.metadata.notes, ElementsAre("some words, with, commas"));
+  EXPECT_EQ(preamble.channels.at(0).name, "CH1");
+  const Record german = Parsed("Zeit [ms];Weg [\xc2\xb5m]\n0;1,5\n1;2,5\n");
+  EXPECT_REL(german.Find(ChannelRole::kDisplacement)->values[1], 2.5e-6, 1e-15, "one product");
+}
+
+TEST(ForeignTable, ColumnsRateAndScaleOverrideWhatTheFileSays) {
+  const Record bare = Parsed("0,1,7\n1,2,8\n", {.columns = {"time_ms", "displacement_um", "-"}});
+  ASSERT_EQ(bare.channels.size(), 1);
+  EXPECT_REL(bare.channels[0].values[1], 2e-6, 1e-15, "one product");
+  EXPECT_REL(bare.stretches.at(0).rate_hz, 1000, 1e-12, "printed times");
+  const Record renamed = Parsed(
+      "t,x\n0,1\n1,2\n", {.columns = {"-", "displacement"}, .rate_hz = 10'000.0, .scale_m = 5e-3});
+  EXPECT_EQ(renamed.channels.at(0).values[1], 1e-2);
+  EXPECT_EQ(renamed.stretches.at(0).rate_hz, 10'000);
+  EXPECT_TRUE(renamed.raw_times_s.empty());
+  const Record agreeing = Parsed("time_s,voltage_v\n0,1\n0.001,2\n", {.rate_hz = 1000.0});
+  EXPECT_EQ(agreeing.rows, 2);
+}
+
+TEST(ForeignTable, AValueThatItsScaleTakesBeyondADoubleIsInvalid) {
+  const Record record =
+      Parsed("0,1e308\n1,2\n", {.columns = {"time_s", "displacement"}, .scale_m = 10.0});
+  const Channel& channel = record.channels.at(0);
+  EXPECT_EQ(channel.statuses,
+            (std::vector<SampleStatus>{SampleStatus::kInvalid, SampleStatus::kOk}));
+  EXPECT_TRUE(std::isnan(channel.values[0]));
+  EXPECT_EQ(channel.values[1], 20);
+}
+
+TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
+  EXPECT_EQ(
+      ErrorOf("Time,CH1\n0,1\n1,2\n"),
+      "f.csv: column 'Time' does not say its unit: in s there are 1 rows a second, in ms 1000; "
+      "name it time_s, time_ms or time_us, or say --columns");
+  EXPECT_EQ(ErrorOf("a,b\n0,001,1,5\n0,002,1,6\n"),
+            "f.csv: line 2: has 4 cells under 2 names: either cells '0' and '001', or one number "
+            "0,001; separate cells with semicolons, or write decimal points");
+  EXPECT_EQ(
+      ErrorOf("time_s;voltage_v\n0;1,234\n0.5;2\n"),
+      "f.csv: line 2: '1,234' may be a decimal comma or group thousands, as '0.5' has a point; "
+      "write all numbers with points and without grouping");
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n1,2\n", {.rate_hz = 1000.0}),
+              HasSubstr("its times say 1 rows a second and --rate says 1000 Hz"));
+}
+
+TEST(ForeignTable, WhatIsMissingIsAskedFor) {
+  EXPECT_THAT(ErrorOf("CH1,CH2\n0,1\n1,2\n"),
+              HasSubstr("no column is a time and no line above states the sample interval"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s"}}),
+              HasSubstr("names 1 columns where f.csv has 2"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "voltage_v"}, .scale_m = 1.0}),
+              HasSubstr("no column is one; say --columns time_s,displacement"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time", "voltage_v"}}),
+              HasSubstr("column 'time' does not say its unit"));
+  EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "-"}}),
+              HasSubstr("no column beside the time"));
+}
+
+TEST(ForeignTable, LinesOfOurOwnMayStandAnywhereAboveTheTable) {
+  const Record record = Parsed(
+      "# case = held\nModel,TDS\n# load_ohm = 27\n\nTime (s),CH1 (V)\n0,1\n1,2\n# late = 1\n");
+  EXPECT_EQ(record.metadata.fields.at("case"), "held");
+  EXPECT_EQ(record.metadata.fields.at("load_ohm"), "27");
+  EXPECT_EQ(record.metadata.fields.at("late"), "1");
+  EXPECT_EQ(record.metadata.fields.at("table.Model"), "TDS");
+}
+
+TEST(ForeignTable, FiveDigitsGiveTheRateToTwoPartsInAMillion) {
+  // 1.5 us steps under quanta of 10 ns to 10 us: the end points alone tell 33 parts in a million
+  constexpr int kRows = 100'000;
+  std::string text = "Time(s),CH1(V)\n";
+  for (int k = 0; k < kRows; ++k) text += fmt::format("{:.4e},1\n", k * 1.5e-6);
+  const Record record = Parsed(text);
+  ASSERT_EQ(record.stretches.size(), 1);
+  EXPECT_REL(record.stretches[0].rate_hz, 1 / 1.5e-6, 2e-6,
+             "ties, one time in twenty, may all round one way: 0.25 us over 0.15 s");
+}
+
+TEST(ForeignTable, UnevenTimesCloserThanANanosecondKeepTheirRate) {
+  const Record record = Parsed("Time (ns),CH1 (V)\n0.00,1\n0.10,2\n0.25,3\n0.30,4\n");
+  EXPECT_EQ(record.raw_times_s.size(), 4);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 1 / 0.105e-9, 1e-12, "least squares by hand");
+}
+
+TEST(ForeignTable, ColumnsThatAreSaidNeedATable) {
+  EXPECT_EQ(ErrorOf("a,b\nc,d\n", {.columns = {"time_s", "voltage_v"}}),
+            "f.csv: has no two lines of numbers for --columns to name; give a file with a row of "
+            "numbers a line, separated by commas, semicolons, tabs or blanks");
+}
+
+TEST(ForeignTable, TimesAgainstAStatedRateAreRemarkedUpon) {
+  for (const char* words : {"# nominal_rate_hz = 1000", "# sampling 1 kHz", "# rate = 1000 Hz",
+                            "# sample_rate_hz = 1000"}) {
+    std::vector<std::string> remarks;
+    const auto record =
+        ParseCsv(std::string(words) + "\ntime_s,voltage_v\n0,1\n1,2\n2,3\n", "f", {}, &remarks);
+    ASSERT_TRUE(record);
+    EXPECT_EQ(record->stretches.at(0).rate_hz, 1);
+    ASSERT_EQ(remarks.size(), 1) << words;
+    EXPECT_THAT(remarks[0], HasSubstr("say 1 rows a second where the file states 1000 Hz"));
+  }
+  std::vector<std::string> remarks;
+  EXPECT_TRUE(ParseCsv("# rate = 1000 Hz\ntime_s,voltage_v\n0,1\n0.001,2\n", "f", {}, &remarks));
+  EXPECT_TRUE(ParseCsv("# drive 225 Hz\ntime_s,voltage_v\n0,1\n1,2\n", "f", {}, &remarks));
+  EXPECT_THAT(remarks, IsEmpty());
+}
+
+TEST(ForeignTable, TimesAndHeaderThatContradictEachOtherAreRefusedUntilTheRateIsSaid) {
+  const std::string text = "Sample Interval,1e-3\nTime (s),CH1 (V)\n0,1\n1,2\n2,3\n";
+  EXPECT_EQ(ErrorOf(text),
+            "f.csv: its times say 1 rows a second and 'Sample Interval' says 1000; say which is "
+            "right with --rate");
+  EXPECT_REL(Parsed(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-12, "header");
+  EXPECT_REL(Parsed(text, {.rate_hz = 1.0}).stretches.at(0).rate_hz, 1, 1e-12, "times");
+  EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("--rate says 7 Hz"));
+  EXPECT_THAT(ErrorOf("Sample Interval,1e-3\nSample Rate,1e6\nCH1 (V)\n1\n2\n"),
+              HasSubstr("states two sample intervals: 0.001 s by 'Sample Interval' and 1e-06 s"));
+}
+
+TEST(ForeignTable, ARateThatIsSaidReplacesTheHeadersWhereThereAreNoTimes) {
+  const std::string text = "Sample Interval,1e-3\nCH1 (V)\n1\n2\n3\n";
+  EXPECT_REL(Parsed(text).stretches.at(0).rate_hz, 1000, 1e-12, "header");
+  std::vector<std::string> remarks;
+  const auto record = ParseCsv(text, "f", {.rate_hz = 500.0}, &remarks);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->stretches.at(0).rate_hz, 500);
+  EXPECT_THAT(remarks, ::testing::Contains(HasSubstr("--rate 500 Hz replaces 1000 Hz")));
+}
+
+TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
+  const std::string text = "Time (s),CH1 (V)\n0,1\n1,2\n2,3\n0,4\n1,5\n2,6\n";
+  EXPECT_EQ(ErrorOf(text),
+            "f.csv: its times begin again at line 5: either 2 segments, of which it does not say "
+            "when they were, or rows out of order; read one of them (--segment 1 to 2), or sort "
+            "the rows");
+  EXPECT_EQ(Parsed(text, {.segment = 2}).channels.at(0).values, (std::vector<double>{4, 5, 6}));
+  EXPECT_THAT(ErrorOf("Time (s),CH1 (V)\n0,1\n1,2\n0,4\n", {.segment = 2}),
+              HasSubstr("line 4: is a segment of one row"));
+}
+
+TEST(ForeignTable, TimesThatRepeatWithoutAGridBehindThemAreRefused) {
+  EXPECT_THAT(
+      ErrorOf("Time (s),CH1 (V)\n0,1\n0,2\n1,3\n"),
+      HasSubstr("1 of 3 rows has the time of the row before (first in line 3), and no even grid"));
+  std::string burst = "Time (s),CH1 (V)\n";
+  for (int i = 0; i < 40; ++i) burst += i % 20 < 10 ? "0.001,1\n" : "";
+  for (int i = 0; i < 40; ++i) burst += "0.5,1\n";
+  EXPECT_THAT(ErrorOf(burst), HasSubstr("no even grid explains it"));
+}
+
+TEST(ForeignTable, EmptyRowsAtTheEndArePassedOverAndInTheMiddleNot) {
+  EXPECT_EQ(Parsed("Time (s),CH1 (V)\n0,1\n1,2\n,,\n").rows, 2);
+  EXPECT_EQ(Parsed("Time (s),CH1 (V)\n0,1\n1,2\n\n\n").rows, 2);
+  EXPECT_THAT(ErrorOf("CH1 (V),CH2 (V)\n0,1\n1,2\n,\n3,4\n", {.rate_hz = 10.0}),
+              HasSubstr("line 4: has empty cells alone between rows that have no times"));
+}
+
+TEST(ForeignTable, WhatASpreadsheetMadeOfANumberIsNamed) {
+  EXPECT_THAT(ErrorOf("Time (s);CH1 (V)\n0;1,5\n1;2,5\n2;1.234.567\n"),
+              HasSubstr("line 4: '1.234.567' is no number (column 'CH1'): a spreadsheet may have"));
+}
+
+TEST(ForeignTable, TheOnlyChannelIsWhatTheScaleIsAbout) {
+  const Record record = Parsed("1\n2\n3\n", {.rate_hz = 10.0, .scale_v = 0.5});
+  EXPECT_EQ(record.channels.at(0).role, ChannelRole::kVoltage);
+  EXPECT_EQ(record.channels[0].values[2], 1.5);
+  EXPECT_EQ(record.channels[0].unit, "V");
+}
+
+TEST(ForeignTable, AHistogramIsNoWaveform) {
+  EXPECT_THAT(ErrorOf("LECROYWP715Zi-A,1,Histogram\nTime,Ampl\n0,1\n1,2\n"),
+              HasSubstr("holds a histogram"));
+}
+
+TEST(ForeignTable, WordsThatAreNotUtf8AreReadAsWindowsWritesThem) {
+  const Record record = Parsed("Zeit (\xb5s);Spannung (mV)\n0;1\n1;2\n");
+  EXPECT_REL(record.stretches.at(0).rate_hz, 1e6, 1e-9, "printed times");
+}
+
+}  // namespace
+}  // namespace haptometer::trial

@@ -1,0 +1,301 @@
+// LabVIEW measurement files.
+#include <fmt/core.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "tests/residual.h"
+#include "trial/import/readers.h"
+
+namespace haptometer::trial {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// a file with the given header lines, segment lines and rows
+std::string Lvm(std::string_view header, std::string_view body) {
+  return "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n" + std::string(header) +
+         "Date\t2024/05/06\nTime\t12:00:00.5\n***End_of_Header***\t\n\t\n" + std::string(body);
+}
+
+std::string Replaced(std::string text, char from, char to) {
+  std::ranges::replace(text, from, to);
+  return text;
+}
+
+// `text` with every `from` replaced
+std::string Changed(std::string text, std::string_view from, std::string_view to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+Record ParsedLvm(const std::string& text, const ImportOptions& options = {}) {
+  EXPECT_TRUE(IsLvm(text));
+  auto record = ParseLvm(text, "f.lvm", options);
+  EXPECT_TRUE(record) << record.error().Text();
+  return record ? std::move(*record) : Record{};
+}
+
+std::string LvmErrorOf(const std::string& text, const ImportOptions& options = {},
+                       Cause cause = Cause::kCannotAnswer) {
+  const auto record = ParseLvm(text, "f.lvm", options);
+  if (record) return "was read";
+  EXPECT_EQ(record.error().cause, cause);
+  EXPECT_FALSE(record.error().remedy.empty());
+  return record.error().Text();
+}
+
+const std::string kSegment =
+    "Channels\t2\t\nSamples\t3\t3\nY_Unit_Label\tVolts\tmm\nX_Dimension\tTime\tTime\nX0\t0\t0\n"
+    "Delta_X\t0.001\t0.001\n***End_of_Header***\t\t\nX_Value\tLaser\tRef\tComment\n";
+
+TEST(Lvm, OneXColumnUnitsNamesAndComments) {
+  const Record record =
+      ParsedLvm(Lvm("Decimal_Separator\t.\r\nX_Columns\tOne\r\n",
+                    kSegment + "0.000\t1.5\t2\tbegun\r\n0.001\t2.5\t\r\n0.002\t-1\t4\t\r\n"));
+  ASSERT_EQ(record.rows, 3);
+  EXPECT_EQ(record.channels[0].name, "Laser");
+  EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+  EXPECT_EQ(record.channels[0].values[1], 2.5);
+  EXPECT_EQ(record.channels[1].role, ChannelRole::kDisplacement);
+  EXPECT_REL(record.channels[1].values[2], 4e-3, 1e-15, "one product");
+  EXPECT_EQ(record.channels[1].statuses[1], SampleStatus::kInvalid);
+  EXPECT_REL(record.stretches.at(0).rate_hz, 1000, 1e-12, "printed times");
+  EXPECT_THAT(record.metadata.notes, ElementsAre("row 0: begun"));
+  EXPECT_EQ(record.metadata.fields.at("lvm.Date"), "2024/05/06");
+}
+
+TEST(Lvm, DecimalCommasAndCommasBetweenCells) {
+  const Record comma = ParsedLvm(Replaced(
+      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
+      '.', ','));
+  EXPECT_EQ(comma.channels.at(0).values.at(1), 2.5);
+  const Record cells = ParsedLvm(Replaced(
+      Lvm("Decimal_Separator\t.\nX_Columns\tOne\n", kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n"),
+      '\t', ','));
+  EXPECT_EQ(cells.channels.at(0).values.at(1), 2.5);
+}
+
+TEST(Lvm, WithoutXTheHeaderGivesTheTimes) {
+  for (const char* rows : {"\t1\t2\n\t3\t4\n", "1\t2\n3\t4\n"}) {
+    const Record record = ParsedLvm(Lvm("X_Columns\tNo\n", kSegment + rows));
+    ASSERT_EQ(record.rows, 2) << rows;
+    EXPECT_EQ(record.channels[0].values[1], 3);
+    EXPECT_EQ(record.stretches.at(0).rate_hz, 1000);
+  }
+}
+
+TEST(Lvm, SeveralXColumnsMustAgree) {
+  const std::string head =
+      "Channels\t2\t\n***End_of_Header***\t\nX_Value\tA\tX_Value\tB\tComment\n";
+  const Record record = ParsedLvm(Lvm("X_Columns\tMulti\n", head + "0\t1\t0\t2\n0.5\t3\t0.5\t4\n"));
+  EXPECT_EQ(record.channels.at(1).values, (std::vector<double>{2, 4}));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tMulti\n", head + "0\t1\t0.1\t2\n")),
+              HasSubstr("X values of their own (0 and 0.1)"));
+}
+
+TEST(Lvm, SegmentsBecomeStretches) {
+  const std::string rows = "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n";
+  auto dated = [](std::string segment, const std::string& time) {
+    return segment.replace(segment.find("X_Dim"), 0,
+                           "Date\t2024/05/06\t2024/05/06\nTime\t" + time + "\n");
+  };
+  // X goes on
+  const Record going = ParsedLvm(
+      Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + "0.010\t5\t6\n0.011\t7\t8\n"));
+  ASSERT_EQ(going.stretches.size(), 2);
+  EXPECT_EQ(going.stretches[1].first_row, 3);
+  EXPECT_EQ(going.stretches[1].start_s, 0.010);
+  // X begins again, and the clock on the wall tells when
+  const Record again =
+      ParsedLvm(Lvm("X_Columns\tOne\n", dated(kSegment, "12:00:00.5") + rows + "\n" +
+                                            dated(kSegment, "12:00:02.75") + rows));
+  ASSERT_EQ(again.stretches.size(), 2);
+  EXPECT_EQ(again.stretches[1].start_s, 2.25);
+  EXPECT_EQ(again.channels[0].values[3], 1);
+  // or nothing does
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + rows)),
+              HasSubstr("whose Date and Time do not tell when"));
+  EXPECT_THAT(
+      LvmErrorOf(Lvm("", kSegment + rows + "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t1\n")),
+      HasSubstr("begins a segment of 1 channels where the first has 2"));
+}
+
+TEST(Lvm, WhatCannotBeReadIsExplained) {
+  EXPECT_THAT(LvmErrorOf("LabVIEW Measurement\nX_Columns\tOne\n"),
+              HasSubstr("header does not end"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is no number"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\n")),
+              HasSubstr("has 2 cells where 3 are needed"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "1\t1\t1\n0\t1\t1\n")), HasSubstr("does not grow"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", "0\t1\n")), HasSubstr("a line of names"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment)), HasSubstr("holds 0 rows"));
+  EXPECT_THAT(LvmErrorOf(Lvm("Decimal_Separator\t.\n", kSegment + "0,5\t1\t1\n")),
+              HasSubstr("'0,5' is no X value"));
+  EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", "X_Value\tA\n\t1\n\t2\n")),
+              HasSubstr("neither X values nor a Delta_X"));
+}
+
+// --- the header's clock, and what is said of the columns
+// ------------------------------------------
+
+// two channels with a header each and a row a sample; `x` prints X
+std::string TwoChannels(const std::string& header, std::size_t rows,
+                        const std::function<std::string(std::size_t)>& x) {
+  std::string text = Lvm("Decimal_Separator\t.\nX_Columns\tOne\n",
+                         header + "***End_of_Header***\t\t\nX_Value\tA\tB\tComment\n");
+  for (std::size_t i = 0; i < rows; ++i) {
+    text += fmt::format("{}\t{}\t{}\t\n", x(i), 0.5 + 0.25 * static_cast<double>(i % 8), i);
+  }
+  return text;
+}
+
+constexpr const char* kVolts =
+    "Channels\t2\t\nSamples\t4000\t4000\nY_Unit_Label\tVolts\tVolts\nX_Dimension\tTime\tTime\n"
+    "X0\t0.0E+0\t0.0E+0\nDelta_X\t2.44140625E-5\t2.44140625E-5\n";
+
+std::string Microseconds(std::size_t i) {
+  return fmt::format("{:.6f}", static_cast<double>(i) / 40'960);
+}
+
+TEST(Lvm, DeltaXIsTheClockWherePrintedXAgrees) {
+  // 40.96 kS/s: cut off instead of rounded, too
+  const auto cut = [](std::size_t i) {
+    return fmt::format("{:.6f}", std::floor(1e6 * static_cast<double>(i) / 40'960) / 1e6);
+  };
+  for (const auto& x : {std::function<std::string(std::size_t)>(Microseconds),
+                        std::function<std::string(std::size_t)>(cut)}) {
+    const Record record = ParsedLvm(TwoChannels(kVolts, 4000, x));
+    ASSERT_EQ(record.stretches.size(), 1);
+    EXPECT_TRUE(record.raw_times_s.empty());
+    EXPECT_EQ(record.stretches[0].rate_hz, 40'960) << "Delta_X is exact in binary";
+  }
+}
+
+TEST(Lvm, XThatRepeatsForLackOfDigitsIsDeltaXs) {
+  const std::string header = Changed(kVolts, "2.44140625E-5", "5.0E-7");
+  const Record record = ParsedLvm(TwoChannels(
+      header, 4000, [](auto i) { return fmt::format("{:.6f}", 5e-7 * static_cast<double>(i)); }));
+  EXPECT_TRUE(record.raw_times_s.empty());
+  EXPECT_REL(record.stretches.at(0).rate_hz, 2e6, 1e-12, "Delta_X");
+}
+
+TEST(Lvm, XAgainstDeltaXIsRefusedUntilTheRateIsSaid) {
+  const std::string text = TwoChannels(
+      kVolts, 100, [](auto i) { return fmt::format("{}", 1e-3 * static_cast<double>(i)); });
+  EXPECT_THAT(LvmErrorOf(text),
+              HasSubstr("its times say 1000 rows a second and 'Delta_X' says 40960"));
+  EXPECT_REL(ParsedLvm(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-9, "X");
+  EXPECT_REL(ParsedLvm(text, {.rate_hz = 40'960.0}).stretches.at(0).rate_hz, 40'960, 1e-9,
+             "header");
+}
+
+TEST(Lvm, ASingleSampleHasNoDeltaX) {
+  // one point a loop, with a time of its own and LabVIEW's default interval
+  const std::string header = "Channels\t2\t\nSamples\t1\t1\nDelta_X\t1.0\t1.0\n";
+  const Record record = ParsedLvm(TwoChannels(
+      header, 50, [](auto i) { return fmt::format("{:.3f}", 0.02 * static_cast<double>(i)); }));
+  EXPECT_REL(record.stretches.at(0).rate_hz, 50, 1e-9, "X");
+}
+
+TEST(Lvm, HeaderLinesMayComeInAnyOrder) {
+  const std::string header =
+      "Notes\tcoil, held in a vice\nTest_Name\tring-down\n" + std::string(kVolts);
+  const Record record = ParsedLvm(TwoChannels(header, 4000, Microseconds));
+  EXPECT_EQ(record.rows, 4000);
+  // also before a further segment
+  const std::string twice = TwoChannels(header, 40, Microseconds) + "\n" +
+                            Changed(header, "X0\t0.0E+0\t0.0E+0", "X0\t1.0\t1.0") +
+                            "***End_of_Header***\nX_Value\tA\tB\n1.000000\t1\t2\n1.000024\t1\t2\n";
+  EXPECT_EQ(ParsedLvm(twice).stretches.size(), 2);
+  const std::string special = "***Start_Special***\nanything, 1\n2\n***End_Special***\n";
+  EXPECT_EQ(ParsedLvm(Lvm("", special + kSegment + "0\t1\t1\n0.001\t1\t1\n")).rows, 2);
+}
+
+TEST(Lvm, CommasBetweenCellsWithANoteInFront) {
+  std::string text = Lvm("Decimal_Separator\t.\nX_Columns\tOne\n",
+                         "Notes\tfirst blow\n" + kSegment + "0.000\t1.5\t2\n0.001\t2.5\t3\n");
+  EXPECT_EQ(ParsedLvm(Replaced(text, '\t', ',')).channels.at(0).values.at(1), 2.5);
+}
+
+TEST(Lvm, OneOfItsChannelsCanBeRead) {
+  const std::string text = TwoChannels(kVolts, 4000, Microseconds);
+  const Record record = ParsedLvm(text, {.channel = "b"});
+  ASSERT_EQ(record.channels.size(), 1);
+  EXPECT_EQ(record.channels[0].name, "B");
+  EXPECT_EQ(record.channels[0].values.at(7), 7);
+  EXPECT_THAT(LvmErrorOf(text, {.channel = "C"}),
+              HasSubstr("has no channel called 'C' (its channels: A, B)"));
+}
+
+TEST(Lvm, ColumnsAndScalesNameWhatHasNoUnit) {
+  const std::string text =
+      TwoChannels("Channels\t2\nSamples\t4000\t4000\nDelta_X\t2.44140625E-5\t2.44140625E-5\n", 4000,
+                  Microseconds);
+  EXPECT_EQ(ParsedLvm(text).channels.at(0).role, ChannelRole::kOther);
+  for (const std::vector<std::string>& columns :
+       {std::vector<std::string>{"time_s", "voltage_mv", "-"}, {"voltage_mv", "-"}}) {
+    const Record record = ParsedLvm(text, {.columns = columns});
+    ASSERT_EQ(record.channels.size(), 1);
+    EXPECT_EQ(record.channels[0].role, ChannelRole::kVoltage);
+    EXPECT_REL(record.channels[0].values.at(1), 0.75e-3, 1e-15, "one product");
+  }
+  const Record scaled =
+      ParsedLvm(text, {.columns = {"-", "-", "displacement"}, .rate_hz = 5000.0, .scale_m = 2e-3});
+  EXPECT_EQ(scaled.channels.at(0).values.at(3), 6e-3);
+  EXPECT_EQ(scaled.stretches.at(0).rate_hz, 5000) << "X is left out";
+  const Record alone = ParsedLvm(text, {.scale_v = 2.0, .channel = "A"});
+  EXPECT_EQ(alone.channels.at(0).values.at(1), 1.5);
+  EXPECT_THAT(LvmErrorOf(text, {.columns = {"time_s"}}, Cause::kUsage),
+              HasSubstr("names 1 columns where f.lvm has 2 channels beside X_Value"));
+  EXPECT_THAT(LvmErrorOf(text, {.columns = {"voltage_v", "time_s"}}, Cause::kUsage),
+              HasSubstr("'time_s' stands for a channel"));
+}
+
+TEST(Lvm, ChannelsOfOtherClocksAreReadOneByOne) {
+  std::string text = Lvm("Decimal_Separator\t.\nX_Columns\tOne\n",
+                         "Channels\t2\nSamples\t3000\t5\nY_Unit_Label\tVolts\tVolts\n"
+                         "X0\t0\t0.5\nDelta_X\t2.5E-5\t0.5\n***End_of_Header***\nX_Value\tA\tB\n");
+  for (int i = 0; i < 3000; ++i) {
+    text += fmt::format("{:.6f}\t{}\t{}\n", 2.5e-5 * i, i % 7, i < 5 ? fmt::format("{}", i) : "");
+  }
+  EXPECT_THAT(
+      LvmErrorOf(text),
+      AllOf(HasSubstr("its channels have clocks of their own: 'A' begins at 0 s with a "
+                      "sample every 2.5e-05 s (Delta_X), 'B' at 0.5 s with one every 0.5 s"),
+            HasSubstr("--channel")));
+  const Record fast = ParsedLvm(text, {.channel = "A"});
+  EXPECT_EQ(fast.rows, 3000);
+  EXPECT_REL(fast.stretches.at(0).rate_hz, 40'000, 1e-12, "Delta_X");
+  const Record slow = ParsedLvm(text, {.channel = "B"});
+  ASSERT_EQ(slow.rows, 5);
+  EXPECT_EQ(slow.channels.at(0).values, (std::vector<double>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(slow.stretches.at(0).start_s, 0.5);
+  EXPECT_EQ(slow.stretches[0].rate_hz, 2);
+  EXPECT_TRUE(slow.raw_times_s.empty());
+}
+
+TEST(Lvm, ASpectrumIsNoSignalOverTime) {
+  const std::string header = "Channels\t2\nX_Dimension\tFrequency\tFrequency\n";
+  EXPECT_THAT(LvmErrorOf(TwoChannels(header, 4, Microseconds)),
+              HasSubstr("its X is no time: X_Dimension is Frequency"));
+}
+
+TEST(Lvm, OneSegmentCanBeRead) {
+  const std::string rows = "0.000\t1\t2\n0.001\t2\t3\n0.002\t3\t4\n";
+  const std::string text =
+      Lvm("", kSegment + rows + "\n" + kSegment + "0.000\t5\t6\n0.001\t7\t8\n");
+  const Record record = ParsedLvm(text, {.segment = 2});
+  EXPECT_EQ(record.channels.at(0).values, (std::vector<double>{5, 7}));
+  EXPECT_THAT(LvmErrorOf(text, {.segment = 3}), HasSubstr("has 2 segments"));
+}
+
+}  // namespace
+}  // namespace haptometer::trial

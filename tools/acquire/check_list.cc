@@ -1,0 +1,410 @@
+#include "tools/acquire/check_list.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "acquire/capability.h"
+#include "acquire/protocol/keyence/dl_rs1a.h"
+#include "acquire/transport/port_list.h"
+#include "base/error.h"
+#include "dsp/analysis/band_analysis.h"
+#include "trial/import/table_cells.h"
+#include "trial/record.h"
+#include "trial/sensor_head.h"
+
+namespace haptometer::tools {
+namespace {
+
+void FindValues(const trial::Channel& channel, CheckFindings& findings) {
+  std::size_t hold = 0;
+  std::optional<double> last;
+  for (std::size_t row = 0; row < channel.values.size(); ++row) {
+    if (!trial::IsMeasurement(channel.statuses[row])) continue;
+    const double value = channel.values[row];
+    hold = last == value ? hold + 1 : 1;
+    last = value;
+    ++findings.measured;
+    findings.longest_hold = std::max(findings.longest_hold, hold);
+    findings.least_m = std::min(findings.least_m.value_or(value), value);
+    findings.greatest_m = std::max(findings.greatest_m.value_or(value), value);
+  }
+}
+
+}  // namespace
+
+CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSummary& summary,
+                         const dsp::BandPass& band) {
+  CheckFindings findings{.summary = summary};
+  const auto number = trial::DisplacementChannel(record);
+  HAPTOMETER_CHECK(number, "a record without displacement");
+  const trial::Channel& channel = record.channels[*number];
+  findings.resolution_m = channel.resolution;
+  FindValues(channel, findings);
+  for (const trial::Stretch& stretch : record.stretches) {
+    findings.time_uncertainty_s = std::max(findings.time_uncertainty_s, stretch.time_uncertainty_s);
+  }
+  dsp::BandQuestion question;
+  question.band = band;
+  question.choice = dsp::WindowChoice::kAll;  // at rest: no drive is looked for
+  question.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(record, question);
+  if (!analysis) {
+    findings.no_noise_because = analysis.error().what;
+    return findings;
+  }
+  findings.duration_s = analysis->record.duration_s;
+  findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
+  findings.level_m = analysis->record.offset_m;
+  if (!analysis->answered) {
+    // without its remedy: the list has its own
+    const std::string& reason = analysis->reasons.front();
+    findings.no_noise_because = reason.substr(0, reason.find(": "));
+  }
+  if (!analysis->numbers) return findings;
+  findings.noise_m = analysis->numbers->residual_rms_m;
+  if (analysis->numbers->tone) {
+    findings.tone_hz = analysis->numbers->tone->fit.frequency_hz;
+    findings.tone_rms_m = analysis->numbers->tone->fit.amplitude / std::numbers::sqrt2;
+  }
+  return findings;
+}
+
+namespace {
+
+using trial::SampleStatus;
+
+constexpr double kMmPerM = 1e3;
+constexpr double kUmPerM = 1e6;
+constexpr std::array kResonances_hz = {175.0, 225.0};
+constexpr double kLeastToneGain = 0.9;
+constexpr double kMostRepeated = 0.1;
+constexpr double kMostBad = 1e-3;
+constexpr double kMostHeld = 0.5;
+constexpr std::size_t kLeastForHeld = 20;        // rows below which equal values mean nothing
+constexpr double kTimeUncertaintyPeriods = 0.1;  // as AnalyzeBand has it
+constexpr int kHighPassCode = 14;                // data 133 of an IL amplifier
+constexpr int kDifferenceCode = 13;
+
+CheckItem Ok(std::string finding) { return {{}, Verdict::kOk, std::move(finding), {}}; }
+CheckItem Fix(std::string finding, std::string remedy) {
+  return {{}, Verdict::kFix, std::move(finding), std::move(remedy)};
+}
+CheckItem Unknown(std::string finding) { return {{}, Verdict::kUnknown, std::move(finding), {}}; }
+
+struct Context {
+  const trial::TrialHeader& header;
+  const CheckFindings& findings;
+  const CheckQuestion& question;
+
+  [[nodiscard]] std::string Again(std::string_view option) const {
+    return fmt::format("{} {} --check", question.command, option);
+  }
+  // a whole number as the amplifier sent it: "14", "+00014"
+  [[nodiscard]] std::optional<int> Field(const std::string& key) const {
+    const auto found = header.metadata.fields.find(key);
+    if (found == header.metadata.fields.end()) return std::nullopt;
+    const std::string& text = found->second;
+    const char* begin = text.data() + (text.starts_with('+') ? 1 : 0);
+    int code = 0;
+    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), code);
+    if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+    return code;
+  }
+};
+
+CheckItem CheckSensorAnswers(const Context& c) {
+  const trial::Metadata& metadata = c.header.metadata;
+  const std::string identity =
+      fmt::format("{}{}{}, {}", metadata.sensor, metadata.head.empty() ? "" : " ", metadata.head,
+                  metadata.source);
+  if (c.findings.summary.connection_lost) {
+    return Fix(fmt::format("the connection was lost after {} readings: {}",
+                           c.findings.summary.readings, identity),
+               "check power and cable, then " + c.question.command + " --check");
+  }
+  if (c.findings.summary.readings > 0) return Ok(identity);
+  return Fix("no reading came from " + identity,
+             "check power and cable, then " + c.question.command + " --check");
+}
+
+CheckItem CheckDistance(const Context& c) {
+  const CheckFindings& f = c.findings;
+  if (!f.level_m) {
+    return Fix("no reading was a measurement",
+               "put the target within the head's range, and see that the laser is on");
+  }
+  const auto* head = acquire::dl_rs1a::FindHead(c.header.metadata.head);
+  if (head == nullptr || head->linear_half_range_mm == 0) {
+    return Unknown(
+        fmt::format("value {:.4f} mm; the head's linear range is not known", *f.level_m * kMmPerM));
+  }
+  const double half_m = head->linear_half_range_mm / kMmPerM;
+  std::string where = fmt::format(
+      "value {:.3f} mm, {:.3f} to {:.3f} mm; linear within +-{:g} mm of "
+      "{:g} mm",
+      *f.level_m * kMmPerM, *f.least_m * kMmPerM, *f.greatest_m * kMmPerM,
+      head->linear_half_range_mm, head->reference_mm);
+  if (*f.least_m >= -half_m && *f.greatest_m <= half_m) return Ok(std::move(where));
+  return Fix(std::move(where),
+             fmt::format("move the head by {:.2f} mm, until the amplifier shows about 0",
+                         std::abs(*f.level_m) * kMmPerM));
+}
+
+CheckItem CheckHold(const Context& c) {
+  const std::string& hold = c.header.metadata.hold;
+  if (hold.empty()) return Unknown("the sensor does not say");
+  if (hold == "sample") return Ok("sample: each reading is the displacement");
+  return Fix(hold + ": readings are not the displacement now", c.Again("--set hold=sample"));
+}
+
+CheckItem CheckHighPass(const Context& c) {
+  const std::optional<int> code = c.Field("keyence_data_133");
+  if (!code) return Unknown("the sensor does not say");
+  if (*code == kDifferenceCode) {
+    return Fix("off, but the difference-count filter is on: small steps are swallowed",
+               c.Again("--set averaging=1"));
+  }
+  if (*code != kHighPassCode) return Ok("off");
+  return Fix("on: what is slow is taken away", c.Again("--set high-pass=off"));
+}
+
+CheckItem CheckAveraging(const Context& c) {
+  const std::vector<ToneGain> gains = AveragingGains(c.header.metadata, c.question.band);
+  if (gains.empty()) return Unknown("the sensor does not say");
+  const dsp::BandPass& band = c.question.band;
+  std::string arrives;
+  bool is_enough = true;
+  for (const ToneGain& tone : gains) {
+    arrives += fmt::format("{}{:.3f} of {:g} Hz", arrives.empty() ? "" : ", ", tone.gain,
+                           tone.frequency_hz);
+    const bool is_corner = tone.frequency_hz == band.lower_hz || tone.frequency_hz == band.upper_hz;
+    if (tone.gain < (is_corner ? 1 / std::numbers::sqrt2 : kLeastToneGain)) is_enough = false;
+  }
+  const trial::Metadata& metadata = c.header.metadata;
+  std::string finding = fmt::format(
+      "{} {}: {}", *metadata.averages,
+      metadata.sampling_s ? fmt::format("readings of {:g} ms", *metadata.sampling_s * kMmPerM)
+                          : std::string("reading"),
+      arrives);
+  if (is_enough) return Ok(std::move(finding));
+  // the most that still lets everything through
+  int averages = *metadata.averages;
+  trial::Metadata fewer = metadata;
+  const auto passes = [&] {
+    fewer.averages = averages;
+    return std::ranges::all_of(AveragingGains(fewer, band),
+                               [](const ToneGain& tone) { return tone.gain >= kLeastToneGain; });
+  };
+  while (averages > 1 && !passes()) averages /= 2;
+  return Fix(std::move(finding), c.Again(fmt::format("--set averaging={}", averages)));
+}
+
+CheckItem CheckRate(const Context& c) {
+  const CheckFindings& f = c.findings;
+  const double needed_hz = dsp::kLeastRatePerUpperCorner * c.question.band.upper_hz;
+  const double observable_hz = f.fresh_rate_hz / dsp::kLeastRatePerUpperCorner;
+  std::string finding =
+      fmt::format("{:.6g} new readings/s show up to {:.6g} Hz (rate / 2.56); {:g} Hz needs {:.6g}",
+                  f.fresh_rate_hz, observable_hz, c.question.band.upper_hz, needed_hz);
+  if (f.fresh_rate_hz >= needed_hz) return Ok(std::move(finding));
+  std::string remedy =
+      "record the analog output with a DAQ (acquire --sensor pipe), or a head that sends faster";
+  // down to whole Hz: what is asked for next must be observable
+  const double less_hz = std::floor(observable_hz);
+  if (less_hz > c.question.band.lower_hz) {
+    remedy += fmt::format("; or ask for less: {} --band {:g}-{:.0f}Hz --check", c.question.command,
+                          c.question.band.lower_hz, less_hz);
+  }
+  return Fix(std::move(finding), std::move(remedy));
+}
+
+CheckItem CheckNoise(const Context& c) {
+  const auto tenth = SmallestRmsOf(c.findings, c.question.band, 0.1);
+  const auto hundredth = SmallestRmsOf(c.findings, c.question.band, 0.01);
+  if (!tenth || !hundredth) {
+    return Fix("not known in the band: " + c.findings.no_noise_because,
+               "settle what stands above, then " + c.question.command + " --check");
+  }
+  std::string finding = fmt::format(
+      "{:.3g} um RMS in {:g}-{:g} Hz: an RMS from {:.3g} um on may be reported to 10 %, "
+      "from {:.3g} um on to 1 %",
+      *c.findings.noise_m * kUmPerM, c.question.band.lower_hz, c.question.band.upper_hz,
+      *tenth * kUmPerM, *hundredth * kUmPerM);
+  if (c.findings.tone_hz) {
+    finding += fmt::format("; {:.3g} um RMS at {:.5g} Hz are there and are not counted",
+                           *c.findings.tone_rms_m * kUmPerM, *c.findings.tone_hz);
+  }
+  const auto wanted_m = c.question.smallest_rms_m;
+  if (!wanted_m || *tenth <= *wanted_m) return Ok(std::move(finding));
+  finding += fmt::format("; {:.3g} um are asked for", *wanted_m * kUmPerM);
+  return Fix(std::move(finding),
+             "use a white, diffuse target, keep head and target still, or take a better head: "
+             "acquire --list-sensors");
+}
+
+CheckItem CheckRepeated(const Context& c) {
+  const CheckFindings& f = c.findings;
+  const auto readings = static_cast<double>(f.summary.readings);
+  const double share = static_cast<double>(f.summary.repeated()) / std::max(readings, 1.0);
+  std::string finding = fmt::format("{:.1f} % of the readings were handed out again", share * 100);
+  if (f.measured >= kLeastForHeld &&
+      static_cast<double>(f.longest_hold) > kMostHeld * static_cast<double>(f.measured)) {
+    return Fix(fmt::format("one value stood for {} of {} readings", f.longest_hold, f.measured),
+               "touch the target: if the value stays, the amplifier holds it (timing input, alarm "
+               "setting 'clamp', key HOLD)");
+  }
+  if (share <= kMostRepeated) return Ok(std::move(finding));
+  return Fix(std::move(finding),
+             "connect fewer amplifiers or switch calculation off, so that the unit refreshes "
+             "faster; new readings alone count for the rate");
+}
+
+std::string RemedyOfBad(SampleStatus status) {
+  switch (status) {
+    case SampleStatus::kOver:
+    case SampleStatus::kUnder:
+    case SampleStatus::kInvalid:
+      return "put the target within the range, perpendicular, and shield it from light";
+    case SampleStatus::kClipped:
+      return "widen the DAQ's range";
+    case SampleStatus::kDeviceError:
+      return "read the amplifier's display, and switch it off and on";
+    default:
+      return "shorten or shield the cable, or set sensor and --baud to a lower speed";
+  }
+}
+
+CheckItem CheckBad(const Context& c) {
+  const acquire::RecordingSummary& s = c.findings.summary;
+  const double share =
+      static_cast<double>(s.bad()) / std::max(static_cast<double>(s.readings), 1.0);
+  std::size_t worst = 0;
+  std::uint64_t most = 0;
+  for (std::size_t status = 0; status < s.statuses.size(); ++status) {
+    if (IsMeasurement(static_cast<SampleStatus>(status)) || s.statuses[status] <= most) continue;
+    worst = status;
+    most = s.statuses[status];
+  }
+  std::string finding = fmt::format("{} of {} readings", s.bad(), s.readings);
+  if (most > 0) finding += fmt::format(", most of them {}", Name(static_cast<SampleStatus>(worst)));
+  if (share <= kMostBad) return Ok(std::move(finding));
+  return Fix(std::move(finding), RemedyOfBad(static_cast<SampleStatus>(worst)));
+}
+
+CheckItem CheckClock(const Context& c) {
+  const CheckFindings& f = c.findings;
+  std::string finding = fmt::format(
+      "jitter {:.3g} ms, {} gaps, a reading's time known to {:.3g} ms",
+      f.summary.interval_sd_s.value_or(0) * 1e3, f.summary.gaps, f.time_uncertainty_s * 1e3);
+  if (f.summary.gaps > 0) {
+    return Fix(std::move(finding),
+               "use a port of the computer itself, without a hub, and a "
+               "machine that has time");
+  }
+  const double limit_s = kTimeUncertaintyPeriods / c.question.band.upper_hz;
+  if (c.header.timing != trial::Timing::kPolled || f.time_uncertainty_s < limit_s) {
+    return Ok(std::move(finding));
+  }
+  finding += fmt::format("; {:g} Hz needs {:.3g} ms", c.question.band.upper_hz, limit_s * 1e3);
+  return Fix(std::move(finding),
+             "use a sensor that samples on a clock of its own: a stream, or "
+             "the analog output and a DAQ (acquire --sensor pipe)");
+}
+
+CheckItem CheckLatency(const Context& c) {
+  constexpr double kFineMs = 1;
+  const auto& fields = c.header.metadata.fields;
+  const auto found = fields.find(std::string(acquire::kLatencyTimerField));
+  const auto timer_s =
+      found == fields.end() ? std::optional<double>() : trial::ReadNumber(found->second);
+  if (!timer_s) return Ok("no adapter with a latency timer");
+  const double timer_ms = *timer_s * 1e3;
+  if (timer_ms <= kFineMs) return Ok(fmt::format("the adapter's timer is {:g} ms", timer_ms));
+  return Fix(fmt::format("the adapter may keep a reply for {:g} ms", timer_ms),
+             "echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB*/latency_timer");
+}
+
+}  // namespace
+
+std::string_view Name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return "ok";
+    case Verdict::kFix:
+      return "fix";
+    case Verdict::kUnknown:
+      return "unknown";
+  }
+  return "";
+}
+
+std::vector<ToneGain> AveragingGains(const trial::Metadata& metadata, const dsp::BandPass& band) {
+  const bool is_plain = metadata.averages == 1;  // whatever the period
+  if (!metadata.averages || (!metadata.sampling_s && !is_plain)) return {};
+  std::vector<double> frequencies{band.lower_hz};
+  for (const double tone_hz : kResonances_hz) {
+    if (tone_hz > band.lower_hz && tone_hz < band.upper_hz) frequencies.push_back(tone_hz);
+  }
+  frequencies.push_back(band.upper_hz);
+  std::vector<ToneGain> gains;
+  for (const double frequency_hz : frequencies) {
+    const double gain =
+        is_plain ? 1 : trial::AveragingGain(frequency_hz, *metadata.sampling_s, *metadata.averages);
+    gains.push_back({frequency_hz, gain});
+  }
+  return gains;
+}
+
+std::optional<double> SmallestRmsOf(const CheckFindings& findings, const dsp::BandPass& band,
+                                    double relative) {
+  if (!findings.noise_m || !(findings.duration_s > 0)) return std::nullopt;
+  const double bandwidth_hz = band.upper_hz - band.lower_hz;
+  const double rounding_m =
+      findings.resolution_m * std::sqrt(bandwidth_hz / (6 * findings.fresh_rate_hz));
+  const double noise_m = std::max(*findings.noise_m, rounding_m);
+  if (!(noise_m > 0)) return std::nullopt;
+  return acquire::SmallestRms({.rms_m = noise_m,
+                               .bandwidth_hz = bandwidth_hz,
+                               .record_s = findings.duration_s,
+                               .noise_record_s = findings.duration_s},
+                              relative);
+}
+
+std::vector<CheckItem> CheckList(const trial::TrialHeader& header, const CheckFindings& findings,
+                                 const CheckQuestion& question) {
+  struct Point {
+    std::string_view name;
+    CheckItem (*check)(const Context&);
+  };
+  constexpr std::array kPoints = {Point{"sensor", CheckSensorAnswers},
+                                  Point{"distance", CheckDistance},
+                                  Point{"hold", CheckHold},
+                                  Point{"high-pass", CheckHighPass},
+                                  Point{"averaging", CheckAveraging},
+                                  Point{"rate", CheckRate},
+                                  Point{"noise", CheckNoise},
+                                  Point{"repeated", CheckRepeated},
+                                  Point{"bad", CheckBad},
+                                  Point{"clock", CheckClock},
+                                  Point{"latency", CheckLatency}};
+  const Context context{header, findings, question};
+  std::vector<CheckItem> items;
+  for (const Point& point : kPoints) {
+    items.push_back(point.check(context));
+    items.back().name = point.name;
+  }
+  return items;
+}
+
+bool IsReady(const std::vector<CheckItem>& items) {
+  return std::ranges::none_of(items,
+                              [](const CheckItem& item) { return item.verdict == Verdict::kFix; });
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,197 @@
+#include "tools/acquire/live_meter.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+
+#include "base/error.h"
+#include "dsp/analysis/band_analysis.h"
+#include "dsp/filter/zero_phase.h"
+#include "dsp/spectrum/tone.h"
+#include "dsp/statistics/moments.h"
+#include "tools/acquire/acquire.h"
+#include "trial/record.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr MonotonicNs kLearningNs = kNsPerS;
+constexpr std::uint64_t kLeastToLearn = 16;
+constexpr std::uint64_t kMostMissing = 3;  // as many as dsp/analysis/segments.h bridges
+constexpr double kDecayed = 1e-3;
+constexpr double kWindowPeriods = 4;
+constexpr std::size_t kLongestWindow = std::size_t{1} << 20;  // 8 MiB
+
+bool IsClipped(trial::SampleStatus status) {
+  return status == trial::SampleStatus::kOver || status == trial::SampleStatus::kUnder ||
+         status == trial::SampleStatus::kClipped;
+}
+
+}  // namespace
+
+LiveMeter::LiveMeter(const trial::TrialHeader& header, const dsp::BandPass& band)
+    : channel_(trial::DisplacementChannel(header).value_or(0)),
+      timing_(header.timing),
+      grid_rate_hz_(header.rate_hz),
+      tare_(trial::DisplacementChannel(header) ? header.metadata.tare_m : 0),
+      band_(band) {
+  HAPTOMETER_CHECK(!header.channels.empty(), "no channel");
+  format_ = header.channels[channel_];
+  band_.corners = dsp::Corners::kEach;  // one pass has its -3 dB at the corners
+  figures_.channel = format_.name;
+  figures_.unit = format_.unit;
+  slots_.reserve(kSlots);
+  if (timing_ == trial::Timing::kUniform) Design(grid_rate_hz_);
+}
+
+MonotonicNs LiveMeter::TimeOf(const acquire::Reading& reading) const {
+  return timing_ == trial::Timing::kUniform
+             ? NsFromSeconds(static_cast<double>(reading.index) / grid_rate_hz_)
+             : reading.time_ns;
+}
+
+void LiveMeter::Add(const acquire::Reading& reading) {
+  const trial::Sample& sample = reading.samples[channel_];
+  const MonotonicNs time_ns = TimeOf(reading);
+  const std::lock_guard lock(mutex_);
+  if (!first_ns_) {
+    first_ns_ = time_ns;
+    last_index_ = reading.index - 1;
+  }
+  ++figures_.readings;
+  intervals_.Add(time_ns);
+  if (sample.status == trial::SampleStatus::kRepeated) ++repeated_;
+  if (design_rate_hz_ == 0) LearnRate(time_ns);
+  if (timing_ == trial::Timing::kUniform) {
+    const std::int64_t skipped = reading.index - last_index_ - 1;
+    last_index_ = reading.index;
+    if (skipped > 0) Miss(static_cast<std::uint64_t>(skipped));
+  }
+  if (!IsMeasurement(sample.status)) {
+    ++figures_.bad;
+    if (IsClipped(sample.status)) ++figures_.clipped;
+    Miss(1);
+    return;
+  }
+  missing_in_a_row_ = 0;
+  const double value = ValueOf(format_, sample) - tare_;
+  figures_.level = value;
+  if (filter_) Filter(value);
+  KeepExtremes(time_ns, value);
+}
+
+void LiveMeter::LearnRate(MonotonicNs time_ns) {
+  if (time_ns - *first_ns_ < kLearningNs || figures_.readings < kLeastToLearn) return;
+  if (const auto rate_hz = intervals_.RateHz()) Design(*rate_hz);
+}
+
+void LiveMeter::Design(double rate_hz) {
+  design_rate_hz_ = rate_hz;
+  const double fresh = figures_.readings == 0 ? 1
+                                              : 1 - static_cast<double>(repeated_) /
+                                                        static_cast<double>(figures_.readings);
+  const double needed_hz = dsp::kLeastRatePerUpperCorner * band_.upper_hz;
+  if (rate_hz * fresh < needed_hz) {
+    figures_.no_band_because =
+        fmt::format("{:g}-{:g} Hz needs {:.4g} new readings/s, {:.4g} come", band_.lower_hz,
+                    band_.upper_hz, needed_hz, rate_hz * fresh);
+    return;
+  }
+  const auto design = dsp::DesignBandPass(band_, rate_hz);
+  HAPTOMETER_CHECK(design, "{}", design.error().Text());
+  filter_.emplace(*design);
+  ringing_ = dsp::RingingSamples(*design, kDecayed);
+  const double wanted = rate_hz * std::max(1.0, kWindowPeriods / band_.lower_hz);
+  window_.resize(wanted < static_cast<double>(kLongestWindow)
+                     ? std::bit_ceil(static_cast<std::size_t>(wanted))
+                     : kLongestWindow);
+}
+
+void LiveMeter::Miss(std::uint64_t rows) {
+  missing_in_a_row_ += rows;
+  if (missing_in_a_row_ > kMostMissing) starts_anew_ = true;
+}
+
+void LiveMeter::Filter(double value) {
+  if (starts_anew_) {
+    starts_anew_ = false;
+    filter_->StartFrom(value);
+    to_settle_ = ringing_;
+    next_ = filled_ = 0;
+  }
+  double filtered = 0;
+  filter_->Process(std::span(&value, 1), std::span(&filtered, 1));
+  if (to_settle_ > 0) {
+    --to_settle_;
+    return;
+  }
+  window_[next_] = filtered;
+  next_ = (next_ + 1) & (window_.size() - 1);  // a power of two
+  filled_ = std::min(filled_ + 1, window_.size());
+}
+
+void LiveMeter::KeepExtremes(MonotonicNs time_ns, double value) {
+  const std::int64_t slot = (time_ns - *first_ns_) / kSlotNs;
+  if (slot < last_slot_) return;  // time went back: nothing to show it by
+  if (slot == last_slot_) {
+    LiveExtremes& now = slots_[static_cast<std::size_t>(slot) % kSlots];
+    now.least = std::min(now.least, value);
+    now.greatest = std::max(now.greatest, value);
+    return;
+  }
+  // slots in which nothing came stay as they are and are told by their times
+  const LiveExtremes begun{SecondsFromNs(slot * kSlotNs), value, value};
+  slots_.resize(kSlots, {-1, 0, 0});
+  slots_[static_cast<std::size_t>(slot) % kSlots] = begun;
+  last_slot_ = slot;
+}
+
+LiveFigures LiveMeter::Figures() const {
+  LiveFigures figures;
+  std::vector<double> recent;
+  double rate_hz = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    figures = figures_;
+    figures.rate_hz = intervals_.RateHz();
+    rate_hz = design_rate_hz_;
+    if (filter_) {
+      recent.assign(window_.begin(), window_.begin() + static_cast<long>(filled_));
+      // from the oldest on; a ring that is not full begins at its first
+      if (filled_ == window_.size()) {
+        std::ranges::rotate(recent, recent.begin() + static_cast<long>(next_));
+      }
+    }
+  }
+  if (!figures.no_band_because.empty()) return figures;
+  if (recent.empty() ||
+      static_cast<double>(recent.size()) < kWindowPeriods / 2 * rate_hz / band_.lower_hz) {
+    figures.no_band_because = "settling";
+    return figures;
+  }
+  figures.band_rms = dsp::Rms(recent);
+  const auto tone = dsp::StrongestTone(
+      recent, {rate_hz, band_.lower_hz, band_.upper_hz, band_.upper_hz - band_.lower_hz});
+  // the rate is known better now than when the filter was designed
+  const bool is_grid = timing_ == trial::Timing::kUniform;
+  if (tone) figures.tone_hz = tone->frequency_hz * (is_grid ? 1 : *figures.rate_hz / rate_hz);
+  return figures;
+}
+
+std::vector<LiveExtremes> LiveMeter::Extremes() const {
+  std::vector<LiveExtremes> extremes;
+  const std::lock_guard lock(mutex_);
+  if (slots_.empty()) return extremes;
+  const double oldest_s =
+      SecondsFromNs((last_slot_ - static_cast<std::int64_t>(kSlots) + 1) * kSlotNs);
+  for (const LiveExtremes& slot : slots_) {
+    if (slot.time_s >= std::max(oldest_s, 0.0) - 1e-9) extremes.push_back(slot);
+  }
+  std::ranges::sort(extremes, {}, &LiveExtremes::time_s);
+  return extremes;
+}
+
+}  // namespace haptometer::tools

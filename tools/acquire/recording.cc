@@ -1,0 +1,444 @@
+#include "tools/acquire/recording.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+#include <time.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <optional>
+#include <sstream>
+#include <system_error>
+#include <vector>
+
+#include "base/quantity.h"
+#include "tools/acquire/sensor_options.h"
+#include "tools/cli/output_file.h"
+#include "tools/cli/shared_options.h"
+#include "trial/record.h"
+
+namespace haptometer::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+// a time of up to 30 years
+Result<MonotonicNs> ReadTime(const std::string& option, const Quantity& time_s,
+                             const std::string& remedy) {
+  if (NsFromSeconds(std::min(time_s.value, kLongestTimeS)) < 1) {
+    return Usage(option, "must be above 0", "write e.g. 10s");
+  }
+  if (time_s.value > kLongestTimeS) return Usage(option, "is beyond 30 years", remedy);
+  return NsFromSeconds(time_s.value);
+}
+
+Result<void> PlanEnd(const RecordingOptions& wanted, std::time_t now, RecordingPlan& plan) {
+  if (wanted.duration_s) {
+    const auto time =
+        ReadTime("--duration", *wanted.duration_s, "leave it out to record until Ctrl-C");
+    if (!time) return std::unexpected(time.error());
+    plan.limits.duration_ns = *time;
+  }
+  if (wanted.samples) plan.limits.readings = static_cast<std::uint64_t>(*wanted.samples);
+  if (wanted.until.empty()) return {};
+  const auto until = ParseUntil(wanted.until, now);
+  if (!until) return std::unexpected(until.error());
+  plan.until = *until;
+  return {};
+}
+
+Result<void> PlanTrigger(const RecordingOptions& wanted, RecordingPlan& plan) {
+  if (wanted.trigger.empty()) {
+    const char* alone = wanted.pre_samples  ? "--pre-samples"
+                        : wanted.hold_off_s ? "--hold-off"
+                        : wanted.shots      ? "--shots"
+                                            : nullptr;
+    if (alone == nullptr) return {};
+    return Usage(alone, "is part of a trigger", "add e.g. --trigger 'rising 0.1mm'");
+  }
+  auto wish = ParseTrigger(wanted.trigger);
+  if (!wish) return std::unexpected(wish.error());
+  plan.trigger = std::move(*wish);
+  plan.pre_samples = static_cast<std::size_t>(wanted.pre_samples.value_or(0));
+  plan.shots = static_cast<std::uint64_t>(wanted.shots.value_or(1));
+  if (wanted.hold_off_s) {
+    const auto time = ReadTime("--hold-off", *wanted.hold_off_s, "write e.g. 1s");
+    if (!time) return std::unexpected(time.error());
+    plan.hold_off_ns = *time;
+  }
+  if (plan.shots > 1 && !wanted.duration_s && !wanted.samples) {
+    return Usage("--shots", "needs an end for each shot", "add --duration or --samples");
+  }
+  return {};
+}
+
+Result<void> PlanReconnection(const RecordingOptions& wanted, const SensorOptions& sensor,
+                              RecordingPlan& plan) {
+  if (wanted.reconnect.empty()) return {};
+  const SensorKind* kind = FindSensorKind(sensor.sensor);
+  if (kind != nullptr && kind->ends_by_itself) {
+    return Usage("--reconnect",
+                 fmt::format("a {} cannot come back", sensor.is_scene() ? "scene" : kind->name),
+                 "leave it out");
+  }
+  plan.reconnects = true;
+  if (wanted.reconnect == "forever") return {};
+  const auto quantity = ParseQuantity(wanted.reconnect, Dimension::kTime, "--reconnect");
+  if (!quantity) return std::unexpected(quantity.error());
+  const auto time = ReadTime("--reconnect", *quantity, "say forever");
+  if (!time) return std::unexpected(time.error());
+  plan.longest_away_ns = *time;
+  return {};
+}
+
+}  // namespace
+
+void DeclareRecording(cli::Options& options, RecordingOptions& wanted) {
+  options.Output("-o,--output", &wanted.output, "FILE|DIR/",
+                 "The trial to write; a directory names it by start, sensor and labels");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime,
+                 "Stop after this time (with a trigger: each shot's)");
+  options.Count("--samples", &wanted.samples, 1, std::int64_t{1} << 53,
+                "Stop after this many readings (with a trigger: each shot's)");
+  options.Text("--until", &wanted.until, "HH:MM[:SS]",
+               "Stop at this local time; also YYYY-MM-DDTHH:MM[:SS]");
+  options.Text("--trigger", &wanted.trigger, "[CHANNEL] KIND VALUE",
+               "Record from here on: 'rising 0.1mm', 'voltage above 1V'; KIND is above, below, "
+               "rising or falling");
+  options.Count("--pre-samples", &wanted.pre_samples, 0, 1'000'000,
+                "Readings kept from before each trigger", cli::Shown::kHelpAll);
+  options.Number("--hold-off", &wanted.hold_off_s, Dimension::kTime,
+                 "Least time from one trigger to the next", cli::Shown::kHelpAll);
+  options.Count("--shots", &wanted.shots, 1, std::int64_t{1} << 53,
+                "How many triggers are answered (1)", cli::Shown::kHelpAll);
+  options.Text("--reconnect", &wanted.reconnect, "TIME|forever",
+               "Wait so long for a device that went away, and go on");
+  options.Flag("--tare", &wanted.tare,
+               "Keep the mean of the second before the recording as its zero; readings stay as "
+               "sent");
+  options.Repeated("--label", &wanted.labels, "KEY=VALUE", "Kept with the trial; may be repeated");
+  options.Flag("--overwrite,--force", &wanted.overwrite, "Replace an existing trial");
+}
+
+Result<RecordingPlan> PlanRecording(const RecordingOptions& wanted, const SensorOptions& sensor,
+                                    std::time_t now) {
+  RecordingPlan plan;
+  auto labels = cli::ReadKeyValues(wanted.labels, "--label");
+  if (!labels) return std::unexpected(labels.error());
+  plan.labels = std::move(*labels);
+  if (auto planned = PlanEnd(wanted, now, plan); !planned) return std::unexpected(planned.error());
+  if (auto planned = PlanTrigger(wanted, plan); !planned) return std::unexpected(planned.error());
+  if (auto planned = PlanReconnection(wanted, sensor, plan); !planned) {
+    return std::unexpected(planned.error());
+  }
+  if (wanted.tare && IsSensor(sensor.sensor, SensorType::kReplay)) {
+    return Usage("--tare", "a replay has the zero of its recording", "leave it out");
+  }
+  return plan;
+}
+
+Result<void> CheckOutput(const RecordingOptions& wanted) {
+  const std::string& output = wanted.output;
+  std::error_code error;
+  if (IsDirectoryName(output)) {
+    if (!fs::is_directory(output, error)) {
+      return Usage(output, "is a directory that does not exist", "make it, or name another");
+    }
+    if (wanted.overwrite) {
+      return Usage("--overwrite", "replaces nothing in a directory: each trial gets a new name",
+                   "leave it out, or name a file");
+    }
+    return {};
+  }
+  return cli::CheckOutput(output, cli::kTrialOutput, wanted.overwrite);
+}
+
+Result<acquire::RecordingLimits> LimitsOf(const RecordingPlan& plan,
+                                          const trial::TrialHeader& header, Clock& clock) {
+  acquire::RecordingLimits limits = plan.limits;
+  if (plan.until) {
+    const std::chrono::duration<double> left_s =
+        std::chrono::system_clock::from_time_t(*plan.until) - std::chrono::system_clock::now();
+    limits.until_ns = clock.Now() + NsFromSeconds(left_s.count());
+  }
+  if (!plan.trigger) return limits;
+  auto trigger = ResolveTrigger(*plan.trigger, header);
+  if (!trigger) return std::unexpected(trigger.error());
+  trigger->pre_samples = plan.pre_samples;
+  trigger->hold_off_ns = plan.hold_off_ns;
+  trigger->shots = plan.shots;
+  limits.trigger = *trigger;
+  return limits;
+}
+
+namespace {
+
+using acquire::TriggerKind;
+
+constexpr std::array kKinds = {TriggerKind::kAbove, TriggerKind::kBelow, TriggerKind::kRising,
+                               TriggerKind::kFalling};
+constexpr std::string_view kOption = "--trigger";
+constexpr std::string_view kExample = "write e.g. 'rising 0.1mm' or 'voltage rising 1V'";
+
+std::optional<TriggerKind> KindOf(const std::string& word) {
+  const auto found =
+      std::ranges::find_if(kKinds, [&](TriggerKind kind) { return Name(kind) == word; });
+  return found == kKinds.end() ? std::nullopt : std::optional(*found);
+}
+
+Dimension DimensionOf(const std::string& unit) {
+  for (const Dimension dimension : {Dimension::kLength, Dimension::kVoltage, Dimension::kCurrent}) {
+    if (SiUnit(dimension) == unit) return dimension;
+  }
+  return Dimension::kNone;
+}
+
+// whether any channel could have this threshold
+Result<void> CheckQuantity(const std::string& text) {
+  Result<Quantity> last;
+  for (const Dimension dimension :
+       {Dimension::kVoltage, Dimension::kCurrent, Dimension::kNone, Dimension::kLength}) {
+    last = ParseQuantity(text, dimension, kOption);
+    if (last) return {};
+  }
+  return std::unexpected(last.error());
+}
+
+}  // namespace
+
+Result<TriggerWish> ParseTrigger(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  const auto kind =
+      std::ranges::find_if(words, [](const std::string& word) { return KindOf(word).has_value(); });
+  if (kind == words.end() || kind + 1 == words.end()) {
+    return Usage(std::string(kOption),
+                 fmt::format("'{}' is not [CHANNEL] above|below|rising|falling VALUE", text),
+                 std::string(kExample));
+  }
+  TriggerWish wish{.channel = fmt::format("{}", fmt::join(words.begin(), kind, " ")),
+                   .kind = *KindOf(*kind),
+                   .threshold = fmt::format("{}", fmt::join(kind + 1, words.end(), " "))};
+  if (auto sound = CheckQuantity(wish.threshold); !sound) return std::unexpected(sound.error());
+  return wish;
+}
+
+Result<acquire::TriggerSetup> ResolveTrigger(const TriggerWish& wish,
+                                             const trial::TrialHeader& header) {
+  // which channel
+  const auto displacement = trial::DisplacementChannel(header);
+  std::size_t number = displacement.value_or(0);
+  if (!wish.channel.empty()) {
+    const auto found =
+        std::ranges::find(header.channels, wish.channel, &trial::ChannelFormat::name);
+    if (found == header.channels.end()) {
+      std::vector<std::string> names;
+      names.reserve(header.channels.size());
+      for (const trial::ChannelFormat& channel : header.channels) names.push_back(channel.name);
+      return Usage(std::string(kOption), fmt::format("there is no channel '{}'", wish.channel),
+                   fmt::format("the sensor has {}", fmt::join(names, ", ")));
+    }
+    number = static_cast<std::size_t>(found - header.channels.begin());
+  }
+
+  // how high, in its unit
+  const trial::ChannelFormat& channel = header.channels[number];
+  const auto threshold = ParseQuantity(wish.threshold, DimensionOf(channel.unit), kOption);
+  if (!threshold) return std::unexpected(threshold.error());
+  acquire::TriggerSetup setup;
+  setup.channel = number;
+  setup.kind = wish.kind;
+  setup.threshold = threshold->value;
+  if (displacement == number) setup.threshold += header.metadata.tare_m;
+  return setup;
+}
+
+namespace {
+
+// all of `text` by one of strptime's pictures, into a copy of `start`
+std::optional<std::tm> Read(const std::string& text, const char* picture, const std::tm& start) {
+  std::tm time = start;
+  const char* end = strptime(text.c_str(), picture, &time);
+  if (end == nullptr || *end != '\0') return std::nullopt;
+  return time;
+}
+
+// the instant; nothing where the calendar has no such time (30 February, an hour that is skipped)
+std::optional<std::time_t> Instant(std::tm wall) {
+  const std::tm asked = wall;
+  wall.tm_isdst = -1;
+  const std::time_t instant = std::mktime(&wall);
+  const bool exists = wall.tm_mday == asked.tm_mday && wall.tm_hour == asked.tm_hour &&
+                      wall.tm_min == asked.tm_min && wall.tm_sec == asked.tm_sec;
+  if (instant == -1 || !exists) return std::nullopt;
+  return instant;
+}
+
+// the same time of the next day; at noon no day has a gap
+std::tm DayAfter(const std::tm& wall) {
+  std::tm day = wall;
+  ++day.tm_mday;
+  day.tm_hour = 12;
+  day.tm_isdst = -1;
+  (void)std::mktime(&day);
+  day.tm_hour = wall.tm_hour;
+  day.tm_min = wall.tm_min;
+  day.tm_sec = wall.tm_sec;
+  return day;
+}
+
+std::unexpected<Error> NoSuchTime(const std::string& text) {
+  return Usage("--until", fmt::format("'{}' is a time that the calendar here does not have", text),
+               "write e.g. 17:30 or 2026-03-01T17:30");
+}
+
+}  // namespace
+
+Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
+  std::tm today{};
+  localtime_r(&now, &today);
+  today.tm_sec = 0;
+  for (const char* picture : {"%H:%M", "%H:%M:%S"}) {
+    const auto wall = Read(text, picture, today);
+    if (!wall) continue;
+    auto instant = Instant(*wall);
+    if (!instant || *instant <= now) instant = Instant(DayAfter(*wall));
+    if (!instant) return NoSuchTime(text);
+    return *instant;
+  }
+  for (const char* picture : {"%Y-%m-%dT%H:%M", "%Y-%m-%dT%H:%M:%S"}) {
+    const auto wall = Read(text, picture, std::tm{});
+    if (!wall) continue;
+    const auto instant = Instant(*wall);
+    if (!instant) return NoSuchTime(text);
+    if (*instant <= now) {
+      return Usage("--until", fmt::format("'{}' has passed", text), "give a time that is to come");
+    }
+    if (std::difftime(*instant, now) > kLongestTimeS) {
+      return Usage("--until", fmt::format("'{}' is beyond 30 years", text),
+                   "leave it out to record until Ctrl-C");
+    }
+    return *instant;
+  }
+  return Usage("--until", fmt::format("'{}' is no time of day", text),
+               "write HH:MM, HH:MM:SS or YYYY-MM-DDTHH:MM, in local time");
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestStem = 200;  // file systems take 255 bytes
+
+std::string Plain(std::string text) {
+  std::ranges::replace_if(
+      text,
+      [](char c) {
+        const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') ||
+                              (c >= 'A' && c <= 'Z') || c == '.' || c == '-';
+        return !is_plain;
+      },
+      '_');
+  return text;
+}
+
+}  // namespace
+
+bool IsDirectoryName(const std::string& output) {
+  std::error_code ignored;
+  return output.ends_with('/') || fs::is_directory(output, ignored);
+}
+
+std::string NewTrialName(const std::string& directory, const std::string& utc_start,
+                         const std::string& sensor,
+                         const std::map<std::string, std::string>& labels) {
+  std::string stem = CompactUtc(utc_start) + "_" + Plain(sensor);
+  for (const auto& [key, value] : labels) stem += "_" + Plain(key) + "-" + Plain(value);
+  stem.resize(std::min(stem.size(), kLongestStem));
+  return FirstFreePath((fs::path(directory) / (stem + ".bin")).string(), '_');
+}
+
+std::string CompactUtc(std::string_view utc) {
+  std::string text(utc.substr(0, utc.find('.')));
+  std::erase_if(text, [](char c) { return c == '-' || c == ':'; });
+  return text + "Z";
+}
+
+std::string FirstFreePath(const std::string& path, char separator) {
+  namespace fs = std::filesystem;
+  const fs::path wanted(path);
+  fs::path free = wanted;
+  std::error_code ignored;
+  for (int number = 2; fs::exists(fs::symlink_status(free, ignored)); ++number) {
+    free = wanted.parent_path() / fmt::format("{}{}{}{}", wanted.stem().string(), separator, number,
+                                              wanted.extension().string());
+  }
+  return free.string();
+}
+
+namespace {
+
+// a check keeps nothing, and ends by --duration alone
+Result<void> CheckAlone(const AcquireOptions& wanted) {
+  const RecordingOptions& recording = wanted.recording;
+  const char* other = !recording.output.empty()      ? "-o"
+                      : wanted.live                  ? "--live"
+                      : recording.samples            ? "--samples"
+                      : !recording.until.empty()     ? "--until"
+                      : !recording.trigger.empty()   ? "--trigger"
+                      : !recording.reconnect.empty() ? "--reconnect"
+                      : recording.tare               ? "--tare"
+                                                     : nullptr;
+  if (other == nullptr) return {};
+  return Usage("--check", fmt::format("keeps nothing and has no use for {}", other),
+               "check first, then record");
+}
+
+}  // namespace
+
+void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
+  DeclareSensor(options, wanted.sensor);
+  DeclareRecording(options, wanted.recording);
+  options.Flag("--live", &wanted.live,
+               "Show level, band RMS and a plot; without -o nothing is kept");
+  options.Flag("--check", &wanted.check,
+               "Look for 10 s (--duration) whether the sensor is ready, and say what to fix");
+  options.Number("--smallest-rms", &wanted.smallest_rms_m, Dimension::kLength,
+                 "An RMS that --check has to find reportable to 10 %", cli::Shown::kHelpAll);
+  options.Flag("--list-ports", &wanted.list_ports, "List the serial ports, and record nothing");
+  options.Flag("--list-sensors", &wanted.list_sensors,
+               "Say which sensors can answer --band and --resolution, and record nothing");
+  options.Text("--band", &wanted.band, "LOWER-UPPERHz",
+               "What --live, --check and --list-sensors ask about; 20-500Hz");
+  options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
+                 "For --list-sensors: largest step that is fine enough; 1um");
+  DeclareDaemon(options, wanted.daemon);
+}
+
+Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {
+  const auto corners = cli::ParseBand(wanted.band);
+  if (!corners) return std::unexpected(corners.error());
+  dsp::BandPass band;
+  band.lower_hz = corners->lower_hz;
+  band.upper_hz = corners->upper_hz;
+  const auto possible = dsp::DesignBandPass(band, 4 * band.upper_hz);
+  if (!possible) return std::unexpected(possible.error());
+  return band;
+}
+
+Result<void> CheckAcquire(const AcquireOptions& wanted) {
+  if (auto checked = CheckSensor(wanted.sensor); !checked) return checked;
+  if (wanted.smallest_rms_m && !wanted.check) {
+    return Usage("--smallest-rms", "is what a check asks for", "add --check");
+  }
+  if (wanted.check) return CheckAlone(wanted);
+  if (!wanted.recording.output.empty()) return CheckOutput(wanted.recording);
+  if (wanted.live) return {};
+  return Usage("-o", "is missing",
+               "name the trial to write, e.g. -o trial.bin, or look with --live or --check");
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,203 @@
+#include "tools/acquire/sensor_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "tools/acquire/open_sensor.h"
+#include "trial/import/table_cells.h"
+
+namespace haptometer::tools {
+namespace {
+
+// options that only some sensors have, given to one that has not
+Result<void> CheckBelonging(const SensorOptions& wanted, const SensorKind& kind) {
+  const bool is_pipe = kind.type == SensorType::kPipe;
+  if (!wanted.format.empty() && kind.type != SensorType::kStream && !is_pipe) {
+    return Usage("--format", "is for lines that come unasked and for samples",
+                 "add --sensor stream or --sensor pipe");
+  }
+  for (const auto& [name, is_given] : {std::pair("--channels", !wanted.channels.empty()),
+                                       std::pair("--calibration", !wanted.calibration.empty())}) {
+    if (is_given && !is_pipe) return Usage(name, "is for samples", "add --sensor pipe");
+  }
+  if (wanted.rate_hz && !is_pipe && !kind.is_asked) {
+    return Usage("--rate", "is for samples, and for what is asked: the others have their own",
+                 "leave it out");
+  }
+  if (!wanted.speed.empty() && !kind.is_played) {
+    return Usage("--speed", "is for what is played", "add --sensor replay or --sensor scene:FILE");
+  }
+  return {};
+}
+
+Result<void> CheckPipe(const SensorOptions& wanted) {
+  if (wanted.channels.empty()) {
+    return Usage("--channels", "is missing",
+                 "name what is piped in, e.g. --channels displacement:m,voltage:V");
+  }
+  if (!wanted.rate_hz) {
+    return Usage("--rate", "is missing", "give the rows a second, e.g. --rate 10kHz");
+  }
+  if (wanted.format.empty()) {
+    return Usage("--format", "is missing", "say how the samples come: f64, f32, i16 or text");
+  }
+  return {};
+}
+
+Result<void> CheckModbus(const SensorOptions& wanted, const SensorKind& kind) {
+  const bool is_modbus = kind.type == SensorType::kModbus;
+  if (is_modbus == wanted.profile.empty()) {
+    return Usage("--profile", "belongs to --sensor modbus, and that needs it",
+                 "give both, e.g. --sensor modbus --profile baumer-om20");
+  }
+  if (!is_modbus && wanted.slave) {
+    return Usage("--slave", "is for --sensor modbus", "leave it out");
+  }
+  return {};
+}
+
+}  // namespace
+
+void DeclareSensor(cli::Options& options, SensorOptions& wanted) {
+  options.Text(
+      "--port", &wanted.port, "PORT",
+      "Serial port, virtual terminal or HOST:PORT; for replay a trial.bin; for pipe a named "
+      "pipe (standard input)");
+  options.Text(
+      "--sensor", &wanted.sensor, "NAME",
+      "keyence-il: a DL-RS1A that is asked (default); keyence-en1: a DL-EN1 (TCP); "
+      "keyence-lkg: an LK-G3001; modbus: registers, with --profile; stream: lines that come "
+      "unasked; pipe: another program's samples; replay: a trial; scene:FILE: a simulated "
+      "scene");
+  options.Count(
+      "--baud", &wanted.baud, 50, 4'000'000,
+      "Bits per second (keyence-il, keyence-lkg: 9600; modbus: the profile's; stream: 921600)");
+  options.Choice("--command", &wanted.command, {"m0", "m1", "m2", "ms"},
+                 "What a Keyence is asked: m0 (default), ms (with the outputs); keyence-lkg: m1 "
+                 "(default), m2, m0",
+                 cli::Shown::kHelpAll);
+  options.Count("--decimals", &wanted.decimals, 0, 5,
+                "Of a value in mm, where a DL-EN1 or LK-G does not tell", cli::Shown::kHelpAll);
+  options.Flag("--device-zero", &wanted.device_zero,
+               "Shift the zero of the IL amplifiers to where they look now", cli::Shown::kHelpAll);
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR; numbered lines: 000,+00.0000,mm,CR); END "
+               "is CR, LF or CRLF. For pipe: f64, f32, i16 or text");
+  options.Text("--channels", &wanted.channels, "NAME:UNIT,...",
+               "What is piped in, e.g. displacement:um,voltage:V,trigger");
+  options.Number(
+      "--rate", &wanted.rate_hz, Dimension::kFrequency,
+      "Rows a second that are piped in; others that are asked are asked so often at most");
+  options.Text("--calibration", &wanted.calibration, "FILE",
+               "What the volts or counts of a piped channel mean (docs/reference/formats.md)");
+  options.Text("--speed", &wanted.speed, "recorded|max|FACTOR",
+               "How fast a replay (max) or a scene (recorded) is played", cli::Shown::kHelpAll);
+  options.Text("--profile", &wanted.profile, "NAME|FILE",
+               "Which Modbus sensor: a built-in one (baumer-om20, ...) or a TOML file");
+  options.Count("--slave", &wanted.slave, 0, 255, "Its Modbus address (the profile's)");
+  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+                 "How often a Keyence refreshes its values (DL-RS1A with one amplifier: 7 ms)",
+                 cli::Shown::kHelpAll);
+  options.Repeated("--set", &wanted.settings, "KEY=VALUE",
+                   "Change the IL amplifiers: sampling=0.33ms, averaging=1, hold=sample, "
+                   "high-pass=off; may be repeated",
+                   cli::Shown::kHelpAll);
+}
+
+Result<void> CheckSensor(const SensorOptions& wanted) {
+  const SensorKind* kind = FindSensorKind(wanted.sensor);
+  if (kind == nullptr) {
+    return Usage("--sensor", fmt::format("'{}' is not known", wanted.sensor),
+                 "use one of " + SensorNames());
+  }
+  if (wanted.is_scene() && !wanted.port.empty()) {
+    return Usage("--port", "a scene has none", "leave it out");
+  }
+  if (auto belongs = CheckBelonging(wanted, *kind); !belongs) return belongs;
+  if (auto checked = CheckKeyence(wanted, *kind); !checked) return checked;
+  if (auto speed = ReadSpeed(wanted.speed); !speed) return std::unexpected(speed.error());
+  if (auto fits = CheckModbus(wanted, *kind); !fits) return fits;
+  if (wanted.rate_hz && !(wanted.rate_hz->value >= 1e-3)) {
+    return Usage("--rate", "must be at least 1 mHz", "write e.g. 10kHz");
+  }
+  if (kind->type == SensorType::kPipe) return CheckPipe(wanted);
+  if (wanted.port.empty() && !wanted.is_scene()) {
+    return Usage("--port", "is missing", "name the sensor's port, e.g. --port /dev/ttyUSB0");
+  }
+  if (wanted.refresh_s && !(wanted.refresh_s->value > 0)) {
+    return Usage("--refresh", "must be above 0", "write e.g. 7ms");
+  }
+  return {};
+}
+
+SensorOptions WithoutChanges(SensorOptions wanted) {
+  wanted.device_zero = false;
+  wanted.settings.clear();
+  return wanted;
+}
+
+Result<double> ReadSpeed(const std::string& speed) {
+  if (speed == "max") return std::numeric_limits<double>::infinity();
+  if (speed == "recorded" || speed.empty()) return 1.0;
+  const auto factor = trial::ReadNumber(speed);
+  if (!factor || !std::isfinite(*factor) || !(*factor > 0)) {
+    return Usage("--speed", fmt::format("'{}' is no speed", speed),
+                 "write recorded, max, or a factor such as 10");
+  }
+  return *factor;
+}
+
+std::string PortName(const SensorOptions& wanted) {
+  if (wanted.is_scene()) return wanted.sensor.substr(kScenePrefix.size());
+  return wanted.port.empty() ? "standard input" : wanted.port;
+}
+
+namespace {
+
+// a scene comes last: FILE is open
+constexpr std::array<SensorKind, 8> kKinds{{
+    {.type = SensorType::kKeyenceEn1,
+     .name = "keyence-en1",
+     .is_il = true,
+     .is_keyence = true,
+     .is_asked = true},
+    {.type = SensorType::kKeyenceIl,
+     .name = "keyence-il",
+     .is_il = true,
+     .is_keyence = true,
+     .is_asked = true},
+    {.type = SensorType::kKeyenceLkg, .name = "keyence-lkg", .is_keyence = true, .is_asked = true},
+    {.type = SensorType::kModbus, .name = "modbus", .is_asked = true},
+    {.type = SensorType::kPipe, .name = "pipe", .ends_by_itself = true},
+    {.type = SensorType::kReplay, .name = "replay", .is_played = true, .ends_by_itself = true},
+    {.type = SensorType::kStream, .name = "stream"},
+    {.type = SensorType::kScene, .name = kScenePrefix, .is_played = true, .ends_by_itself = true},
+}};
+
+}  // namespace
+
+const SensorKind* FindSensorKind(std::string_view sensor) {
+  if (sensor.starts_with(kScenePrefix)) sensor = kScenePrefix;
+  const auto* const found = std::ranges::find(kKinds, sensor, &SensorKind::name);
+  return found == kKinds.end() ? nullptr : found;
+}
+
+bool IsSensor(std::string_view sensor, SensorType type) {
+  const SensorKind* kind = FindSensorKind(sensor);
+  return kind != nullptr && kind->type == type;
+}
+
+std::string SensorNames() {
+  std::string names;
+  for (const SensorKind& kind : kKinds) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", kind.name);
+  }
+  return names + "FILE";
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "tools/cli/options.h"
+
+namespace haptometer::tools {
+
+/// What `--sensor` begins with for a simulated scene: scene:FILE.
+inline constexpr std::string_view kScenePrefix = "scene:";
+
+/// Which sensor, and how it is spoken to: what the command line or a daemon's file says of it.
+struct SensorOptions {
+  std::string port;
+  std::string sensor = "keyence-il";
+  std::string format;
+  std::string profile;                ///< modbus: a name or a file
+  std::optional<std::int64_t> slave;  ///< modbus: its address
+  std::string channels;               ///< pipe
+  std::string calibration;            ///< pipe: a file
+  std::string speed;                  ///< replay, scene: "recorded", "max" or a factor
+  std::optional<std::int64_t> baud;
+  std::optional<Quantity> refresh_s;
+  std::optional<Quantity> rate_hz;       ///< pipe: of its rows; keyence-*, modbus: of polls
+  std::string command;                   ///< keyence-*: "m0", "m1", "m2", "ms"; "": the usual
+  std::optional<std::int64_t> decimals;  ///< keyence-en1, keyence-lkg
+  bool device_zero = false;              ///< keyence-il, keyence-en1: changes the device
+  std::vector<std::string> settings;     ///< keyence-il, keyence-en1: KEY=VALUE; change the device
+
+  [[nodiscard]] bool is_scene() const { return sensor.starts_with(kScenePrefix); }
+};
+
+/// `wanted` without what would change the device once more: for a reconnection.
+[[nodiscard]] SensorOptions WithoutChanges(SensorOptions wanted);
+
+/// Declares the options that name a sensor.
+void DeclareSensor(cli::Options& options, SensorOptions& wanted);
+
+/// What is wrong with them, before anything is touched. Errors (Cause::kUsage).
+[[nodiscard]] Result<void> CheckSensor(const SensorOptions& wanted);
+
+/// Rows of one recorded second a second: `speed` as a number above 0, infinite for "max".
+/// Errors (Cause::kUsage).
+[[nodiscard]] Result<double> ReadSpeed(const std::string& speed);
+
+/// Where its readings come from, in messages: the port, or what stands for one.
+[[nodiscard]] std::string PortName(const SensorOptions& wanted);
+
+enum class SensorType : std::uint8_t {
+  kKeyenceEn1,
+  kKeyenceIl,
+  kKeyenceLkg,
+  kModbus,
+  kPipe,
+  kReplay,
+  kScene,
+  kStream,
+};
+
+/// One of what acquire can record from.
+struct SensorKind {
+  SensorType type{};
+  std::string_view name;        ///< in `--sensor`; of a scene what stands before its file
+  bool is_il = false;           ///< amplifiers of the IL series, whose settings can be changed
+  bool is_keyence = false;      ///< asked by one of Keyence's commands
+  bool is_asked = false;        ///< gives a reading for each request
+  bool is_played = false;       ///< has a speed of our choice
+  bool ends_by_itself = false;  ///< cannot come back once it is over
+};
+
+/// The kind that `sensor`, the word behind `--sensor`, names; nullptr where there is none.
+[[nodiscard]] const SensorKind* FindSensorKind(std::string_view sensor);
+
+/// Whether `sensor` names the kind `type`.
+[[nodiscard]] bool IsSensor(std::string_view sensor, SensorType type);
+
+/// All names for a message: "keyence-en1, ..., stream, scene:FILE".
+[[nodiscard]] std::string SensorNames();
+
+}  // namespace haptometer::tools

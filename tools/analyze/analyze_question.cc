@@ -1,0 +1,221 @@
+#include "tools/analyze/analyze_question.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/cli/output_file.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/report/html_page.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::int64_t kMostThreads = 64;
+
+// "1s:3s": from a time up to a time
+Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) {
+    return Usage("--window", fmt::format("'{}' is no window", text),
+                 "say auto, all, or two times as 1s:3s");
+  }
+  const auto begin_s = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
+  if (!begin_s) return std::unexpected(begin_s.error());
+  const auto end_s = ParseQuantity(text.substr(colon + 1), Dimension::kTime, "--window");
+  if (!end_s) return std::unexpected(end_s.error());
+  if (!(end_s->value > begin_s->value)) {
+    return Usage("--window", fmt::format("'{}' ends before it begins", text),
+                 "give the earlier time first");
+  }
+  return dsp::TimeWindow{begin_s->value, end_s->value};
+}
+
+Result<void> CheckPictures(const AnalyzeWords& words) {
+  if (!words.plot.empty()) {
+    if (auto drawable = plot::CheckPlotPath(words.plot); !drawable) return drawable;
+    if (words.files.size() > 1) {
+      return Usage("--plot", fmt::format("draws one trial, not {}", words.files.size()),
+                   "give one file, or --report FILE.html for several");
+    }
+  }
+  // one file each: the next trial would take the place of the one before
+  const std::array<std::pair<std::string_view, const std::string*>, 3> tables{
+      {{"--spectrum", &words.spectrum.spectrum},
+       {"--spectrogram", &words.spectrum.spectrogram},
+       {"--response", &words.response}}};
+  for (const auto& [option, path] : tables) {
+    if (path->empty() || words.files.size() < 2) continue;
+    return Usage(std::string(option), fmt::format("is of one trial, not {}", words.files.size()),
+                 "give one file");
+  }
+  if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
+    return Usage("--sweep", "goes without --window, --floor and --report",
+                 "analyse the trial as a whole with --plot and --response");
+  }
+  if (!words.sweep && !words.response.empty()) {
+    return Usage("--response", "is of a sweep", "say --sweep too");
+  }
+  if (!words.response.empty()) {
+    auto writable =
+        cli::CheckOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite);
+    if (!writable) return writable;
+  }
+  const bool has_spectrum = !words.spectrum.spectrum.empty() ||
+                            !words.spectrum.spectrogram.empty() || !words.report.empty();
+  if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
+    return Usage("--resolution", "is of a spectrum or a sweep",
+                 "say --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
+  }
+  return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
+}
+
+Result<void> TakeWindow(const std::string& text, dsp::BandQuestion& question) {
+  if (text == "auto") return {};
+  if (text == "all") {
+    question.choice = dsp::WindowChoice::kAll;
+    return {};
+  }
+  const auto window = ParseWindow(text);
+  if (!window) return std::unexpected(window.error());
+  question.choice = dsp::WindowChoice::kGiven;
+  question.window = *window;
+  return {};
+}
+
+}  // namespace
+
+void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
+  options->Positionals("files", &words->files,
+                       "Trials (trial.bin) or CSV with time_s,displacement_m");
+  cli::DeclareBand(options, &words->band, cli::Shown::kHelp);
+  options->Text("--window", &words->window, "auto|all|FROM:TO",
+                "Which part: the steady drive (auto, default), all that has settled, or 1s:3s");
+  options->Text("--floor", &words->floor, "FILE",
+                "A drive-off trial: its noise in the band is taken off in power");
+  options->Flag("--all", &words->all,
+                "Print everything that is known, with the uncertainty budget");
+  options->Output("--plot", &words->plot, "FILE.svg|png|pdf",
+                  "Draw the trial and what was used of it");
+  options->Output("--report", &words->report, "FILE.html",
+                  "One page with figures, numbers, assumptions and settings");
+  options->Flag("--sweep", &words->sweep,
+                "The drive's frequency moves: amplitude over frequency, f0 and Q",
+                cli::Shown::kHelpAll);
+  options->Output("--response", &words->response, "FILE.csv", "The sweep's points",
+                  cli::Shown::kHelpAll);
+  options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
+                  "Of the drive: fitted where a record is too slow for the band (default: what the "
+                  "file says)",
+                  cli::Shown::kHelpAll);
+  options->Count(
+      "--threads", &words->threads, 1, kMostThreads,
+      "Threads that filter (default: as many as there are cores); no number depends on it",
+      cli::Shown::kHelpAll);
+  DeclareSpectrum(options, &words->spectrum);
+  cli::DeclareImport(options, &words->import);
+}
+
+Result<dsp::BandQuestion> QuestionOf(const AnalyzeWords& words) {
+  if (auto drawable = CheckPictures(words); !drawable) return std::unexpected(drawable.error());
+  if (words.band.band.empty()) return Usage("--band", "is empty", "write it as 20-500Hz");
+  auto asked = cli::BandQuestionOf(words.band);
+  if (!asked) return std::unexpected(asked.error());
+  dsp::BandQuestion question = std::move(*asked);
+  question.keep_filtered = !words.plot.empty() || !words.report.empty();
+  if (words.drive_frequency_hz) question.drive_frequency_hz = words.drive_frequency_hz->value;
+  if (auto window = TakeWindow(words.window, question); !window) {
+    return std::unexpected(window.error());
+  }
+  return question;
+}
+
+int ThreadsOf(const AnalyzeWords& words) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
+}
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, dsp::WindowShape>, 5> kWindows{
+    {{"hann", dsp::WindowShape::kHann},
+     {"rectangular", dsp::WindowShape::kRectangular},
+     {"hamming", dsp::WindowShape::kHamming},
+     {"blackman-harris", dsp::WindowShape::kBlackmanHarris},
+     {"flat-top", dsp::WindowShape::kFlatTop}}};
+
+std::vector<std::string> WindowNames() {
+  std::vector<std::string> names;
+  names.reserve(kWindows.size());
+  for (const auto& [name, shape] : kWindows) names.emplace_back(name);
+  return names;
+}
+
+// a CSV or a picture can be written there
+Result<void> CheckPlace(const std::string& path, const cli::OutputKind& table, bool overwrite) {
+  if (path.empty()) return {};
+  if (std::filesystem::path(path).extension() != ".csv") return plot::CheckPlotPath(path);
+  return cli::CheckOutput(path, table, overwrite);
+}
+
+}  // namespace
+
+std::string_view NameOf(dsp::WindowShape window) {
+  const auto found = std::ranges::find(kWindows, window, &decltype(kWindows)::value_type::second);
+  HAPTOMETER_CHECK(found != kWindows.end(), "window {}", static_cast<int>(window));
+  return found->first;
+}
+
+void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
+  options->Output("--spectrum", &words->spectrum, "FILE.csv|svg|png|pdf",
+                  "Welch's spectrum of the unfiltered window, one-sided", cli::Shown::kHelpAll);
+  options->Output("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf",
+                  "The same over time", cli::Shown::kHelpAll);
+  options->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
+                  "Of the spectra (default: 1 Hz, or eight segments in a short window)",
+                  cli::Shown::kHelpAll);
+  options->Choice("--spectrum-window", &words->window, WindowNames(),
+                  "Of each segment; the output states its noise bandwidth", cli::Shown::kHelpAll);
+  options->Number("--overlap", &words->overlap, Dimension::kNone,
+                  "Share of a segment that the next one repeats, 0 to 0.95 (default: 0.5)",
+                  cli::Shown::kHelpAll);
+  options->Flag("--overwrite", &words->overwrite,
+                "Replace older tables of --spectrum, --spectrogram and --response",
+                cli::Shown::kHelpAll);
+  options->Choice("--scaling", &words->scaling, {"density", "amplitude"},
+                  "m^2/Hz for noise, or m for the amplitude of a tone", cli::Shown::kHelpAll);
+}
+
+Result<SpectrumQuestion> SpectrumQuestionOf(const SpectrumWords& words) {
+  for (const auto& [path, table] : {std::pair(words.spectrum, cli::kSpectrumOutput),
+                                    std::pair(words.spectrogram, cli::kSpectrogramOutput)}) {
+    auto writable = CheckPlace(path, table, words.overwrite);
+    if (!writable) return std::unexpected(writable.error());
+  }
+  SpectrumQuestion question{words.spectrum, words.spectrogram, {}, {}, 0.5, false, words.overwrite};
+  if (words.resolution_hz) {
+    if (!(words.resolution_hz->value > 0)) {
+      return Usage("--resolution", "must be above 0", "give it as 1Hz");
+    }
+    question.resolution_hz = words.resolution_hz->value;
+  }
+  if (words.overlap) question.overlap = words.overlap->value;
+  if (!(question.overlap >= 0) || question.overlap > 0.95) {
+    return Usage("--overlap", fmt::format("of {:g} is not possible", question.overlap),
+                 "give a share from 0 to 0.95");
+  }
+  question.window = std::ranges::find(kWindows, std::string_view(words.window),
+                                      &decltype(kWindows)::value_type::first)
+                        ->second;
+  question.amplitude = words.scaling == "amplitude";
+  return question;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,163 @@
+#include "tools/analyze/spectrum_tables.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <string>
+
+#include "dsp/spectrum/welch.h"
+#include "tools/cli/output_file.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr double kDefaultResolutionHz = 1;
+constexpr std::size_t kSegmentsOfShort = 8;  // half overlapping, in a window too short for 1 Hz
+constexpr double kUm = 1e-6;                 // in metres
+
+Result<dsp::WelchOptions> OptionsOf(const dsp::WindowSamples& window,
+                                    const SpectrumQuestion& question) {
+  const std::size_t size = window.values_m.size();
+  std::size_t segment = 0;
+  if (question.resolution_hz) {
+    segment = static_cast<std::size_t>(std::round(window.rate_hz / *question.resolution_hz));
+  } else {
+    const auto at_1_hz =
+        static_cast<std::size_t>(std::round(window.rate_hz / kDefaultResolutionHz));
+    segment = std::min(at_1_hz, 2 * size / (kSegmentsOfShort + 1));
+  }
+  if (segment < 2 || segment > size) {
+    const double least_hz = window.rate_hz / static_cast<double>(size);
+    return CannotAnswer(
+        "--resolution",
+        fmt::format("the window of {} samples does not hold a segment of {}", size, segment),
+        fmt::format("ask for {:.3g} Hz or more, or a longer --window", least_hz));
+  }
+  return dsp::WelchOptions{window.rate_hz, segment, question.window, question.overlap,
+                           dsp::Detrend::kMean};
+}
+
+std::string HeadOf(const dsp::SpectrumGrid& grid, const SpectrumQuestion& question) {
+  return fmt::format(
+      "# window = {}\n# overlap = {:g}\n# segments = {}\n# resolution_hz = {:.12g}\n"
+      "# noise_bandwidth_hz = {:.12g}\n# degrees_of_freedom = {:.6g}\n"
+      "# interval_95_percent = times {:.6g} to {:.6g} (power)\n",
+      NameOf(question.window), question.overlap, grid.segments, grid.resolution_hz,
+      grid.noise_bandwidth_hz, grid.degrees_of_freedom, grid.lower_factor, grid.upper_factor);
+}
+
+std::string SpectrumCsv(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& question) {
+  std::string text = HeadOf(spectrum.grid, question);
+  const std::vector<double> values =
+      question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
+  text += question.amplitude ? "frequency_hz,amplitude_m\n" : "frequency_hz,density_m2_per_hz\n";
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}\n",
+                   static_cast<double>(k) * spectrum.grid.resolution_hz, values[k]);
+  }
+  return text;
+}
+
+std::string SpectrogramCsv(const dsp::Spectrogram& spectrogram, const SpectrumQuestion& question,
+                           double start_s) {
+  std::string text =
+      fmt::format("# window = {}\n# overlap = {:g}\n# noise_bandwidth_hz = {:.12g}\n",
+                  NameOf(question.window), question.overlap, spectrogram.noise_bandwidth_hz);
+  text += "time_s,frequency_hz,density_m2_per_hz\n";
+  for (std::size_t n = 0; n < spectrogram.density.size(); ++n) {
+    const double time_s =
+        start_s + spectrogram.start_s + static_cast<double>(n) * spectrogram.step_s;
+    for (std::size_t k = 0; k < spectrogram.density[n].size(); ++k) {
+      fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{:.9g}\n", time_s,
+                     static_cast<double>(k) * spectrogram.resolution_hz, spectrogram.density[n][k]);
+    }
+  }
+  return text;
+}
+
+// levels in dB re 1 um^2/Hz over time and frequency
+plot::Map SpectrogramMap(const dsp::Spectrogram& spectrogram, double start_s) {
+  plot::Map map{"spectrogram",
+                "time / s",
+                "frequency / Hz",
+                "dB re 1 um^2/Hz",
+                start_s + spectrogram.start_s,
+                spectrogram.step_s,
+                0,
+                spectrogram.resolution_hz,
+                spectrogram.density};
+  for (std::vector<double>& column : map.values) {
+    for (double& value : column) value = 10 * std::log10(std::max(value / (kUm * kUm), 1e-30));
+  }
+  return map;
+}
+
+bool IsCsv(const std::string& path) { return std::filesystem::path(path).extension() == ".csv"; }
+
+plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& question) {
+  plot::Panel panel{
+      fmt::format("spectrum of the unfiltered window: {}, {:.3g} Hz noise bandwidth, {} segments",
+                  NameOf(question.window), spectrum.grid.noise_bandwidth_hz,
+                  spectrum.grid.segments),
+      "frequency / Hz",
+      question.amplitude ? "amplitude / um" : "density / um^2/Hz",
+      {{"", plot::Lines(plot::kBlue), {}, {}}},
+      plot::LogAxes::kBoth};
+  std::vector<double> values =
+      question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
+  const double unit = question.amplitude ? kUm : kUm * kUm;
+  plot::Series& series = panel.series.front();
+  // 0 Hz has no place on a logarithmic axis
+  for (std::size_t k = 1; k < values.size(); ++k) {
+    series.x.push_back(static_cast<double>(k) * spectrum.grid.resolution_hz);
+    series.y.push_back(values[k] / unit);
+  }
+  return panel;
+}
+
+Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+  const auto options = OptionsOf(window, question);
+  if (!options) return std::unexpected(options.error());
+  const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
+  if (!spectrum) return std::unexpected(spectrum.error());
+  if (!IsCsv(question.spectrum)) {
+    return plot::DrawPanels(question.spectrum, {PanelOf(*spectrum, question)});
+  }
+  return cli::WriteOutput(question.spectrum, cli::kSpectrumOutput, question.overwrite,
+                          SpectrumCsv(*spectrum, question));
+}
+
+Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+  const auto options = OptionsOf(window, question);
+  if (!options) return std::unexpected(options.error());
+  const auto spectrogram = dsp::MakeSpectrogram(window.values_m, *options);
+  if (!spectrogram) return std::unexpected(spectrogram.error());
+  if (!IsCsv(question.spectrogram)) {
+    return plot::DrawMap(question.spectrogram, SpectrogramMap(*spectrogram, window.start_s));
+  }
+  return cli::WriteOutput(question.spectrogram, cli::kSpectrogramOutput, question.overwrite,
+                          SpectrogramCsv(*spectrogram, question, window.start_s));
+}
+
+}  // namespace
+
+Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+  if (!question.spectrum.empty()) {
+    if (auto written = WriteSpectrum(window, question); !written) return written;
+  }
+  return question.spectrogram.empty() ? Result<void>{} : WriteSpectrogram(window, question);
+}
+
+Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,
+                                  const SpectrumQuestion& question) {
+  const auto options = OptionsOf(window, question);
+  if (!options) return std::unexpected(options.error());
+  const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
+  if (!spectrum) return std::unexpected(spectrum.error());
+  return PanelOf(*spectrum, question);
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,145 @@
+#include "tools/cli/shared_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cctype>
+
+#include "base/quantity.h"
+#include "trial/import/import_options.h"
+
+namespace haptometer::cli {
+
+Result<Band> ParseBand(const std::string& text) {
+  const auto dash = text.find('-', 1);
+  if (dash == std::string::npos) {
+    return Usage("--band", fmt::format("'{}' is not a band", text), "write it as 20-500Hz");
+  }
+  std::string lower = text.substr(0, dash);
+  const std::string upper = text.substr(dash + 1);
+  if (std::isalpha(static_cast<unsigned char>(lower.back())) == 0) {
+    const auto unit = upper.find_last_not_of("kMHz") + 1;
+    lower += upper.substr(unit);
+  }
+  const auto lower_hz = ParseQuantity(lower, Dimension::kFrequency, "--band");
+  if (!lower_hz) return std::unexpected(lower_hz.error());
+  const auto upper_hz = ParseQuantity(upper, Dimension::kFrequency, "--band");
+  if (!upper_hz) return std::unexpected(upper_hz.error());
+  return Band{.lower_hz = lower_hz->value, .upper_hz = upper_hz->value};
+}
+
+void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
+  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
+  options->Count("--order", &words->order, 1, dsp::kHighestOrder,
+                 "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
+                 "record is too short for it)",
+                 order_shown);
+  options->Choice("--corner", &words->corner, {"whole", "each"},
+                  "-3 dB at the corners of both passes together or of each", Shown::kHelpAll);
+}
+
+Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
+  dsp::BandQuestion question;
+  if (!words.band.empty()) {
+    const auto band = ParseBand(words.band);
+    if (!band) return std::unexpected(band.error());
+    question.band.lower_hz = band->lower_hz;
+    question.band.upper_hz = band->upper_hz;
+  }
+  question.may_lower_order = !words.order.has_value();
+  // a manifest's order has passed through no option
+  if (words.order && (*words.order < 1 || *words.order > dsp::kHighestOrder)) {
+    return Usage("order", "lies outside 1 to 8", "write one within");
+  }
+  question.band.order = static_cast<int>(words.order.value_or(question.band.order));
+  question.band.corners = words.corner == "each" ? dsp::Corners::kEach : dsp::Corners::kWhole;
+  const auto possible = dsp::DesignBandPass(question.band, 4 * question.band.upper_hz);
+  if (!possible) return std::unexpected(possible.error());
+  return question;
+}
+
+namespace {
+
+std::vector<std::string> FormatNames() {
+  std::vector<std::string> names;
+  names.reserve(trial::TableFormats().size());
+  for (const trial::TableFormatFacts& facts : trial::TableFormats()) names.emplace_back(facts.name);
+  return names;
+}
+
+Result<std::optional<double>> ScaleOf(const std::optional<Quantity>& scale, const char* example) {
+  if (!scale) return std::optional<double>{};
+  if (scale->value == 0) return Usage("--scale", "must not be 0", example);
+  return std::optional(scale->value);
+}
+
+}  // namespace
+
+void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has_format) {
+  options->Text("--columns", &words->columns, "NAME,NAME,...",
+                "Columns of a foreign table: time_s, displacement_mm, voltage_v, ...; - for none",
+                Shown::kHelpAll);
+  options->Number("--rate", &words->rate_hz, Dimension::kFrequency,
+                  "Rows a second of a foreign table without times, or whose times contradict its "
+                  "header",
+                  Shown::kHelpAll);
+  if (scaled == Scaled::kVoltage) {
+    options->Number("--scale", &words->scale_v, Dimension::kVoltage,
+                    "Voltage for one printed unit of a foreign table's voltage", Shown::kHelpAll);
+  } else {
+    options->Number("--scale", &words->scale_m, Dimension::kLength,
+                    "Length for one printed unit of a foreign table's displacement",
+                    Shown::kHelpAll);
+  }
+  if (!has_format) {
+    options->Choice("--format", &words->format, FormatNames(),
+                    "Layout of a foreign table, in place of the one that its first lines speak of",
+                    Shown::kHelpAll);
+  }
+  options->Text("--channel", &words->channel, "NAME",
+                "The one channel of a table to read, as the file calls it (CH2)", Shown::kHelpAll);
+  options->Count("--segment", &words->segment, 1, 1'000'000,
+                 "Which segment of a table whose times begin again, from 1", Shown::kHelpAll);
+}
+
+Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
+  trial::ImportOptions options;
+  for (std::string_view rest = words.columns; !rest.empty();) {
+    const std::size_t end = std::min(rest.find(','), rest.size());
+    if (end == 0 || end + 1 == rest.size()) {
+      return Usage("--columns", "has an empty name", "write - for a column to leave out");
+    }
+    options.columns.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  if (words.rate_hz) {
+    if (!(words.rate_hz->value > 0)) return Usage("--rate", "must be above 0", "write e.g. 10kHz");
+    options.rate_hz = words.rate_hz->value;
+  }
+  const auto scale_m = ScaleOf(words.scale_m, "write e.g. 1mm");
+  if (!scale_m) return std::unexpected(scale_m.error());
+  options.scale_m = *scale_m;
+  const auto scale_v = ScaleOf(words.scale_v, "write e.g. 1mV");
+  if (!scale_v) return std::unexpected(scale_v.error());
+  options.scale_v = *scale_v;
+  if (!words.format.empty()) options.format = trial::TableFormatFromName(words.format);
+  options.channel = words.channel;
+  if (words.segment) options.segment = static_cast<std::size_t>(*words.segment);
+  return options;
+}
+
+Result<std::map<std::string, std::string>> ReadKeyValues(const std::vector<std::string>& words,
+                                                         std::string_view option) {
+  std::map<std::string, std::string> values;
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      return Usage(std::string(option), fmt::format("'{}' is not KEY=VALUE", word),
+                   "write e.g. subject=3");
+    }
+    values[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return values;
+}
+
+}  // namespace haptometer::cli

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "dsp/analysis/band_question.h"
+#include "tools/cli/options.h"
+#include "trial/import/import_options.h"
+
+namespace haptometer::cli {
+
+/// A band of frequencies, as said on the command line.
+struct Band {
+  double lower_hz = 0;
+  double upper_hz = 0;
+};
+
+/// Reads "20-500Hz", "20Hz-0.5kHz": a lower corner without a unit takes that of the upper one.
+/// Whether the two make a band is not asked. Errors (Cause::kUsage), naming --band.
+[[nodiscard]] Result<Band> ParseBand(const std::string& text);
+
+/// What is said of the filter; empty: as BandQuestion has it.
+struct BandWords {
+  std::string band;  ///< "20-500Hz"
+  std::optional<std::int64_t> order;
+  std::string corner;  ///< "whole" or "each"
+};
+
+/// Declares --band, --order (shown where `order_shown` says) and --corner.
+void DeclareBand(Options* options, BandWords* words, Shown order_shown);
+
+/// The question about that band, everything else as BandQuestion has it. Errors (Cause::kUsage): no
+/// band-pass, before any file is read.
+[[nodiscard]] Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words);
+
+/// What the command line says of a foreign table.
+struct ImportWords {
+  std::string columns;
+  std::optional<Quantity> rate_hz;
+  std::optional<Quantity> scale_m;
+  std::optional<Quantity> scale_v;
+  std::string format;
+  std::string channel;
+  std::optional<std::int64_t> segment;
+};
+
+/// What a verb reads of a table, which --scale is then about.
+enum class Scaled : std::uint8_t { kDisplacement, kVoltage };
+
+/// Declares --columns, --rate, --scale, --format, --channel and --segment, shown by --help-all, for
+/// any verb that reads recordings. A verb that has a --format of its own says so by `has_format`.
+void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled::kDisplacement,
+                   bool has_format = false);
+
+/// Errors (Cause::kUsage): a rate that is not above 0, a scale of 0, an empty name among the
+/// columns, a format that is not known.
+[[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words);
+
+/// "subject=3" and its like, split at the first '='; the last word on a key counts.
+///
+/// Errors (Cause::kUsage), naming `option`: a word without '=' or without a key.
+[[nodiscard]] Result<std::map<std::string, std::string>> ReadKeyValues(
+    const std::vector<std::string>& words, std::string_view option);
+
+}  // namespace haptometer::cli

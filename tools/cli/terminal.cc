@@ -1,0 +1,133 @@
+#include "tools/cli/terminal.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
+#include <string>
+#include <string_view>
+
+#include "base/text.h"
+
+namespace haptometer::cli {
+
+int ReportError(std::string_view verb, const Error& error) {
+  const std::string_view blank = verb.empty() ? "" : " ";
+  fmt::print(stderr, "haptometer{}{}: {}\n", blank, verb, error.Text());
+  return ExitStatus(error.cause);
+}
+
+int WorseStatus(int a, int b) {
+  const auto rank = [](int status) {
+    if (status == 0) return 0;
+    return status <= ExitStatus(Cause::kCannotAnswer) ? 4 - status : 4;
+  };
+  return rank(b) > rank(a) ? b : a;
+}
+
+void Print(std::string_view text) { fmt::print("{}", PrintableLines(text)); }
+
+void HoldStandardStreams() {
+  for (const int number : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(number, F_GETFD) < 0) static_cast<void>(open("/dev/null", O_PATH));
+  }
+}
+
+bool IsUnread() {
+  pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+  return poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+}
+
+int StatusWithOutput(int status, int failure) {
+  const bool had_failed = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) != 0) {
+    if (failure == 0) failure = errno;
+  } else if (!had_failed) {
+    return status;
+  }
+  if (IsUnread()) return WorseStatus(status, kUnreadStatus);
+  std::string what = "is not written whole";
+  if (failure != 0) what += std::string(": ") + std::strerror(failure);
+  return WorseStatus(status, ReportError("", {Cause::kFailed, "standard output", what, {}}));
+}
+
+void Remark(std::string_view verb, std::string_view text) {
+  fmt::print(stderr, "{}: {}\n", verb, Printable(text));
+}
+
+namespace {
+
+std::atomic<bool> interrupted{false};
+std::atomic<int> which{0};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free,
+              "a signal handler may only touch lock-free atomics");
+
+extern "C" void OnSignal(int signal) {
+  which.store(signal);
+  interrupted.store(true);
+}
+
+}  // namespace
+
+void CatchInterrupts() {
+  struct sigaction action{};
+  action.sa_handler = OnSignal;
+  action.sa_flags = static_cast<int>(SA_RESETHAND);  // a second signal ends the program at once
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // a closed terminal must not cost a recording its end
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow further is an error like a full disk
+}
+
+void InterruptAsBy(int signal) { OnSignal(signal); }
+
+const std::atomic<bool>& Interrupted() { return interrupted; }
+
+int InterruptedStatus(int otherwise) { return interrupted.load() ? 128 + which.load() : otherwise; }
+
+namespace {
+
+// means itself to every shell
+bool IsPlain(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+         std::string_view("_-+=:,./@%").find(c) != std::string_view::npos;
+}
+
+// $'...' with all that is not plain in octal
+std::string DollarQuoted(const std::string& word) {
+  std::string quoted = "$'";
+  for (const char c : word) {
+    if (IsPlain(c) || c == ' ') {
+      quoted += c;
+    } else {
+      fmt::format_to(std::back_inserter(quoted), "\\{:03o}", static_cast<unsigned char>(c));
+    }
+  }
+  return quoted + "'";
+}
+
+std::string Quoted(const std::string& word) {
+  if (!word.empty() && std::ranges::all_of(word, IsPlain)) return word;
+  if (!IsPrintable(word)) return DollarQuoted(word);
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string(R"('\'')") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+std::string CommandLine(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + Quoted(word);
+  return line;
+}
+
+}  // namespace haptometer::cli

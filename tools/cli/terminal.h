@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+
+namespace haptometer::cli {
+
+/// Prints "haptometer VERB: TEXT" on stderr, in one line, and returns the exit status of its cause.
+/// Without a verb: "haptometer: TEXT".
+[[nodiscard]] int ReportError(std::string_view verb, const Error& error);
+
+/// The exit status of two answers of which one program speaks: 1 (it failed) before 2 (asked
+/// wrongly) before 3 (not answered) before 0. Any other status, an interruption, comes before all.
+[[nodiscard]] int WorseStatus(int a, int b);
+
+/// Keeps the numbers of standard input, output and error from files that are opened later, where a
+/// caller closed them: written to, they fail.
+void HoldStandardStreams();
+
+/// The status that stands for a standard output that nobody reads any more, as after SIGPIPE.
+inline constexpr int kUnreadStatus = 141;
+
+/// Whether standard output is a pipe whose reader went away.
+[[nodiscard]] bool IsUnread();
+
+/// Standard output, flushed and looked at: what a verb leaves with instead of `status`. 1 with an
+/// error on stderr where not all of it could be written; 141 without a word where its reader went
+/// away and SIGPIPE, which ends a program before that, is ignored. `failure`: the errno of a write
+/// that failed, where it is known.
+[[nodiscard]] int StatusWithOutput(int status, int failure = 0);
+
+/// A result on stdout. All of a verb's text and JSON goes this way, so that no control character
+/// but line ends and tabs reaches a terminal; a name or a path in a line is made one line where the
+/// line is made (base/text.h).
+void Print(std::string_view text);
+
+/// A remark on stderr, in one printable line: "VERB: TEXT".
+void Remark(std::string_view verb, std::string_view text);
+
+/// From now on SIGINT, SIGTERM and SIGHUP (a closed terminal) only set a flag, so that a verb can
+/// finish its file; a second signal of the same kind ends the program at once. SIGPIPE is ignored.
+void CatchInterrupts();
+
+/// As if `signal` had come and been caught: for an output that nobody reads any more (SIGPIPE).
+void InterruptAsBy(int signal);
+
+/// Set to true by the first signal; a recorder polls it.
+[[nodiscard]] const std::atomic<bool>& Interrupted();
+
+/// 130 after SIGINT, 143 after SIGTERM, 129 after SIGHUP, 141 for SIGPIPE, `otherwise` when no
+/// signal came.
+[[nodiscard]] int InterruptedStatus(int otherwise);
+
+/// `words` as one line that a POSIX shell takes apart into the same words: what is not plain stands
+/// in single quotes, and a word that is not printable (base/text.h) in $'...' with octal
+/// escapes (POSIX.1-2024, 2.2.4), so the line is printable always.
+[[nodiscard]] std::string CommandLine(const std::vector<std::string>& words);
+
+}  // namespace haptometer::cli

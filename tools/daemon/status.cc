@@ -1,0 +1,307 @@
+#include "tools/daemon/status.h"
+
+#include <fmt/core.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+
+#include "base/text.h"
+#include "tools/cli/json.h"
+
+namespace haptometer::tools {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForDevice,
+                             LoopState::kRecording,      LoopState::kAway,
+                             LoopState::kWaitingForDisk, LoopState::kStopped};
+
+ordered_json ToJson(const SensorStatus& sensor) {
+  return {{"name", sensor.name},
+          {"port", sensor.port},
+          {"sensor", sensor.sensor},
+          {"state", Name(sensor.state)},
+          {"since_utc", cli::TextOrNull(sensor.since_utc)},
+          {"file", cli::TextOrNull(sensor.file)},
+          {"readings", sensor.readings},
+          {"rate_hz", cli::NumberOrNull(sensor.rate_hz)},
+          {"bad", sensor.bad},
+          {"gaps", sensor.gaps},
+          {"lost", sensor.lost},
+          {"reconnects", sensor.reconnects},
+          {"disk_waits", sensor.disk_waits},
+          {"last_error", cli::TextOrNull(sensor.last_error)}};
+}
+
+// What stands under a key, made printable, because anything may answer on a socket; where it is of
+// another kind, the default, which says nothing
+std::string Text(const ordered_json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_string() ? Printable(found->get<std::string>()) : "";
+}
+
+std::uint64_t Count(const ordered_json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+}
+
+std::optional<double> Number(const ordered_json& object, const char* key) {
+  const auto found = object.find(key);
+  if (found == object.end() || !found->is_number()) return std::nullopt;
+  return found->get<double>();
+}
+
+std::optional<SensorStatus> FromJson(const ordered_json& object) {
+  const std::string state = Text(object, "state");
+  const auto found = std::ranges::find_if(kStates, [&](LoopState s) { return Name(s) == state; });
+  if (!object.is_object() || found == kStates.end()) return std::nullopt;
+  return SensorStatus{.name = Text(object, "name"),
+                      .port = Text(object, "port"),
+                      .sensor = Text(object, "sensor"),
+                      .state = *found,
+                      .since_utc = Text(object, "since_utc"),
+                      .file = Text(object, "file"),
+                      .readings = Count(object, "readings"),
+                      .rate_hz = Number(object, "rate_hz"),
+                      .bad = Count(object, "bad"),
+                      .gaps = Count(object, "gaps"),
+                      .lost = Count(object, "lost"),
+                      .reconnects = Count(object, "reconnects"),
+                      .disk_waits = Count(object, "disk_waits"),
+                      .last_error = Text(object, "last_error")};
+}
+
+}  // namespace
+
+std::string_view Name(LoopState state) {
+  switch (state) {
+    case LoopState::kStarting:
+      return "starting";
+    case LoopState::kWaitingForDevice:
+      return "waiting for device";
+    case LoopState::kRecording:
+      return "recording";
+    case LoopState::kAway:
+      return "away";
+    case LoopState::kWaitingForDisk:
+      return "waiting for disk";
+    case LoopState::kStopped:
+      return "stopped";
+  }
+  return "";
+}
+
+std::string StatusJson(const DaemonStatus& status) {
+  ordered_json sensors = ordered_json::array();
+  for (const SensorStatus& sensor : status.sensors) sensors.push_back(ToJson(sensor));
+  const ordered_json document{
+      {"config", status.config}, {"utc", status.utc}, {"sensors", std::move(sensors)}};
+  return cli::JsonText(document);
+}
+
+Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
+  const auto refused = CannotAnswer(where, "answers with no status of a daemon",
+                                    "is it haptometer's, and of this version?");
+  const ordered_json document = ordered_json::parse(json, nullptr, false);
+  if (!document.is_object() || !document.contains("sensors")) return refused;
+  DaemonStatus status{.config = Text(document, "config"), .utc = Text(document, "utc")};
+  for (const ordered_json& object : document["sensors"]) {
+    auto sensor = FromJson(object);
+    if (!sensor) return refused;
+    status.sensors.push_back(std::move(*sensor));
+  }
+  return status;
+}
+
+std::string StatusText(const DaemonStatus& status) {
+  std::string text;
+  for (const SensorStatus& sensor : status.sensors) {
+    text += fmt::format("{}: {} since {}, {} readings", sensor.name, Name(sensor.state),
+                        sensor.since_utc, sensor.readings);
+    if (sensor.rate_hz) text += fmt::format(" ({:.1f}/s)", *sensor.rate_hz);
+    text += fmt::format(", {} bad, {} gaps, {} lost, {} reconnects, {} waits for disk", sensor.bad,
+                        sensor.gaps, sensor.lost, sensor.reconnects, sensor.disk_waits);
+    if (!sensor.file.empty()) text += fmt::format("\n  {}", sensor.file);
+    if (!sensor.last_error.empty()) text += fmt::format("\n  last error: {}", sensor.last_error);
+    text += "\n";
+  }
+  return text;
+}
+
+std::string StatusLine(const DaemonStatus& status) {
+  const auto recording =
+      std::ranges::count(status.sensors, LoopState::kRecording, &SensorStatus::state);
+  std::string line = fmt::format("{} of {} recording", recording, status.sensors.size());
+  for (const SensorStatus& sensor : status.sensors) {
+    if (sensor.state == LoopState::kRecording) continue;
+    line += fmt::format("; {}: {}", sensor.name, Name(sensor.state));
+  }
+  return line;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+using acquire::OwnedDescriptor;
+
+constexpr MonotonicNs kTakenWithinNs = kNsPerS;
+constexpr std::size_t kLongestStatus = 1 << 20;
+constexpr int kWaiting = 8;  // who may queue while one is answered
+
+Result<sockaddr_un> AddressOf(const std::string& path) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) {
+    return Usage(path, fmt::format("is no path of 1 to {} bytes", sizeof address.sun_path - 1),
+                 "name a shorter one under `socket`");
+  }
+  std::ranges::copy(path, address.sun_path);
+  return address;
+}
+
+OwnedDescriptor NewSocket() {
+  return OwnedDescriptor(socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0));
+}
+
+// the system's calls want addresses under the general type
+const sockaddr* General(const sockaddr_un& address) {
+  return reinterpret_cast<const sockaddr*>(&address);
+}
+
+// 0, or the errno
+int Connect(const OwnedDescriptor& descriptor, const sockaddr_un& address) {
+  if (descriptor.get() < 0) return EMFILE;
+  return connect(descriptor.get(), General(address), sizeof address) == 0 ? 0 : errno;
+}
+
+std::unexpected<Error> NoSocket(const std::string& path, int error_number) {
+  return Failed(path,
+                fmt::format("no status socket: {}", std::generic_category().message(error_number)),
+                "name another place under `socket`, in a directory that you may write to");
+}
+
+// takes a dead daemon's socket out of the way, and nothing else
+Result<void> ClearPlace(const std::string& path, const sockaddr_un& address) {
+  struct stat found{};
+  if (lstat(path.c_str(), &found) != 0) return {};
+  if (!S_ISSOCK(found.st_mode)) {
+    return Usage(path, "is there and no socket", "name another place under `socket`");
+  }
+  if (Connect(NewSocket(), address) != ECONNREFUSED) {
+    return Failed(path, "another daemon answers there",
+                  "end it, or name another place under `socket`");
+  }
+  if (unlink(path.c_str()) != 0) return NoSocket(path, errno);
+  return {};
+}
+
+}  // namespace
+
+Result<StatusSocket> StatusSocket::Listen(std::string path) {
+  const auto address = AddressOf(path);
+  if (!address) return std::unexpected(address.error());
+  std::error_code error;
+  (void)fs::create_directory(fs::path(path).parent_path(), error);  // bind says what is wrong
+  if (auto cleared = ClearPlace(path, *address); !cleared) return std::unexpected(cleared.error());
+  OwnedDescriptor listener = NewSocket();
+  if (listener.get() < 0 || bind(listener.get(), General(*address), sizeof *address) != 0 ||
+      listen(listener.get(), kWaiting) != 0) {
+    return NoSocket(path, errno);
+  }
+  // who may look at the directory may ask: a status gives no power
+  chmod(path.c_str(), 0666);
+  struct stat made{};
+  if (lstat(path.c_str(), &made) != 0) return NoSocket(path, errno);
+  return StatusSocket(std::move(listener), std::move(path), made.st_ino);
+}
+
+StatusSocket::~StatusSocket() {
+  if (listener_.get() < 0) return;
+  // somebody may have put another file in its place
+  struct stat found{};
+  const bool is_ours =
+      lstat(path_.c_str(), &found) == 0 && S_ISSOCK(found.st_mode) && found.st_ino == inode_;
+  if (is_ours) unlink(path_.c_str());
+}
+
+void StatusSocket::AnswerOne(MonotonicNs longest_ns,
+                             const std::function<std::string()>& text) const {
+  pollfd watched{.fd = listener_.get(), .events = POLLIN, .revents = 0};
+  const timespec longest{.tv_sec = longest_ns / kNsPerS, .tv_nsec = longest_ns % kNsPerS};
+  if (ppoll(&watched, 1, &longest, nullptr) <= 0) return;
+  const OwnedDescriptor asker(
+      accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
+  if (asker.get() < 0) return;
+  SystemClock clock;
+  const auto sent =
+      acquire::WriteDescriptor(asker.get(), text(), clock.Now() + kTakenWithinNs, path_);
+  if (!sent) return;  // who asked has gone, and is told nothing
+}
+
+Result<std::string> AskStatus(const std::string& path, MonotonicNs longest_ns) {
+  const auto address = AddressOf(path);
+  if (!address) return std::unexpected(address.error());
+  SystemClock clock;
+  const MonotonicNs deadline = clock.Now() + longest_ns;
+  const OwnedDescriptor descriptor = NewSocket();
+  if (const int failure = Connect(descriptor, *address); failure != 0) {
+    return CannotAnswer(
+        path, fmt::format("no daemon answers: {}", std::generic_category().message(failure)),
+        "start one with: acquire --daemon CONFIG.toml");
+  }
+  std::string text;
+  std::array<char, 4096> buffer{};
+  while (clock.Now() < deadline && text.size() <= kLongestStatus) {
+    const auto read = acquire::ReadDescriptor(descriptor.get(), buffer, deadline);
+    if (read.state == acquire::ReadState::kGone) return text;
+    text.append(buffer.data(), read.bytes);
+  }
+  return CannotAnswer(path, "gives no status in time", "is it haptometer's daemon? try again");
+}
+
+namespace {
+
+std::vector<fs::path> SocketDirectories() {
+  std::vector<fs::path> directories;
+  // read before any thread is started
+  const char* own = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
+  if (own != nullptr && *own != '\0') directories.push_back(fs::path(own) / "haptometer");
+  directories.emplace_back("/run/haptometer");
+  return directories;
+}
+
+}  // namespace
+
+std::vector<std::string> DefaultStatusSockets(const std::string& config_path) {
+  std::vector<std::string> paths;
+  for (const fs::path& directory : SocketDirectories()) {
+    paths.push_back(directory / (fs::path(config_path).stem().string() + ".sock"));
+  }
+  return paths;
+}
+
+std::vector<std::string> StatusSockets() {
+  std::vector<std::string> paths;
+  for (const fs::path& directory : SocketDirectories()) {
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(directory, error)) {
+      if (entry.is_socket(error)) paths.push_back(entry.path());
+    }
+  }
+  return paths;
+}
+
+}  // namespace haptometer::tools

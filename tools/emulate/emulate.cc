@@ -1,0 +1,450 @@
+#include "tools/emulate/emulate.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "acquire/emulator/device.h"
+#include "acquire/emulator/dl_unit.h"
+#include "acquire/emulator/fault.h"
+#include "acquire/emulator/lkg_unit.h"
+#include "acquire/emulator/modbus_unit.h"
+#include "acquire/emulator/server.h"
+#include "acquire/emulator/stream_head.h"
+#include "acquire/protocol/keyence/dl_en1.h"
+#include "acquire/protocol/stream_line.h"
+#include "acquire/sensor/modbus_profile.h"
+#include "base/error.h"
+#include "base/text.h"
+#include "sim/sensor_model.h"
+#include "tools/cli/options.h"
+#include "tools/cli/shared_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/simulate/simulated_trial.h"
+#include "tools/verbs.h"
+#include "trial/import/read_recording.h"
+
+namespace haptometer::tools {
+
+/// An emulated device, and what to say of it once it is ready.
+struct ModbusEmulation {
+  std::unique_ptr<acquire::emulator::Device> device;
+  std::string remark;
+};
+
+/// The Modbus sensor of `profile` (a built-in name or a file) before what `head` sees, whose
+/// settings are replaced by the profile's. Errors: those of the profile.
+[[nodiscard]] Result<ModbusEmulation> EmulateModbus(const std::string& profile, bool over_tcp,
+                                                    acquire::emulator::MovingHead head,
+                                                    const acquire::emulator::FaultPlan& faults);
+
+namespace {
+
+namespace emulator = acquire::emulator;
+
+constexpr std::string_view kVerb = "emulate";
+constexpr std::string_view kUnit = "dl-rs1a";
+constexpr std::string_view kEn1 = "en1";
+constexpr std::string_view kLkg = "lkg";
+constexpr std::string_view kStream = "stream";
+constexpr std::string_view kModbus = "modbus";
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Play a scene or a trial as a real sensor would, over a terminal or TCP.",
+    .examples = {"haptometer emulate --scene fixtures/lra_adapter.toml --link ./sensor",
+                 "haptometer emulate --scene fixtures/lra_adapter.toml --protocol stream"
+                 " --baud 921600",
+                 "haptometer emulate --trial trial.bin --baud 38400 --tcp 127.0.0.1:0"
+                 " --fault silent:50"}};
+
+// The command line.
+struct Wanted {
+  std::string scene;
+  std::string trial;
+  std::string protocol{kUnit};
+  std::optional<std::int64_t> baud;
+  std::string profile;
+  std::string link;
+  std::string tcp;
+  std::string fault;
+  std::string format;
+  std::optional<std::int64_t> seed;
+  std::optional<Quantity> duration_s;
+  std::optional<Quantity> sampling_s;
+  std::optional<std::int64_t> averages;
+  std::optional<Quantity> refresh_s;
+  std::optional<std::int64_t> amplifiers;
+  bool is_writable = false;
+  cli::ImportWords import;
+
+  [[nodiscard]] bool stream() const { return protocol == kStream; }
+  [[nodiscard]] bool modbus() const { return protocol == kModbus; }
+};
+
+void Declare(cli::Options& options, Wanted& wanted) {
+  options.Text("--scene", &wanted.scene, "FILE",
+               "The scene to play: steady, unless it starts at rest");
+  options.Text("--trial", &wanted.trial, "FILE",
+               "The trial to play: straight lines between its rows, then its last value for ever");
+  options.Choice("--protocol", &wanted.protocol,
+                 {std::string(kUnit), std::string(kEn1), std::string(kLkg), std::string(kStream),
+                  std::string(kModbus)},
+                 "Keyence's DL-RS1A, DL-EN1 or LK-G3001, asked for each reading, lines that come "
+                 "unasked, or registers");
+  options.Text("--profile", &wanted.profile, "NAME|FILE",
+               "Which Modbus sensor: a built-in one or a TOML file; RTU, with --tcp TCP");
+  options.Count("--baud", &wanted.baud, 300, 20'000'000,
+                "The wire's (9600; stream: 921600; en1: none)");
+  options.Text("--format", &wanted.format, "PICTURE,UNIT,END",
+               "Form of a stream's lines (+00.0000,mm,CR; numbered: 000,+00.0000,mm,CR)");
+  options.Text("--link", &wanted.link, "PATH", "A symbolic link to make on the terminal");
+  options.Text("--tcp", &wanted.tcp, "HOST:PORT",
+               "TCP instead of a terminal; port 0: any free one");
+  std::string faults = "One answer in EVERY (1) fails:";
+  for (const emulator::Fault& fault : emulator::Faults()) {
+    faults +=
+        fmt::format("{} {} ({})", faults.ends_with(':') ? "" : ",", fault.name, fault.summary);
+  }
+  options.Text("--fault", &wanted.fault, "NAME[:EVERY]", faults);
+  options.Count("--seed", &wanted.seed, 0, INT64_MAX, "Of the noise (1)");
+  options.Number("--duration", &wanted.duration_s, Dimension::kTime, "End after this time");
+  options.Number("--sampling", &wanted.sampling_s, Dimension::kTime,
+                 "The head's sampling period (1ms; stream: 100us)", cli::Shown::kHelpAll);
+  options.Count("--averages", &wanted.averages, 1, 4096, "Raw samples in a reading (16; stream: 1)",
+                cli::Shown::kHelpAll);
+  options.Number("--refresh", &wanted.refresh_s, Dimension::kTime,
+                 "How often a DL-RS1A or DL-EN1 refills its buffer (7ms, 7.8ms with one amplifier)",
+                 cli::Shown::kHelpAll);
+  options.Count("--amplifiers", &wanted.amplifiers, 1, 15,
+                "Number n (from 0) shows the motion divided by n + 1 (1)", cli::Shown::kHelpAll);
+  options.Flag("--writable", &wanted.is_writable,
+               "The unit's R/W switch stands on W: SW and AW are obeyed", cli::Shown::kHelpAll);
+  // --format is that of the lines it sends
+  cli::DeclareImport(&options, &wanted.import, cli::Scaled::kDisplacement, true);
+}
+
+// What cannot be asked for together.
+Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
+  if (options.json()) {
+    return Usage("--json", "emulate has no document to print", "read its line 'ready PATH'");
+  }
+  if (wanted.scene.empty() == wanted.trial.empty()) {
+    return Usage("", "what to play is not clear", "give one of --scene FILE and --trial FILE");
+  }
+  if (!wanted.link.empty() && !wanted.tcp.empty()) {
+    return Usage("--link", "is for a terminal, and --tcp makes none", "leave one of them out");
+  }
+  if ((wanted.stream() || wanted.protocol == kLkg) && wanted.refresh_s) {
+    return Usage("--refresh", "is the buffer of a DL-RS1A",
+                 fmt::format("leave it out with --protocol {}", wanted.protocol));
+  }
+  if (wanted.stream() && wanted.amplifiers) {
+    return Usage("--amplifiers", "is for those that are asked",
+                 "leave it out with --protocol stream");
+  }
+  if (wanted.modbus() == wanted.profile.empty()) {
+    return Usage("--profile", "belongs to --protocol modbus, and that needs it",
+                 "give both, e.g. --protocol modbus --profile baumer-om20");
+  }
+  if (wanted.modbus() &&
+      (wanted.baud || wanted.sampling_s || wanted.averages || wanted.refresh_s)) {
+    return Usage("--profile", "says baud rate and sampling itself",
+                 "leave --baud, --sampling, --averages and --refresh out");
+  }
+  if (!wanted.stream() && !wanted.format.empty()) {
+    return Usage("--format", "is for lines that come unasked", "add --protocol stream");
+  }
+  const std::pair<const char*, const std::optional<Quantity>*> times[] = {
+      {"--duration", &wanted.duration_s},
+      {"--sampling", &wanted.sampling_s},
+      {"--refresh", &wanted.refresh_s}};
+  for (const auto& [name, time] : times) {
+    // below a nanosecond and above a year nothing can be scheduled
+    if (*time && !((*time)->value >= 1e-9 && (*time)->value <= 3.2e7)) {
+      return Usage(name, fmt::format("{:g} s is no time to wait", (*time)->value),
+                   "give 1ns to 1 year");
+    }
+  }
+  return {};
+}
+
+// The head before a scene that plays: its motion and, where the scene's sensor is of this
+// protocol's kind, its settings. Another kind of sensor only says where the spot lies.
+Result<void> PlayScene(const std::string& path, emulator::MovingHead& head) {
+  const auto scene = ReadPlayedScene(path);
+  if (!scene) return std::unexpected(scene.error());
+  if (scene->sensor && scene->sensor->head.name == head.head.name) {
+    head = {.head = scene->sensor->head,
+            .displacement = sim::SensedMotion(*scene),
+            .seed = scene->sensor->seed};
+    return {};
+  }
+  const auto target = scene->sensor ? scene->sensor->target : sim::SensorTarget::kSkin;
+  head.displacement = sim::MotionOf(*scene, target);
+  return {};
+}
+
+// The remark tells how long it plays.
+Result<std::string> PlayTrial(const std::string& path, const cli::ImportWords& words,
+                              emulator::MovingHead& head) {
+  const auto import = cli::ImportOf(words);
+  if (!import) return std::unexpected(import.error());
+  const auto recording = trial::ReadRecording(path, *import);
+  if (!recording) return std::unexpected(recording.error());
+  auto motion = MotionOf(recording->record, path);
+  if (!motion) return std::unexpected(motion.error());
+  head.displacement = std::move(motion->displacement);
+  std::string remark =
+      fmt::format("plays {:.6g} s of {}, then holds its last value", motion->duration_s, path);
+  if (motion->left_out > 0) {
+    remark += fmt::format("; {} rows without a measurement are bridged", motion->left_out);
+  }
+  return remark;
+}
+
+// A device, and what to say of it once it is ready.
+struct Played {
+  std::unique_ptr<emulator::Device> device;
+  std::string remark;
+};
+
+std::string Describe(const trial::SensorHead& head) {
+  return fmt::format("{}, sampled every {:g} ms, {} average{}", head.name, 1e3 * head.sampling_s,
+                     head.averages, head.averages == 1 ? "" : "s");
+}
+
+// one head an amplifier: each shows a smaller motion, so that channels can be told apart
+std::vector<emulator::MovingHead> AllHeads(const Wanted& wanted, const emulator::MovingHead& head) {
+  std::vector<emulator::MovingHead> heads{head};
+  for (std::int64_t number = 1; number < wanted.amplifiers.value_or(1); ++number) {
+    emulator::MovingHead further = head;
+    further.seed += static_cast<std::uint64_t>(number);
+    further.displacement = [whole = head.displacement, number](double t_s) {
+      return whole(t_s) / static_cast<double>(number + 1);
+    };
+    heads.push_back(std::move(further));
+  }
+  return heads;
+}
+
+Result<Played> MakeEn1(const Wanted& wanted, const emulator::MovingHead& head,
+                       const emulator::FaultPlan& faults) {
+  emulator::DlEn1Setup setup;
+  setup.heads = AllHeads(wanted, head);
+  setup.faults = faults;
+  setup.is_writable = wanted.is_writable;
+  setup.refresh_ns = acquire::dl_en1::RefreshNs(setup.heads.size());
+  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark = fmt::format("{}; new readings every {:g} ms", Describe(head.head),
+                                   1e3 * SecondsFromNs(setup.refresh_ns));
+  return Played{std::make_unique<emulator::DlEn1Unit>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeLkg(const Wanted& wanted, const emulator::MovingHead& head,
+                       const emulator::FaultPlan& faults) {
+  emulator::LkgSetup setup;
+  setup.heads = AllHeads(wanted, head);
+  setup.faults = faults;
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark = fmt::format("{}; at {} baud", Describe(head.head), setup.baud);
+  return Played{std::make_unique<emulator::LkgUnit>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeUnit(const Wanted& wanted, const emulator::MovingHead& head,
+                        const emulator::FaultPlan& faults) {
+  emulator::DlRs1aSetup setup;
+  const std::vector<emulator::MovingHead> heads = AllHeads(wanted, head);
+  setup.head = heads.front();
+  setup.expansions.assign(heads.begin() + 1, heads.end());
+  setup.faults = faults;
+  setup.is_writable = wanted.is_writable;
+  setup.refresh_ns = acquire::dl_rs1a::RefreshNs(heads.size());
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (wanted.refresh_s) setup.refresh_ns = NsFromSeconds(wanted.refresh_s->value);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  const double period_s = SecondsFromNs(acquire::dl_rs1a::PollPeriodNs(setup.baud, heads.size()));
+  std::string remark = fmt::format(
+      "{}; at {} baud at most {:.1f} readings/s, new ones every {:g} ms", Describe(setup.head.head),
+      setup.baud, 1 / period_s, 1e3 * SecondsFromNs(setup.refresh_ns));
+  return Played{std::make_unique<emulator::DlRs1aUnit>(setup), std::move(remark)};
+}
+
+Result<Played> MakeStream(const Wanted& wanted, emulator::MovingHead head,
+                          const emulator::FaultPlan& faults) {
+  emulator::StreamSetup setup;
+  if (!wanted.format.empty()) {
+    const auto format = acquire::ParseStreamFormat(wanted.format);
+    if (!format) return std::unexpected(format.error());
+    setup.format = *format;
+  }
+  setup.head = std::move(head);
+  setup.faults = faults;
+  if (wanted.baud) setup.baud = static_cast<int>(*wanted.baud);
+  if (auto valid = Validate(setup); !valid) return std::unexpected(valid.error());
+  std::string remark =
+      fmt::format("{}; {:g} lines/s of {} characters at {} baud", Describe(setup.head.head),
+                  1 / setup.head.head.sampling_s, LineBytes(setup.format), setup.baud);
+  return Played{std::make_unique<emulator::StreamHead>(std::move(setup)), std::move(remark)};
+}
+
+Result<Played> MakeModbus(const Wanted& wanted, emulator::MovingHead head,
+                          const emulator::FaultPlan& faults) {
+  auto made = EmulateModbus(wanted.profile, !wanted.tcp.empty(), std::move(head), faults);
+  if (!made) return std::unexpected(made.error());
+  return Played{std::move(made->device), std::move(made->remark)};
+}
+
+Result<Played> MakeDevice(const Wanted& wanted) {
+  emulator::FaultPlan faults;
+  if (!wanted.fault.empty()) {
+    const auto plan = emulator::ParseFaultPlan(wanted.fault);
+    if (!plan) return std::unexpected(plan.error());
+    faults = *plan;
+    if (faults.fault->is_modbus && !wanted.modbus()) {
+      return Usage("--fault", fmt::format("'{}' is for --protocol modbus", faults.fault->name),
+                   "give another, or that protocol");
+    }
+  }
+  emulator::MovingHead head;
+  head.head = wanted.stream() ? trial::Stream10kHz() : trial::Il030();
+  std::string source_remark;
+  if (wanted.trial.empty()) {
+    if (auto played = PlayScene(wanted.scene, head); !played)
+      return std::unexpected(played.error());
+  } else {
+    auto played = PlayTrial(wanted.trial, wanted.import, head);
+    if (!played) return std::unexpected(played.error());
+    source_remark = *played + "; ";
+  }
+
+  // options beat the scene
+  if (wanted.sampling_s) head.head.sampling_s = wanted.sampling_s->value;
+  if (wanted.averages) head.head.averages = static_cast<int>(*wanted.averages);
+  if (wanted.seed) head.seed = static_cast<std::uint64_t>(*wanted.seed);
+  auto made = wanted.modbus()           ? MakeModbus(wanted, std::move(head), faults)
+              : wanted.stream()         ? MakeStream(wanted, std::move(head), faults)
+              : wanted.protocol == kEn1 ? MakeEn1(wanted, head, faults)
+              : wanted.protocol == kLkg ? MakeLkg(wanted, head, faults)
+                                        : MakeUnit(wanted, head, faults);
+  if (made) made->remark = source_remark + made->remark;
+  return made;
+}
+
+Result<void> Emulate(const Wanted& wanted) {
+  const auto played = MakeDevice(wanted);
+  if (!played) return std::unexpected(played.error());
+  const auto endpoint =
+      wanted.tcp.empty() ? emulator::OpenPty(wanted.link) : emulator::ListenTcp(wanted.tcp);
+  if (!endpoint) return std::unexpected(endpoint.error());
+
+  std::optional<MonotonicNs> duration_ns;
+  if (wanted.duration_s) duration_ns = NsFromSeconds(wanted.duration_s->value);
+  bool remarked = false;
+  const auto report = emulator::Serve(*played->device, **endpoint, cli::Interrupted(), duration_ns,
+                                      [&](const std::string& name) {
+                                        cli::Print(fmt::format("ready {}\n", Printable(name)));
+                                        std::fflush(stdout);
+                                        if (!std::exchange(remarked, true))
+                                          cli::Remark(kVerb, played->remark);
+                                      });
+  if (!report) return std::unexpected(report.error());
+  if (report->dropped_lines > 0) {
+    cli::Remark(kVerb,
+                fmt::format("{} lines were lost because the reader did not read them in time",
+                            report->dropped_lines));
+  }
+  return {};
+}
+
+}  // namespace
+
+int RunEmulate(int argc, const char* const* argv) {
+  Wanted wanted;
+  cli::Options options(kText);
+  Declare(options, wanted);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  if (auto together = CheckTogether(options, wanted); !together) {
+    return cli::ReportError(kVerb, together.error());
+  }
+  cli::CatchInterrupts();
+  if (auto done = Emulate(wanted); !done) return cli::ReportError(kVerb, done.error());
+  return cli::InterruptedStatus(0);
+}
+
+Result<ModbusEmulation> EmulateModbus(const std::string& profile, bool over_tcp,
+                                      acquire::emulator::MovingHead head,
+                                      const acquire::emulator::FaultPlan& faults) {
+  auto found = acquire::FindProfile(profile);
+  if (!found) return std::unexpected(found.error());
+  acquire::emulator::ModbusUnitSetup setup;
+  setup.profile = std::move(*found);
+  setup.framing = over_tcp ? acquire::ModbusFraming::kTcp : acquire::ModbusFraming::kRtu;
+  setup.head = std::move(head);
+  setup.head.head = acquire::emulator::HeadOf(setup.profile);
+  setup.faults = faults;
+  std::string remark = fmt::format(
+      "{} as Modbus slave {}, {:g} mm from what moves, sampled every {:g} ms", setup.profile.name,
+      setup.profile.wire.slave, 1e3 * setup.standoff_m, 1e3 * setup.head.head.sampling_s);
+  if (!over_tcp) {
+    remark += fmt::format("; at {} baud at most {:.1f} readings/s", setup.profile.wire.baud,
+                          1 / SecondsFromNs(acquire::RtuPeriodNs(setup.profile)));
+  }
+  return ModbusEmulation{std::make_unique<acquire::emulator::ModbusUnit>(std::move(setup)),
+                         std::move(remark)};
+}
+
+namespace {
+
+// measured rows in the order of their times
+struct Path {
+  std::vector<double> times_s;
+  std::vector<double> values_m;
+};
+
+double PositionAt(const Path& path, double t_s) {
+  const auto after = std::ranges::upper_bound(path.times_s, t_s);
+  if (after == path.times_s.begin()) return path.values_m.front();
+  if (after == path.times_s.end()) return path.values_m.back();
+  const auto i = static_cast<std::size_t>(after - path.times_s.begin());
+  const double span_s = path.times_s[i] - path.times_s[i - 1];
+  return std::lerp(path.values_m[i - 1], path.values_m[i], (t_s - path.times_s[i - 1]) / span_s);
+}
+
+}  // namespace
+
+Result<RecordedMotion> MotionOf(const trial::Record& record, const std::string& where) {
+  const trial::Channel* channel = record.Find(trial::ChannelRole::kDisplacement);
+  if (channel == nullptr) {
+    return CannotAnswer(where, "has no displacement channel to play",
+                        "give a trial of a distance sensor");
+  }
+  auto path = std::make_shared<Path>();
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    if (!trial::IsMeasurement(channel->statuses[row])) continue;
+    path->times_s.push_back(trial::TimeOf(record, row));
+    path->values_m.push_back(channel->values[row]);
+  }
+  if (path->times_s.empty()) {
+    return CannotAnswer(where, "holds no measured value to play", "give another trial");
+  }
+
+  const double start_s = path->times_s.front();
+  for (double& time_s : path->times_s) time_s -= start_s;
+  return RecordedMotion{
+      .displacement = [path](double t_s) { return PositionAt(*path, t_s); },
+      .duration_s = path->times_s.back(),
+      .left_out = record.rows - path->times_s.size(),
+  };
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "fit/drop_test/impulse_record.h"
+#include "fit/drop_test/prepared_record.h"
+#include "trial/import/import_options.h"
+
+namespace haptometer::tools {
+
+/// What the command line of fit-lra says; every statement here beats the files' headers
+/// and a drops file (tools/drops_file.h), which beats the headers too.
+struct FitLraOptions {
+  std::vector<std::string> files;              ///< with the load of their header; or one drops file
+  std::vector<std::vector<std::string>> open;  ///< groups of files, open circuit
+  std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
+  bool held = false;
+  bool is_free = false;
+  bool is_robust = false;  ///< Huber's loss in place of squares
+  std::optional<Quantity> drop_height_m;
+  std::optional<Quantity> rebound;
+  std::optional<Quantity> release_current_a;
+  std::optional<Quantity> voltage_scale;
+  std::optional<Quantity> time_scale;
+  std::optional<Quantity> moving_mass_kg;
+  std::optional<Quantity> case_mass_kg;
+  std::optional<Quantity> resistance_ohm;
+  std::optional<Quantity> inductance_h;
+  std::vector<std::string> required;  ///< constants without which the status is 3
+  std::string window;           ///< "A:B": the part of each record that is fitted, in s; empty: all
+  std::string actuator;         ///< built-in or file; beats headers, is beaten by the options above
+  trial::ImportOptions import;  ///< how to read tables of other programs
+};
+
+/// A drop that was read and holds no ring-down that can be fitted.
+struct LeftOutDrop {
+  fit::ImpulseRecord record;
+  Error why;
+};
+
+/// The drops that can be fitted, what is known of the actuator, and what was left out.
+struct FitLraInput {
+  std::vector<fit::ImpulseRecord> records;
+  std::vector<fit::PreparedRecord> prepared;  ///< one of each, for the fit
+  fit::ActuatorKnowns knowns;
+  std::vector<std::string>
+      remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
+  std::vector<Error> left_out;              ///< files that cannot be fitted; the others still are
+  std::vector<LeftOutDrop> left_out_drops;  ///< those of them that could be read
+};
+
+/// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.
+[[nodiscard]] Result<void> CheckFitLraOptions(const FitLraOptions& options);
+
+/// Reads the files and lays options over headers.
+///
+/// Errors: Cause::kUsage for impossible options (no file, held and free, a value out of range, a
+/// group without files); Cause::kCannotAnswer for an actuator that cannot be read and for files
+/// whose headers contradict each other. Files that cannot be used are in `left_out`.
+[[nodiscard]] Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options);
+
+/// One drop as a drops file states it; what is absent is left to the recording's header.
+struct StatedDrop {
+  std::string path;  ///< of the recording, from where the program runs
+  std::optional<Quantity> load_ohm{};
+  std::optional<fit::CaseCondition> condition{};
+  std::optional<Quantity> drop_height_m{};
+  std::optional<Quantity> rebound{};
+  std::optional<Quantity> release_current_a{};
+  std::optional<Quantity> added_mass_kg{};
+  std::optional<Quantity> voltage_scale{};
+  std::optional<Quantity> time_scale{};
+};
+
+/// The drops of one actuator.
+struct DropsFile {
+  std::string path;
+  fit::ActuatorKnowns knowns;
+  std::vector<StatedDrop> drops;  ///< at least one, in the file's order
+};
+
+/// Whether a file given to fit-lra is a drops file and no recording: its name ends in .toml.
+[[nodiscard]] bool IsDropsFile(std::string_view path);
+
+/// Reads a drops file (docs/reference/fit-lra.md):
+///
+///     moving_mass_kg = "1.420(10)g"      # also case_mass_kg, resistance_ohm, inductance_h
+///
+///     [[drop]]
+///     file = "open1.csv"                 # or files = ["open1.csv", "open2.csv"], beside this file
+///     load_ohm = "open"                  # also case, drop_height_m, rebound,
+///                                        # release_current_a, added_mass_kg, voltage_scale,
+///                                        # time_scale: the keys of an impulse file's header
+///
+/// Errors: the file's (base/input_file.h); Cause::kCannotAnswer for broken TOML; Cause::kUsage for
+/// an unknown key, which is named with the nearest known one, a drop without a file or with both
+/// keys, no drop, a value out of its range.
+[[nodiscard]] Result<DropsFile> ReadDropsFile(const std::string& path);
+
+/// The same out of text; `path` is the file's name for errors and for what lies beside it.
+[[nodiscard]] Result<DropsFile> ReadDropsText(std::string_view text, const std::string& path);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,446 @@
+#include "tools/fit/plan_drop_test.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+#include <utility>
+
+#include "fit/drop_test/drop_test_fit.h"
+#include "fit/drop_test/drop_test_model.h"
+#include "sim/scene/actuator.h"
+#include "tools/cli/terminal.h"
+#include "tools/fit/plan_document.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::string_view kVerb = "fit-lra";
+
+// of each kind: enough to see whether they repeat, and more than anybody makes
+constexpr std::size_t kUsualDrops = 5;
+constexpr std::size_t kMostDrops = 50;
+// C10-100 of the thesis; Q lies between 15 (phones' default) and 61 (the thesis)
+constexpr double kUsualMassKg = 1.4e-3;
+constexpr double kUsualMassUncertaintyKg = 1e-5 / std::numbers::sqrt3;  // a scale of 0.01 g
+constexpr double kUsualQuality = 30;
+constexpr double kUsualForceConstant = 1;
+constexpr double kUsualHeightM = 0.01;
+constexpr double kUsualTimeScale = 5e-5;                            // of oscilloscopes
+constexpr double kUsualLoadTolerance = 0.01 / std::numbers::sqrt3;  // of a 1 % resistor
+constexpr std::int64_t kUsualBits = 8;
+constexpr double kUsualNoiseSteps = 0.5;
+constexpr double kSamplesAPeriod = 40;
+constexpr double kDecayTimes = 4;  // behind the blow
+constexpr double kPreTriggerShare = 0.1;
+constexpr double kRangeOverPeak = 2.5;  // both signs, and a quarter to spare
+constexpr double kDivisions = 8;
+
+// the next of 1, 2, 5 times a power of ten
+double RoundUp125(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    if (digit * decade >= value * (1 - 1e-9)) return digit * decade;
+  }
+  return 10 * decade;
+}
+
+// up to two digits
+double RoundUp(double value) {
+  const double place = std::pow(10.0, std::floor(std::log10(value)) - 1);
+  return std::ceil(value / place * (1 - 1e-9)) * place;
+}
+
+// fills in a card from what is stated, else from the actuator file, else from what is usual
+class CardMaker {
+ public:
+  CardMaker(const PlanWords& words, const FitLraOptions& stated) : words_(words), stated_(stated) {}
+
+  [[nodiscard]] Result<TestCard> Make() {
+    if (auto done = TakeActuator(); !done) return std::unexpected(done.error());
+    if (auto done = TakeConstants(); !done) return std::unexpected(done.error());
+    TakeBlow();
+    if (auto done = TakeLoad(); !done) return std::unexpected(done.error());
+    if (auto done = TakeRecorder(); !done) return std::unexpected(done.error());
+    if (auto done = Answer(); !done) return std::unexpected(done.error());
+    WriteCommand();
+    return std::move(card_);
+  }
+
+ private:
+  void Assume(std::string sentence) { card_.assumptions.push_back(std::move(sentence)); }
+
+  // masses and coil
+  Result<void> TakeActuator() {
+    fit::PlannedDrops& drops = card_.drops;
+    if (!stated_.actuator.empty()) {
+      auto found = sim::FindActuator(stated_.actuator);
+      if (!found) return std::unexpected(found.error());
+      actuator_ = std::move(*found);
+    }
+    const auto of_actuator = [&](Quantity sim::StatedActuator::* member) {
+      return actuator_ ? std::optional((*actuator_).*member) : std::nullopt;
+    };
+    const auto resistance = stated_.resistance_ohm
+                                ? stated_.resistance_ohm
+                                : of_actuator(&sim::StatedActuator::resistance_ohm);
+    if (!resistance) {
+      return Usage("--resistance", "is missing: the best load follows it",
+                   "measure the coil with an ohmmeter and write --resistance 27ohm");
+    }
+    drops.resistance_ohm = *resistance;
+    const auto mass = stated_.moving_mass_kg ? stated_.moving_mass_kg
+                                             : of_actuator(&sim::StatedActuator::moving_mass_kg);
+    drops.moving_mass_kg = mass.value_or(Quantity{kUsualMassKg, kUsualMassUncertaintyKg});
+    if (!mass) Assume("a moving mass of 1.4 g, weighed to 0.01 g (--moving-mass 1.4g+-0.006g)");
+    if (drops.moving_mass_kg.exact()) {
+      Assume("the moving mass is exact: 1 % of it is 1 % of Kv and Bv and 0.5 % of Km");
+    }
+    if (drops.resistance_ohm.exact()) Assume("the coil's resistance is exact");
+    const auto inductance = stated_.inductance_h ? stated_.inductance_h
+                                                 : of_actuator(&sim::StatedActuator::inductance_h);
+    drops.inductance_h = inductance ? inductance->value : 0;
+    return {};
+  }
+
+  // frequency, damping and force constant
+  Result<void> TakeConstants() {
+    fit::PlannedDrops& drops = card_.drops;
+    const auto guesses = ParseGuesses(words_.guesses);
+    if (!guesses) return std::unexpected(guesses.error());
+    const double mass = drops.moving_mass_kg.value;
+    if (words_.natural_frequency_hz) {
+      drops.natural_frequency_hz = words_.natural_frequency_hz->value;
+    } else if (actuator_ && actuator_->stiffness_n_per_m) {
+      drops.natural_frequency_hz =
+          std::sqrt(actuator_->stiffness_n_per_m->value / mass) / (2 * std::numbers::pi);
+    } else {
+      return Usage("--f0", "is missing: record length and sampling follow it",
+                   "write the rated frequency, --f0 225Hz");
+    }
+    const double critical = 2 * std::numbers::pi * drops.natural_frequency_hz * mass;
+    auto damping = guesses->damping_n_s_per_m;
+    if (!damping && actuator_ && actuator_->damping_n_s_per_m) {
+      damping = actuator_->damping_n_s_per_m->value;
+    }
+    drops.quality_factor =
+        guesses->quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
+    if (!guesses->quality_factor && !damping) Assume("Q 30 (--guess \"Q 60\")");
+    if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
+      return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
+                   "a plan is for what rings");
+    }
+    auto km = guesses->force_constant_n_per_a;
+    if (!km && actuator_ && actuator_->force_constant_n_per_a) {
+      km = actuator_->force_constant_n_per_a->value;
+    }
+    drops.force_constant_n_per_a = km.value_or(kUsualForceConstant);
+    if (!km) Assume("Km 1 N/A (--guess \"Km 1N/A\")");
+    return {};
+  }
+
+  void TakeBlow() {
+    fit::PlannedDrops& drops = card_.drops;
+    card_.height_m = stated_.drop_height_m ? stated_.drop_height_m->value : kUsualHeightM;
+    if (!stated_.drop_height_m) Assume("a blow as by a fall from 10 mm (--drop-height 10mm)");
+    const double rebound = stated_.rebound ? stated_.rebound->value : 0;
+    drops.speed_m_per_s = (1 + rebound) * std::sqrt(2 * fit::kGravityMPerS2 * card_.height_m);
+    drops.time_scale_uncertainty =
+        stated_.time_scale ? stated_.time_scale->standard_uncertainty : kUsualTimeScale;
+    if (!stated_.time_scale) Assume("a time base good to 50 ppm (--time-scale 1+-5e-5)");
+    drops.open_drops = drops.loaded_drops =
+        words_.taps ? static_cast<std::size_t>(*words_.taps) : kUsualDrops;
+  }
+
+  // a stated load, or a place holder that is known as well as a bought resistor
+  Result<void> TakeLoad() {
+    fit::PlannedDrops& drops = card_.drops;
+    const double resistance = drops.resistance_ohm.value;
+    drops.load_ohm = {resistance, kUsualLoadTolerance * resistance};
+    if (stated_.loads.empty() || stated_.loads[0].empty()) {
+      Assume("a load good to 1 % (--load 39.0ohm+-0.1ohm)");
+      return {};
+    }
+    auto load = ParseQuantity(stated_.loads[0][0], Dimension::kResistance, "--load");
+    if (!load) return std::unexpected(load.error());
+    if (!(load->value > 0 && std::isfinite(load->value))) {
+      return Usage("--load", "is no load", "write --load 33ohm; the open drops are planned too");
+    }
+    drops.load_ohm = *load;
+    has_load_ = true;
+    return {};
+  }
+
+  Result<void> TakeRecorder() {
+    fit::PlannedDrops& drops = card_.drops;
+    const double f0 = drops.natural_frequency_hz;
+    const auto ringing = fit::ExpectRinging(drops);
+    drops.rate_hz = stated_.import.rate_hz.value_or(RoundUp125(kSamplesAPeriod * f0));
+    if (drops.rate_hz < 5 * f0) {
+      return Usage("--rate", fmt::format("{:g} Hz is below 5 samples a period", drops.rate_hz),
+                   fmt::format("sample with {:g} Hz or more", RoundUp125(kSamplesAPeriod * f0)));
+    }
+    drops.length_s =
+        words_.length_s ? words_.length_s->value : RoundUp(kDecayTimes / ringing.open_decay_per_s);
+    if (drops.length_s * f0 < 2) {
+      return Usage("--length", fmt::format("{:g} s is below 2 periods", drops.length_s),
+                   "write it like 0.3s");
+    }
+    card_.pre_trigger_s = kPreTriggerShare * drops.length_s;
+    card_.trigger_v = ringing.open_amplitude_v / 10;
+    card_.range_v =
+        words_.range_v
+            ? words_.range_v->value
+            : kDivisions * RoundUp125(kRangeOverPeak * ringing.open_amplitude_v / kDivisions);
+    if (card_.range_v < 2 * ringing.open_amplitude_v) {
+      return Usage("--range",
+                   fmt::format("{:g} V clips a ringing of {:.2g} V on either side", card_.range_v,
+                               ringing.open_amplitude_v),
+                   fmt::format("take {:.2g} V", kRangeOverPeak * ringing.open_amplitude_v));
+    }
+    card_.bits = words_.bits.value_or(kUsualBits);
+    if (!words_.bits) Assume("8 bits over the range (--bits 12)");
+    drops.step_v = std::ldexp(card_.range_v, -static_cast<int>(card_.bits));
+    drops.noise_v = words_.noise_v ? words_.noise_v->value : kUsualNoiseSteps * drops.step_v;
+    if (!words_.noise_v) Assume("noise of half a step (--noise 3mV)");
+    if (drops.noise_v < drops.step_v / 4) {
+      Assume(
+          "rounding scatters like noise; where it repeats itself, errors are up to 1.6 times as "
+          "large");
+    }
+    return {};
+  }
+
+  Result<void> Answer() {
+    fit::PlannedDrops& drops = card_.drops;
+    if (!has_load_) {
+      card_.load = fit::ChooseLoad(drops);
+      const double share = drops.load_ohm.standard_uncertainty / drops.load_ohm.value;
+      const double ohm = card_.load->resistor_ohm;
+      drops.load_ohm = {ohm, share * ohm};
+    }
+    for (const std::string& word : words_.wishes) {
+      const auto wish = ParseWish(word);
+      if (!wish) return std::unexpected(wish.error());
+      const fit::DropCount count = fit::CountDrops(drops, *wish, kMostDrops);
+      card_.wishes.push_back({*wish, count, false});
+    }
+    for (const AnsweredWish& answered : card_.wishes) {
+      if (words_.taps || answered.count.limit != fit::PlanLimit::kNone) continue;
+      drops.open_drops = std::max(drops.open_drops, answered.count.open);
+      drops.loaded_drops = std::max(drops.loaded_drops, answered.count.loaded);
+    }
+    card_.expected = fit::ExpectUncertainties(drops);
+    card_.ringing = fit::ExpectRinging(drops);
+    for (AnsweredWish& answered : card_.wishes) {
+      const auto& expected = card_.expected[static_cast<std::size_t>(answered.wish.constant)];
+      answered.is_reached = expected.combined() <= answered.wish.relative_uncertainty;
+    }
+    return {};
+  }
+
+  // the shell's * stays bare
+  void WriteCommand() {
+    const fit::PlannedDrops& drops = card_.drops;
+    const auto with = [](const Quantity& quantity, double factor, std::string_view unit) {
+      std::string text = fmt::format("{:.6g}{}", quantity.value * factor, unit);
+      if (quantity.exact()) return text;
+      return text + fmt::format("+-{:.2g}{}", quantity.standard_uncertainty * factor, unit);
+    };
+    std::vector<std::string> after{"--held", "--moving-mass", with(drops.moving_mass_kg, 1e3, "g"),
+                                   "--resistance", with(drops.resistance_ohm, 1, "ohm")};
+    if (drops.inductance_h > 0) {
+      after.insert(after.end(), {"--inductance", fmt::format("{:g}uH", drops.inductance_h * 1e6)});
+    }
+    if (drops.time_scale_uncertainty > 0) {
+      after.insert(after.end(), {"--time-scale", with({1, drops.time_scale_uncertainty}, 1, "")});
+    }
+    card_.command =
+        fmt::format("haptometer fit-lra --open open*.csv --load {} loaded*.csv {}",
+                    cli::CommandLine({with(drops.load_ohm, 1, "ohm")}), cli::CommandLine(after));
+  }
+
+  const PlanWords& words_;
+  const FitLraOptions& stated_;
+  std::optional<sim::StatedActuator> actuator_;
+  bool has_load_ = false;
+  TestCard card_;
+};
+
+}  // namespace
+
+Result<TestCard> MakeTestCard(const PlanWords& words, const FitLraOptions& stated) {
+  if (auto checked = CheckPlanWords(words, stated); !checked)
+    return std::unexpected(checked.error());
+  return CardMaker(words, stated).Make();
+}
+
+int RunFitPlan(const PlanWords& words, const FitLraOptions& stated, bool json) {
+  const auto card = MakeTestCard(words, stated);
+  if (!card) return cli::ReportError(kVerb, card.error());
+  cli::Print(json ? TestCardJson(*card) : TestCardText(*card));
+  int status = 0;
+  for (const AnsweredWish& answered : card->wishes) {
+    if (answered.is_reached) continue;
+    status = cli::ReportError(kVerb, UnreachedWish(answered, *card));
+  }
+  return status;
+}
+
+namespace {
+
+// "Km 2%" is the symbol and the rest
+std::pair<std::string, std::string> Split(const std::string& word) {
+  const std::size_t blank = std::min(word.find(' '), word.size());
+  std::string rest = word.substr(blank);
+  rest.erase(0, std::min(rest.find_first_not_of(' '), rest.size()));
+  return {word.substr(0, blank), rest};
+}
+
+// far beyond any actuator and recorder, and near enough for numbers that stay finite
+Result<void> CheckRanges(const PlanWords& words, const FitLraOptions& stated) {
+  const std::optional<Quantity> rate_hz =
+      stated.import.rate_hz ? std::optional(Quantity{*stated.import.rate_hz, 0}) : std::nullopt;
+  struct Row {
+    std::string_view option;
+    const std::optional<Quantity>& value;
+    double least;
+    double most;
+    std::string_view unit;
+  };
+  const std::array rows{Row{"--f0", words.natural_frequency_hz, 1, 1e5, "Hz"},
+                        Row{"--range", words.range_v, 1e-6, 1e4, "V"},
+                        Row{"--noise", words.noise_v, 0, 1e3, "V"},
+                        Row{"--length", words.length_s, 0, 1e6, "s"},
+                        Row{"--rate", rate_hz, 0, 1e10, "Hz"},
+                        Row{"--moving-mass", stated.moving_mass_kg, 1e-9, 1e3, "kg"},
+                        Row{"--resistance", stated.resistance_ohm, 1e-3, 1e6, "ohm"},
+                        Row{"--inductance", stated.inductance_h, 0, 1, "H"},
+                        Row{"--drop-height", stated.drop_height_m, 1e-6, 10, "m"}};
+  for (const Row& row : rows) {
+    if (!row.value || (row.value->value >= row.least && row.value->value <= row.most)) continue;
+    return Usage(std::string(row.option),
+                 fmt::format("{:g} {} is not from {:g} to {:g}", row.value->value, row.unit,
+                             row.least, row.most),
+                 "check its unit");
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view SymbolOf(fit::Constant constant) {
+  constexpr std::array<std::string_view, fit::kConstantCount> kSymbols{"Kv", "Bv", "Km"};
+  return kSymbols[static_cast<std::size_t>(constant)];
+}
+
+void DeclarePlan(cli::Options& options, PlanWords& words) {
+  constexpr auto kRare = cli::Shown::kHelpAll;
+  options.Flag("--plan", &words.asked,
+               "Print a test card for drops still to be made; needs --resistance and --f0");
+  options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency,
+                 "With --plan: the resonance, as rated");
+  options.Repeated("--want", &words.wishes, "\"Km 2%\"",
+                   "With --plan: half the 95 % interval of Kv, Bv or Km; may be repeated");
+  options.Repeated("--guess", &words.guesses, "\"Q 60\"",
+                   "With --plan: what is supposed of Q, Bv or Km; may be repeated", kRare);
+  options.Count("--taps", &words.taps, 1, 1000, "With --plan: drops of each kind", kRare);
+  options.Count("--bits", &words.bits, 4, 24, "With --plan: of the recorder, over --range", kRare);
+  options.Number("--range", &words.range_v, Dimension::kVoltage,
+                 "With --plan: of the recorder, from end to end", kRare);
+  options.Number("--noise", &words.noise_v, Dimension::kVoltage,
+                 "With --plan: of the recorder, RMS", kRare);
+  options.Number("--length", &words.length_s, Dimension::kTime,
+                 "With --plan: of the record, behind the blow", kRare);
+}
+
+Result<void> CheckNotPlanned(const PlanWords& words) {
+  struct Row {
+    std::string_view option;
+    bool is_given;
+  };
+  for (const Row& row :
+       {Row{"--f0", words.natural_frequency_hz.has_value()}, Row{"--want", !words.wishes.empty()},
+        Row{"--guess", !words.guesses.empty()}, Row{"--taps", words.taps.has_value()},
+        Row{"--bits", words.bits.has_value()}, Row{"--range", words.range_v.has_value()},
+        Row{"--noise", words.noise_v.has_value()}, Row{"--length", words.length_s.has_value()}}) {
+    if (row.is_given) {
+      return Usage(std::string(row.option), "belongs to a plan", "write --plan too");
+    }
+  }
+  return {};
+}
+
+Result<void> CheckPlanWords(const PlanWords& words, const FitLraOptions& stated) {
+  const bool has_loaded_files =
+      std::ranges::any_of(stated.loads, [](const auto& group) { return group.size() > 1; });
+  if (!stated.files.empty() || !stated.open.empty() || has_loaded_files) {
+    return Usage("--plan", "reads no files", "make the drops, then fit them without --plan");
+  }
+  if (stated.loads.size() > 1) {
+    return Usage("--load", "a plan has one load beside open terminals", "write --load 33ohm");
+  }
+  if (stated.is_free) {
+    return Usage("--free", "a plan is for a held case, which rings longer and needs one mass",
+                 "leave it out");
+  }
+  if (!stated.required.empty()) {
+    return Usage("--require", "is for fits", "write --want \"Km 2%\" for a plan");
+  }
+  if (stated.case_mass_kg) {
+    return Usage("--case-mass", "says nothing of a held case, which a plan is for", "leave it out");
+  }
+  if (auto checked = CheckRanges(words, stated); !checked) return checked;
+  return CheckFitLraOptions(stated);
+}
+
+Result<fit::AccuracyWish> ParseWish(const std::string& word) {
+  const std::string example = "write --want \"Km 2%\"";
+  auto [symbol, percent] = Split(word);
+  while (percent.ends_with('%') || percent.ends_with(' ')) percent.pop_back();
+  for (const auto constant :
+       {fit::Constant::kStiffness, fit::Constant::kDamping, fit::Constant::kForceConstant}) {
+    if (SymbolOf(constant) != symbol) continue;
+    if (!word.ends_with('%')) return Usage("--want", word + " is no percentage", example);
+    const auto number = ParseQuantity(percent, Dimension::kNone, "--want");
+    if (!number) return std::unexpected(number.error());
+    if (!(number->value > 0 && number->value <= 25)) {
+      return Usage("--want", fmt::format("{} is not above 0 % and at most 25 %", word), example);
+    }
+    return fit::AccuracyWish{constant, number->value / 100 / fit::kCoverage95};
+  }
+  return Usage("--want", fmt::format("{} is none of Kv, Bv, Km", symbol), example);
+}
+
+Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words) {
+  ConstantGuesses guesses;
+  struct Row {
+    std::string_view symbol;
+    Dimension dimension;
+    std::optional<double> ConstantGuesses::* member;
+  };
+  constexpr std::array kRows{
+      Row{"Q", Dimension::kNone, &ConstantGuesses::quality_factor},
+      Row{"Bv", Dimension::kDamping, &ConstantGuesses::damping_n_s_per_m},
+      Row{"Km", Dimension::kForceConstant, &ConstantGuesses::force_constant_n_per_a}};
+  for (const std::string& word : words) {
+    const auto [symbol, text] = Split(word);
+    const auto row = std::ranges::find(kRows, symbol, &Row::symbol);
+    if (row == kRows.end()) {
+      return Usage("--guess", fmt::format("{} is none of Q, Bv, Km", symbol),
+                   "write --guess \"Q 60\"; frequency and masses have options of their own");
+    }
+    const auto number = ParseQuantity(text, row->dimension, "--guess");
+    if (!number) return std::unexpected(number.error());
+    if (!(number->value >= 1e-6 && number->value <= 1e6)) {
+      return Usage("--guess", word + " is not from 1e-6 to 1e6", "write \"Q 60\"");
+    }
+    guesses.*row->member = number->value;
+  }
+  return guesses;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/quantity.h"
+#include "fit/drop_test/experiment_plan.h"
+#include "tools/cli/options.h"
+#include "tools/fit/drop_records.h"
+
+namespace haptometer::tools {
+
+/// What fit-lra's command line says of drops that are still to be made.
+struct PlanWords {
+  bool asked = false;                ///< --plan
+  std::vector<std::string> wishes;   ///< "Km 2%"
+  std::vector<std::string> guesses;  ///< "Q 60", "Km 1N/A", "Bv 0.03"
+  std::optional<Quantity> natural_frequency_hz;
+  std::optional<Quantity> noise_v;
+  std::optional<Quantity> range_v;
+  std::optional<Quantity> length_s;
+  std::optional<std::int64_t> bits;
+  std::optional<std::int64_t> taps;
+};
+
+/// Declares --plan and what belongs to it.
+void DeclarePlan(cli::Options& options, PlanWords& words);
+
+/// Refuses an option of the plan that stands without --plan. Error: Cause::kUsage, naming it.
+[[nodiscard]] Result<void> CheckNotPlanned(const PlanWords& words);
+
+/// Refuses what no plan can take: files, a free case, several loads, values out of range.
+/// Errors: Cause::kUsage.
+[[nodiscard]] Result<void> CheckPlanWords(const PlanWords& words, const FitLraOptions& stated);
+
+/// "Kv", "Bv", "Km".
+[[nodiscard]] std::string_view SymbolOf(fit::Constant constant);
+
+/// Reads "Km 2%", half a 95 % interval, as a standard uncertainty. Errors (Cause::kUsage): another
+/// symbol, no percentage, not above 0 and at most 25 %.
+[[nodiscard]] Result<fit::AccuracyWish> ParseWish(const std::string& word);
+
+/// What is supposed of an actuator's constants, in SI units.
+struct ConstantGuesses {
+  std::optional<double> quality_factor;
+  std::optional<double> damping_n_s_per_m;
+  std::optional<double> force_constant_n_per_a;
+};
+
+/// Reads "Q 60", "Bv 0.03", "Km 1N/A". Errors (Cause::kUsage): another symbol, no number
+/// from 1e-6 to 1e6.
+[[nodiscard]] Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words);
+
+/// A wish of --want and how it fares.
+struct AnsweredWish {
+  fit::AccuracyWish wish;   ///< of the standard uncertainty; --want is the half 95 % interval
+  fit::DropCount count;     ///< that it takes, 50 of each kind at most
+  bool is_reached = false;  ///< by the card's drops
+};
+
+/// A test of an actuator, worked out.
+struct TestCard {
+  fit::PlannedDrops drops;
+  fit::ExpectedUncertainties expected;
+  fit::ExpectedRinging ringing;
+  std::optional<fit::LoadChoice> load;  ///< absent: the load is stated
+  double height_m = 0;                  ///< of a fall that gives the blow
+  double range_v = 0;                   ///< of the converter, from end to end
+  std::int64_t bits = 0;
+  double pre_trigger_s = 0;  ///< recorded before the blow, beside drops.length_s
+  double trigger_v = 0;
+  std::vector<AnsweredWish> wishes;
+  std::vector<std::string> assumptions;  ///< sentences
+  std::string command;                   ///< that fits the records
+};
+
+/// Works out the test card. Masses, resistance, inductance, drop height, rebound, time scale and
+/// load are those of fit-lra's options; --rate is the recorder's. What is not stated is taken from
+/// --actuator, else assumed, and said so; only resistance and natural frequency must be stated.
+///
+/// Errors (Cause::kUsage): a plan option without --plan, files, a word of --want or --guess that
+/// says nothing, a free case, a value out of range.
+[[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words, const FitLraOptions& stated);
+
+/// Prints the test card. Status 0, 2 after an error, 3 where a wish is not reached.
+[[nodiscard]] int RunFitPlan(const PlanWords& words, const FitLraOptions& stated, bool json);
+
+}  // namespace haptometer::tools

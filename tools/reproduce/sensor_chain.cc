@@ -1,0 +1,218 @@
+#include "tools/reproduce/sensor_chain.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "dsp/analysis/band_analysis.h"
+#include "sim/linear/linear_model.h"
+#include "sim/linear/steady_state.h"
+#include "sim/linear/time_response.h"
+#include "sim/sensor_model.h"
+#include "tools/reproduce/study_rows.h"
+#include "tools/simulate/simulated_trial.h"
+#include "trial/import/read_recording.h"
+#include "trial/sensor_head.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr double kDurationS = 2;
+constexpr double kFastestIl030S = 0.33e-3;
+
+// a sensor and what is said of it
+struct ChainSensor {
+  std::string key;
+  std::string words;
+  sim::Sensor sensor;
+};
+
+// a scene and what is said of it
+struct ChainScene {
+  std::string key;
+  std::string words;
+  sim::Scene scene;
+};
+
+ChainSensor Stream() {
+  return {"stream", "stream, 10 kHz", {.head = trial::Stream10kHz(), .rate_hz = 1e4}};
+}
+
+ChainSensor FastIl030() {
+  sim::Sensor sensor{.head = trial::Il030(), .rate_hz = 1 / kFastestIl030S};
+  sensor.head.sampling_s = kFastestIl030S;
+  sensor.head.averages = 1;
+  return {"il-030", "IL-030, 0.33 ms, 1 average", sensor};
+}
+
+ChainSensor FactoryIl030() {
+  const trial::SensorHead head = trial::Il030();
+  return {"il-030-factory",
+          fmt::format("IL-030, 1 ms, {} averages", head.averages),
+          {.head = head, .rate_hz = 1 / head.sampling_s / head.averages}};
+}
+
+std::vector<ChainScene> SteadyScenes(const ThesisModel& model) {
+  return {{"direct", "direct", WithoutAdapter(model, kCaseAreaM2)},
+          {"cone", "cone", WithoutAdapter(model, kSimulatedConeAreaM2)},
+          {"adapter", "adapter", WithAdapter(model, kIa2AreaM2)}};
+}
+
+trial::Record Sensed(sim::Scene scene, const ChainSensor& sensor) {
+  scene.sensor = sensor.sensor;
+  return sim::SimulateRecord(scene, kDurationS);
+}
+
+// the drive-off record has noise of its own
+Result<std::optional<dsp::NoiseFloor>> FloorUnder(sim::Scene scene, ChainSensor sensor) {
+  scene.drive.amplitude_v = 0;
+  ++sensor.sensor.seed;
+  dsp::BandQuestion of_silence;
+  of_silence.choice = dsp::WindowChoice::kAll;
+  of_silence.keep_filtered = false;
+  const auto analysis = dsp::AnalyzeBand(Sensed(scene, sensor), of_silence);
+  if (!analysis) return std::unexpected(analysis.error());
+  return dsp::FloorOf(*analysis, "drive off");
+}
+
+Result<dsp::BandAnalysis> Analyzed(const trial::Record& record,
+                                   const std::optional<dsp::NoiseFloor>& floor) {
+  dsp::BandQuestion question;
+  question.floor = floor;
+  question.keep_filtered = false;
+  return dsp::AnalyzeBand(record, question);
+}
+
+ChainRow RowOf(const ChainSensor& sensor, const ChainScene& scene, std::string_view key,
+               std::string quantity, std::string_view unit) {
+  return {.key = fmt::format("{}-{}-{}", sensor.key, scene.key, key),
+          .sensor = sensor.words,
+          .scene = scene.words,
+          .quantity = std::move(quantity),
+          .unit = unit};
+}
+
+void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer,
+            dsp::Interval interval) {
+  if (!analysis.answered) {
+    if (!analysis.reasons.empty()) row.remark = analysis.reasons.front();
+    return;
+  }
+  row.answer = answer;
+  row.interval = interval;
+}
+
+ChainRow RmsRow(const ChainSensor& sensor, const ChainScene& scene,
+                const dsp::BandAnalysis& analysis, double truth_m) {
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS", "m");
+  row.truth = truth_m;
+  if (!analysis.numbers) return row;
+  const dsp::RmsEstimate& rms = analysis.numbers->rms;
+  Answer(analysis, row, rms.rms_m, {rms.lower_m, rms.upper_m});
+  return row;
+}
+
+std::vector<ChainRow> SteadyRows(const ChainSensor& sensor, const ChainScene& scene,
+                                 const dsp::BandAnalysis& analysis) {
+  const double rms_m = sim::SolveSteadyState(scene.scene).skin_rms_m;
+  ChainRow amplitude = RowOf(sensor, scene, "amplitude", "tone's amplitude", "m");
+  ChainRow frequency = RowOf(sensor, scene, "frequency", "tone's frequency", "Hz");
+  amplitude.truth = std::numbers::sqrt2 * rms_m;
+  frequency.truth = scene.scene.drive.frequency_hz;
+  if (analysis.numbers && analysis.numbers->tone) {
+    const dsp::ToneNumbers& tone = *analysis.numbers->tone;
+    Answer(analysis, amplitude, tone.amplitude_m, {tone.amplitude_lower_m, tone.amplitude_upper_m});
+    Answer(analysis, frequency, tone.fit.frequency_hz,
+           {tone.frequency_lower_hz, tone.frequency_upper_hz});
+  }
+  return {RmsRow(sensor, scene, analysis, rms_m), amplitude, frequency};
+}
+
+// The truth is that of the very window that the analysis chose.
+Result<ChainRow> FromRestRow(const ThesisModel& model) {
+  const ChainSensor sensor = Stream();
+  ChainScene scene{"rest", "adapter from rest", WithAdapter(model, kIa2AreaM2)};
+  scene.scene.start = sim::Start::kRest;
+  const auto floor = FloorUnder(scene.scene, sensor);
+  if (!floor) return std::unexpected(floor.error());
+  const auto analysis = Analyzed(Sensed(scene.scene, sensor), *floor);
+  if (!analysis) return std::unexpected(analysis.error());
+  if (!analysis->numbers) return RmsRow(sensor, scene, *analysis, 0);
+  const dsp::TimeWindow window = analysis->numbers->part.window;
+  const sim::LinearModel linear = sim::AssembleModel(scene.scene);
+  const sim::TimeResponse response(linear, scene.scene.drive, sim::Start::kRest);
+  ChainRow row = RmsRow(sensor, scene, *analysis,
+                        response.WindowRms(linear.skin(), window.begin_s, window.end_s));
+  row.remark =
+      fmt::format("over the window it chose, {:.4f} to {:.4f} s", window.begin_s, window.end_s);
+  return row;
+}
+
+// what a trial.bin keeps is what was handed to it
+Result<ChainRow> FileRow(const ThesisModel& model) {
+  const ChainSensor sensor = Stream();
+  const ChainScene scene{"file", "adapter", WithAdapter(model, kIa2AreaM2)};
+  const trial::Record record = Sensed(scene.scene, sensor);
+  const auto folder = TemporaryFolder::Make();
+  if (!folder) return std::unexpected(folder.error());
+  const std::string path = folder->path() / "chain.bin";
+  if (auto written = WriteSimulatedTrial(path, record, false); !written) {
+    return std::unexpected(written.error());
+  }
+  const auto read = trial::ReadRecording(path);
+  if (!read) return std::unexpected(read.error());
+  const auto in_memory = Analyzed(record, std::nullopt);
+  if (!in_memory) return std::unexpected(in_memory.error());
+  const auto from_file = Analyzed(read->record, std::nullopt);
+  if (!from_file) return std::unexpected(from_file.error());
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS from trial.bin", "m");
+  if (in_memory->numbers) row.truth = in_memory->numbers->rms.rms_m;
+  if (from_file->numbers) row.answer = from_file->numbers->rms.rms_m;
+  row.remark = "the same as of the record in memory, bit by bit";
+  return row;
+}
+
+// 62.5 readings a second hold nothing of 20 to 500 Hz: no number is the right answer
+Result<ChainRow> FactoryRow(const ThesisModel& model) {
+  const ChainSensor sensor = FactoryIl030();
+  const ChainScene scene{"adapter", "adapter", WithAdapter(model, kIa2AreaM2)};
+  const auto analysis = Analyzed(Sensed(scene.scene, sensor), std::nullopt);
+  if (!analysis) return std::unexpected(analysis.error());
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS: none can be given", "m");
+  if (analysis->answered && analysis->numbers) row.answer = analysis->numbers->rms.rms_m;
+  if (!analysis->reasons.empty()) row.remark = analysis->reasons.front();
+  return row;
+}
+
+}  // namespace
+
+bool ChainRow::holds() const {
+  if (!truth) return !answer.has_value();
+  if (!answer) return false;
+  if (!interval) return *answer == *truth;
+  return interval->lower <= *truth && *truth <= interval->upper;
+}
+
+Result<std::vector<ChainRow>> RunChain(const ThesisModel& model) {
+  std::vector<ChainRow> rows;
+  for (const ChainSensor& sensor : {Stream(), FastIl030()}) {
+    for (const ChainScene& scene : SteadyScenes(model)) {
+      const auto floor = FloorUnder(scene.scene, sensor);
+      if (!floor) return std::unexpected(floor.error());
+      const auto analysis = Analyzed(Sensed(scene.scene, sensor), *floor);
+      if (!analysis) return std::unexpected(analysis.error());
+      for (ChainRow& row : SteadyRows(sensor, scene, *analysis)) rows.push_back(std::move(row));
+    }
+  }
+  for (auto* further : {FromRestRow, FileRow, FactoryRow}) {
+    auto row = further(model);
+    if (!row) return std::unexpected(row.error());
+    rows.push_back(*std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace haptometer::tools

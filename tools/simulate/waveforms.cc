@@ -1,0 +1,252 @@
+#include "tools/simulate/waveforms.h"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/text.h"
+#include "dsp/spectrum/welch.h"
+#include "tools/cli/output_file.h"
+#include "tools/simulate/simulated_trial.h"
+#include "trial/export/export.h"
+#include "trial/import/csv_header.h"
+#include "trial/trial_reader.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::size_t kPieceBytes = 1U << 16;
+
+std::string EndingOf(const std::string& path) {
+  return std::filesystem::path(path).extension().string();
+}
+
+Result<cli::OutputKind> KindOf(const std::string& path) {
+  const std::string ending = EndingOf(path);
+  if (ending == ".csv") return cli::kRowsOutput;
+  if (ending == ".h5" || ending == ".hdf5") return cli::kHdf5Output;
+  if (ending == ".bin") return cli::kTrialOutput;
+  return Usage(path, "has an ending that no waveforms are written to", "use .csv, .h5 or .bin");
+}
+
+trial::Channel ChannelOf(std::string name, trial::ChannelRole role, std::string unit,
+                         const Eigen::VectorXd& values) {
+  trial::Channel channel;
+  channel.name = std::move(name);
+  channel.role = role;
+  channel.unit = std::move(unit);
+  channel.values.assign(values.begin(), values.end());
+  channel.statuses.assign(channel.values.size(), trial::SampleStatus::kOk);
+  return channel;
+}
+
+const Eigen::VectorXd& TargetOf(const sim::Waveforms& waves, const sim::Scene& scene) {
+  const auto target = scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin;
+  if (target == sim::SensorTarget::kMover) return waves.mover_m;
+  return target == sim::SensorTarget::kCase ? waves.case_m : waves.skin_m;
+}
+
+// a channel's name as a column, with its unit
+std::string ColumnOf(const trial::Channel& channel) {
+  switch (channel.role) {
+    case trial::ChannelRole::kDisplacement:
+      return "displacement_m";
+    case trial::ChannelRole::kVoltage:
+      return "voltage_v";
+    case trial::ChannelRole::kCurrent:
+      return "current_a";
+    default:
+      return channel.name;
+  }
+}
+
+std::string HeadOf(const trial::Record& record) {
+  std::string head = trial::CsvMetadataLines(record.metadata);
+  head += trial::CsvCommentLine("times", "grid");
+  const trial::Stretch& stretch = record.stretches.front();
+  head += trial::CsvCommentLine(
+      "stretch", fmt::format("0 {} {} {} 0", stretch.rows, stretch.start_s, stretch.rate_hz));
+  std::string columns = "time_s";
+  for (std::size_t c = 0; c < record.channels.size(); ++c) {
+    const trial::Channel& channel = record.channels[c];
+    columns += "," + ColumnOf(channel);
+    if (channel.role != trial::ChannelRole::kOther) continue;
+    head += trial::CsvCommentLine(fmt::format("channel.{}.unit", c + 1), channel.unit);
+  }
+  return head + columns + "\n";
+}
+
+Result<void> WriteCsv(const trial::Record& record, cli::OutputFile& file) {
+  std::string text = HeadOf(record);
+  for (std::size_t row = 0; row < record.rows; ++row) {
+    fmt::format_to(std::back_inserter(text), "{}", TimeOf(record, row));
+    for (const trial::Channel& channel : record.channels) {
+      fmt::format_to(std::back_inserter(text), ",{}", channel.values[row]);
+    }
+    text += '\n';
+    if (text.size() < kPieceBytes && row + 1 < record.rows) continue;
+    if (auto done = file.Write(text); !done) return done;
+    text.clear();
+  }
+  return {};
+}
+
+Result<void> WriteHdf5(const trial::Record& record, const cli::OutputFile& file) {
+  const auto part = file.PathForLibrary();
+  if (!part) return std::unexpected(part.error());
+  auto writer = trial::Hdf5Writer::Create(*part);
+  if (!writer) return std::unexpected(writer.error());
+  trial::Recording recording;
+  recording.record = record;
+  recording.report.closed = true;
+  auto done = writer->Add("waveforms", recording, nullptr);
+  return done ? writer->Close() : done;
+}
+
+}  // namespace
+
+trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
+                       const std::string& scene_path) {
+  using Role = trial::ChannelRole;
+  trial::Record record;
+  record.channels = {ChannelOf("displacement", Role::kDisplacement, "m", TargetOf(waves, scene)),
+                     ChannelOf("voltage", Role::kVoltage, "V", waves.voltage_v),
+                     ChannelOf("current", Role::kCurrent, "A", waves.current_a)};
+  const auto add = [&](const char* name, const char* unit, const Eigen::VectorXd& values) {
+    if (values.size() > 0) record.channels.push_back(ChannelOf(name, Role::kOther, unit, values));
+  };
+  add("mover_m", "m", waves.mover_m);
+  add("mover_m_per_s", "m/s", waves.mover_m_per_s);
+  add("case_m", "m", waves.case_m);
+  add("case_m_per_s", "m/s", waves.case_m_per_s);
+  add("skin_m", "m", waves.skin_m);
+  add("skin_m_per_s", "m/s", waves.skin_m_per_s);
+  add("finger_m", "m", waves.finger_m);
+  add("force_n", "N", waves.force_n);
+  add("events", "", waves.events);
+  record.rows = static_cast<std::size_t>(waves.rows());
+  record.stretches.push_back(
+      {.first_row = 0, .rows = record.rows, .start_s = 0, .rate_hz = waves.rate_hz});
+  trial::Metadata& metadata = record.metadata;
+  metadata.source = "simulated: exact motion, no sensor";
+  metadata.hold = "sample";
+  metadata.sampling_s = 1 / waves.rate_hz;
+  metadata.averages = 1;
+  metadata.nominal_rate_hz = waves.rate_hz;
+  metadata.laser_spot = Name(scene.sensor ? scene.sensor->target : sim::SensorTarget::kSkin);
+  metadata.fields["scene"] = Printable(scene_path);
+  metadata.drive_amplitude_v = sim::LargestVoltageV(scene.drive);
+  if (scene.drive.frequency_hz > 0) metadata.drive_frequency_hz = scene.drive.frequency_hz;
+  return record;
+}
+
+Result<void> CheckWaveformPath(const std::string& path, bool overwrite) {
+  const auto kind = KindOf(path);
+  return kind ? cli::CheckOutput(path, *kind, overwrite) : std::unexpected(kind.error());
+}
+
+Result<void> WriteWaveforms(const std::string& path, const trial::Record& record, bool overwrite) {
+  const auto kind = KindOf(path);
+  if (!kind) return std::unexpected(kind.error());
+  if (EndingOf(path) == ".bin") return WriteSimulatedTrial(path, record, overwrite);
+  auto file = cli::OutputFile::Begin(path, *kind, overwrite);
+  if (!file) return std::unexpected(file.error());
+  auto done = EndingOf(path) == ".csv" ? WriteCsv(record, *file) : WriteHdf5(record, *file);
+  if (done) return file->Finish();
+  Error error = done.error();
+  error.where = path;
+  return std::unexpected(std::move(error));
+}
+
+namespace {
+
+constexpr double kUm = 1e-6;  // in metres
+constexpr double kMa = 1e-3;  // in amperes
+constexpr double kShownPeriods = 10;
+constexpr double kLeastShown = 1e-6;  // of the largest amplitude in the spectrum
+constexpr double kShownPart = 0.125;  // of the rate
+
+// rows `first` on, in units of `unit`
+plot::Series Curve(std::string title, plot::Colour colour, const Eigen::VectorXd& values,
+                   double unit, Eigen::Index first, double rate_hz) {
+  plot::Series series{.title = std::move(title), .style = plot::Lines(colour), .x = {}, .y = {}};
+  for (Eigen::Index row = first; row < values.size(); ++row) {
+    series.x.push_back(static_cast<double>(row) / rate_hz);
+    series.y.push_back(values(row) / unit);
+  }
+  return series;
+}
+
+plot::Panel MotionPanel(const sim::Waveforms& waves, std::string title, Eigen::Index first) {
+  const Eigen::VectorXd travel_m = waves.mover_m - waves.case_m;
+  return {std::move(title),
+          "time / s",
+          "displacement / um",
+          {Curve("mover in its case", plot::kGrey, travel_m, kUm, first, waves.rate_hz),
+           Curve("skin", plot::kBlue, waves.skin_m, kUm, first, waves.rate_hz)}};
+}
+
+plot::Panel ElectricalPanel(const sim::Waveforms& waves) {
+  return {"at the coil",
+          "time / s",
+          "voltage / V, current / 10 mA",
+          {Curve("voltage", plot::kGrey, waves.voltage_v, 1, 0, waves.rate_hz),
+           Curve("current", plot::kOrange, waves.current_a, 10 * kMa, 0, waves.rate_hz)}};
+}
+
+Result<plot::Panel> SpectrumPanel(const sim::Waveforms& waves) {
+  const auto spectrum =
+      dsp::WelchSpectrum({waves.skin_m.data(), static_cast<std::size_t>(waves.rows())},
+                         {.rate_hz = waves.rate_hz,
+                          .segment_size = static_cast<std::size_t>(waves.rows()),
+                          .detrend = dsp::Detrend::kNothing});
+  if (!spectrum) return std::unexpected(spectrum.error());
+  const std::vector<double> amplitudes_m = dsp::AmplitudeSpectrum(*spectrum);
+  const double least_m = kLeastShown * std::ranges::max(amplitudes_m);
+  plot::Series series{.title = {}, .style = plot::Lines(plot::kBlue), .x = {}, .y = {}};
+  for (std::size_t k = 1; k < amplitudes_m.size(); ++k) {
+    const double frequency_hz = static_cast<double>(k) * spectrum->grid.resolution_hz;
+    if (frequency_hz > kShownPart * waves.rate_hz) break;
+    series.x.push_back(frequency_hz);
+    series.y.push_back(amplitudes_m[k] >= least_m && least_m > 0
+                           ? amplitudes_m[k] / kUm
+                           : std::numeric_limits<double>::quiet_NaN());
+  }
+  plot::Panel panel{
+      fmt::format("spectrum of the skin, {:.3g} Hz apart (Hann)", spectrum->grid.resolution_hz),
+      "frequency / Hz",
+      "amplitude / um",
+      {std::move(series)}};
+  panel.log_axes = least_m > 0 ? plot::LogAxes::kY : plot::LogAxes::kNone;
+  return panel;
+}
+
+}  // namespace
+
+Result<std::vector<plot::Panel>> WaveformPanels(const sim::Waveforms& waves,
+                                                const sim::Scene& scene) {
+  std::vector<plot::Panel> panels{MotionPanel(waves, "the run", 0)};
+  const double highest_hz = sim::HighestFrequencyHz(scene.drive);
+  const auto shown =
+      highest_hz > 0
+          ? static_cast<Eigen::Index>(std::ceil(kShownPeriods * waves.rate_hz / highest_hz))
+          : waves.rows();
+  if (2 * shown < waves.rows() && sim::IsLasting(scene.drive)) {
+    panels.push_back(MotionPanel(waves, "its end", waves.rows() - shown - 1));
+  }
+  panels.push_back(ElectricalPanel(waves));
+  auto spectrum = SpectrumPanel(waves);
+  if (!spectrum) return std::unexpected(spectrum.error());
+  panels.push_back(std::move(*spectrum));
+  return panels;
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "dsp/statistics/moments.h"
+#include "dsp/statistics/regression.h"
+#include "tools/plot/gnuplot.h"
+
+namespace haptometer::tools {
+
+/// One reading of a drive sweep.
+struct DriveReading {
+  std::string subject;    ///< may be empty
+  std::string condition;  ///< may be empty
+  double drive_v = 0;     ///< 0: the drive was off, the reading is the floor
+  double rms_m = 0;
+};
+
+/// The line of one subject in one condition.
+struct DriveLine {
+  std::string subject;
+  std::string condition;
+  std::vector<double> drive_v;    ///< of the readings above the floor
+  std::vector<double> rms_m;      ///< theirs, the floor subtracted in power
+  std::size_t below_floor = 0;    ///< readings whose power does not reach the floor's
+  std::optional<double> floor_m;  ///< subtracted; nothing: none known
+  std::optional<dsp::Line> line;  ///< in m and V; nothing: fewer than 3 readings or levels alike
+  double full_scale_m = 0;        ///< the line's value at the highest level
+  /// Of the same readings, in m and V; nothing: fewer than 4, or than 3 levels.
+  std::optional<dsp::Curvature> curvature;
+};
+
+/// The slopes of a condition's subjects, and their curvatures: one value a subject.
+struct SlopeOverSubjects {
+  std::string condition;
+  dsp::OneSample slope_m_per_v;
+  std::optional<dsp::OneSample> curvature_m_per_v2;  ///< of those that have one: 2 or more
+};
+
+struct LinearityResult {
+  std::vector<DriveLine> lines;
+  std::vector<SlopeOverSubjects> slopes;  ///< conditions with 2 subjects or more
+};
+
+/// Fits rms = intercept + slope drive for each subject and condition, after
+///   rms^2 - floor^2
+/// where the floor is `floor_m`, or else the RMS of that subject's and condition's readings with
+/// the drive off. Whether the readings bend, and over subjects whether they do so alike, is tested
+/// by the quadratic term of a parabola.
+[[nodiscard]] LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
+                                               const std::optional<double>& floor_m);
+
+[[nodiscard]] std::string LinearityText(const LinearityResult& result);
+[[nodiscard]] std::string LinearityJson(const LinearityResult& result);
+/// RMS against drive with the fitted lines, one panel.
+[[nodiscard]] std::vector<plot::Panel> LinearityPanels(const LinearityResult& result);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/error.h"
+#include "tools/sweep/table_file.h"
+
+namespace haptometer::tools {
+
+/// Which row is the best one.
+struct BestWish {
+  std::string column = "skin_rms_m";
+  bool least = false;  ///< the smallest number instead of the largest
+};
+
+/// Reads "skin_rms_m" or "power_w:least". Errors (Cause::kUsage): no such column of answers.
+[[nodiscard]] Result<BestWish> ReadBestWish(const std::string& word);
+
+/// The best row of a table.
+struct BestRow {
+  double value = 0;
+  std::uint64_t point = 0;          ///< from 1
+  std::vector<std::string> values;  ///< of the varied keys
+};
+
+/// What a table comes to.
+struct SweepSummary {
+  std::string table;
+  TableHeader header;
+  BestWish wish;
+  std::uint64_t rows = 0;
+  std::uint64_t answered = 0;   ///< rows with at least one number
+  std::uint64_t compared = 0;   ///< rows with a number in the wished column
+  std::string first_remark;     ///< of a row that is not answered, with its point
+  std::optional<BestRow> best;  ///< the first of equals; nothing where the column is empty
+  std::string plot;             ///< path; empty: none
+};
+
+/// Reads the table again, row by row. Errors: as TableReader.
+[[nodiscard]] Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish);
+
+/// For people and for programs (docs/reference/sweep.md).
+[[nodiscard]] std::string SummaryText(const SweepSummary& summary);
+[[nodiscard]] std::string SummaryJson(const SweepSummary& summary);
+
+}  // namespace haptometer::tools

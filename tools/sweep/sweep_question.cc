@@ -1,0 +1,406 @@
+#include "tools/sweep/sweep_question.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "base/quantity.h"
+#include "sim/scene/scene_file.h"
+
+namespace haptometer::tools {
+namespace {
+
+constexpr std::uint64_t kMostPoints = 1'000'000'000;
+constexpr std::int64_t kMostThreads = 1024;
+constexpr std::int64_t kMostSeed = (1LL << 62) - 1;
+constexpr std::uint64_t kMostShards = 1'000'000;
+
+std::optional<std::uint64_t> WholeNumber(std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+Result<Shard> ReadShard(const std::string& text) {
+  if (text.empty()) return Shard{};
+  const std::string_view word = text;
+  const std::size_t slash = std::min(word.find('/'), word.size() - 1);
+  const std::uint64_t number = WholeNumber(word.substr(0, slash)).value_or(0);
+  const std::uint64_t count = WholeNumber(word.substr(slash + 1)).value_or(0);
+  if (number < 1 || number > count || count > kMostShards) {
+    return Usage("--shard", fmt::format("'{}' is not I/N", text),
+                 "write 1/4 to 4/4 for the four parts of a sweep");
+  }
+  return Shard{.number = number, .count = count};
+}
+
+Result<std::vector<sim::SweepAxis>> ReadAxes(const SweepWords& words) {
+  if (words.vary.empty()) {
+    return Usage("--vary", "is missing", "add --vary drive.frequency_hz=100Hz:400Hz:301");
+  }
+  const RangesAre ranges = words.samples ? RangesAre::kSampled : RangesAre::kGrid;
+  std::vector<sim::SweepAxis> axes;
+  axes.reserve(words.vary.size());
+  for (const std::string& word : words.vary) {
+    auto axis = ReadVaryWord(word, ranges);
+    if (!axis) return std::unexpected(axis.error());
+    axes.push_back(*std::move(axis));
+  }
+  return axes;
+}
+
+Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
+  auto axes = ReadAxes(words);
+  if (!axes) return std::unexpected(axes.error());
+  if (!words.samples && words.seed) {
+    return Usage("--seed", "stands without --samples", "a grid has nothing random");
+  }
+  std::optional<sim::LatinHypercube> sampling;
+  if (words.samples) {
+    sampling = {.samples = static_cast<std::uint64_t>(*words.samples),
+                .seed = static_cast<std::uint64_t>(words.seed.value_or(1))};
+  }
+  sim::SweepPoints points(*std::move(axes), sampling);
+  if (points.size() > kMostPoints) {
+    return Usage("--vary",
+                 fmt::format("makes more than {:.0e} points", static_cast<double>(kMostPoints)),
+                 "give fewer values, or --samples");
+  }
+  return points;
+}
+
+Result<void> CheckWords(const SweepWords& words) {
+  if (words.scenes.empty()) {
+    return Usage({}, "has no scene", "give a scene.toml, or tables to --merge");
+  }
+  if (words.scenes.size() > 1) {
+    return Usage(words.scenes[1], "is a second scene", "sweep one at a time");
+  }
+  if (words.output.empty())
+    return Usage("-o", "is missing", "say where the table goes: -o table.csv");
+  if (words.resume && words.overwrite) {
+    return Usage("--overwrite", "stands beside --resume", "give one of the two");
+  }
+  return {};
+}
+
+}  // namespace
+
+void Declare(cli::Options& options, SweepWords& words) {
+  options.Positionals("scene", &words.scenes, "A scene.toml (docs/reference/scene.md)", 0);
+  options.Repeated(
+      "--vary", &words.vary, "KEY=VALUES",
+      "A key of the scene and its values: BEGIN:END:COUNT, log:BEGIN:END:COUNT, A,B,C");
+  options.Count("--samples", &words.samples, 1, static_cast<std::int64_t>(kMostPoints),
+                "Points of a Latin hypercube over BEGIN:END instead of a grid");
+  options.Count("--seed", &words.seed, 0, kMostSeed, "Of the samples; 1");
+  options.Output("-o,--output", &words.output, "FILE.csv", "The table, a row for each point");
+  options.Flag("--resume", &words.resume, "Go on with the table where a run was ended");
+  options.Flag("--overwrite", &words.overwrite, "Replace the table where it exists");
+  options.Count("--threads", &words.threads, 1, kMostThreads,
+                "Default: as many as there are cores; no number depends on it");
+  options.Text("--shard", &words.shard, "I/N", "Only every N-th point, from the I-th on");
+  options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
+  options.Text("--best", &words.best, "COLUMN[:least]", "Tell its largest row; skin_rms_m");
+  options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
+                 "Draw that column over one or two varied keys");
+}
+
+Result<SweepQuestion> ReadQuestion(const SweepWords& words) {
+  if (auto sound = CheckWords(words); !sound) return std::unexpected(sound.error());
+  const auto shard = ReadShard(words.shard);
+  if (!shard) return std::unexpected(shard.error());
+  auto points = ReadPoints(words);
+  if (!points) return std::unexpected(points.error());
+  std::vector<std::string> keys;
+  keys.reserve(points->axes().size());
+  for (const sim::SweepAxis& axis : points->axes()) keys.push_back(axis.key);
+  auto scene = sim::VariedScene::ReadFile(words.scenes.front(), keys);
+  if (!scene) {
+    Error error = scene.error();
+    if (std::ranges::find(keys, error.where) != keys.end()) error.where = "--vary " + error.where;
+    return std::unexpected(std::move(error));
+  }
+  if (auto taken = CheckAxes(*scene, *points); !taken) return std::unexpected(taken.error());
+  return SweepQuestion{.scene = *std::move(scene), .points = *std::move(points), .shard = *shard};
+}
+
+Result<std::vector<std::string>> ReadMerge(const SweepWords& words) {
+  std::vector<std::string> tables;
+  for (const auto& group : words.merge) tables.insert(tables.end(), group.begin(), group.end());
+  const bool has_others = !words.scenes.empty() || !words.vary.empty() || words.samples ||
+                          words.seed || words.resume || words.threads || !words.shard.empty();
+  if (has_others) {
+    return Usage("--merge", "joins tables and computes nothing",
+                 "give it tables, -o, --overwrite, --best and --plot alone");
+  }
+  if (words.output.empty())
+    return Usage("-o", "is missing", "say where the table goes: -o whole.csv");
+  return tables;
+}
+
+int ThreadsOf(const SweepWords& words) {
+  const auto cores = std::max<std::int64_t>(1, std::thread::hardware_concurrency());
+  return static_cast<int>(words.threads.value_or(std::min(cores, kMostThreads)));
+}
+
+namespace {
+
+constexpr std::string_view kLogarithmic = "log:";
+constexpr std::int64_t kMostValues = 1'000'000'000;
+
+struct KeyUnit {
+  std::string_view ending;  // of the key's name
+  Dimension dimension;
+};
+
+// those with "per" first: "_n_per_m" also ends in "_m"
+constexpr auto kKeyUnits = std::to_array<KeyUnit>({
+    {"_n_s_per_m", Dimension::kDamping},
+    {"_n_per_m", Dimension::kStiffness},
+    {"_n_per_a", Dimension::kForceConstant},
+    {"_kg", Dimension::kMass},
+    {"_hz", Dimension::kFrequency},
+    {"_ohm", Dimension::kResistance},
+    {"_m", Dimension::kLength},
+    {"_s", Dimension::kTime},
+    {"_v", Dimension::kVoltage},
+    {"_a", Dimension::kCurrent},
+    {"_h", Dimension::kInductance},
+});
+
+// of the unit in the key's name; plain where it has none that base/quantity.h knows
+Dimension DimensionOf(std::string_view key) {
+  for (const KeyUnit& unit : kKeyUnits) {
+    if (!key.ends_with(unit.ending)) continue;
+    const bool is_quotient = unit.ending.find("_per_") == std::string_view::npos &&
+                             key.substr(0, key.size() - unit.ending.size()).ends_with("_per");
+    return is_quotient ? Dimension::kNone : unit.dimension;
+  }
+  return Dimension::kNone;
+}
+
+std::vector<std::string> SplitAt(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::size_t begin = 0;
+  for (std::size_t at = text.find(separator); at != std::string::npos;
+       at = text.find(separator, begin)) {
+    parts.push_back(text.substr(begin, at - begin));
+    begin = at + 1;
+  }
+  parts.push_back(text.substr(begin));
+  return parts;
+}
+
+// an exact number of the key's dimension
+Result<double> ReadNumber(const std::string& word, Dimension dimension, const std::string& where) {
+  const auto quantity = ParseQuantity(word, dimension, where);
+  if (!quantity) return std::unexpected(quantity.error());
+  if (!quantity->exact()) {
+    return Usage(where, fmt::format("'{}' has an uncertainty", word),
+                 "give exact values to a sweep");
+  }
+  return quantity->value;
+}
+
+std::optional<std::int64_t> SignedWholeNumber(std::string_view text) {
+  std::int64_t value = 0;
+  const auto [stop, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || stop != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+// one value of a list
+Result<sim::SweepValue> ReadValue(const std::string& word, Dimension dimension,
+                                  const std::string& where) {
+  const bool has_control = std::ranges::any_of(
+      word, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; });
+  if (word.empty() || has_control) {
+    return Usage(where, "has a value that is empty or not printable", "write it as KEY=A,B,C");
+  }
+  if (dimension == Dimension::kNone) {
+    if (const auto whole = SignedWholeNumber(word))
+      return sim::PlainValue(fmt::format("{}", *whole));
+    if (word == "true" || word == "false") return sim::PlainValue(word);
+    if (!ParseQuantity(word, dimension, where)) return sim::TextValue(word);
+  }
+  const auto number = ReadNumber(word, dimension, where);
+  if (!number) return std::unexpected(number.error());
+  return sim::NumberValue(*number);
+}
+
+// a text may hold a colon ("C:/actuator.toml"); a range begins with a number
+bool IsRange(const std::string& text) {
+  if (text.starts_with(kLogarithmic)) return true;
+  return text.find(':') != std::string::npos &&
+         std::string_view("0123456789+-.").find(text[0]) != std::string_view::npos;
+}
+
+Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre ranges,
+                              const std::string& where) {
+  if (ranges == RangesAre::kSampled) {
+    if (parts.size() == 2) return std::size_t{0};
+    return Usage(where, "is to be sampled, so it is BEGIN:END",
+                 "leave out the count, or --samples");
+  }
+  if (parts.size() != 3) {
+    return Usage(where, "is not BEGIN:END:COUNT",
+                 "write it like 100Hz:400Hz:301, or give --samples");
+  }
+  const auto count = SignedWholeNumber(parts[2]);
+  if (!count || *count < 2 || *count > kMostValues) {
+    return Usage(where, fmt::format("'{}' is no count of values", parts[2]),
+                 "give 2 or more, both ends among them");
+  }
+  return static_cast<std::size_t>(*count);
+}
+
+Result<sim::SweepRange> ReadRange(std::string text, Dimension dimension, RangesAre ranges,
+                                  const std::string& where) {
+  sim::SweepRange range;
+  if (text.starts_with(kLogarithmic)) {
+    range.spacing = sim::Spacing::kLogarithmic;
+    text = text.substr(kLogarithmic.size());
+  }
+  const std::vector<std::string> parts = SplitAt(text, ':');
+  const auto count = ReadCount(parts, ranges, where);
+  if (!count) return std::unexpected(count.error());
+  range.count = *count;
+  const auto begin = ReadNumber(parts[0], dimension, where);
+  if (!begin) return std::unexpected(begin.error());
+  const auto end = ReadNumber(parts[1], dimension, where);
+  if (!end) return std::unexpected(end.error());
+  range.begin = *begin;
+  range.end = *end;
+  // infinite ends are equal too, in this sense
+  if (!(range.end - range.begin != 0 && std::isfinite(range.end - range.begin))) {
+    return Usage(where, "has ends between which there is nothing", "give a single value alone");
+  }
+  if (range.spacing == sim::Spacing::kLogarithmic && !(range.begin > 0 && range.end > 0)) {
+    return Usage(where, "is logarithmic and reaches to 0 or below", "give ends above 0");
+  }
+  return range;
+}
+
+}  // namespace
+
+Result<sim::SweepAxis> ReadVaryWord(const std::string& word, RangesAre ranges) {
+  const std::size_t equals = word.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == word.size()) {
+    return Usage("--vary", fmt::format("'{}' is not KEY=VALUES", word),
+                 "write it like drive.frequency_hz=100Hz:400Hz:301");
+  }
+  sim::SweepAxis axis{.key = word.substr(0, equals), .values = {}};
+  const std::string where = fmt::format("--vary {}", axis.key);
+  const std::string text = word.substr(equals + 1);
+  const Dimension dimension = DimensionOf(axis.key);
+  if (IsRange(text)) {
+    auto range = ReadRange(text, dimension, ranges, where);
+    if (!range) return std::unexpected(range.error());
+    axis.values = *range;
+    return axis;
+  }
+  std::vector<sim::SweepValue> values;
+  for (const std::string& part : SplitAt(text, ',')) {
+    auto value = ReadValue(part, dimension, where);
+    if (!value) return std::unexpected(value.error());
+    values.push_back(*std::move(value));
+  }
+  axis.values = std::move(values);
+  return axis;
+}
+
+namespace {
+
+constexpr std::size_t kMostChecked = 1000;  // of an axis
+constexpr std::uint64_t kSampledChecked = 8;
+
+// up to about kMostChecked values of an axis, its ends among them
+std::vector<sim::SweepValue> ValuesToCheck(const sim::SweepPoints& points, std::size_t number) {
+  const sim::SweepAxis& axis = points.axes()[number];
+  std::vector<sim::SweepValue> values;
+  if (const std::size_t count = CountOf(axis); count > 0) {
+    const std::size_t step = (count + kMostChecked - 1) / kMostChecked;
+    values.reserve(count / step + 2);
+    for (std::size_t index = 0; index < count; index += step) {
+      values.push_back(ValueOf(axis, index));
+    }
+    values.push_back(ValueOf(axis, count - 1));
+    return values;
+  }
+  const auto& range = std::get<sim::SweepRange>(axis.values);
+  values.push_back(sim::NumberValue(range.begin));
+  for (std::uint64_t point = 0; point < std::min(points.size(), kSampledChecked); ++point) {
+    values.push_back(points.At(point)[number]);
+  }
+  values.push_back(sim::NumberValue(range.end));
+  return values;
+}
+
+// whether the reader's error is about this key, or about the first table on its way
+bool IsAbout(const Error& error, const std::string& key) {
+  const std::size_t dot = key.rfind('.');
+  const std::string leaf = dot == std::string::npos ? key : key.substr(dot + 1);
+  const std::string root = key.substr(0, key.find('.'));
+  return error.where.ends_with(": " + leaf) ||
+         error.what == fmt::format("key {} is not known", leaf) ||
+         error.what == fmt::format("key {} is not known", root);
+}
+
+// A fault that the file has without the sweep is told with its line, one of a key with its value.
+Error Told(const sim::VariedScene& scene, const sim::SweepPoints& points,
+           const std::vector<sim::SweepValue>& values, Error error) {
+  const auto as_it_stands = sim::ReadSceneFile(scene.path());
+  if (!as_it_stands && as_it_stands.error().what == error.what) return as_it_stands.error();
+  for (std::size_t axis = 0; axis < values.size(); ++axis) {
+    const std::string& key = points.axes()[axis].key;
+    if (!IsAbout(error, key)) continue;
+    Error bare = error;
+    bare.remedy.clear();
+    return {error.cause, fmt::format("--vary {} = {}", key, values[axis].text),
+            sim::WithoutPath(bare, scene.path()), std::move(error.remedy)};
+  }
+  return error;
+}
+
+}  // namespace
+
+Result<void> CheckAxes(const sim::VariedScene& scene, const sim::SweepPoints& points) {
+  std::vector<std::vector<sim::SweepValue>> values;
+  values.reserve(points.axes().size());
+  for (std::size_t axis = 0; axis < points.axes().size(); ++axis) {
+    values.push_back(ValuesToCheck(points, axis));
+  }
+  std::vector<sim::SweepValue> first;
+  std::vector<sim::SweepValue> last;
+  first.reserve(values.size());
+  last.reserve(values.size());
+  for (const auto& of_axis : values) {
+    first.push_back(of_axis.front());
+    last.push_back(of_axis.back());
+  }
+  for (std::size_t axis = 0; axis < values.size(); ++axis) {
+    for (const sim::SweepValue& value : values[axis]) {
+      auto beside_first = first;
+      beside_first[axis] = value;
+      auto read = scene.Read(beside_first);
+      if (read) continue;
+      auto beside_last = last;
+      beside_last[axis] = value;
+      if (scene.Read(beside_last)) continue;
+      return std::unexpected(Told(scene, points, beside_first, std::move(read.error())));
+    }
+  }
+  return {};
+}
+
+}  // namespace haptometer::tools

@@ -1,0 +1,277 @@
+#include "tools/trial/trial.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/error.h"
+#include "base/text.h"
+#include "tools/cli/options.h"
+#include "tools/cli/shared_options.h"
+#include "tools/cli/terminal.h"
+#include "tools/plot/gnuplot.h"
+#include "tools/trial/info.h"
+#include "tools/verbs.h"
+#include "trial/import/read_recording.h"
+#include "trial/trial_writer.h"
+
+// trial: what can be done with recordings, a word each (tools/trial/).
+
+namespace haptometer::tools {
+namespace {
+
+struct Word {
+  std::string_view name;
+  int (*run)(int argc, const char* const* argv);
+  std::string_view summary;
+  std::string_view example;
+};
+
+constexpr std::array<Word, 4> kWords{
+    {{"info", RunTrialInfo, "What a recording holds: channels, times, gaps, labels, losses.",
+      "haptometer trial info trial.bin"},
+     {"label", RunTrialLabel, "Add labels to a trial.",
+      "haptometer trial label trial.bin subject=3 condition=stock"},
+     {"plot", RunTrialPlot, "Draw a recording.", "haptometer trial plot trial.bin -o trial.svg"},
+     {"export", RunTrialExport, "Write recordings as CSV, HDF5, NumPy, WAV or MATLAB files.",
+      "haptometer trial export trial.bin -o trial.h5"}}};
+
+void PrintHelp() {
+  cli::Print("What a recording holds; label it, draw it, export it.\n\n");
+  for (const Word& word : kWords)
+    cli::Print(fmt::format("  haptometer trial {:<7} {}\n", word.name, word.summary));
+  cli::Print("\nExamples:\n");
+  for (const Word& word : kWords) cli::Print(fmt::format("  {}\n", word.example));
+}
+
+}  // namespace
+
+int RunTrial(int argc, const char* const* argv) {
+  const std::string_view name = argc > 1 ? argv[1] : "--help";
+  const auto word = std::ranges::find(kWords, name, &Word::name);
+  if (word != kWords.end()) return word->run(argc - 1, argv + 1);
+  if (name == "--help" || name == "-h" || name == "--help-all") {
+    PrintHelp();
+    return argc > 1 ? 0 : 2;
+  }
+  std::vector<std::string> names;
+  names.reserve(std::size(kWords));
+  for (const Word& each : kWords) names.emplace_back(each.name);
+  const std::string nearest = Nearest(name, names);
+  return cli::ReportError("trial",
+                          {Cause::kUsage, std::string(name), "is not something trial can do",
+                           nearest.empty() ? "see haptometer trial --help"
+                                           : fmt::format("did you mean trial {}?", nearest)});
+}
+
+}  // namespace haptometer::tools
+
+// trial label: labels given after the recording.
+
+namespace haptometer::tools {
+namespace {
+
+constexpr cli::VerbText kLabelText{
+    .name = "trial label",
+    .summary = "Add labels to a trial; the last word on a label counts, the older ones are kept.",
+    .examples = {"haptometer trial label trial.bin subject=3",
+                 "haptometer trial label trial.bin subject=4 --reason 'wrong subject noted'",
+                 "haptometer trial label trial.bin 'condition=with adapter'"}};
+
+// a file of another kind has its labels elsewhere
+Error Explained(Error error, const std::string& path) {
+  if (error.what != "is no trial") return error;
+  const auto other = trial::ReadRecording(path);
+  if (!other || other->report.kind == trial::FileKind::kTrial) return error;
+  error.what = fmt::format("is a {}", Name(other->report.kind));
+  error.remedy = other->report.kind == trial::FileKind::kCsv
+                     ? "write the label into it, as a line '# label.subject = 3' above the columns"
+                     : "label the trial itself and export it again";
+  return error;
+}
+
+Result<void> Label(const std::string& path, const std::vector<std::string>& words,
+                   const std::string& reason) {
+  if (words.empty()) {
+    return Usage("labels", "are missing", "write them behind the file, for example subject=3");
+  }
+  auto labels = cli::ReadKeyValues(words, "label");
+  if (!labels) return std::unexpected(labels.error());
+  const trial::Event event{
+      .kind = trial::EventKind::kLabels, .text = reason, .labels = std::move(*labels)};
+  auto done = trial::AppendEvent(path, event);
+  if (!done) return std::unexpected(Explained(done.error(), path));
+  return {};
+}
+
+}  // namespace
+
+int RunTrialLabel(int argc, const char* const* argv) {
+  std::string path;
+  std::string reason;
+  std::vector<std::string> words;
+  std::vector<std::string> more;
+  cli::Options options(kLabelText);
+  options.Positional("file", &path, "trial.bin");
+  options.Positionals("labels", &words, "key=value ...", 0);
+  // the way acquire takes them
+  options.Repeated("--label", &more, "KEY=VALUE", "As the plain words", cli::Shown::kHelpAll);
+  options.Text("--reason", &reason, "TEXT", "Why, kept with the labels");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  words.insert(words.end(), more.begin(), more.end());
+  if (auto done = Label(path, words, reason); !done) {
+    return cli::ReportError(kLabelText.name, done.error());
+  }
+  if (options.json()) {
+    const auto recording = trial::ReadRecording(path);
+    if (!recording) return cli::ReportError(kLabelText.name, recording.error());
+    PrintTrialInfoJson(path, *recording);
+  }
+  return 0;
+}
+
+}  // namespace haptometer::tools
+
+// trial plot: a recording over time.
+
+namespace haptometer::tools {
+namespace {
+
+constexpr cli::VerbText kPlotText{
+    .name = "trial plot",
+    .summary = "Draw a recording over time: gaps are gaps, bad samples are marked, peaks stay.",
+    .examples = {"haptometer trial plot trial.bin -o trial.svg",
+                 "haptometer trial plot trial.bin --plot trial.png",
+                 "haptometer trial plot s.csv --columns time_s,displacement_mm -o scope.pdf"}};
+
+// more panels than this are too flat to be read
+constexpr std::size_t kMostPanels = 8;
+
+Result<void> Draw(const std::string& input, const std::string& output,
+                  const cli::ImportWords& words) {
+  if (output.empty()) return Usage("-o", "is missing", "name the plot, e.g. -o trial.svg");
+  if (auto drawable = plot::CheckPlotPath(output); !drawable) return drawable;
+  const auto import = cli::ImportOf(words);
+  if (!import) return std::unexpected(import.error());
+  const auto recording = ReadAndTell(kPlotText.name, input, *import);
+  if (!recording) return std::unexpected(recording.error());
+  const trial::Record& record = recording->record;
+  if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
+  std::vector<plot::Panel> panels;
+  for (std::size_t c = 0; c < std::min(record.channels.size(), kMostPanels); ++c) {
+    panels.push_back(PanelOf(record, record.channels[c]));
+  }
+  if (record.channels.size() > kMostPanels) {
+    cli::Remark(kPlotText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
+                                            record.channels.size()));
+  }
+  return plot::DrawPanels(output, panels);
+}
+
+}  // namespace
+
+int RunTrialPlot(int argc, const char* const* argv) {
+  std::string input;
+  std::string output;
+  cli::ImportWords import;
+  cli::Options options(kPlotText);
+  options.Positional("file", &input, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
+  options.Output("-o,--output,--plot", &output, "FILE.svg|png|pdf",
+                 "The plot to write; an older one of ours is replaced");
+  cli::DeclareImport(&options, &import);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  const auto done = Draw(input, output, import);
+  return done ? 0 : cli::ReportError(kPlotText.name, done.error());
+}
+
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+bool IsGood(const trial::Channel& channel, std::size_t row) {
+  return IsMeasurement(channel.statuses[row]) && std::isfinite(channel.values[row]);
+}
+
+// of the measurements; 0 where there is none
+double MeanOf(const trial::Channel& channel) {
+  double sum = 0;
+  double count = 0;
+  double first = 0;
+  for (std::size_t row = 0; row < channel.values.size(); ++row) {
+    if (!IsGood(channel, row)) continue;
+    if (count == 0) first = channel.values[row];
+    sum += channel.values[row] - first;
+    count += 1;
+  }
+  return count == 0 ? 0 : first + sum / count;
+}
+
+// "displacement about 30012.345 um"
+std::string Title(const trial::Channel& channel, double mean) {
+  if (channel.unit == "m") return fmt::format("{} about {:.3f} um", channel.name, mean * 1e6);
+  return fmt::format("{} about {:.6g} {}", channel.name, mean, channel.unit);
+}
+
+}  // namespace
+
+plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) {
+  HAPTOMETER_CHECK(record.rows > 0, "no rows to draw");
+  const double factor = channel.unit == "m" ? 1e6 : 1;
+  const double mean = MeanOf(channel);
+  plot::Series line{.title = "", .style = plot::Lines(plot::kBlue), .x = {}, .y = {}};
+  plot::Series bad{
+      .title = "",
+      .style = {.mark = plot::Mark::kPoints, .colour = plot::kOrange, .size = 0.6, .point = 2},
+      .x = {},
+      .y = {}};
+  double lowest = 0;
+  for (const trial::Stretch& stretch : record.stretches) {
+    // a row that is not there breaks the line between two stretches
+    if (!line.x.empty()) {
+      line.x.push_back(stretch.start_s);
+      line.y.push_back(kNan);
+    }
+    for (std::size_t i = 0; i < stretch.rows; ++i) {
+      const std::size_t row = stretch.first_row + i;
+      const double time_s = stretch.start_s + static_cast<double>(i) / stretch.rate_hz;
+      const bool is_good = IsGood(channel, row);
+      const double y = is_good ? (channel.values[row] - mean) * factor : kNan;
+      line.x.push_back(time_s);
+      line.y.push_back(y);
+      if (is_good) lowest = std::min(lowest, y);
+      if (!is_good) bad.x.push_back(time_s);
+    }
+  }
+  bad.y.assign(bad.x.size(), lowest);
+  plot::Panel panel{.title = Title(channel, mean),
+                    .x_label = "time / s",
+                    .y_label = fmt::format("{} / {}", Name(channel.role),
+                                           channel.unit == "m" ? "um" : channel.unit),
+                    .series = {std::move(line)}};
+  if (!bad.x.empty()) {
+    bad.title = fmt::format("{} bad", bad.x.size());
+    panel.series.push_back(std::move(bad));
+  }
+  return panel;
+}
+
+Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,
+                                     const trial::ImportOptions& import) {
+  auto recording = trial::ReadRecording(path, import);
+  if (!recording) return recording;
+  for (const trial::Loss& loss : recording->report.losses) {
+    cli::Remark(verb, fmt::format("{}: {}", path, Describe(loss)));
+  }
+  for (const std::string& remark : recording->report.remarks) {
+    cli::Remark(verb, fmt::format("{}: {}", path, remark));
+  }
+  return recording;
+}
+
+}  // namespace haptometer::tools

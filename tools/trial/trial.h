@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/error.h"
+#include "tools/plot/gnuplot.h"
+#include "trial/import/import_options.h"
+#include "trial/record.h"
+#include "trial/trial_reader.h"
+
+namespace haptometer::tools {
+
+/// `channel` of `record` over time: its measurements about their mean (a length in um, the mean in
+/// the title), broken at gaps and bad samples, and a mark at the lower edge for each bad sample.
+///
+/// Programmer's errors: a record without rows. Cost: one pass; memory: four doubles a row.
+[[nodiscard]] plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel);
+
+/// Reads the recording at `path` whole and says on stderr, as remarks of `verb`, what is lost of it
+/// and what was assumed. Errors: as trial::ReadRecording.
+[[nodiscard]] Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,
+                                                   const trial::ImportOptions& import);
+
+/// What `haptometer trial` can do, a word each; argv[0] is the word. The return value is the
+/// program's exit status.
+int RunTrialInfo(int argc, const char* const* argv);
+int RunTrialLabel(int argc, const char* const* argv);
+int RunTrialExport(int argc, const char* const* argv);
+int RunTrialPlot(int argc, const char* const* argv);
+
+}  // namespace haptometer::tools

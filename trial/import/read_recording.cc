@@ -1,0 +1,194 @@
+#include "trial/import/read_recording.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <span>
+#include <utility>
+
+#include "base/input_file.h"
+#include "base/text.h"
+#include "trial/block.h"
+#include "trial/import/readers.h"
+#include "trial/trial_format.h"
+#include "trial/trial_rows.h"
+
+namespace haptometer::trial {
+namespace {
+
+// whether these first bytes can be text: no control characters but tabs and line ends. UTF-16
+// counts as text, because the CSV reader knows what to say about it.
+bool IsText(std::span<const std::byte> start) {
+  const auto first = std::to_integer<unsigned>(start[0]);
+  if (start.size() >= 2 && (first == 0xff || first == 0xfe)) {
+    return first + std::to_integer<unsigned>(start[1]) == 0xff + 0xfe;
+  }
+  return std::ranges::none_of(start, [](std::byte b) {
+    const auto c = std::to_integer<unsigned>(b);
+    return (c < 0x20 && c != '\t' && c != '\r' && c != '\n') || c == 0x7f;
+  });
+}
+
+bool IsHdf5(std::span<const std::byte> start) {
+  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
+  return start.size() >= kSignature.size() &&
+         std::ranges::equal(start.first(kSignature.size()), BytesOfText(kSignature));
+}
+
+// a kind of file that is known and not read
+struct UnreadKind {
+  std::string_view signature;
+  std::size_t at;  // of the signature's first byte
+  const char* what;
+};
+
+// kinds that this program writes, and kinds that come from laboratories and spreadsheets
+constexpr std::array<UnreadKind, 20> kUnreadKinds{{
+    {"WAVE", 8, "a WAV file, which this program writes and does not read"},
+    {"\x93NUMPY", 0, "a NumPy array (NPY), which this program writes and does not read"},
+    {"MATLAB 5.0 MAT-file", 0, "a MATLAB file (MAT), which this program writes and does not read"},
+    {"MATLAB 7.3 MAT-file", 0, "a MATLAB file of version 7.3 (HDF5), which is not read"},
+    {"\x89PNG", 0, "a picture (PNG)"},
+    {"\xff\xd8\xff", 0, "a picture (JPEG)"},
+    {"%PDF-", 0, "a PDF document"},
+    {"PK\x03\x04", 0, "a ZIP archive (XLSX, NPZ, ODS, Saleae SAL and sigrok SR are such)"},
+    {"\x1f\x8b", 0, "compressed by gzip"},
+    {"\xd0\xcf\x11\xe0", 0, "an old Excel or Word document"},
+    {"TDSm", 0, "a LabVIEW TDMS file"},
+    {"<SALEAE>", 0, "a binary export of Saleae Logic"},
+    {"RG01", 0, "a binary waveform of a Rigol oscilloscope"},
+    {"RG03", 0, "a binary waveform of a Rigol oscilloscope"},
+    {"AG10", 0, "a binary waveform of a Keysight oscilloscope"},
+    {"AG01", 0, "a binary waveform of a Keysight oscilloscope"},
+    {":WFM#", 2, "a binary waveform of a Tektronix oscilloscope"},
+    {"WAVEDESC", 11, "a binary waveform of a LeCroy oscilloscope"},
+    {"WAVEDESC", 0, "a binary waveform of a LeCroy oscilloscope"},
+    {"PAR1", 0, "an Apache Parquet table"},
+}};
+
+const UnreadKind* FindUnreadKind(std::span<const std::byte> start) {
+  const auto is_it = [&](const UnreadKind& kind) {
+    return start.size() >= kind.at + kind.signature.size() &&
+           std::ranges::equal(start.subspan(kind.at, kind.signature.size()),
+                              BytesOfText(kind.signature));
+  };
+  const auto* found = std::ranges::find_if(kUnreadKinds, is_it);
+  return found == kUnreadKinds.end() ? nullptr : found;
+}
+
+// "FILE.h5/NAME": a trial in an HDF5 file, the file and the name
+std::pair<std::string, std::string> SplitTrialName(const std::string& path) {
+  std::error_code ignored;
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  if (!std::filesystem::is_regular_file(parent, ignored)) return {path, ""};
+  return {parent.string(), std::filesystem::path(path).filename().string()};
+}
+
+Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions& options) {
+  const auto text = ReadInputFile(path);
+  if (!text) return std::unexpected(text.error());
+  Recording recording;
+  const bool is_lvm = IsLvm(*text);
+  auto record = is_lvm ? ParseLvm(*text, path, options, &recording.report.remarks)
+                       : ParseCsv(*text, path, options, &recording.report.remarks);
+  if (!record) return std::unexpected(record.error());
+  recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
+  recording.report.closed = true;
+  recording.report.rows = recording.report.next_row = record->rows;
+  recording.record = std::move(*record);
+  return recording;
+}
+
+// Names, units, labels and notes of a foreign file, which anybody may have written: made printable
+// here, so that nothing behind this place meets a control character.
+void MakePrintable(Recording* recording) {
+  for (Channel& channel : recording->record.channels) {
+    channel.name = Printable(channel.name);
+    channel.unit = Printable(channel.unit);
+  }
+  Metadata& metadata = recording->record.metadata;
+  for (const auto& [key, member] : kMetadataTexts) {
+    metadata.*member = Printable(metadata.*member);
+  }
+  for (auto* texts : {&metadata.labels, &metadata.fields}) {
+    std::map<std::string, std::string> printable;
+    for (const auto& [key, value] : *texts) printable[Printable(key)] = Printable(value);
+    *texts = std::move(printable);
+  }
+  for (std::string& note : metadata.notes) note = Printable(note);
+  for (std::string& remark : recording->report.remarks) remark = Printable(remark);
+}
+
+}  // namespace
+
+Result<Recording> ReadRecording(const std::string& whole_path, const ImportOptions& options) {
+  const auto [path, name] = SplitTrialName(whole_path);
+  auto source = OpenFileSource(path);
+  if (!source) return std::unexpected(source.error());
+  std::array<std::byte, 512> bytes;
+  const auto got = (*source)->ReadAt(0, bytes);
+  if (!got) return std::unexpected(got.error());
+  const std::span<const std::byte> start = std::span(bytes).first(*got);
+  const std::uint64_t file_bytes = (*source)->size();
+  if (const UnreadKind* kind = FindUnreadKind(start)) {
+    return CannotAnswer(path, fmt::format("is {}", kind->what),
+                        "give the trial itself, or export its columns as a CSV whose header line "
+                        "is such as time_s,displacement_m");
+  }
+  Result<Recording> recording;
+  if (IsHdf5(start)) {
+    recording = ReadHdf5(path, name);
+  } else if (!name.empty()) {
+    return CannotAnswer(whole_path, "lies in a file that holds one recording", "name the file");
+  } else if (*got > 0 && !IsText(start)) {
+    recording = ReadRecordFrom(std::move(*source), path);
+    if (!recording && recording.error().remedy == kGiveATrial) {
+      recording.error().remedy += ", or a CSV whose header line begins with time_s";
+    }
+  } else {
+    recording = ReadTextRecording(path, options);
+  }
+  if (!recording) return recording;
+  MakePrintable(&*recording);
+  recording->report.file_bytes = file_bytes;
+  return recording;
+}
+
+namespace {
+
+// a record in memory that lives as long as its rows
+class OwnedRows final : public RowSource {
+ public:
+  explicit OwnedRows(Record record) : record_(std::move(record)), rows_(record_) {}
+
+  [[nodiscard]] const Record& head() const override { return rows_.head(); }
+  [[nodiscard]] Result<void> Read(std::size_t channel, std::size_t first, std::span<double> values,
+                                  std::span<SampleStatus> statuses) const override {
+    return rows_.Read(channel, first, values, statuses);
+  }
+
+ private:
+  Record record_;
+  RecordRows rows_;
+};
+
+}  // namespace
+
+Result<OpenedRows> OpenRows(const std::string& path, const ImportOptions& options, int threads) {
+  // what is no trial, or none that can be read, is left to ReadRecording and its messages
+  if (auto reader = TrialReader::Open(path); reader && TrialRows::CanRead(reader->header())) {
+    auto rows = TrialRows::From(std::move(*reader), path, threads);
+    if (!rows) return std::unexpected(rows.error());
+    OpenedRows opened{.rows = nullptr, .report = (*rows)->report()};
+    opened.rows = std::move(*rows);
+    return opened;
+  }
+  auto recording = ReadRecording(path, options);
+  if (!recording) return std::unexpected(recording.error());
+  return OpenedRows{std::make_unique<OwnedRows>(std::move(recording->record)),
+                    std::move(recording->report)};
+}
+
+}  // namespace haptometer::trial

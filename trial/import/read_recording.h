@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "base/error.h"
+#include "trial/import/import_options.h"
+#include "trial/row_source.h"
+#include "trial/trial_reader.h"
+
+namespace haptometer::trial {
+
+/// A measurement from a file of any kind that is known, told apart by its first bytes: trial.bin,
+/// HDF5 of this program (`FILE.h5/NAME` where it holds several), LabVIEW measurement, CSV.
+///
+/// What was assumed on the way stands in report.remarks; show it. `options` are about foreign
+/// tables only.
+/// Errors (Cause::kCannotAnswer): as TrialReader::Open, ReadHdf5, ReadLvm and ReadCsv; bytes that
+/// are none of them give one message that names the kinds, and those of a kind that is known and
+/// not read (WAV, NPY, MAT, TDMS, archives ...) one that names it. Cause::kUsage: `options` and the
+/// file contradict each other.
+[[nodiscard]] Result<Recording> ReadRecording(const std::string& path,
+                                              const ImportOptions& options = {});
+
+/// A recording to be read by range and how well it could be read.
+struct OpenedRows {
+  std::unique_ptr<RowSource> rows;
+  ReadReport report{};
+};
+
+/// The rows of a recording of any kind that ReadRecording knows, the same as it gives.
+///
+/// A trial.bin of uniform timing stays in its file (trial/trial_rows.h), however long it is;
+/// everything else is read into memory. `threads` check it and change nothing. Errors: as
+/// ReadRecording.
+[[nodiscard]] Result<OpenedRows> OpenRows(const std::string& path,
+                                          const ImportOptions& options = {}, int threads = 1);
+
+}  // namespace haptometer::trial
