@@ -216,6 +216,4 @@ T RingDown<T>::ReleaseRatio(const T& time_s) const {
   return At(release_, time_s);
 }
 
-extern template class RingDown<double>;  // compiled once, in ring_down.cc
-
 }  // namespace haptometer::sim

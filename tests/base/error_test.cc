@@ -14,9 +14,6 @@ TEST(CheckDeathTest, NamesThePlaceWithoutThePathOfTheBuild) {
 
 TEST(Check, PassesWhatHolds) { HAPTOMETER_CHECK(true, "{}", 1); }
 
-}  // namespace
-namespace {
-
 TEST(Error, TextJoinsWhereWhatAndRemedy) {
   EXPECT_EQ((Error{Cause::kFailed, "a.csv", "is empty", "record again"}).Text(),
             "a.csv: is empty; record again");

@@ -97,9 +97,6 @@ TEST(TomlShape, ALargeTextIsRefused) {
   EXPECT_EQ(Told(std::string(kMostTomlBytes, '\n')), "");
 }
 
-}  // namespace
-namespace {
-
 TomlTable Parsed(std::string_view text) {
   auto table = TomlTable::ParseText(text, "x.toml");
   EXPECT_TRUE(table) << table.error().Text();
@@ -303,9 +300,6 @@ TEST(TomlTable, BrokenTomlIsPlacedByLineAndColumn) {
     EXPECT_TRUE(table.error().where.starts_with("x.toml:")) << table.error().where;
   }
 }
-
-}  // namespace
-namespace {
 
 using ::testing::HasSubstr;
 

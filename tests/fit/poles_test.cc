@@ -84,9 +84,6 @@ TEST(EstimatePoles, FallsBackOnTheSpectrumInHeavyNoise) {
              "the fit reaches 30 %");
 }
 
-}  // namespace
-namespace {
-
 using tests::Fit;
 using tests::MakeRecord;
 using tests::SyntheticDrop;

@@ -53,9 +53,6 @@ TEST(ResidualDensity, NeedsLinesAndABandBelowHalfTheRate) {
   EXPECT_EQ(DensityAt(std::vector<double>(1000, 0.0), kStepS, kResonanceHz).ratio, 1);
 }
 
-}  // namespace
-namespace {
-
 using tests::SyntheticDrop;
 
 std::vector<double> Normal(std::size_t count) {

@@ -217,7 +217,6 @@ std::vector<ThesisRow> PowerRows() {
 
 // RMS of the skin's side once a contact that breaks has settled, under the weight alone
 ThesisRow BreakingContactRow(sim::Scene scene) {
-  constexpr double kOutputHz = 1e4;
   constexpr std::uint64_t kSettled = 10'000;
   constexpr std::uint64_t kOutputs = 20'000;
   scene.start = sim::Start::kRest;

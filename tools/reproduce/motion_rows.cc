@@ -245,11 +245,12 @@ std::vector<ThesisRow> ImpedanceRows(const sim::Scene& scene) {
 }
 
 std::vector<ThesisRow> SensitivityRows(const sim::Scene& scene) {
-  static constexpr std::array kKeys{"sensitivity-Ma1", "sensitivity-Ma2", "sensitivity-Ka",
-                                    "sensitivity-Ba",  "sensitivity-Ks",  "sensitivity-Bs"};
+  static constexpr std::array kSensitivityKeys{"sensitivity-Ma1", "sensitivity-Ma2",
+                                               "sensitivity-Ka",  "sensitivity-Ba",
+                                               "sensitivity-Ks",  "sensitivity-Bs"};
   std::vector<ThesisRow> rows;
-  rows.reserve(kKeys.size());
-  for (std::size_t i = 0; i < kKeys.size(); ++i) {
+  rows.reserve(kSensitivityKeys.size());
+  for (std::size_t i = 0; i < kSensitivityKeys.size(); ++i) {
     double most = 0;
     for (int percent = -50; percent <= 50; ++percent) {
       const double factor = 1 + percent / 100.0;
@@ -260,7 +261,7 @@ std::vector<ThesisRow> SensitivityRows(const sim::Scene& scene) {
       return 100 * (sim::RelativeSkinRms(scene, sim::kSceneNumbers[i], factor) - 1);
     };
     rows.push_back(
-        {.key = kKeys[i],
+        {.key = kSensitivityKeys[i],
          .ours = most,
          .remark = fmt::format("{:+.2f} % at -50 %, {:+.2f} % at +50 %", at(0.5), at(1.5))});
   }

@@ -56,11 +56,6 @@ TEST(RepeatMarker, WhatIsNoMeasurementKeepsItsStatus) {
   }
 }
 
-}  // namespace
-namespace {
-
-constexpr MonotonicNs kMs = 1'000'000;
-
 TEST(ResponseDeadline, IsTheMakersSecondUntilTheUnitIsKnown) {
   ResponseDeadline deadline;
   EXPECT_EQ(deadline.WaitNs(), kNsPerS);

@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "dsp/filter/transient.cc"
 #include "dsp/filter/zero_phase.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"

@@ -326,9 +326,6 @@ TEST(ZeroPhaseBlocks, SilenceLeavesNoSubnormalNumbers) {
   EXPECT_EQ(_mm_getcsr() & ~kExceptions, mode & ~kExceptions);
 }
 
-}  // namespace
-namespace {
-
 constexpr double kRateHz = 10e3;
 
 TEST(ZeroPhase, AToneKeepsItsPhaseAndHasTheSquaredGain) {

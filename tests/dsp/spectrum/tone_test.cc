@@ -111,12 +111,6 @@ TEST(Tone, BesideAStrongerOneOutsideTheBandIsFound) {
   EXPECT_ABS(tone->frequency_hz, 225.2, 0.02, "the tremor's side lobes in the unwindowed fit");
 }
 
-}  // namespace
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-constexpr double kRateHz = 10e3;
-
 TEST(Harmonics, AreFoundTogetherAtAnyLength) {
   // 3.7 periods and a slope: an FFT's bins would smear all of it
   std::vector<double> signal =

@@ -35,18 +35,12 @@ TEST(CompareMeans, IsUnboundedWhereTheDenominatorMayBeZero) {
   EXPECT_FALSE(CompareMeans(a, std::vector{1.0, -1.0, 0.0}));
 }
 
-}  // namespace
-namespace {
-
 TEST(HedgesCorrection, IsExact) {
   // Gamma(7/2) = 15 sqrt(pi) / 8, Gamma(3) = 2
   EXPECT_REL(HedgesCorrection(7), 15 * std::sqrt(std::numbers::pi) / 16 / std::sqrt(3.5), 1e-15,
              "closed form: 0.888203");
   EXPECT_REL(HedgesCorrection(400), 1 - 3.0 / (4 * 400 - 1), 1e-6, "Hedges' approximation");
 }
-
-}  // namespace
-namespace {
 
 TEST(SignFlipP, CountsAllSigns) {
   // the sums of +-1 +-2 +-4 are the odd numbers from -7 to 7
@@ -59,9 +53,6 @@ TEST(SignFlipP, CountsAllSigns) {
   EXPECT_FALSE(SignFlipP(std::vector<double>(21, 1.0)));
   EXPECT_FALSE(SignFlipP({}));
 }
-
-}  // namespace
-namespace {
 
 TEST(HolmAdjusted, IsMonotoneAndInOrder) {
   // Holm 1979 with m = 3: 3 x 0.01, then 2 x 0.02, then max(0.04, 0.03)

@@ -26,9 +26,6 @@ TEST(RepeatedMeasuresAnova, OfTwoConditionsIsThePairedT) {
   EXPECT_FALSE(AnalyzeRepeatedMeasures(TableOf(2, 2, {0.1, 0.2, 0.3, 0.4})));
 }
 
-}  // namespace
-namespace {
-
 TEST(MoreyHalfWidths, OfTwoConditionsAreThoseOfTheDifference) {
   // with k = 2 the corrected bar is the interval of the difference over sqrt(2)
   const CompleteTable table = TableOf(4, 2, {1, 3, 2, 3, 4, 9, 5, 6});
@@ -38,9 +35,6 @@ TEST(MoreyHalfWidths, OfTwoConditionsAreThoseOfTheDifference) {
     EXPECT_REL(bar, half / std::numbers::sqrt2, 1e-14, "rounding");
   }
 }
-
-}  // namespace
-namespace {
 
 TEST(VariationOfLogs, IsThatOfALognormalValue) {
   // variance / mean^2 = exp(s^2) - 1
@@ -61,9 +55,6 @@ TEST(AssessRepeats, IsThatOfShroutAndFleiss) {
   EXPECT_FALSE(AssessRepeats(std::vector<std::vector<double>>{{1, 2}, {1, 2, 3}}));
   EXPECT_FALSE(AssessRepeats(std::vector<std::vector<double>>{{1, 1}, {2, 2}}));
 }
-
-}  // namespace
-namespace {
 
 constexpr int kTables = tests::kIsSanitized ? 5 : 500;
 

@@ -134,9 +134,6 @@ TEST(ImpulseRecord, WithoutAVoltageADisplacementIsTaken) {
   EXPECT_THAT(ErrorOf(recording), HasSubstr("several displacements"));
 }
 
-}  // namespace
-namespace {
-
 constexpr double kPeriodSamples = 40;
 
 // a ring-down of amplitude 1 and Q = 60, rounded to `step` and cut at `limit`

@@ -82,9 +82,6 @@ TEST(SplitDrops, TapsAfterEachOtherAreTakenApart) {
   }
 }
 
-}  // namespace
-namespace {
-
 tests::SyntheticDrop Fine() {
   tests::SyntheticDrop drop;
   drop.step_s = 0.26 / 250'000;  // 4300 samples a period

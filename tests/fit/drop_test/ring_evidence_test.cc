@@ -137,6 +137,28 @@ TEST(RingEvidence, WhatFollowsAnotherMotionIsNone) {
   EXPECT_EQ(Refusal(Recorded(ringing, 0.1)), "");
 }
 
+TEST(RingEvidence, AHumThatIsNotThereBeforeTheMotionIsNone) {
+  // a chirp from 82 to 47 Hz in 0.1 s: a ring-down of 70.6 +- 0.2 Hz beside a hum of 60 Hz, it
+  // seemed
+  ImpulseRecord record = Recorded([](double t) {
+    const double since = t + 0.03;
+    const double falling = std::min(since, 0.1044);
+    const double turns =
+        81.95 * (since - 0.4313 * (since * falling - falling * falling / 2) / 0.1044);
+    return std::exp(-19.16 * since) * std::sin(kTwoPi * turns + 1.73);
+  });
+  record.voltage_v.resize(3950);
+  EXPECT_THAT(Refusal(record), HasSubstr("looks like hum of 60 Hz does not precede"));
+  // one that is there all along, at any phase
+  for (const double phase : {0.0, 1.0, 2.5, 4.0}) {
+    EXPECT_EQ(Refusal(Recorded([phase](double t) {
+                return Ringing(t, 127, 4) + 0.3 * std::cos(kTwoPi * 60 * t + phase);
+              })),
+              "")
+        << phase;
+  }
+}
+
 TEST(RingEvidence, WhatStaysWhenTheRingingIsGoneIsNoPartOfIt) {
   // from 5 decay times on, where the ringing's own power tells nothing of it
   const auto late = [](double t) { return t > 0.12 ? std::min(1.0, (t - 0.12) / 0.1) : 0; };

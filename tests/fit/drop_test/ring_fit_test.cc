@@ -54,9 +54,6 @@ TEST(RingFit, BlocksKeepThePoles) {
   EXPECT_REL(fit.poles.stiffness_per_s2, 2e6, 1e-11, "noise-free");
 }
 
-}  // namespace
-namespace {
-
 constexpr double kAngular = 1300;  // undamped, rad/s
 
 // without damping, displaced by 1 and let go

@@ -53,9 +53,6 @@ TEST(MotorSource, MovesAsTheSevenStatesDo) {
   }
 }
 
-}  // namespace
-namespace {
-
 using Complex = std::complex<double>;
 
 Complex SkinPhasor(const Scene& scene) {

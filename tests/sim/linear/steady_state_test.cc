@@ -214,9 +214,6 @@ TEST(SteadyState, AtAnUndampedResonanceSaysThatThereIsNone) {
              "closed form, a thousandfold cancellation");
 }
 
-}  // namespace
-namespace {
-
 Scene WithTones(Scene scene, std::vector<Tone> tones) {
   scene.drive = {.kind = DriveKind::kTones, .tones = std::move(tones)};
   return scene;

@@ -47,9 +47,6 @@ TEST(SkinUnderAreaDeath, CoversOnlyItsAreas) {
   EXPECT_DEATH(static_cast<void>(SkinUnderArea(101e-6, SkinRange::kText)), "check failed");
 }
 
-}  // namespace
-namespace {
-
 constexpr ReceptorField kCells{};
 constexpr ReceptorField kEdges{.grid = ReceptorGrid::kEdgeToEdge};
 

@@ -27,9 +27,6 @@ TEST(CounterRandom, GivesThePublishedAnswers) {
             (Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-}  // namespace
-namespace {
-
 TEST(LatinHypercube, DealsEachPartOnceOnEveryAxis) {
   for (const std::uint64_t samples : {1U, 2U, 3U, 4U, 5U, 16U, 17U, 1000U, 4097U}) {
     for (const std::uint64_t seed : {0U, 1U, 7U}) {
@@ -108,9 +105,6 @@ TEST(LatinHypercube, StaysWhatItIs) {
   }
   EXPECT_GT(moved, 0);
 }
-
-}  // namespace
-namespace {
 
 SweepAxis Range(std::string key, const SweepRange& range) { return {std::move(key), range}; }
 

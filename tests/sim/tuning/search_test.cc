@@ -82,9 +82,6 @@ TEST(BoundedClimb, SaysWhereALimitCannotBeKept) {
       ClimbWithinBounds(view, CubePlace::Zero(), CubePlace::Ones(), CubePlace::Ones()).kept);
 }
 
-}  // namespace
-namespace {
-
 using Number = Slope<Interval, kBoxAxes>;
 
 Number Axis(const AdapterBox& box, std::size_t axis) {
@@ -128,9 +125,6 @@ TEST(BoxSearch, StopsAtTheMostBoxes) {
   EXPECT_LE(least.cost, 2);
   EXPECT_EQ(least.boxes, 11U);
 }
-
-}  // namespace
-namespace {
 
 TEST(CompassSearch, FindsTheTopOfASkewHill) {
   const auto hill = [](const std::vector<double>& x) {
