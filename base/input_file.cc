@@ -2,25 +2,30 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
-#include <set>
-#include <utility>
 
 namespace haptometer {
 namespace {
 
-// the files that the command reads: device and inode
-struct NotedInputs {
+// the files that the command reads
+struct InputList {
   std::mutex mutex;
-  std::set<std::pair<dev_t, ino_t>> files;
+  std::vector<NotedInput> files;
+
+  [[nodiscard]] bool Has(const struct stat& status) const {
+    return std::ranges::any_of(files, [&](const NotedInput& file) {
+      return file.status.st_dev == status.st_dev && file.status.st_ino == status.st_ino;
+    });
+  }
 };
 
-NotedInputs& Noted() {
-  static NotedInputs noted;
+InputList& Noted() {
+  static InputList noted;
   return noted;
 }
 
@@ -30,12 +35,17 @@ void NoteInput(const std::string& path) {
   struct stat status{};
   if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
   const std::scoped_lock lock(Noted().mutex);
-  Noted().files.emplace(status.st_dev, status.st_ino);
+  if (!Noted().Has(status)) Noted().files.push_back({path, status});
 }
 
 bool IsNotedInput(const struct stat& status) {
   const std::scoped_lock lock(Noted().mutex);
-  return Noted().files.contains({status.st_dev, status.st_ino});
+  return Noted().Has(status);
+}
+
+std::vector<NotedInput> NotedInputs() {
+  const std::scoped_lock lock(Noted().mutex);
+  return Noted().files;
 }
 
 void ForgetInputs() {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "base/error.h"
 
@@ -23,6 +24,15 @@ void NoteInput(const std::string& path);
 
 /// Whether the file of `status` (stat) was noted. Thread-safe.
 [[nodiscard]] bool IsNotedInput(const struct stat& status);
+
+/// A file that was noted: the first path that it had, and its state then.
+struct NotedInput {
+  std::string path;
+  struct stat status{};
+};
+
+/// All that were noted, in the order in which they were. Thread-safe.
+[[nodiscard]] std::vector<NotedInput> NotedInputs();
 
 /// Begins with no inputs: what a command does before anything else, where a process runs several.
 void ForgetInputs();

@@ -86,6 +86,7 @@ const std::vector<HeavyPart> kHeavyParts{
     {"modbus/", {"acquire/sensor/", "acquire/transport/"}},
     {"hdf5", {"trial/"}},
     {"matio", {"trial/export/"}},
+    {"openssl/", {"tools/document/provenance.cc"}},
     {"systemd/", {"tools/daemon/daemon.cc"}},
     {"unsupported/Eigen/MatrixFunctions", {"sim/linear/driven_step.cc"}},
 };

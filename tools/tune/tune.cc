@@ -7,7 +7,7 @@
 #include "sim/tuning/latency_limit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
-#include "tools/plot/gnuplot.h"
+#include "tools/document/present.h"
 #include "tools/tune/tune_document.h"
 #include "tools/tune/tune_question.h"
 #include "tools/verbs.h"
@@ -133,7 +133,7 @@ std::unexpected<Error> NothingPrompt(const TuneAnswer& answer) {
   if (least_ms == 0) {
     return CannotAnswer(
         question.name,
-        fmt::format("no latency can be told at {:g} Hz: {}", frequency_hz,
+        fmt::format("at {:g} Hz {}", frequency_hz,
                     NoLatencyText(question.problem, answer.latency->unlimited.point)),
         "leave out --latency");
   }
@@ -208,18 +208,14 @@ int RunTune(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto question = ReadQuestion(words);
   if (!question) return cli::ReportError(kVerb, question.error());
-  if (!words.plot.empty()) {
-    if (auto fit = plot::CheckPlotPath(words.plot); !fit)
-      return cli::ReportError(kVerb, fit.error());
+  if (auto good = document::CheckOutputs(words.outputs); !good) {
+    return cli::ReportError(kVerb, good.error());
   }
   const auto answer = Answer(*question);
   if (!answer) return cli::ReportError(kVerb, answer.error());
-  cli::Print(options.json() ? TuneJson(*answer) : TuneText(*answer));
-  if (words.plot.empty()) return 0;
-  if (auto drawn = DrawTune(words.plot, *answer); !drawn) {
-    return cli::ReportError(kVerb, drawn.error());
-  }
-  return 0;
+  words.outputs.json = options.json();
+  return document::Present(TuneDocument(*answer, words.outputs.HasFigures()), words.outputs, argc,
+                           argv);
 }
 
 }  // namespace haptometer::tools

@@ -6,46 +6,129 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <string_view>
-#include <vector>
 
 #include "sim/tuning/latency_limit.h"
 #include "tools/analyze/analysis_document.h"
-#include "tools/cli/json.h"
-#include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
 namespace {
 
-using nlohmann::ordered_json;
+using document::Detail;
+using document::Item;
+using document::Key;
+using document::Section;
+using document::Unit;
 
-std::string Said(sim::Objective objective, double value) {
-  const SpokenUnit spoken = SpokenUnitOf(objective);
-  return fmt::format("{:.5f} {}", value * spoken.factor, spoken.unit);
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// keys of more than one place
+constexpr Key kSkinRms{"skin_rms_m", "skin displacement (RMS)", document::kMetre};
+constexpr Key kMoverPeak{"mover_peak_m", "mover travel to either side", document::kMetre};
+
+Unit ObjectiveUnit(sim::Objective objective) {
+  switch (objective) {
+    case sim::Objective::kStimulus:
+      return {"_m", "m", {{{1e3, "mm x receptors"}}}};
+    case sim::Objective::kSkinPower:
+      return document::kWatt;
+    case sim::Objective::kRmsPerWatt:
+      return document::kMetrePerWatt;
+    case sim::Objective::kSkinRms:
+      break;
+  }
+  return document::kMetre;
 }
 
-// "*" behind a number that one of its bounds holds
-const char* Mark(double value, const sim::Range& range) {
-  return value == range.lower || value == range.upper ? "*" : "";
+// --- findings ---
+
+enum class TuneFinding : std::uint8_t {
+  kLinear,
+  kContactKept,
+  kSkinGiven,
+  kSkinOfArea,
+  kLatencyProved,
+  kLatencySearched,
+  kLeftOut,
+  kStopsLeftOut,
+  kRunTooLong,
+  kNoRise,
+};
+
+document::Sentence SentenceOf(TuneFinding kind) {
+  switch (kind) {
+    case TuneFinding::kLinear:
+      return {"linear",
+              "springs and dampers are linear at any travel: compare the mover's travel with its "
+              "stops"};
+    case TuneFinding::kContactKept:
+      return {"contact-kept",
+              "contact is kept whatever the force: it is lost where less than {least_force_n} "
+              "presses actuator and skin together"};
+    case TuneFinding::kSkinGiven:
+      return {"skin-given", "the skin is the scene's whatever the contact's area"};
+    case TuneFinding::kSkinOfArea:
+      return {"skin-of-area", "the skin follows the thesis's cube root of the contact's area"};
+    case TuneFinding::kLatencyProved:
+      return {"latency-proved",
+              "the latency is that of a simulated run, its standard uncertainty added; the best "
+              "adapter without the limit keeps to it, so that the upper bound is the answer's "
+              "own"};
+    case TuneFinding::kLatencySearched:
+      return {"latency-searched",
+              "the latency is that of a simulated run, its standard uncertainty added, and was "
+              "searched, not proved ({runs} runs: an even lattice of all five numbers, and climbs "
+              "from its best that keep to the limit and from the best without it): the adapter "
+              "keeps to the limit; another that does may move the skin more; the upper bound is "
+              "that without the limit"};
+    case TuneFinding::kLeftOut:
+      return {"effects-left-out",
+              "the numbers are without these effects of the scene: {effects}; check the adapter by "
+              "simulate"};
+    case TuneFinding::kStopsLeftOut:
+      return {"stops-left-out", "the stops are left out: --mover-travel keeps off them"};
+    case TuneFinding::kRunTooLong:
+      return {"run-too-long",
+              "the latency is not known: a run of {run_s} has too many outputs to be looked at"};
+    case TuneFinding::kNoRise:
+      break;
+  }
+  return {"no-rise",
+          "the latency is not known: in a run of {run_s} its amplitude does not pass from 10 % to "
+          "90 %"};
 }
 
-std::string Adapter(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
-  const sim::Adapter& adapter = point.adapter;
-  const sim::AdapterBounds& bounds = problem.bounds;
-  const std::string area = problem.fixed_skin
-                               ? ""
-                               : fmt::format(", contact {:.6g}{} mm2", point.contact_area_m2 * 1e6,
-                                             Mark(point.contact_area_m2, bounds.contact_area_m2));
-  return fmt::format(
-      "motor side {:.6g}{} g, skin side {:.6g}{} g, spring {:.6g}{} N/m, damper {:.6g}{} N s/m{}",
-      adapter.motor_side_mass_kg * 1e3, Mark(adapter.motor_side_mass_kg, bounds.motor_side_mass_kg),
-      adapter.skin_side_mass_kg * 1e3, Mark(adapter.skin_side_mass_kg, bounds.skin_side_mass_kg),
-      adapter.stiffness_n_per_m, Mark(adapter.stiffness_n_per_m, bounds.stiffness_n_per_m),
-      adapter.damping_n_s_per_m, Mark(adapter.damping_n_s_per_m, bounds.damping_n_s_per_m), area);
+FindingOf<TuneFinding> NoLatency(const sim::TuningProblem& problem,
+                                 const sim::AdapterPoint& point) {
+  return {
+      .severity = Severity::kDoubt,
+      .kind = sim::RunIsTooLong(problem, point) ? TuneFinding::kRunTooLong : TuneFinding::kNoRise,
+      .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
 }
+
+// what the numbers rest on
+Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
+  using enum TuneFinding;
+  const TuneQuestion& question = answer.question;
+  Findings<TuneFinding> findings;
+  findings.Note(kLinear);
+  findings.Note(kContactKept, {{"least_force_n", answer.steady.skin_force_peak_n}});
+  findings.Note(question.problem.fixed_skin ? kSkinGiven : kSkinOfArea);
+  if (answer.latency && answer.latency->proved) findings.Note(kLatencyProved);
+  if (answer.latency && !answer.latency->proved) {
+    findings.Note(kLatencySearched, {{"runs", answer.latency->runs}});
+  }
+  if (!answer.rise) findings.Add(NoLatency(question.problem, answer.optimum.point));
+  if (question.left_out.empty()) return findings;
+  findings.Note(kLeftOut, {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
+  if (question.has_stops && std::isinf(question.problem.mover_limit_m)) {
+    findings.Note(kStopsLeftOut);
+  }
+  return findings;
+}
+
+// --- the proof ---
 
 // whom the bound of boxes holds for
 std::string BoundedText(const TuneAnswer& answer) {
@@ -70,154 +153,6 @@ std::string ProofText(const TuneAnswer& answer) {
   return "no adapter at all gives more (matched load)";
 }
 
-// how far the bound lies above what was found, in percent
-std::string GapText(const sim::AdapterOptimum& optimum) {
-  return fmt::format("{:.2g} % above", (optimum.upper_bound / optimum.value - 1) * 100);
-}
-
-std::string PointsText(const TuneAnswer& answer, std::string_view title,
-                       const std::vector<sim::RidgePoint>& points) {
-  if (points.empty()) return {};
-  std::string text = fmt::format("  {}\n", title);
-  for (const sim::RidgePoint& point : points) {
-    text += point.value > 0
-                ? fmt::format("    {}: {}\n", Adapter(point.point, answer.question.problem),
-                              Said(answer.question.objective, point.value))
-                : "    none found that keeps to the limit\n";
-  }
-  return text;
-}
-
-// whether a spring that is off breaks the mover's limit, which holds to rounding
-bool BreaksLimit(const sim::TuningProblem& problem, double mover_peak_m) {
-  constexpr double kRounding = 1e-9;
-  return mover_peak_m > problem.mover_limit_m * (1 + kRounding);
-}
-
-std::string BeyondText(const sim::TuningProblem& problem, double mover_peak_m) {
-  if (!BreaksLimit(problem, mover_peak_m)) return {};
-  return fmt::format(", but a mover travel of {:.5f} um, beyond the {:g} um allowed",
-                     mover_peak_m * 1e6, problem.mover_limit_m * 1e6);
-}
-
-std::string SpringsText(const TuneAnswer& answer) {
-  std::string text;
-  const double best = answer.optimum.value;
-  for (const auto& [spring, mover_peak_m] : answer.springs) {
-    const std::string rebalanced =
-        spring.rebalanced > 0
-            ? fmt::format("{:s} ({:+.3f} %)", Said(answer.question.objective, spring.rebalanced),
-                          (spring.rebalanced / best - 1) * 100)
-            : "none found that keeps the mover within its travel";
-    text += fmt::format(
-        "  a spring {:.0f} % too {}: {:s} ({:+.2f} %){}, with the skin side's mass chosen anew "
-        "{:s}\n",
-        std::abs(spring.factor - 1) * 100, spring.factor < 1 ? "soft" : "stiff",
-        Said(answer.question.objective, spring.as_built), (spring.as_built / best - 1) * 100,
-        BeyondText(answer.question.problem, mover_peak_m), rebalanced);
-  }
-  return text;
-}
-
-// how sure the answer is where the latency is limited
-std::string SearchText(const LatencySearch& search) {
-  if (search.proved) {
-    return "the latency is that of a simulated run, its standard uncertainty added; the best "
-           "adapter "
-           "without the limit keeps to it, so that the upper bound is the answer's own";
-  }
-  return fmt::format(
-      "the latency is that of a simulated run, its standard uncertainty added, and was searched, "
-      "not proved ({} runs: an even "
-      "lattice of all five numbers, and climbs from its best that come up in time and from the "
-      "best without the limit): that the adapter keeps to the limit is certain, that no other does "
-      "and moves the skin more is not; the upper bound is that without the limit",
-      search.runs);
-}
-
-ordered_json SearchJson(const TuneAnswer& answer) {
-  if (!answer.latency) return nullptr;
-  return {{"proved", answer.latency->proved}, {"runs", answer.latency->runs}};
-}
-
-// what simulate says of the adapter in a run of that length
-std::string RiseText(const TuneAnswer& answer) {
-  const double run_s = sim::LatencyRunS(answer.question.problem);
-  if (!answer.rise) {
-    return fmt::format("  latency            none told: {}\n",
-                       NoLatencyText(answer.question.problem, answer.optimum.point));
-  }
-  const std::optional<double>& limit_s = answer.question.latency_limit_s;
-  return fmt::format("  latency to 10 %    {}{}: {} (a run of {:g} s from rest)\n",
-                     LatencyText(*answer.rise),
-                     limit_s ? fmt::format(", of {:g} ms allowed", *limit_s * 1e3) : "",
-                     LatencyVerdict(*answer.rise), run_s);
-}
-
-ordered_json RiseJson(const TuneAnswer& answer) {
-  if (!answer.rise) return nullptr;
-  return {{"run_s", sim::LatencyRunS(answer.question.problem)},
-          {"rise_s", cli::NumberOrNull(answer.rise->rise_s)},
-          {"rise_at_most_s", cli::NumberOrNull(answer.rise->rise_at_most_s)},
-          {"latency_s", answer.rise->latency_s},
-          {"latency_below_s", cli::NumberOrNull(LatencyBelowS(*answer.rise))},
-          {"standard_uncertainty_s", answer.rise->uncertainty_s},
-          {"verdict", LatencyVerdict(*answer.rise)}};
-}
-
-ordered_json PointJson(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
-  return {{"motor_side_mass_kg", point.adapter.motor_side_mass_kg},
-          {"skin_side_mass_kg", point.adapter.skin_side_mass_kg},
-          {"stiffness_n_per_m", point.adapter.stiffness_n_per_m},
-          {"damping_n_s_per_m", point.adapter.damping_n_s_per_m},
-          {"contact_area_m2",
-           problem.fixed_skin ? ordered_json(nullptr) : ordered_json(point.contact_area_m2)}};
-}
-
-ordered_json GridJson(const TuneAnswer& answer) {
-  if (!answer.grid) return nullptr;
-  return {{"values_per_axis", answer.question.grid_values},
-          {"points", answer.grid->points},
-          {"best", PointJson(answer.grid->point, answer.question.problem)},
-          {"skin_rms_m", answer.grid->skin_rms_m}};
-}
-
-ordered_json PointsJson(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points) {
-  ordered_json list = ordered_json::array();
-  for (const sim::RidgePoint& point : points) {
-    const bool found = point.value > 0;
-    list.push_back({{"best", found ? PointJson(point.point, answer.question.problem) : nullptr},
-                    {"value", found ? cli::NumberOrNull(point.value) : nullptr}});
-  }
-  return list;
-}
-
-ordered_json SpringsJson(const TuneAnswer& answer) {
-  ordered_json springs = ordered_json::array();
-  for (const auto& [spring, mover_peak_m] : answer.springs) {
-    springs.push_back({{"factor", spring.factor},
-                       {"value", cli::NumberOrNull(spring.as_built)},
-                       {"mover_peak_m", cli::NumberOrNull(mover_peak_m)},
-                       {"keeps_mover_limit", !BreaksLimit(answer.question.problem, mover_peak_m)},
-                       {"value_with_new_skin_side_mass",
-                        spring.rebalanced > 0 ? cli::NumberOrNull(spring.rebalanced) : nullptr}});
-  }
-  return springs;
-}
-
-// whether the objective is the skin_rms_m that is printed beside its bound
-bool IsSkinRms(const TuneAnswer& answer) {
-  return answer.question.objective == sim::Objective::kSkinRms &&
-         answer.question.problem.skin_variation == 0;
-}
-
-// what the objective asks of the skins
-std::string AskedText(const TuneQuestion& question) {
-  if (question.problem.skin_variation == 0) return std::string(sim::Name(question.objective));
-  return fmt::format("{} of the skin that moves least, stiffness and damping +-{:g} %",
-                     sim::Name(question.objective), question.problem.skin_variation * 100);
-}
-
 std::string_view ProofName(sim::Proof proof) {
   switch (proof) {
     case sim::Proof::kBranchAndBound:
@@ -230,132 +165,163 @@ std::string_view ProofName(sim::Proof proof) {
   return "matched load";
 }
 
-// what of the scene is not in the numbers
-std::string LeftOutText(const TuneQuestion& question) {
-  const bool hint = question.has_stops && std::isinf(question.problem.mover_limit_m);
-  return fmt::format("{} of the scene left out: check the adapter by simulate{}",
-                     fmt::join(question.left_out, ", "),
-                     hint ? ", or keep off the stops by --mover-travel" : "");
+// --- sections ---
+
+Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
+  Section best{.name = "best"};
+  const auto add = [&best](const Key& key, double value, const sim::Range& range) {
+    Item& item = best.Add(key, value);
+    if (value == range.lower || value == range.upper) item.note = "at a bound";
+  };
+  const sim::Adapter& adapter = point.adapter;
+  const sim::AdapterBounds& bounds = problem.bounds;
+  add({"motor_side_mass_kg", "mass on the motor's side", document::kKilogram},
+      adapter.motor_side_mass_kg, bounds.motor_side_mass_kg);
+  add({"skin_side_mass_kg", "mass on the skin's side", document::kKilogram},
+      adapter.skin_side_mass_kg, bounds.skin_side_mass_kg);
+  add({"stiffness_n_per_m", "spring", document::kNewtonPerMetre}, adapter.stiffness_n_per_m,
+      bounds.stiffness_n_per_m);
+  add({"damping_n_s_per_m", "damper", document::kNewtonSecondPerMetre}, adapter.damping_n_s_per_m,
+      bounds.damping_n_s_per_m);
+  add({"contact_area_m2", "contact's area", document::kSquareMetre},
+      problem.fixed_skin ? kNaN : point.contact_area_m2, bounds.contact_area_m2);
+  return best;
 }
 
-}  // namespace
-
-SpokenUnit SpokenUnitOf(sim::Objective objective) {
-  switch (objective) {
-    case sim::Objective::kSkinRms:
-      return {1e6, "um"};
-    case sim::Objective::kStimulus:
-      return {1e3, "mm x receptors"};
-    case sim::Objective::kSkinPower:
-      return {1e3, "mW"};
-    case sim::Objective::kRmsPerWatt:
-      return {1e6, "um/W"};
-  }
-  return {1e6, "um"};
-}
-
-std::string NoLatencyText(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
-  const double run_s = sim::LatencyRunS(problem);
-  if (sim::RunIsTooLong(problem, point)) {
-    return fmt::format("a run of {:g} s has too many outputs to be looked at", run_s);
-  }
-  return fmt::format("in a run of {:g} s its amplitude does not pass from 10 % to 90 %", run_s);
-}
-
-std::vector<std::string> TuneAssumptions(const TuneAnswer& answer) {
-  std::vector<std::string> assumptions{
-      "springs and dampers are linear at any travel: check the mover's against its stops",
-      fmt::format("contact is kept whatever the force: it is lost where less than {:.3g} N "
-                  "presses actuator and skin together",
-                  answer.steady.skin_force_peak_n),
-      answer.question.problem.fixed_skin
-          ? "the skin is the scene's whatever the contact's area"
-          : "the skin follows the thesis's cube root of the contact's area"};
-  if (answer.latency) assumptions.push_back(SearchText(*answer.latency));
-  if (!answer.question.left_out.empty()) assumptions.push_back(LeftOutText(answer.question));
-  return assumptions;
-}
-
-std::string TuneText(const TuneAnswer& answer) {
-  const TuneQuestion& question = answer.question;
-  const sim::Objective objective = question.objective;
-  std::string text = fmt::format("{}: {:g} V at {:g} Hz, largest {}\n", question.name,
-                                 question.problem.drive.amplitude_v,
-                                 question.problem.drive.frequency_hz, AskedText(question));
-  text += fmt::format("  {} (* at a bound)\n", Adapter(answer.optimum.point, question.problem));
-  text +=
-      fmt::format("  {:<19}{:s}\n", sim::Name(objective), Said(objective, answer.optimum.value));
-  text += fmt::format("  upper bound        {:s} ({:s}): {:s}\n",
-                      Said(objective, answer.optimum.upper_bound), GapText(answer.optimum),
-                      ProofText(answer));
-  text += fmt::format("  any adapter        {:s}: matched load with the lowest dampings\n",
-                      Said(objective, answer.matched_load_bound));
-  text += fmt::format("  skin displacement  {:.5f} um RMS\n", answer.steady.skin_rms_m * 1e6);
-  text += fmt::format(
-      "  mover travel    +- {:.5f} um in its case{}\n", answer.steady.mover_peak_m * 1e6,
-      std::isinf(question.problem.mover_limit_m)
-          ? ""
-          : fmt::format(", of {:g} um allowed", question.problem.mover_limit_m * 1e6));
-  text += fmt::format("  electrical power   {:.5f} mW, of which into the skin {:.5f} mW\n",
-                      answer.steady.power_w * 1e3, answer.skin_power_w * 1e3);
-  text += RiseText(answer);
-  if (answer.stimulus_m) {
-    text += fmt::format("  stimulus           {:.5f} mm x receptors\n", *answer.stimulus_m * 1e3);
-  }
-  if (answer.grid) {
-    text +=
-        fmt::format("  best of a grid of {} points: {:.5f} um RMS\n    {}\n", answer.grid->points,
-                    answer.grid->skin_rms_m * 1e6, Adapter(answer.grid->point, question.problem));
-  }
-  text += PointsText(answer, "the best with each spring", answer.listed);
-  text += PointsText(answer, "the ridge: best with a given mass on the motor's side", answer.ridge);
-  text += SpringsText(answer);
-  for (const std::string& assumption : TuneAssumptions(answer)) {
-    text += fmt::format("  assumed: {}\n", assumption);
-  }
-  return text;
-}
-
-std::string TuneJson(const TuneAnswer& answer) {
+Section ObjectiveSection(const TuneAnswer& answer) {
   const TuneQuestion& question = answer.question;
   const sim::AdapterOptimum& optimum = answer.optimum;
-  const ordered_json document{
-      {"scene", question.name},
-      {"best", PointJson(optimum.point, question.problem)},
-      {"skin_rms_m", cli::NumberOrNull(answer.steady.skin_rms_m)},
-      {"upper_bound_m",
-       IsSkinRms(answer) ? cli::NumberOrNull(optimum.upper_bound) : ordered_json(nullptr)},
-      {"objective",
-       {{"name", sim::Name(question.objective)},
-        {"unit", sim::UnitOf(question.objective)},
-        {"skin_variation", question.problem.skin_variation},
-        {"value", cli::NumberOrNull(optimum.value)},
-        {"upper_bound", cli::NumberOrNull(optimum.upper_bound)},
-        {"matched_load_bound", cli::NumberOrNull(answer.matched_load_bound)},
-        {"proof", ProofName(optimum.proof)},
-        {"boxes", optimum.boxes}}},
-      {"mover_peak_m", cli::NumberOrNull(answer.steady.mover_peak_m)},
-      {"mover_limit_m", cli::NumberOrNull(question.problem.mover_limit_m)},
-      {"rise", RiseJson(answer)},
-      {"latency_limit_s", cli::NumberOrNull(question.latency_limit_s)},
-      {"latency_search", SearchJson(answer)},
-      {"skin_force_peak_n", cli::NumberOrNull(answer.steady.skin_force_peak_n)},
-      {"power_w", cli::NumberOrNull(answer.steady.power_w)},
-      {"skin_power_w", cli::NumberOrNull(answer.skin_power_w)},
-      {"stimulus_m", cli::NumberOrNull(answer.stimulus_m)},
-      {"grid", GridJson(answer)},
-      {"ridge", PointsJson(answer, answer.ridge)},
-      {"springs", PointsJson(answer, answer.listed)},
-      {"spring_off", SpringsJson(answer)},
-      {"assumptions", TuneAssumptions(answer)}};
-  return cli::JsonText(document);
+  const Unit unit = ObjectiveUnit(question.objective);
+  Section objective{.name = "objective"};
+  objective.Add({"name"}, sim::Name(question.objective));
+  objective.Add({"unit"}, sim::UnitOf(question.objective));
+  objective.Add({"skin_variation"}, question.problem.skin_variation);
+  objective.Add({"value", sim::Name(question.objective), unit}, optimum.value);
+  objective.Add({"upper_bound", "upper bound", unit}, optimum.upper_bound).note = fmt::format(
+      "{:.2g} % above: {}", (optimum.upper_bound / optimum.value - 1) * 100, ProofText(answer));
+  objective.Add({"matched_load_bound", "any adapter", unit}, answer.matched_load_bound).note =
+      "matched load with the lowest dampings";
+  objective.Add({"proof"}, ProofName(optimum.proof));
+  objective.Add({"boxes"}, optimum.boxes);
+  return objective;
 }
 
-namespace {
+Section MotionSection(const TuneAnswer& answer) {
+  const TuneQuestion& question = answer.question;
+  const sim::SteadyState& steady = answer.steady;
+  const double limit_m = question.problem.mover_limit_m;
+  // a bound of the RMS alone, where that is what was made largest
+  const bool is_bound =
+      question.objective == sim::Objective::kSkinRms && question.problem.skin_variation == 0;
+  Section motion;
+  motion.Add(kSkinRms, steady.skin_rms_m);
+  motion.Add({"upper_bound_m"}, is_bound ? answer.optimum.upper_bound : kNaN);
+  motion.Add(kMoverPeak, steady.mover_peak_m).note = "in its case";
+  motion.Add({"mover_limit_m", "allowed", document::kMetre}, limit_m);
+  motion.Add({"skin_force_peak_n"}, steady.skin_force_peak_n);
+  motion.Add({"power_w", "electrical power", document::kWatt}, steady.power_w);
+  motion.Add({"skin_power_w", "of which into the skin", document::kWatt}, answer.skin_power_w);
+  motion.Add({"stimulus_m", "stimulus", ObjectiveUnit(sim::Objective::kStimulus)},
+             answer.stimulus_m);
+  return motion;
+}
+
+// as simulate has it of the adapter in a run of that length
+Section RiseSection(const TuneAnswer& answer) {
+  const sim::SkinRise known = answer.rise.value_or(sim::SkinRise{});
+  const double run_s = sim::LatencyRunS(answer.question.problem);
+  const std::string verdict(LatencyVerdict(known));
+  const std::string note = fmt::format("{} (a run of {:g} s from rest)", verdict, run_s);
+  Section rise{.name = "rise", .is_known = answer.rise.has_value()};
+  rise.Add({"run_s"}, run_s);
+  rise.Add({"rise_s", "rise from 10 % to 90 %", document::kSecond}, known.rise_s,
+           known.uncertainty_s);
+  rise.Add({"rise_at_most_s", "rise at most", document::kSecond}, known.rise_at_most_s);
+  const bool is_told = known.TellsLatency();
+  rise.Add({"latency_s", is_told ? "latency to 10 %" : "", document::kSecond}, known.latency_s,
+           known.uncertainty_s)
+      .note = note;
+  Item& below = rise.Add({"latency_below_s", "latency to 10 % below", document::kSecond},
+                         LatencyBelowS(known));
+  below.note = note;
+  below.resolution = 1e-5;
+  rise.Add({"standard_uncertainty_s"}, known.uncertainty_s);
+  rise.Add({"verdict"}, verdict);
+  return rise;
+}
+
+Section SearchSection(const TuneAnswer& answer) {
+  Section section;
+  section.Add({"latency_limit_s", "latency allowed", document::kSecond},
+              answer.question.latency_limit_s);
+  Section search{.name = "latency_search", .is_known = answer.latency.has_value()};
+  search.Add({"proved"}, answer.latency && answer.latency->proved);
+  search.Add({"runs"}, answer.latency ? answer.latency->runs : 0);
+  section.sections.push_back(std::move(search));
+  return section;
+}
+
+Section GridSection(const TuneAnswer& answer) {
+  const sim::GridBest best = answer.grid.value_or(sim::GridBest{});
+  Section grid{.name = "grid",
+               .heading = "best of a grid",
+               .detail = Detail::kAll,
+               .is_known = answer.grid.has_value()};
+  grid.Add({"values_per_axis", "values an axis"}, answer.question.grid_values);
+  grid.Add({"points", "points"}, best.points);
+  grid.Add(kSkinRms, best.skin_rms_m);
+  grid.sections.push_back(AdapterSection(best.point, answer.question.problem));
+  return grid;
+}
+
+// the best adapters of a list, with the objective of each
+Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points,
+                  std::string name, std::string heading, Detail detail) {
+  const sim::Objective objective = answer.question.objective;
+  Section list{.name = std::move(name),
+               .heading = std::move(heading),
+               .shape = Section::Shape::kTable,
+               .detail = detail};
+  for (const sim::RidgePoint& point : points) {
+    const bool is_found = point.value > 0;
+    Section& row = list.sections.emplace_back();
+    row.Add({"value", sim::Name(objective), ObjectiveUnit(objective)},
+            is_found ? point.value : kNaN);
+    row.sections.push_back(AdapterSection(point.point, answer.question.problem));
+    row.sections.back().is_known = is_found;
+  }
+  return list;
+}
+
+Section WrongSprings(const TuneAnswer& answer) {
+  const Unit unit = ObjectiveUnit(answer.question.objective);
+  // the limit holds to rounding
+  const double limit_m = answer.question.problem.mover_limit_m * (1 + 1e-9);
+  Section list{.name = "spring_off",
+               .heading = "a spring that is off",
+               .shape = Section::Shape::kTable,
+               .detail = Detail::kAll};
+  for (const auto& [spring, mover_peak_m] : answer.springs) {
+    Section& row = list.sections.emplace_back();
+    row.Add({"factor", "of the best", document::kShare}, spring.factor);
+    row.Add({"value", sim::Name(answer.question.objective), unit}, spring.as_built);
+    row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
+    row.Add({"value_with_new_skin_side_mass", "skin's mass chosen anew", unit},
+            spring.rebalanced > 0 ? spring.rebalanced : kNaN);
+    row.Add(kMoverPeak, mover_peak_m);
+    row.Add({"keeps_mover_limit", "keeps to the travel"}, mover_peak_m <= limit_m);
+  }
+  return list;
+}
+
+// --- figures ---
+
+document::SpokenUnit SpokenOf(sim::Objective objective) {
+  return ObjectiveUnit(objective).spoken[0];
+}
 
 constexpr std::size_t kFactors = 121;
 constexpr std::size_t kRidgeMasses = 41;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 struct Number {
   const char* name;
@@ -418,15 +384,14 @@ plot::Series Rebalanced(const TuneAnswer& answer) {
   for (const double factor : curve.x) {
     const sim::SpringCost cost = sim::CostOfSpring(
         question.objective, question.problem, question.receptors, answer.optimum.point, factor);
-    curve.y.push_back(
-        cost.rebalanced > 0 ? cost.rebalanced * SpokenUnitOf(question.objective).factor : kNaN);
+    curve.y.push_back(cost.rebalanced > 0 ? cost.rebalanced * SpokenOf(question.objective).factor
+                                          : kNaN);
   }
   return curve;
 }
 
 std::string ObjectiveLabel(const TuneQuestion& question) {
-  return fmt::format("{} / {}", sim::Name(question.objective),
-                     SpokenUnitOf(question.objective).unit);
+  return fmt::format("{} / {}", sim::Name(question.objective), SpokenOf(question.objective).symbol);
 }
 
 plot::Panel ObjectivePanel(const TuneAnswer& answer, const sim::MotorSource& source) {
@@ -437,7 +402,7 @@ plot::Panel ObjectivePanel(const TuneAnswer& answer, const sim::MotorSource& sou
                     .series = AroundOptimum(answer, [&](const sim::AdapterPoint& point) {
                       return sim::ValueOf(question.objective, question.problem, source,
                                           question.receptors, point) *
-                             SpokenUnitOf(question.objective).factor;
+                             SpokenOf(question.objective).factor;
                     })};
   panel.series.push_back(Rebalanced(answer));
   return panel;
@@ -469,7 +434,7 @@ plot::Panel RidgePanel(const TuneAnswer& answer) {
   for (const sim::RidgePoint& point :
        sim::RidgeOf(question.objective, question.problem, question.receptors, kRidgeMasses)) {
     ridge.x.push_back(point.point.adapter.motor_side_mass_kg * 1e3);
-    ridge.y.push_back(point.value * SpokenUnitOf(question.objective).factor);
+    ridge.y.push_back(point.value * SpokenOf(question.objective).factor);
   }
   const auto [least, most] = std::ranges::minmax_element(ridge.y);
   const std::string title = ridge.y.empty()
@@ -482,14 +447,50 @@ plot::Panel RidgePanel(const TuneAnswer& answer) {
           .series = {std::move(ridge)}};
 }
 
-}  // namespace
-
-Result<void> DrawTune(const std::string& path, const TuneAnswer& answer) {
+std::vector<plot::Panel> PanelsOf(const TuneAnswer& answer) {
   const sim::TuningProblem& problem = answer.question.problem;
   const sim::MotorSource source = sim::SourceOf(problem.actuator, problem.drive);
   std::vector<plot::Panel> panels{ObjectivePanel(answer, source), TravelPanel(answer, source)};
   if (!answer.ridge.empty()) panels.push_back(RidgePanel(answer));
-  return plot::DrawPanels(path, panels);
+  return panels;
+}
+
+// what the objective asks of the skins
+std::string TitleOf(const TuneQuestion& question) {
+  std::string title = fmt::format(
+      "{}: {:g} V at {:g} Hz, largest {}", question.name, question.problem.drive.amplitude_v,
+      question.problem.drive.frequency_hz, sim::Name(question.objective));
+  if (question.problem.skin_variation == 0) return title;
+  return title + fmt::format(" of the skin that moves least, stiffness and damping +-{:g} %",
+                             question.problem.skin_variation * 100);
+}
+
+}  // namespace
+
+std::string NoLatencyText(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
+  const FindingOf<TuneFinding> finding = NoLatency(problem, point);
+  return document::Fill(SentenceOf(finding.kind).text, finding.numbers);
+}
+
+document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
+  const TuneQuestion& question = answer.question;
+  document::Document document{.verb = "tune", .title = TitleOf(question)};
+  Section& root = document.root;
+  root.Add({"scene"}, question.name);
+  root.sections = {
+      AdapterSection(answer.optimum.point, question.problem),
+      ObjectiveSection(answer),
+      MotionSection(answer),
+      RiseSection(answer),
+      SearchSection(answer),
+      PointList(answer, answer.listed, "springs", "the best with each spring", Detail::kShort),
+      GridSection(answer),
+      PointList(answer, answer.ridge, "ridge",
+                "the ridge: best with a given mass on the motor's side", Detail::kAll),
+      WrongSprings(answer)};
+  if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
+  document::AddFindings(root, FindingsOf(answer));
+  return document;
 }
 
 }  // namespace haptometer::tools

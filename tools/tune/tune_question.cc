@@ -288,7 +288,8 @@ void Declare(cli::Options& options, TuneWords& words) {
                  "Only adapters with which the mover travels no further, to either side");
   options.Text("--latency", &words.latency, "s",
                "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
-  options.Output("--plot", &words.plot, "FILE",
+  options.Flag("--all", &words.outputs.all, "Grid, ridge and wrong springs too");
+  options.Output("--plot", &words.outputs.plot, "FILE",
                  "Draw the objective around the optimum, and the ridge");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
   options.Choice("--receptor-grid", &words.receptor_grid, {"cell", "edge"},

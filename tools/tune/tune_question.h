@@ -7,6 +7,7 @@
 #include "sim/tuning/adapter_objective.h"
 #include "sim/tuning/tuning_problem.h"
 #include "tools/cli/options.h"
+#include "tools/document/present.h"
 
 namespace haptometer::tools {
 
@@ -20,7 +21,7 @@ struct TuneWords {
   std::optional<Quantity> voltage, frequency, receptor_density, field_radius, pad_side, skin_varies,
       mover_travel;
   std::optional<std::int64_t> grid;
-  std::string plot;
+  document::Outputs outputs;
 };
 
 /// What tune is asked.

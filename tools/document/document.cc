@@ -1,0 +1,118 @@
+#include "tools/document/document.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.h"
+
+namespace haptometer::document {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+// "rise_standard_uncertainty_s" of "rise_s"
+std::string Companion(const Item& item, std::string_view what) {
+  const std::string_view name = item.name, unit = item.unit.ending;
+  const std::string_view ending = name.ends_with(unit) ? unit : "";
+  return fmt::format("{}_{}{}", name.substr(0, name.size() - ending.size()), what, ending);
+}
+
+std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
+  using Number = std::optional<double>;
+  const bool is_known = item.value.IsKnown();
+  const auto known = [&](const Number& number) { return is_known ? number : Number(); };
+  const auto [lower, upper] = item.interval.value_or(Range{kNan, kNan});
+  return {{"value", item.value},
+          {"standard_uncertainty", known(item.statistical)},
+          {"combined_standard_uncertainty", known(item.standard_uncertainty)},
+          {"lower_95", known(lower)},
+          {"upper_95", known(upper)},
+          {"at_most_95", is_known ? Number() : item.at_most},
+          {"unit", item.unit.symbol},
+          {"determined", is_known}};
+}
+
+// what stands for a place, "name" or "name how"; nothing where the number is not there
+std::optional<std::string> Replacement(std::string_view place,
+                                       const std::vector<FindingNumber>& numbers) {
+  const std::size_t blank = std::min(place.find(' '), place.size());
+  const std::string_view name = place.substr(0, blank);
+  const std::string_view how = place.substr(std::min(blank + 1, place.size()));
+  const auto found = std::ranges::find(numbers, name, &FindingNumber::name);
+  if (found == numbers.end()) return std::nullopt;
+  if (const auto* text = std::get_if<std::string>(&found->value)) return *text;
+  const auto* count = std::get_if<std::int64_t>(&found->value);
+  const double number = count ? static_cast<double>(*count) : std::get<double>(found->value);
+  if (!std::isfinite(number)) return std::nullopt;
+  if (how == "s") return number == 1 ? "" : "s";
+  if (count && how.empty()) return fmt::format("{}", *count);
+  return QuantityText(number, how == "%" ? kShare : UnitOfName(name), 4);
+}
+
+}  // namespace
+
+bool Value::IsKnown() const {
+  if (const auto* number = std::get_if<double>(this)) return std::isfinite(*number);
+  if (const auto* range = std::get_if<Range>(this)) {
+    return std::isfinite(range->lower) || std::isfinite(range->upper);
+  }
+  return !std::holds_alternative<std::monostate>(*this);
+}
+
+Item& Section::Add(const Key& key, Value value, std::optional<double> standard_uncertainty) {
+  items.push_back({.name = std::string(key.name),
+                   .label = std::string(key.label),
+                   .unit = key.unit,
+                   .form = key.form,
+                   .value = std::move(value),
+                   .standard_uncertainty = standard_uncertainty});
+  return items.back();
+}
+
+std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
+  if (item.form == Form::kEstimate) return EstimateFields(item);
+  std::vector<std::pair<std::string, Value>> fields{{item.name, item.value}};
+  if (item.form == Form::kNumber) return fields;
+  fields.emplace_back(Companion(item, "standard_uncertainty"), item.standard_uncertainty);
+  if (item.form == Form::kUncertain) return fields;
+  fields.emplace_back(Companion(item, "interval_95"), item.interval);
+  return fields;
+}
+
+std::vector<const Section*> AllSections(const Section& section) {
+  std::vector<const Section*> all{&section};
+  for (const Section& inner : section.sections) {
+    const auto within = AllSections(inner);
+    all.insert(all.end(), within.begin(), within.end());
+  }
+  return all;
+}
+
+std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers) {
+  std::string filled;
+  std::size_t part = 0;  // where in `filled` an optional part begins
+  bool is_whole = true;  // the optional part so far
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (text[at] == '[') {
+      part = filled.size();
+      is_whole = true;
+    } else if (text[at] == ']') {
+      if (!is_whole) filled.resize(part);
+    } else if (text[at] == '{') {
+      const std::size_t end = text.find('}', at);
+      HAPTOMETER_CHECK(end != std::string_view::npos, "'{}' has a place without an end", text);
+      const auto replacement = Replacement(text.substr(at + 1, end - at - 1), numbers);
+      is_whole = is_whole && replacement;
+      filled += replacement.value_or("(not known)");
+      at = end;
+    } else {
+      filled += text[at];
+    }
+  }
+  return filled;
+}
+
+}  // namespace haptometer::document

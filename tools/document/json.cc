@@ -1,0 +1,144 @@
+#include "tools/cli/json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "tools/cli/csv_cell.h"
+#include "tools/document/render.h"
+
+namespace haptometer::document {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct JsonVisitor {
+  Json operator()(std::monostate) const { return nullptr; }
+  Json operator()(double number) const { return cli::NumberOrNull(number); }
+  Json operator()(const Range& range) const {
+    return (*this)(std::vector{range.lower, range.upper});
+  }
+  template <typename T>
+  Json operator()(const std::vector<T>& list) const {
+    Json json = Json::array();
+    for (const T& one : list) json.push_back((*this)(one));
+    return json;
+  }
+  template <typename T>
+  Json operator()(const T& value) const {
+    return value;
+  }
+};
+
+Json ValueJson(const Value& value, bool is_known) {
+  if (!is_known || !value.IsKnown()) return nullptr;
+  return std::visit(JsonVisitor{}, static_cast<const AnyValue&>(value));
+}
+
+Json JsonOfSection(const Section& section);
+Json ObjectOf(const Section& section);
+
+void AddItem(const Item& item, bool is_known, Json& json) {
+  const bool is_object = item.form == Form::kEstimate;
+  Json& object = is_object ? json[item.name] : json;
+  if (is_object && !is_known) return;
+  for (const auto& [name, value] : FieldsOf(item)) object[name] = ValueJson(value, is_known);
+}
+
+// the parts of the section become the object's; all null where they are not known
+void AddParts(const Section& section, bool is_known, Json& json) {
+  for (const Item& item : section.items) {
+    if (!item.name.empty()) AddItem(item, is_known, json);
+  }
+  for (const DataSource source : section.sources) json["data_source"].push_back(NameOf(source));
+  for (const Section& inner : section.sections) {
+    if (!inner.name.empty()) {
+      json[inner.name] = is_known ? JsonOfSection(inner) : Json(nullptr);
+    } else if (inner.shape == Section::Shape::kObject) {
+      AddParts(inner, is_known && inner.is_known, json);
+    }
+  }
+}
+
+Json ObjectOf(const Section& section) {
+  Json json = Json::object();
+  AddParts(section, section.is_known, json);
+  return json;
+}
+
+Json JsonOfSection(const Section& section) {
+  if (!section.is_known) return nullptr;
+  if (section.shape == Section::Shape::kObject) return ObjectOf(section);
+  Json array = Json::array();
+  for (const Section& element : section.sections) array.push_back(ObjectOf(element));
+  return array;
+}
+
+Json FindingJson(const Finding& finding) {
+  Json numbers = Json::object();
+  for (const FindingNumber& number : finding.numbers) {
+    numbers[std::string(number.name)] = std::visit(JsonVisitor{}, number.value);
+  }
+  return {{"kind", finding.kind},
+          {"severity", NameOf(finding.severity)},
+          {"text", finding.text},
+          {"subject", cli::TextOrNull(finding.subject)},
+          {"numbers", numbers}};
+}
+
+Json ProvenanceJson(const Provenance& provenance) {
+  Json inputs = Json::array();
+  for (const InputFile& input : provenance.inputs) {
+    inputs.push_back(
+        {{"path", input.path}, {"bytes", input.bytes}, {"sha256", cli::TextOrNull(input.sha256)}});
+  }
+  return {{"version", provenance.version},
+          {"command", provenance.command},
+          {"utc", provenance.utc},
+          {"inputs", inputs}};
+}
+
+// --- tables with commas ---
+
+// names and cells of a row, those of the sections within it behind its own
+void AddCells(const Section& section, bool is_known, std::string& names, std::string& cells) {
+  for (const Item& item : section.items) {
+    for (const auto& [name, value] : FieldsOf(item)) {
+      if (item.name.empty()) continue;
+      const std::string comma = names.empty() ? "" : ",";
+      const Json json = ValueJson(value, is_known);
+      names += comma + cli::CellOf(name);
+      cells += comma;
+      if (json.is_null()) continue;
+      cells += cli::CellOf(json.is_string() ? json.get<std::string>() : json.dump());
+    }
+  }
+  for (const Section& inner : section.sections) {
+    AddCells(inner, is_known && inner.is_known, names, cells);
+  }
+}
+
+}  // namespace
+
+std::string JsonOf(const Document& document) {
+  Json json = ObjectOf(document.root);
+  json["findings"] = Json::array();
+  for (const Section* section : AllSections(document.root)) {
+    for (const Finding& finding : section->findings) {
+      json["findings"].push_back(FindingJson(finding));
+    }
+  }
+  json["provenance"] = ProvenanceJson(document.provenance);
+  return cli::JsonText(json);
+}
+
+std::string CsvOf(const Section& table, const Provenance& provenance) {
+  std::string csv = CommentOf(provenance, "# ");
+  for (const Section& element : table.sections) {
+    std::string names, cells;
+    AddCells(element, element.is_known, names, cells);
+    if (&element == table.sections.data()) csv += names + "\n";
+    csv += cells + "\n";
+  }
+  return csv;
+}
+
+}  // namespace haptometer::document

@@ -1,0 +1,114 @@
+#include "tools/document/number_text.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace haptometer::document {
+namespace {
+
+constexpr int kMostPlaces = 9;  // before or behind the point; beyond it a power of ten
+
+// what rounds to nothing has no sign
+std::string WithoutSignOfZero(std::string text) {
+  if (text.starts_with('-') && text.find_first_of("123456789") == std::string::npos)
+    text.erase(0, 1);
+  return text;
+}
+
+// 10^place is the finest digit that is shown
+std::string ToPlace(double value, int place) {
+  if (place < 0) return WithoutSignOfZero(fmt::format("{:.{}f}", value, -place));
+  const double step = std::pow(10.0, place);
+  return WithoutSignOfZero(fmt::format("{:.0f}", std::round(value / step) * step));
+}
+
+// a resolution of 0.01 that was computed may lie just below
+int PlaceOf(double size) { return static_cast<int>(std::floor(std::log10(size) + 1e-9)); }
+
+// the place of the uncertainty's second digit, after rounding (0.0996 is shown as 0.10)
+int PlaceOfUncertainty(double uncertainty, double resolution) {
+  const int first = static_cast<int>(std::floor(std::log10(uncertainty)));
+  const int place = std::round(uncertainty / std::pow(10.0, first - 1)) >= 100 ? first : first - 1;
+  return resolution > 0 ? std::max(place, PlaceOf(resolution)) : place;
+}
+
+bool IsShown(double uncertainty, double value) {
+  constexpr double kLeastRelative = 1e-7;
+  return std::isfinite(uncertainty) && uncertainty > 0 &&
+         uncertainty >= kLeastRelative * std::abs(value);
+}
+
+std::string PlainText(double value, double resolution, int digits) {
+  if (value == 0) return "0";
+  const bool is_limited =
+      resolution > 0 && PlaceOf(resolution) > PlaceOf(std::abs(value)) - digits + 1;
+  if (!is_limited) return fmt::format("{:.{}g}", value, digits);
+  const std::string text = ToPlace(value, PlaceOf(resolution));
+  return text.find_first_of("123456789") == std::string::npos ? "0" : text;
+}
+
+}  // namespace
+
+Unit UnitOfName(std::string_view name) {
+  Unit longest;
+  for (const Unit& unit : {kMetre,
+                           kSquareMetre,
+                           kSecond,
+                           kHertz,
+                           kRadian,
+                           kVolt,
+                           kAmpere,
+                           kOhm,
+                           kHenry,
+                           kWatt,
+                           kVoltAmpere,
+                           kKilogram,
+                           kNewton,
+                           kMetrePerSecond,
+                           kMetrePerSecondSquared,
+                           kMetrePerVolt,
+                           kMetrePerWatt,
+                           kNewtonPerMetre,
+                           kNewtonSecondPerMetre,
+                           kNewtonPerAmpere,
+                           kPerSecond,
+                           kPerSecondSquared}) {
+    if (name.ends_with(unit.ending) && unit.ending.size() > longest.ending.size()) longest = unit;
+  }
+  return longest;
+}
+
+std::string NumberText(double value, double standard_uncertainty, double resolution, int digits) {
+  if (!IsShown(standard_uncertainty, value)) return PlainText(value, resolution, digits);
+  const double larger = std::max(std::abs(value), standard_uncertainty);
+  const int exponent = static_cast<int>(std::floor(std::log10(larger)));
+  const int place = PlaceOfUncertainty(standard_uncertainty, resolution);
+  if (exponent >= kMostPlaces || place < -kMostPlaces) {
+    const double scale = std::pow(10.0, exponent);
+    return NumberText(value / scale, standard_uncertainty / scale, resolution / scale) +
+           fmt::format("e{:+03d}", exponent);
+  }
+  const double in_place = std::round(standard_uncertainty / std::pow(10.0, place));
+  return fmt::format("{}({:.0f})", ToPlace(value, place),
+                     std::max(1.0, in_place) * std::pow(10.0, std::max(0, place)));
+}
+
+std::string RangeText(double lower, double upper, double standard_uncertainty, double resolution) {
+  const bool is_shown = IsShown(standard_uncertainty, std::max(std::abs(lower), std::abs(upper)));
+  const int place = is_shown ? PlaceOfUncertainty(standard_uncertainty, resolution) : 0;
+  const auto end = [&](double number) {
+    if (!is_shown || std::abs(place) > kMostPlaces) return PlainText(number, resolution, 6);
+    return ToPlace(number, place);
+  };
+  return fmt::format("{} to {}", end(lower), end(upper));
+}
+
+std::string QuantityText(double value, const Unit& unit, int digits) {
+  const auto [factor, symbol] = unit.For(std::abs(value));
+  return fmt::format("{}{}{}", NumberText(value * factor, 0, 0, digits), symbol.empty() ? "" : " ",
+                     symbol);
+}
+
+}  // namespace haptometer::document

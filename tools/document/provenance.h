@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace haptometer::document {
+
+/// Where data come from. Interrupted stands beside one of the others.
+enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported, kInterrupted };
+
+/// "device", "emulated", "simulated", "imported", "interrupted".
+[[nodiscard]] std::string_view NameOf(DataSource source);
+
+/// A file that the command read.
+struct InputFile {
+  std::string path;
+  std::uint64_t bytes = 0;
+  std::string sha256;  ///< 64 hexadecimal digits; empty: changed since it was read, or unreadable
+};
+
+/// How a result came about.
+struct Provenance {
+  std::string version;
+  std::string command;  ///< as a shell takes it (tools/cli/command_line.h)
+  std::string utc;      ///< when the result was written, "2026-11-23T05:06:07Z"
+  std::vector<InputFile> inputs;
+};
+
+/// The provenance of what this process answers now: the inputs are those of base/input_file.h, in
+/// the order in which they were noted. Reads each of them once more, some 0.5 s a GB.
+[[nodiscard]] Provenance CollectProvenance(const std::vector<std::string>& command);
+
+/// `provenance` as lines of a text, each behind `before`: version, UTC, command, a line for each
+/// input.
+[[nodiscard]] std::string CommentOf(const Provenance& provenance, std::string_view before);
+
+}  // namespace haptometer::document

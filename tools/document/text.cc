@@ -1,0 +1,201 @@
+#include "base/text.h"
+
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "base/error.h"
+#include "tools/document/render.h"
+
+namespace haptometer::document {
+namespace {
+
+constexpr std::size_t kIndent = 2;
+
+// The value alone, numbers in `unit`.
+struct CellVisitor {
+  const Item& item;
+  const SpokenUnit& unit;
+
+  std::string operator()(bool yes) const { return yes ? "yes" : "no"; }
+  std::string operator()(std::int64_t count) const { return fmt::format("{}", count); }
+  std::string operator()(double number) const {
+    if (!std::isfinite(number)) return "-";
+    return NumberText(number * unit.factor, item.standard_uncertainty.value_or(0) * unit.factor,
+                      item.resolution * unit.factor);
+  }
+  std::string operator()(const std::string& text) const { return text; }
+  std::string operator()(const Range& range) const {
+    return RangeText(range.lower * unit.factor, range.upper * unit.factor,
+                     item.standard_uncertainty.value_or(0) * unit.factor,
+                     item.resolution * unit.factor);
+  }
+  std::string operator()(const std::vector<std::string>& texts) const {
+    return fmt::format("{}", fmt::join(texts, ", "));
+  }
+  template <typename T>
+  std::string operator()(const T& /*other*/) const {
+    return "-";
+  }
+};
+
+// the largest number without its sign
+double SizeOf(const Item& item) {
+  const auto size = [](double number) { return std::isfinite(number) ? std::abs(number) : 0; };
+  if (const auto* number = std::get_if<double>(&item.value)) return size(*number);
+  if (const auto* range = std::get_if<Range>(&item.value)) {
+    return std::max(size(range->lower), size(range->upper));
+  }
+  return size(item.at_most.value_or(0));
+}
+
+std::string CellText(const Item& item, const SpokenUnit& unit) {
+  if (item.value.IsKnown() || !item.at_most) {
+    return std::visit(CellVisitor{item, unit}, static_cast<const AnyValue&>(item.value));
+  }
+  return fmt::format("at most {}",
+                     NumberText(*item.at_most * unit.factor, 0, item.resolution * unit.factor, 2));
+}
+
+// the labelled items of a row, without a value where the section that they are of is not known
+void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
+  for (const Item& item : section.items) {
+    if (item.label.empty()) continue;
+    cells.push_back(is_known ? item : Item{.name = {}, .label = item.label, .unit = item.unit});
+  }
+  for (const Section& inner : section.sections) {
+    AddCells(inner, is_known && inner.is_known, cells);
+  }
+}
+
+// characters as a terminal counts them
+std::size_t WidthOf(std::string_view text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xc0U) != 0x80; }));
+}
+
+// of the labels that stand in one column: those of inner sections without a heading too
+std::size_t LabelWidth(const Section& section) {
+  std::size_t width = 0;
+  for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
+  for (const Section& inner : section.sections) {
+    if (inner.heading.empty() && IsShown(inner)) width = std::max(width, LabelWidth(inner));
+  }
+  return width;
+}
+
+// The text of a document while it grows; every line begins at the indent of its section.
+struct TextWriter {
+  Detail detail;
+  std::string text{};
+
+  void AddLine(std::size_t indent, std::string_view line) {
+    fmt::format_to(std::back_inserter(text), "{:{}}{}\n", "", indent, Printable(line));
+  }
+
+  // `width`: of the labels of the section around it
+  void AddSection(const Section& section, std::size_t indent, std::size_t width) {
+    if (!IsShown(section) || (section.detail == Detail::kAll && detail == Detail::kShort)) return;
+    if (!section.heading.empty()) {
+      AddLine(indent, section.heading);
+      indent += kIndent;
+      width = LabelWidth(section);
+    }
+    if (!section.sources.empty()) AddLine(indent, "data: " + SourcesText(section.sources));
+    AddItems(section, indent, width);
+    if (section.shape == Section::Shape::kTable) return AddTable(section, indent);
+    for (const Section& inner : section.sections) AddSection(inner, indent, width);
+    for (const Finding& finding : section.findings) AddLine(indent, FindingText(finding));
+  }
+
+  // label and value, the values of a section one below the other
+  void AddItems(const Section& section, std::size_t indent, std::size_t width) {
+    for (const Item& item : section.items) {
+      const std::string value = item.label.empty() ? "" : ItemText(item);
+      if (value.empty()) continue;
+      const std::size_t fill = width - WidthOf(item.label);
+      AddLine(indent, fmt::format("{}{:{}}  {}", item.label, "", fill, value));
+    }
+  }
+
+  void AddTable(const Section& table, std::size_t indent) {
+    const std::vector<Column> columns = ColumnsOf(table);
+    // to the right, so that numbers of as many decimals stand one below the other
+    for (std::size_t row = 0; !columns.empty() && row <= table.sections.size(); ++row) {
+      std::string line;
+      for (const Column& column : columns) {
+        std::size_t width = WidthOf(column.heading);
+        for (const std::string& cell : column.cells) width = std::max(width, WidthOf(cell));
+        const std::string& cell = row == 0 ? column.heading : column.cells[row - 1];
+        line += std::string((line.empty() ? 0 : kIndent) + width - WidthOf(cell), ' ') + cell;
+      }
+      AddLine(indent, line);
+    }
+  }
+};
+
+}  // namespace
+
+bool IsShown(const Section& section) {
+  return section.is_known &&
+         (section.shape == Section::Shape::kObject || !section.sections.empty());
+}
+
+std::string ItemText(const Item& item) {
+  if (!item.value.IsKnown() && !item.at_most) return {};
+  const SpokenUnit unit = item.unit.For(SizeOf(item));
+  const std::string symbol = unit.symbol.empty() ? "" : fmt::format(" {}", unit.symbol);
+  std::string text = CellText(item, unit) + symbol;
+  if (!item.value.IsKnown()) {
+    text += " (95 %)";
+  } else if (item.interval) {
+    const CellVisitor visitor{item, unit};
+    text += fmt::format("; 95 %: {}{}", visitor(*item.interval), symbol);
+  }
+  return item.note.empty() ? text : text + ", " + item.note;
+}
+
+std::vector<Column> ColumnsOf(const Section& table) {
+  std::vector<std::vector<Item>> rows;
+  for (const Section& row : table.sections) {
+    AddCells(row, row.is_known, rows.emplace_back());
+    HAPTOMETER_CHECK(rows.back().size() == rows.front().size(), "a row of {} has {} cells",
+                     table.name, rows.back().size());
+  }
+  std::vector<Column> columns(rows.empty() ? 0 : rows.front().size());
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    double size = 0;
+    for (const auto& row : rows) size = std::max(size, SizeOf(row[k]));
+    const SpokenUnit unit = rows.front()[k].unit.For(size);
+    columns[k].heading = rows.front()[k].label;
+    if (!unit.symbol.empty()) columns[k].heading += fmt::format(" / {}", unit.symbol);
+    for (const auto& row : rows) columns[k].cells.push_back(Printable(CellText(row[k], unit)));
+  }
+  return columns;
+}
+
+std::string FindingText(const Finding& finding) {
+  const std::string_view what =
+      finding.severity == Severity::kRefusal ? "not answered" : NameOf(finding.severity);
+  return fmt::format("{}: {}{}{}", what, finding.subject, finding.subject.empty() ? "" : ": ",
+                     finding.text);
+}
+
+std::string SourcesText(const std::vector<DataSource>& sources) {
+  std::vector<std::string_view> names;
+  for (const DataSource source : sources) names.push_back(NameOf(source));
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string TextOf(const Document& document, Detail detail) {
+  TextWriter writer{.detail = detail};
+  writer.AddLine(0, document.title);
+  writer.AddSection(document.root, kIndent, LabelWidth(document.root));
+  if (detail == Detail::kAll) writer.text += CommentOf(document.provenance, "  ");
+  return std::move(writer.text);
+}
+
+}  // namespace haptometer::document
