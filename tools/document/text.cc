@@ -186,6 +186,7 @@ std::string FindingText(const Finding& finding) {
 
 std::string SourcesText(const std::vector<DataSource>& sources) {
   std::vector<std::string_view> names;
+  names.reserve(sources.size());
   for (const DataSource source : sources) names.push_back(NameOf(source));
   return fmt::format("{}", fmt::join(names, ", "));
 }

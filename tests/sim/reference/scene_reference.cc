@@ -1,6 +1,6 @@
 // An independent reference for scenes with effects: Taylor series in long double, events located by
-// Bernstein subdivision. Written from the equations of docs/explanation/notation.md and docs/reference/scene.md alone; it
-// shares no code with the library.
+// Bernstein subdivision. Written from the equations of docs/explanation/notation.md and
+// docs/reference/scene.md alone; it shares no code with the library.
 //
 // Reads scenes from standard input, a line `key value` each, an empty line ends a scene; writes a
 // line of JSON for each. tests/sim/reference/scene_reference.py names the keys.
