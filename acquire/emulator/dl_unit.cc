@@ -153,7 +153,6 @@ void IlAmplifier::ShiftZero(int number, int code, MonotonicNs now) {
 namespace {
 
 using dl::Command;
-using trial::SampleStatus;
 
 Value Struck(Value value, const Fault* fault) {
   if (fault != nullptr && fault->status != SampleStatus::kOk) value.status = fault->status;

@@ -499,8 +499,6 @@ std::vector<std::string> ModbusSensor::Remarks() const {
 
 namespace {
 
-using trial::SampleStatus;
-
 trial::Encoding EncodingOf(RegisterType type) {
   switch (type) {
     case RegisterType::kF32:

@@ -65,8 +65,6 @@ double ElectricalPower(const MotorSource& source, std::complex<double> case_m) {
   return source.blocked_power_w + (source.power_slope_w_per_m * case_m).real();
 }
 
-using Complex = std::complex<double>;
-
 Complex SkinImpedance(const Skin& skin, double frequency_hz) {
   const Complex s(0, 2 * std::numbers::pi * frequency_hz);
   return skin.damping_n_s_per_m + skin.stiffness_n_per_m / s;

@@ -115,8 +115,6 @@ Result<std::unique_ptr<Sensor>> OpenSensor(const SensorOptions& wanted, Clock& c
 
 namespace {
 
-using acquire::Sensor;
-
 constexpr int kDefaultBaud = 9600;
 
 bool IsLkg(const SensorOptions& wanted) { return IsSensor(wanted.sensor, SensorType::kKeyenceLkg); }

@@ -329,8 +329,6 @@ Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
 
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::size_t kLongestStem = 200;  // file systems take 255 bytes
 
 std::string Plain(std::string text) {

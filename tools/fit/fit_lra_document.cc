@@ -183,8 +183,6 @@ std::string FitLraJson(const DropTestFit& fit, const std::vector<std::string>& d
 
 namespace {
 
-using fit::DropTestFit;
-
 std::string CorrelationLine(const DropTestFit& fit) {
   const auto correlation = CorrelationOf(fit);
   const auto constants = ConstantsOf(fit);
@@ -327,7 +325,6 @@ std::string FitLraText(const DropTestFit& fit, const std::vector<std::string>& d
 
 namespace {
 
-using fit::DropTestFit;
 using report::HtmlPage;
 using Rows = std::vector<std::vector<std::string>>;
 
@@ -448,9 +445,6 @@ Result<HtmlPage> FitLraReport(const ReportedFit& reported) {
 }
 
 namespace {
-
-using fit::DropTestFit;
-using fit::FittedValue;
 
 constexpr double kLeastPercent = 1e-6;
 

@@ -132,7 +132,6 @@ namespace haptometer::acquire {
 namespace {
 
 using ::testing::Contains;
-using ::testing::HasSubstr;
 using tests::ScriptedTransport;
 using trial::SampleStatus;
 

@@ -102,7 +102,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
-using trial::Timing;
 
 // --- replay ---
 

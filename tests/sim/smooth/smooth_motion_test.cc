@@ -354,11 +354,6 @@ TEST(SmoothMotion, WorkIsCounted) {
 namespace haptometer::sim {
 namespace {
 
-using tests::Alone;
-using tests::DrawnApart;
-using tests::ReducedMass;
-using tests::RunTo;
-
 // d = A cos w t over a gap, both ways
 SmoothMotion Reaching(double gap_m, double tolerance) {
   Scene scene = Alone();
