@@ -355,7 +355,7 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
   for (;; ladder.Refine()) {
     SceneRun run = play(ladder.tolerance());
     work += run.work;
-    run.error_estimate = ErrorOf(run, coarse, ladder.finer());
+    run.error_estimate = ErrorOf(run, coarse);
     run.work = work;
     if (run.stalled_at_s || ladder.EndsWith(run.error_estimate)) return run;
     // of a chaotic motion no tolerance makes more
@@ -404,10 +404,13 @@ double LargestDeviation(const SceneRun& run, const SceneRun& reference) {
                    Relative(run.mover_peak_of_run_m, reference.mover_peak_of_run_m)});
 }
 
-double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer) {
+double ErrorOf(const SceneRun& run, const SceneRun& coarse) {
   if (run.stalled_at_s || coarse.stalled_at_s || !run.IsFinite() || !coarse.IsFinite()) {
     return std::numeric_limits<double>::infinity();
   }
+  // the solver took no less: their difference is none, whatever either is wrong by
+  const double finer = coarse.solver_tolerance / run.solver_tolerance;
+  if (finer <= 1) return coarse.error_estimate;
   double largest = 0;
   for (std::size_t k = 0; k < kAskedQuantityNames.size(); ++k) {
     largest = std::max(largest, Deviation(static_cast<AskedQuantity>(k), coarse, run));
@@ -446,6 +449,7 @@ SceneRun RunSmoothly(const EffectiveScene& scene, double duration_s, PiecewiseSt
   Playing playing(scene, duration_s, std::move(motion));
   SceneRun run = playing.Play();
   run.solver = played.method();
+  run.solver_tolerance = played.tolerance();
   run.work = played.work();
   run.error_estimate = std::numeric_limits<double>::infinity();
   return run;

@@ -50,6 +50,7 @@ struct SceneRun {
   double temperature_rise_k = 0;         ///< of the coil that heats, at the end of the run
   double temperature_peak_k = 0;         ///< the largest in the run
   std::optional<OdeMethod> solver{};     ///< of smooth effects; absent: exact
+  double solver_tolerance = 0;           ///< SmoothMotion::tolerance(); 0: exact
   OdeWork work{};                        ///< of the solver, over all runs that led to this one
   /// A bound of the relative error of every number here (the least force apart) and of the
   /// waveform over its peak; infinite where it is not known. Of an exact motion what rounding,
@@ -88,11 +89,11 @@ inline constexpr double kLargestPredictedError = 1e-3;
 /// peaks.
 [[nodiscard]] double LargestDeviation(const SceneRun& run, const SceneRun& reference);
 
-/// What a run is wrong by that was played with `finer` times less tolerance than another: the
-/// largest deviation between them, the waveform's included, over finer/64, and rounding: 1e-12 and
+/// What a run is wrong by that was played with n times less of solver_tolerance than another: the
+/// largest deviation between them, the waveform's included, over n/64, and rounding: 1e-12 and
 /// 2.2e-16 a step. In random scenes a hundred times less tolerance left up to 0.31 of the
-/// deviation.
-[[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse, double finer);
+/// deviation. Where n is 1 the two are the same run, and the other's estimate stays.
+[[nodiscard]] double ErrorOf(const SceneRun& run, const SceneRun& coarse);
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
 ///
@@ -102,7 +103,7 @@ inline constexpr double kLargestPredictedError = 1e-3;
 ///
 /// **Without smooth effects** by PiecewiseMotion, exact.
 ///
-/// **With them** by SmoothMotion, with one tolerance of solver_ladder.h after the other until
+/// **With them** by SmoothMotion, with one tolerance of ode_solver.h after the other until
 /// ErrorOf the last two runs is a quarter of scene.tolerance, or no longer falls (a chaotic
 /// motion); what is left is told in error_estimate, and it is the caller who compares that with
 /// scene.tolerance.

@@ -32,7 +32,7 @@
 namespace haptometer::sim {
 
 /// The displacement of `target` under a scene's effects, at any time, as it is asked for: exact, or
-/// by SmoothMotion with the first tolerance of solver_ladder.h where smooth effects are on.
+/// by SmoothMotion with the first tolerance of ode_solver.h where smooth effects are on.
 ///
 /// The motion is played in the outputs of output_rate.h and interpolated by quintics: 2e-11 of its
 /// amplitude where it is smooth, h^2/8 times the jump of acceleration within an output step

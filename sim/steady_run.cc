@@ -176,7 +176,7 @@ class SmoothSearch {
       work += fine.run->work;
       // what is left of Newton's step may be the same in both
       const double left = fine.periodic ? kRmsOverLargest * fine.periodic->error : 0;
-      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run, ladder.finer()) + left;
+      fine.run->error_estimate = ErrorOf(*fine.run, *coarse.run) + left;
       fine.run->work = work;
       if (ladder.EndsWith(fine.run->error_estimate)) return fine;
       coarse = std::move(fine);

@@ -41,9 +41,8 @@ constexpr double kVeryStiffRatio = 1000;
 // below this the higher orders of Adams's formulas win even where they must keep steps short
 constexpr double kAdamsTolerance = 1e-7;
 
-double LocalTolerance(double tolerance, OdeMethod method) {
-  const double part = method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
-  return std::max(part * tolerance, kLeastRelative);
+double LocalPart(OdeMethod method) {
+  return method == OdeMethod::kBdf ? kLocalPartBdf : kLocalPartAdams;
 }
 
 // A function over a step that is so smooth over an eighth of a period that the polynomial through
@@ -118,7 +117,7 @@ SmoothMotion::SmoothMotion(SmoothSystem system, Excitation excitation, Piecewise
   TakePiece(0);
   const double pace_hz = 1 / (kLongestStepPeriods * LongestStepS());
   method_ = settings_.method.value_or(MethodFor(system_, mode_, pace_hz, settings_.tolerance));
-  relative_ = LocalTolerance(settings_.tolerance, method_);
+  relative_ = std::max(LocalPart(method_) * settings_.tolerance, kLeastRelative);
   if (settings_.with_error) {
     SmoothSettings coarse = settings_;
     coarse.tolerance *= kCoarser;
@@ -421,6 +420,8 @@ double SmoothMotion::error_estimate() const {
   const Eigen::VectorXd scale = companion_->largest.cwiseMax(std::numeric_limits<double>::min());
   return companion_->difference.cwiseQuotient(scale).maxCoeff() / kLeastGain;
 }
+
+double SmoothMotion::tolerance() const { return relative_ / LocalPart(method_); }
 
 OdeWork SmoothMotion::work() const {
   OdeWork work;

@@ -57,7 +57,7 @@ struct SmoothSettings {
 /// **Energies** are integrals in the same integration, with the same error control.
 ///
 /// **Error.** The tolerance steers each step's error, not what becomes of it; `with_error` measures
-/// that. Beyond 1e-12 rounding wins; a chaotic motion has no error that stays small.
+/// that. Below some 1e-11 rounding wins; a chaotic motion has no error that stays small.
 ///
 /// **A stall** is said: a hundred events within 2^-40 of an output step, a solver that cannot go on
 /// or needs more steps than it may take.
@@ -116,6 +116,9 @@ class SmoothMotion {
   [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_.linear; }
   [[nodiscard]] OdeMethod method() const { return method_; }
+  /// What it is integrated with: the tolerance that was asked for, or the least that rounding lets
+  /// (4e-12 by Adams's formulas, 1.1e-11 by BDF).
+  [[nodiscard]] double tolerance() const;
   /// What it cost, both runs.
   [[nodiscard]] OdeWork work() const;
   /// The solver's steps so far, without those of the run that errors are told from.

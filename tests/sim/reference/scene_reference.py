@@ -4,7 +4,7 @@
 The pairs of effects are gone through in turn (rigid and compliant stops apart), all numbers are drawn
 from a seed. Used by tests/long, and as a command:
 
-    scene_reference.py --write             makes scene_references.json anew: 100 scenes and their numbers
+    scene_reference.py --write             makes scene_references.json anew: 101 scenes and their numbers
     scene_reference.py --check [--every N] compares scene_reference with known numbers and with every
                                            twentieth of those committed, and what `simulate` answers to
                                            every Nth scene with its reference: the deviation has to lie
@@ -173,6 +173,8 @@ def run_reference(program, texts, seconds=300):
 
 REFERENCES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "scene_references.json")
 COUNT = 100
+# of tests/long/nonlinear_scenes.py: contact that magnifies deviations, and the least that the solver takes
+FURTHER = [418]
 QUANTITIES = ["skin_rms_m", "case_rms_m", "current_rms_a", "power_w", "mover_peak_m"]
 # The reference's own steps of 1e-20 leave 4e-15 in scenes of 12 periods (against steps of 1e-17).
 OWN_ERROR = 1e-13
@@ -204,6 +206,9 @@ def write(program):
         true, moved = run_reference(program, [reference_lines(scene), reference_lines(scene, amplitude_factor=1 + 2e-15)])
         if not true["stalled"] and deviation(moved, true)[0] < 1e-11:
             kept.append({"scene": scene, "numbers": true})
+    for seed in FURTHER:
+        scene = random_scene(seed)
+        kept.append({"scene": scene, "numbers": run_reference(program, [reference_lines(scene)])[0]})
     with open(REFERENCES, "w", encoding="utf-8") as file:
         file.write("[\n" + ",\n".join(json.dumps(one) for one in kept) + "\n]\n")
 
@@ -261,8 +266,8 @@ def check(program, every):
             print(f"{which} is {off:.2g} off, stated {stated:.2g}: {json.dumps(one['scene'])}")
             faults += 1
     print(f"{answered} of {len(chosen)} scenes answered, {faults} faults")
-    # a motion that has lost its digits may be refused; these keep 11 of them
-    return faults + (answered < 0.95 * len(chosen))
+    # a motion that has lost its digits may be refused; these keep 11 of them, but for the further one
+    return faults + (answered < 0.95 * len(chosen) - len(FURTHER))
 
 
 def main():
