@@ -289,12 +289,18 @@ void ExpectBaumersExample(const std::string& port) {
   profile.type = RegisterType::kF32;
   profile.order = WordOrder::kCdab;
   Client client(port, profile);
-  for (int row = 0; row < 50; ++row) {
+  // a server that the machine does not run for a second is late, and the row says so
+  constexpr int kMostLate = 3;
+  int answered = 0;
+  for (int row = 0; row < 50 + kMostLate && answered < 50; ++row) {
     const auto reading = client.NextRow();
     ASSERT_TRUE(reading);
+    if (RowStatus(*reading) == SampleStatus::kLate) continue;
     EXPECT_EQ(RowStatus(*reading), SampleStatus::kOk);
     EXPECT_EQ(reading->samples[0].raw.bits(), 0x428B7C37U);
+    ++answered;
   }
+  EXPECT_EQ(answered, 50);
 }
 
 TEST(ModbusPort, ReadsLibmodbussServerOverTcp) {
