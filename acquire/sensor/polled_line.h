@@ -118,7 +118,7 @@ class LineDialect {
 /// How a recording is polled.
 struct PollPlan {
   std::size_t channels = 1;
-  MonotonicNs refresh_ns = 0;       ///< of the device's buffer (sensor/repeat_marker.h); 0: none
+  MonotonicNs refresh_ns = 0;       ///< of the device's buffer (RepeatMarker above); 0: none
   std::optional<double> rate_hz{};  ///< polls lie on the grid k / rate_hz; empty: without a pause
   MonotonicNs wire_ns = 0;          ///< that request and reply need on the wire; 0: not known
 };
@@ -127,7 +127,7 @@ struct PollPlan {
 ///
 /// One command at a time. What was polled and not answered becomes a row too: kLate without an
 /// answer, kBadFrame for bytes that are no reply, kDeviceError for a refusal. Repetitions are
-/// marked (sensor/repeat_marker.h).
+/// marked (RepeatMarker above).
 ///
 /// A reply carries no mark of its request: one late reply taken for the next would put every later
 /// reading one poll behind. So after a missed deadline nothing is asked until the late reply has

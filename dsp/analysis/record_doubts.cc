@@ -69,11 +69,10 @@ void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
     const double rate_hz = facts.rate_hz / unit.factor;
     const double duration_s = facts.duration_s * unit.factor;
     if (rate_hz < needed_hz || rate_hz > kFastestTableHz || duration_s < kShortestTrialS) continue;
-    analysis->remarks.push_back(
-        fmt::format("a guess: read as {}, the times would be {:.4g} readings a second over {:.3g} "
-                    "s; if that is "
-                    "what they are, name the column so: --columns {},displacement_m",
-                    unit.column, rate_hz, duration_s, unit.column));
+    analysis->remarks.push_back(fmt::format(
+        "read as {}, the times would be {:.4g} readings a second over {:.3g} s; if that "
+        "is right, name the time column so in --columns and keep the other names",
+        unit.column, rate_hz, duration_s));
     return;
   }
 }
