@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "base/error.h"
-#include "dsp/filter/cascade.h"
 #include "dsp/filter/cascade_step.h"
 
 namespace haptometer::dsp {

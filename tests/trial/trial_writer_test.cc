@@ -16,7 +16,6 @@
 
 #include "tests/trial/trial_file.h"
 #include "trial/trial_reader.h"
-#include "trial/trial_writer.h"
 
 namespace haptometer::trial {
 namespace {

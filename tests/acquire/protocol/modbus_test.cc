@@ -10,7 +10,6 @@
 #include <random>
 #include <string>
 
-#include "acquire/protocol/modbus.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <vector>
 
-#include "acquire/recorder/recording_statistics.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {

@@ -14,7 +14,6 @@
 #include <filesystem>
 
 #include "acquire/transport/descriptor.h"
-#include "acquire/transport/open_port.h"
 #include "tests/acquire/pty_pair.h"
 
 namespace haptometer::acquire {

@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include "acquire/transport/port_list.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {

@@ -8,7 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/spectrum/envelope.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

@@ -9,7 +9,6 @@
 #include <numbers>
 #include <vector>
 
-#include "dsp/spectrum/frequency_response.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 

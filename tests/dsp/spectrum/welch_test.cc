@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "dsp/spectrum/welch.h"
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/signals.h"
 #include "tests/dsp/spectrum/scipy_welch.h"

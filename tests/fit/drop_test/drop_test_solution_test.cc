@@ -7,7 +7,6 @@
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/drop_test_model.h"
-#include "fit/drop_test/drop_test_solution.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"

@@ -9,7 +9,6 @@
 
 #include "sim/linear/driven_step.h"
 #include "sim/linear/steady_state.h"
-#include "sim/linear/time_response.h"
 #include "tests/residual.h"
 #include "tests/sim/reference/linear_reference.h"
 #include "tests/sim/thesis_scenes.h"

@@ -9,7 +9,6 @@
 
 #include "sim/linear/steady_state.h"
 #include "sim/tuning/adapter_optimum.h"
-#include "sim/tuning/travel_limit.h"
 #include "tests/residual.h"
 #include "tests/sim/tuning/adapter_reference.h"
 #include "tests/sim/tuning/limited_reference.h"
