@@ -134,7 +134,8 @@ TEST_F(LineSensors, LateAnswersAreNotTakenForOthersByTheRunningProgram) {
     EXPECT_LT(offsets_s.size(), 250U) << "some were late";
     EXPECT_GT(offsets_s.size(), 200U);
     const auto [least, most] = std::ranges::minmax(offsets_s);
-    EXPECT_LT(most - least, 0.2) << "an answer taken for another's is 0.35 s off or more";
+    // a machine that is busy delays reading by 0.2 s at times
+    EXPECT_LT(most - least, 0.3) << "an answer taken for another's is 0.35 s off or more";
   }
 }
 
