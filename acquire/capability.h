@@ -29,11 +29,8 @@ struct NoiseInBand {
 /// equation above, q = (1 + sqrt(1 + (1 + T/Tn) s)) / s with s = 4 B T relative^2.
 [[nodiscard]] double SmallestRms(const NoiseInBand& noise, double relative);
 
-}  // namespace haptometer::acquire
-
 /// What each sensor can be asked, before anything is bought, wired or recorded: arithmetic on what
 /// makers state and wires carry.
-namespace haptometer::acquire {
 
 /// What a sensor, its wire and its settings give; empty where nobody states it.
 struct SensorAbility {
@@ -66,7 +63,7 @@ struct Capability {
   double gain_lower = 1;  ///< of its averaging at the band's lower and upper edge
   double gain_upper = 1;
   std::optional<double> noise_in_band_m{};  ///< RMS; of what of the band lies below half the rate
-  std::optional<double> smallest_rms_10_percent_m{};  ///< ability/smallest_rms.h
+  std::optional<double> smallest_rms_10_percent_m{};  ///< SmallestRms()
   std::optional<double> smallest_rms_1_percent_m{};
 };
 
@@ -78,8 +75,8 @@ struct Capability {
 [[nodiscard]] std::vector<Capability> Judge(const std::vector<SensorAbility>& sensors,
                                             const CapabilityQuestion& question);
 
-/// The sensors that this program reads, in the settings that matter: ability/known_sensors.cc says
-/// where each number is from.
+/// The sensors that this program reads, in the settings that matter: the source of each number
+/// stands beside it in acquire/capability.cc.
 [[nodiscard]] std::vector<SensorAbility> KnownSensors();
 
 }  // namespace haptometer::acquire

@@ -14,8 +14,6 @@ namespace haptometer {
 [[nodiscard]] std::string Nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 
-}  // namespace haptometer
-
 /// Text of files, devices, names and command lines, as it may be shown.
 ///
 /// A character is printable where it stands for itself on one line: valid UTF-8, no control
@@ -24,7 +22,6 @@ namespace haptometer {
 /// which can show a text in another order than it is in, and no U+FFFE or U+FFFF, which XML
 /// forbids. What is new (headers, labels, output paths) is refused where it is not printable; what
 /// is old is shown escaped.
-namespace haptometer {
 
 /// The bytes of the character that `text` begins with; 0 where they are no UTF-8 (too long a form,
 /// a surrogate, beyond U+10FFFF) or `text` is empty.

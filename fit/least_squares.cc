@@ -138,7 +138,7 @@ class FreeProblem {
     return Residuals().norm();
   }
 
-  // [J r] in as many rows as it has columns (row_reduction.h); false where it is not defined
+  // [J r] in as many rows as it has columns (ReduceRows); false where it is not defined
   bool Reduce(Eigen::MatrixXd* reduced) {
     jacobian_.resize(problem_.residuals * problem_.parameters);
     if (!problem_.evaluate(point_, residuals_, jacobian_)) return false;

@@ -11,7 +11,7 @@
 namespace haptometer::sim {
 
 /// How often a second a scene's motion is looked at, so that peaks between two looks can be told
-/// (hermite.h: to 1e-10 where nothing happens between them).
+/// (sim/linear/time_response.h: to 1e-10 where nothing happens between them).
 ///
 ///   sine                 64 f; with a duration whole multiples of that, at least 16 times the
 ///                        scene's highest own frequency, which may ring (to 1e-7)

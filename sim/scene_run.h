@@ -97,7 +97,7 @@ inline constexpr double kLargestPredictedError = 1e-3;
 
 /// Plays the scene from t = 0 to `duration_s` with its stops, contact and smooth effects.
 ///
-/// Outputs come as output_rate.h says.
+/// Outputs come as sim/effective_scene.h says.
 ///
 /// Peaks and the least force are located between outputs and on both sides of each event.
 ///

@@ -34,8 +34,8 @@ namespace haptometer::sim {
 /// The displacement of `target` under a scene's effects, at any time, as it is asked for: exact, or
 /// by SmoothMotion with the first tolerance of ode_solver.h where smooth effects are on.
 ///
-/// The motion is played in the outputs of output_rate.h and interpolated by quintics: 2e-11 of its
-/// amplitude where it is smooth, h^2/8 times the jump of acceleration within an output step
+/// The motion is played in the outputs of sim/effective_scene.h and interpolated by quintics: 2e-11
+/// of its amplitude where it is smooth, h^2/8 times the jump of acceleration within an output step
 /// that holds an event. Before t = 0 it stands at its first value. Questions should come in
 /// ascending order, give or take 4096 outputs; an earlier one plays the motion anew. NaN after a
 /// stall. Threads may share it: they wait for each other.

@@ -10,8 +10,8 @@ namespace haptometer::sim {
 
 /// The displacement of `target` over time: a closed sine for Start::kSteady, the exact response
 /// from rest otherwise (zero before t = 0); with stops or contact that breaks, named or "auto", and
-/// under a drive that is no sine, as played_motion.h has it. About 0.1 us or 4 us a call; threads
-/// may share it.
+/// under a drive that is no sine, a motion that is played and interpolated. About 0.1 us or 4 us a
+/// call; threads may share it.
 [[nodiscard]] trial::Displacement MotionOf(const Scene& scene, SensorTarget target);
 
 /// The same as the scene's sensor sees it: its target, delayed by its latency. The scene must have

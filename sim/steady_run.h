@@ -33,9 +33,9 @@ inline constexpr int kChaosRunPeriods = 512;
 /// drive, or a chaotic one's averages.
 ///
 /// **Tremor** has no period in common with the drive. In a linear steady motion that nothing limits
-/// it is superposed (superposition.h): the run then has RMS and power over a long time, the mover's
-/// peak as a sum of amplitudes, and the skin's waveform over eight periods of the drive from t = 0.
-/// Else there is no run.
+/// it is superposed (sim/linear/steady_state.h): the run then has RMS and power over a long time,
+/// the mover's peak as a sum of amplitudes, and the skin's waveform over eight periods of the drive
+/// from t = 0. Else there is no run.
 ///
 /// **Smooth effects**: shooting over SmoothMotion, the coil's temperature among the unknowns, so
 /// that its time constant costs nothing; a coil that no heat leaves has no steady motion. First

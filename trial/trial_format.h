@@ -136,12 +136,9 @@ inline constexpr std::array<std::pair<std::string_view, std::string Metadata::*>
      {"host", &Metadata::host},
      {"command_line", &Metadata::command_line}}};
 
-}  // namespace haptometer::trial
-
 /// The JSON payloads of a trial.bin; keys in docs/reference/formats.md. Keys that this version does
 /// not know are passed over. Texts that are not printable (base/text.h) are refused on their way
 /// into a file and escaped on their way out of one.
-namespace haptometer::trial {
 
 /// Whether all texts of what is new are printable. Errors: Cause::kUsage, naming the first that is
 /// not.

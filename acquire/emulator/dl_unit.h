@@ -144,7 +144,7 @@ struct DlRs1aSetup {
 /// A Keyence DL-RS1A with an IL-1000 amplifier (number 00) and its expansions.
 ///
 /// Understands M0, MS, SR, SW and AW. With its R/W switch on R (the default) SW and AW are refused
-/// with 67. Data: emulator/il_amplifier.h; others are refused with 22.
+/// with 67. Data: those of IlAmplifier; others are refused with 22.
 ///
 /// Source: Keyence, DL-RS1A User's Manual (IL Edition), p. 6-15.
 class DlRs1aUnit final : public DlUnit {

@@ -61,7 +61,7 @@ class LineWriter {
 struct ServeReport {
   std::uint64_t bytes = 0;          ///< handed to hosts
   std::uint64_t dropped_lines = 0;  ///< lost because the host did not read and there was no room
-                                    ///< left (line_writer.h)
+                                    ///< left (LineWriter)
   std::uint64_t hang_ups = 0;       ///< times the device dropped off the line
 };
 

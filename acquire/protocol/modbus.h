@@ -130,13 +130,10 @@ struct ReadReply {
 /// Register `index` of ReadReply::registers.
 [[nodiscard]] std::uint16_t RegisterAt(std::string_view registers, std::size_t index);
 
-}  // namespace haptometer::acquire
-
 /// What Modbus registers mean: numbers of one or two registers in any order of their bytes.
 ///
 /// Our own decode, because libmodbus changed the meaning of modbus_get_float_* between versions
 /// (on little-endian hosts 3.1.7 and older read DCBA under the name abcd).
-namespace haptometer::acquire {
 
 enum class RegisterType : std::uint8_t { kU16, kI16, kU32, kI32, kF32 };
 

@@ -16,7 +16,7 @@
 
 namespace haptometer::acquire {
 
-/// Where a recording's rows go: one trial, or one after the other (recorder/trial_rotation.h).
+/// Where a recording's rows go: one trial, or one after the other (TrialRotation).
 /// Called by the writing thread alone, in the order of trial::TrialWriter, whose errors it hands
 /// on.
 class RowSink {

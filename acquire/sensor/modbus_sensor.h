@@ -36,7 +36,7 @@ struct ModbusSetup {
 /// reading came of it: kLate without an answer, kBadFrame for bytes that are no reply,
 /// kDeviceError for an exception, kInvalid, kUnder and kOver by the profile. A reading whose
 /// timestamp registers did not change is kRepeated; without such registers, one that may be the
-/// same by the sensor's own rate (sensor/repeat_marker.h).
+/// same by the sensor's own rate (acquire/sensor/polled_line.h).
 ///
 /// Late replies. Over TCP each carries its request's transaction identifier: one with another is
 /// thrown away and waiting goes on; after 8 rows in a row without a sound reply the connection
@@ -51,7 +51,7 @@ struct ModbusSetup {
 /// late it was, and the next reply of a reading's length is that of the next reading.
 ///
 /// A device may also answer twice. A reply that comes sooner than one can
-/// (sensor/response_deadline.h) is held back until a usual exchange has passed: a further one that
+/// (ResponseDeadline) is held back until a usual exchange has passed: a further one that
 /// comes until then is the right one. So no row is given sooner than the wire allows.
 ///
 /// What remains: a device that answers out of order; and one of which Start() found that it does

@@ -137,7 +137,7 @@ struct PollPlan {
 /// older one is behind us.
 ///
 /// A device may also answer twice. What came before a request is sent is no reply to it; and a
-/// reply that comes sooner than one can (sensor/response_deadline.h) is held back until a usual
+/// reply that comes sooner than one can (ResponseDeadline) is held back until a usual
 /// exchange has passed: a further one that comes until then is the right one. So no row is given
 /// sooner than the wire allows, and a device that has fallen one reply behind is in step again.
 ///

@@ -36,7 +36,7 @@ class RetryPause {
 /// A sensor that is opened again whenever its connection is lost.
 ///
 /// The port is let go at once, so that a replugged adapter gets its old name back; then it is tried
-/// again and again (sensor/retry_pause.h). What comes back must send the same channels; anything
+/// again and again (RetryPause). What comes back must send the same channels; anything
 /// else is not taken, and tried again.
 ///
 /// Next() waits longer than other sensors' while the device that has come back is started.

@@ -52,7 +52,7 @@ struct PortInfo {
   std::optional<int> usb_vendor{};          ///< 0x0403
   std::optional<int> usb_product{};         ///< 0x6001
   std::string usb_serial{};                 ///< the adapter's own number
-  std::optional<MonotonicNs> latency_ns{};  ///< transport/latency_timer.h
+  std::optional<MonotonicNs> latency_ns{};  ///< of the adapter's timer
   std::string held_by{};                    ///< the process that has it open (PortHolder)
 };
 

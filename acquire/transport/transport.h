@@ -43,11 +43,11 @@ class Transport {
   [[nodiscard]] virtual std::string Source() const = 0;
   /// Whether the other end may be real hardware: false for virtual terminals and sockets.
   [[nodiscard]] virtual bool IsHardware() const { return true; }
-  /// The adapter's latency timer (transport/latency_timer.h), as read when the port was opened;
+  /// The adapter's latency timer (acquire/transport/port_list.h), as read when the port was opened;
   /// empty where there is none.
   [[nodiscard]] virtual std::optional<MonotonicNs> LatencyTimer() const { return std::nullopt; }
   /// What the adapter's habit of keeping short replies costs a sensor that could be polled every
-  /// `period_ns` (transport/latency_timer.h); empty where there is nothing to say.
+  /// `period_ns` (acquire/transport/port_list.h); empty where there is nothing to say.
   [[nodiscard]] virtual std::string LatencyCost(MonotonicNs /*period_ns*/) const { return {}; }
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;

@@ -63,7 +63,7 @@ struct EffectSize {
 /// its standard deviation, which d_z and g both estimate; g does not lie in its middle. It is exact
 /// as it is, so it is not multiplied by J (doing so would make it cover less than 95 %). d_av has
 /// none here: no exact one is known. Nothing with fewer than 3 pairs, or where the differences are
-/// all alike. a and b as in paired.h.
+/// all alike. a and b as in ComparePairs().
 [[nodiscard]] std::optional<EffectSize> EffectOfPairs(std::span<const double> a,
                                                       std::span<const double> b);
 

@@ -22,12 +22,12 @@ struct CondensedRow {
 
 /// Condenses one record at any rates.
 ///
-/// By the addition theorems (ringing_moments.h) the parts of a block of samples are those of any
-/// other block times a small matrix. One block's parts are made orthonormal by reflections; each
-/// block's samples then leave their products with them, and the length of the rest. What blocks
-/// leave is reduced as in row_reduction.h: as stable as a QR decomposition of all rows of F.
-/// Samples with a weight, beside a hole, or in the coil's current's own decay are rows by
-/// themselves.
+/// By the addition theorems (fit/drop_test/ringing_model.h) the parts of a block of samples are
+/// those of any other block times a small matrix. One block's parts are made orthonormal by
+/// reflections; each block's samples then leave their products with them, and the length of the
+/// rest. What blocks leave is reduced as in fit/least_squares.h: as stable as a QR decomposition of
+/// all rows of F. Samples with a weight, beside a hole, or in the coil's current's own decay are
+/// rows by themselves.
 class Condenser {
  public:
   /// The record must outlive it, unchanged.

@@ -21,7 +21,7 @@ struct Disturbances {
       false;       ///< the part is not the first ring-down: no height holds for it
   PolePair poles;  ///< of the last fit
   /// (part's samples, missing ones too) to be added, where dry friction was found: what makes them
-  /// those of a motion without it (dry_friction.h). Else empty.
+  /// those of a motion without it (fit/drop_test/ring_fit.h). Else empty.
   std::vector<double> linear_less_friction_v;
   double friction_share = 0;  ///< of the spring's force at the part's begin; 0: none found
   RingEvidence evidence;

@@ -37,8 +37,8 @@ struct FittedValue {
   bool determined = false;
 };
 
-/// What is least in a fit: the sum of squared residuals, or that of Huber's loss (huber.h), which a
-/// few samples far away hardly move, at 1/0.95 of the variance where there are none.
+/// What is least in a fit: the sum of squared residuals, or that of Huber's loss (fit/residuals.h),
+/// which a few samples far away hardly move, at 1/0.95 of the variance where there are none.
 enum class Loss : std::uint8_t { kSquares, kHuber };
 
 /// What one given input does to the results.
@@ -122,7 +122,7 @@ struct DropTestFit {
 ///
 /// Ceres minimises the residuals in units of each record's noise, to rounding, with logarithms as
 /// parameters but for Km^2, to which the loads' damping is proportional; the noise is what the
-/// residuals show at the resonance (solved twice; residual_density.h). Before any number is given,
+/// residuals show at the resonance (solved twice; fit/residuals.h). Before any number is given,
 /// the singular values of the column-scaled Jacobian say what the records determine
 /// (fit/identifiability.h). Type A: covariance with that noise. Type B: first-order propagation of
 /// the inputs' standard uncertainties through the same Jacobian; the two add as squares (JCGM

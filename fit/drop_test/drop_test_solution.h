@@ -37,8 +37,8 @@ struct DropTestRoad {
 
 /// Solves: holds what the records cannot tell apart (mass, resistance, Km, in this order),
 /// minimises, leaves out samples that lie before the impact then, weighs every record by the noise
-/// that its residuals show (residual_density.h), minimises again, linearises. With Huber's loss
-/// (huber.h) weights and minimum follow each other until they stay, 50 times at most.
+/// that its residuals show (fit/residuals.h), minimises again, linearises. With Huber's loss
+/// (fit/residuals.h) weights and minimum follow each other until they stay, 50 times at most.
 [[nodiscard]] DropTestRoad Travel(const DropTestModel& model, bool uses_heights);
 
 /// What an input's relative changes refer to: its value; 1 + e for a rebound.

@@ -108,7 +108,7 @@ struct RecordPoles {
 ///
 /// u being a ratio of RingDown there at true seconds and a the amplitude that belongs to it: Km v0,
 /// Km^2 I0/M of a release, or the speed of which a displacement is seen; so that the ringing begins
-/// with the sign of `polarity`. Derivatives are those of ringing_sum.h.
+/// with the sign of `polarity`. Derivatives are those of fit/drop_test/ringing_model.h.
 class RingDownProblem {
  public:
   RingDownProblem(std::vector<RingDownSamples> records, double inductance_h);

@@ -56,7 +56,7 @@ struct RingSamples {
 struct RingBackground {
   bool drifts = false;        ///< a straight line
   double hum_hz = 0;          ///< a sine of this frequency; 0: none
-  bool has_friction = false;  ///< dry friction (dry_friction.h)
+  bool has_friction = false;  ///< dry friction (FrictionRing)
 };
 
 /// One ring-down as a pole pair of its own: no mass, no load.
@@ -65,7 +65,7 @@ struct RingBackground {
 ///     sin(...)
 ///
 /// E and O are sim/ring_down.h's fundamental solutions, t counts from the first sample. With dry
-/// friction the ringing is dry_friction.h's, which begins as the linear one does.
+/// friction the ringing is FrictionRing's, which begins as the linear one does.
 struct RingFit {
   PolePair poles;
   double even_v = 0;

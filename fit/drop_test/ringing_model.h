@@ -93,8 +93,8 @@ class RingingMoments {
   RingingMoment first_{.since_s = std::numeric_limits<double>::infinity()};  // of the stretch
 };
 
-/// What a recorded ringing and its derivatives are sums of, t being the time since the blow
-/// (ringing_moments.h).
+/// What a recorded ringing and its derivatives are sums of, t being the time since the impact.
+/// RingingMoment has E, O and the electrical part.
 enum class Part : std::uint8_t {
   kEven,             ///< E(t)
   kOdd,              ///< O(t)
@@ -139,8 +139,7 @@ struct RingingRates {
   bool operator==(const RingingRates&) const = default;
 };
 
-/// The parts at one sample of a record after another (ringing_moments.h: times must rise to be
-/// cheap).
+/// The parts at one sample of a record after another (times must rise to be cheap).
 class RingingParts {
  public:
   RingingParts(const RingDownSamples& record, const RingingRates& rates);

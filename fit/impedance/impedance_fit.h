@@ -56,7 +56,7 @@ struct ImpedanceFit {
 ///     Z = R + j w L + (Km^2/M) j w / (w0^2 - w^2 + j w g),   Kv = M w0^2, Bv = M g.
 ///
 /// Residuals are logarithms of magnitude ratios and phase differences; both noises, a share of |Z|
-/// and an angle, are unknown and estimated along (grouped_noise.h), so each point's uncertainty is
+/// and an angle, are unknown and estimated along (fit/residuals.h), so each point's uncertainty is
 /// theirs times its |Z|. The sweep alone contains Kv/M, Bv/M and Km^2/M, not M: without a mass
 /// nothing else is given. A stated resistance or inductance is taken where the sweep does not tell
 /// it (resistance: uncertain to more than 5 %; inductance: always, when stated); otherwise the

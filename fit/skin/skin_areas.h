@@ -64,7 +64,7 @@ struct SkinAreas {
   std::optional<AreaDependence> damping;
 };
 
-/// Fits Ks and Bs of those contacts that have an area and a determined value (area_law.h). The
+/// Fits Ks and Bs of those contacts that have an area and a determined value (AreaDependence). The
 /// actuator's constants are common to all contacts, and move the exponent by what they move the
 /// contacts differently; those of the first contact count.
 [[nodiscard]] SkinAreas FitSkinAreas(const std::vector<SkinFit>& contacts);

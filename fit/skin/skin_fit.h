@@ -110,10 +110,10 @@ struct SkinFit {
   int iterations = 0;
 };
 
-/// Fits Ks, Bs and m to a sweep with a known actuator (contact_model.h).
+/// Fits Ks, Bs and m to a sweep with a known actuator (ContactAt).
 ///
 /// Residuals are logarithms of the amplitude's ratio to the model and, where measured, differences
-/// of phase, weighted by noises that are estimated along (grouped_noise.h): a share of the
+/// of phase, weighted by noises that are estimated along (fit/residuals.h): a share of the
 /// amplitude where no uncertainty is stated, at least the stated ones otherwise. Amplitudes alone
 /// may leave two solutions, below and above a resonance; a second one that fits as well within nine
 /// units of chi-square is named. Type A: covariance. Type B: the actuator's numbers by central

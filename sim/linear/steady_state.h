@@ -113,8 +113,8 @@ struct SteadyTones {
 ///
 /// Tones of equal frequency are added up first. The common period is that of the frequencies as
 /// decimals of a microhertz; over it the peaks are those of the quintics through 64 outputs in the
-/// shortest period (hermite.h), 2e-11 of the sum of amplitudes. Cost: a SolveSteadyState a tone,
-/// and 0.1 us a tone for each output.
+/// shortest period (sim/linear/time_response.h), 2e-11 of the sum of amplitudes. Cost: a
+/// SolveSteadyState a tone, and 0.1 us a tone for each output.
 [[nodiscard]] SteadyTones SolveSteadyTones(const Scene& scene);
 
 }  // namespace haptometer::sim

@@ -112,7 +112,7 @@ class TimeResponse {
   [[nodiscard]] Eigen::VectorXd StateAt(double t_s) const;
 
   /// States at start_s + i / rate_hz for i = 0 .. count - 1, one column each: (n, count).
-  /// See uniform_motion.h, which does without the powers where the motion begins at t = 0.
+  /// See UniformMotion, which does without the powers where the motion begins at t = 0.
   [[nodiscard]] Eigen::MatrixXd Sample(double start_s, double rate_hz, std::size_t count) const;
 
   /// sqrt(1/(end - begin) x integral of state^2 dt over [begin_s, end_s]), exact, not sampled.

@@ -103,11 +103,7 @@ StepEnergy EnergyOver(const Mode& mode, const std::vector<Eigen::RowVectorXd>& s
   return energy;
 }
 
-}  // namespace haptometer::sim
-
 // What a piecewise motion gathers on its way: energies, and the ranges of the numbers watched.
-
-namespace haptometer::sim {
 
 namespace {
 

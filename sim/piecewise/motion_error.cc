@@ -54,11 +54,7 @@ double MotionError::Bound(const Eigen::RowVectorXd& row) const {
   return kSafety * std::sqrt(std::max(square, 0.0));
 }
 
-}  // namespace haptometer::sim
-
 // The error that a piecewise motion carries (motion_error.h).
-
-namespace haptometer::sim {
 
 namespace {
 

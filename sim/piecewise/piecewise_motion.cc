@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMostCrowdedEvents = 100;
 constexpr std::uint64_t kCrowdedTicks = kTicks >> 40;
-// how much the acceleration may change until bounces are over (piecewise_linear.h)
+// how much the acceleration may change until bounces are over (sim/linear/mode.h)
 constexpr double kSteadyAcceleration = 1e-3;
 // by how much an uncertain gap may raise the height of bounces that are at rest
 constexpr double kMostRestHeights = 1e4;

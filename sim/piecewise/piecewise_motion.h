@@ -55,10 +55,10 @@ struct OutputGrid {
 /// the state is computed anew from where the mode was entered, in long double: rounding does not
 /// pile up (undamped, 1e6 cycles at 10 kHz: energy to 1e-10 instead of 3e-9).
 ///
-/// **No event is missed.** Every guard is judged over every interval (guard_bound.h): an interval
-/// is passed only with a proof that g >= 0 all over it, or that it holds exactly one crossing or
-/// one minimum; else it is halved. All guards are judged over the same interval before the earliest
-/// event in it is taken, so events cannot change places.
+/// **No event is missed.** Every guard is judged over every interval (sim/piecewise/guard.h): an
+/// interval is passed only with a proof that g >= 0 all over it, or that it holds exactly one
+/// crossing or one minimum; else it is halved. All guards are judged over the same interval before
+/// the earliest event in it is taken, so events cannot change places.
 ///
 /// **The excitation's pieces** begin at known times: an output step is split there, to 2^-50 of it,
 /// or at the output itself where the two agree to rounding. What is shown for the very moment is

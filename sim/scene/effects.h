@@ -14,7 +14,7 @@ namespace haptometer::sim {
 ///
 /// **Rigid** (stiffness infinite): where xv - xa reaches a gap the two exchange momentum and part
 /// with e times their speed; bounces that die out leave them at rest against each other until the
-/// force between them would pull (piecewise_linear.h).
+/// force between them would pull (sim/linear/mode.h).
 ///
 /// **Compliant**: penetrating by d > 0 the mover is pushed by F = k d + c d', never pulled. With
 /// damping F falls to zero before d does; the mover then runs free while the pad recovers its form

@@ -85,7 +85,7 @@ struct OdeWork {
 /// each state's largest value so far (or its scale at the beginning), the integrals' below
 /// `relative` times their scale. SUNDIALS' own root finding is not used: it sees a change of sign
 /// between steps only, and in 6.4.1 it may loop for ever (NaN, underflow); the polynomial of the
-/// step is at hand and decides (guard_polynomial.h).
+/// step is at hand and decides (sim/piecewise/guard.h).
 class OdeSolver {
  public:
   OdeSolver(const OdeProblem& problem, OdeMethod method, double relative);

@@ -32,7 +32,7 @@ constexpr double kNoiseParts = 10;
 constexpr double kLongestStepPeriods = 0.125;
 constexpr int kMostCrowdedEvents = 100;
 constexpr double kCrowdedPart = 0x1p-40;  // of an output step
-// how much the acceleration may change until bounces are over (piecewise_linear.h)
+// how much the acceleration may change until bounces are over (sim/linear/mode.h)
 constexpr double kSteadyAcceleration = 1e-3;
 // rates above so many times the drive's are stiff
 constexpr double kStiffRatio = 30;
@@ -441,11 +441,7 @@ double SmoothMotion::TauOfOutput() const {
   return index_ == 0 ? 0 : static_cast<double>(TimeOf(index_) - origin_s_);
 }
 
-}  // namespace haptometer::sim
-
 // What a SmoothMotion shows of where it stands.
-
-namespace haptometer::sim {
 
 Eigen::VectorXd SmoothMotion::Positions() const {
   const Mode& mode = system_.linear.modes[mode_];

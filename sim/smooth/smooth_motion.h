@@ -42,9 +42,9 @@ struct SmoothSettings {
 ///
 /// **Between events** SUNDIALS CVODES integrates; each step leaves a polynomial behind. A guard,
 /// being affine in the states, is a polynomial too over that step, and the first place where it
-/// falls below zero is found for certain (guard_polynomial.h): what is missed is at most what the
-/// solution's own error hides. No step is longer than an eighth of the fastest tone's period, or
-/// without tones than an output step.
+/// falls below zero is found for certain (sim/piecewise/guard.h): what is missed is at most what
+/// the solution's own error hides. No step is longer than an eighth of the fastest tone's period,
+/// or without tones than an output step.
 ///
 /// **The excitation's pieces** begin at known times, each with a new beginning of the solver. What
 /// is shown for the very moment is the state before the new piece.
@@ -52,7 +52,7 @@ struct SmoothSettings {
 /// **At an event** the motion goes on from the map of its transition, with a new beginning of the
 /// solver. A guard that begins within its own error of zero (the one just left) is no event until
 /// it has risen above that, or falls below it. Accumulating bounces end by the rule of
-/// piecewise_linear.h, where those lower than the tolerance count as at rest.
+/// sim/linear/mode.h, where those lower than the tolerance count as at rest.
 ///
 /// **Energies** are integrals in the same integration, with the same error control.
 ///

@@ -70,7 +70,7 @@ TEST(Capability, StepsMayBeAsLargeAsWanted) {
 TEST(Capability, NoiseInTheBandIsItsShareOfHalfTheRate) {
   const Capability capability = Judge(kFast, {.lower_hz = 20, .upper_hz = 500});
   EXPECT_REL(*capability.noise_in_band_m, 5e-7 * std::sqrt(480.0 / 5000), 1e-14, "a root");
-  // B T = 4800 and noise of 0.15492 um: see smallest_rms_test.cc
+  // B T = 4800 and noise of 0.15492 um, as in the tests of SmallestRms
   EXPECT_REL(*capability.smallest_rms_10_percent_m, 1.5492e-7 * std::sqrt(0.107403), 1e-4,
              "five digits");
   // a band above half the rate has nothing to say
@@ -124,11 +124,7 @@ TEST(KnownSensors, AreSortedByWhetherTheyAnswerAndThenByReach) {
 }
 
 }  // namespace
-}  // namespace haptometer::acquire
-
 // The smallest RMS that may be reported, against its equation and against noise from a generator.
-
-namespace haptometer::acquire {
 namespace {
 
 const NoiseInBand kIl030{.rms_m = 6e-6, .bandwidth_hz = 480, .record_s = 10, .noise_record_s = 10};

@@ -1,6 +1,5 @@
 """Reads docs/: each test that docs/developer/hard-cases.md names exists; no page uses a word that the glossary
-lists as not to be used; links between pages and paths
-in code lead to what exists."""
+lists as not to be used; links between pages, paths in code and sources that comments name lead to what exists."""
 import fnmatch
 import os
 import pathlib
@@ -121,8 +120,25 @@ def check_paths():
     check(not lost, "paths that do not exist:\n" + "\n".join(lost))
 
 
+def check_comments():
+    """A source that a comment in C++ names exists; of its path the end is enough."""
+    foreign = {"ceres/ceres.h", "hdf5.h"}
+    rooms = ["acquire", "base", "bench", "dsp", "fit", "fuzz", "sim", "tests", "tools", "trial"]
+    sources = [path for room in rooms for path in pathlib.Path(room).rglob("*.[ch]*") if path.suffix in (".cc", ".h")]
+    check(len(sources) > 500, f"{len(sources)} sources")
+    ends = {"/".join(path.parts[k:]) for path in sources for k in range(len(path.parts))} | foreign
+    lost = []
+    for path in sources:
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+            for name in re.findall(r"\b[\w/]+\.(?:h|cc)\b", line.partition("//")[2]):
+                if name not in ends:
+                    lost.append(f"{path}:{number}: {name}")
+    check(not lost, "comments name sources that do not exist:\n" + "\n".join(lost))
+
+
 check_words()
 check_terms()
+check_comments()
 check_paths()
 check_named_tests()
 check_links()

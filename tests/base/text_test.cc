@@ -26,13 +26,9 @@ TEST(Nearest, SaysNothingWhereNothingIsNear) {
 }
 
 }  // namespace
-}  // namespace haptometer
-
 // Which text is printable, and how the rest is shown. The code points are those of The Unicode
 // Standard 15 (C0 and C1, 2.4; bidirectional formatting, 23.2), the byte forms those of its table
 // 3-7.
-
-namespace haptometer {
 namespace {
 
 using std::string_literals::operator""s;

@@ -57,11 +57,7 @@ TEST(LeastSquares, WritesNothingWhereItFails) {
 }
 
 }  // namespace
-}  // namespace haptometer::fit
-
 // The solver on NIST's nonlinear regression sets: 27 sets from 2 starts each.
-
-namespace haptometer::fit {
 namespace {
 
 using Complex = std::complex<double>;

@@ -351,7 +351,7 @@ def scenes(run):
         statuses=(0, 1, 2, 3))
     run("tune", scene, "--springs", "6500", "--motor-side-mass", "1g:1.01g", "--skin-side-mass",
         "1g:1.01g", "--damping", "0.04:0.041", "--contact-area", "20:20.1", "--plot",
-        "drawn.svg", statuses=(0, 3))
+        "drawn.svg", "--report", "page.html", "--all", statuses=(0, 3))
     for text in ('[actuator]\nname = "a\\nb"\n', '"a\\u001b" = 1\n', "x = '\x1b'\n", "\x1b\n",
                  "[drive]\nkind = \"sine\\u2028\"\n"):
         (run.folder / "s.toml").write_text(text, encoding="utf-8")

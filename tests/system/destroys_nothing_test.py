@@ -91,6 +91,7 @@ WRITES = [
     of(SWEEP, "-o,--output", [".csv"], "table", True),
     of(SWEEP, "--plot", [".svg"], can_overwrite=True),
     Option("tune", "--plot", ["scene.toml", "--springs", "8200"], ["scene.toml", "actuator.toml"], [".svg"]),
+    Option("tune", "--report", ["scene.toml", "--springs", "8200"], ["scene.toml", "actuator.toml"], [".html"], "page"),
     Option("reproduce", "--figures", [], [], [], "folder"),
     Option("reproduce", "--report", [], [], [".html"], "page"),
 ]

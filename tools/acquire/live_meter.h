@@ -55,7 +55,8 @@ class LiveMeter {
   static constexpr std::size_t kSlots = 100;
   static constexpr MonotonicNs kSlotNs = kNsPerS / 20;
 
-  /// Programmer's error: a header without channels. `band` is one at some rate (cli/band.h).
+  /// Programmer's error: a header without channels. `band` is one at some rate
+  /// (tools/cli/shared_options.h).
   LiveMeter(const trial::TrialHeader& header, const dsp::BandPass& band);
 
   /// The reading thread's: O(1), allocates when the rate becomes known and never again. Measured:

@@ -40,7 +40,7 @@ struct TriggerWish {
 
 /// What is wanted of a recording, beside its sensor: as the command line says it.
 struct RecordingOptions {
-  std::string output{};  ///< a file, or a directory that names it (trial_name.h); may be empty
+  std::string output{};  ///< a file, or a directory that names it (NewTrialName); may be empty
   bool overwrite = false;
   std::vector<std::string> labels{};
   std::optional<std::int64_t> samples{};

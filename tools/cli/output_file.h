@@ -60,7 +60,7 @@ inline constexpr OutputKind kMatOutput{.name = "a MATLAB file written by haptome
 /// 1. An input of the same command is never written, under whatever name: inputs are the files that
 ///    its words name and those that it opened to read (NoteInput), compared by device and inode.
 /// 2. An existing file is replaced only if it is of `kind` and either `overwrite` was said or it is
-///    a picture or page with haptometer's own mark (output_kind.h), unchanged since. No file of
+///    a picture or page with haptometer's own mark (OutputKind), unchanged since. No file of
 ///    another kind, no read-only file and none that another program is writing (flock) is replaced.
 /// 3. A link to an existing file stands for that file. A link to nothing, a directory, a disk and a
 ///    socket are refused.

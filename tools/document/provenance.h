@@ -23,7 +23,7 @@ struct InputFile {
 /// How a result came about.
 struct Provenance {
   std::string version;
-  std::string command;  ///< as a shell takes it (tools/cli/command_line.h)
+  std::string command;  ///< as a shell takes it (tools/cli/terminal.h)
   std::string utc;      ///< when the result was written, "2026-11-23T05:06:07Z"
   std::vector<InputFile> inputs;
 };

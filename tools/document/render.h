@@ -13,7 +13,7 @@ namespace haptometer::document {
 /// provenance.
 [[nodiscard]] std::string TextOf(const Document& document, Detail detail);
 
-/// One JSON object, indented, with a line end, printable (base/printable.h). Numbers are
+/// One JSON object, indented, with a line end, printable (base/text.h). Numbers are
 /// round-trip doubles in SI units; what is not known is null. `findings` and `provenance` stand
 /// behind the keys of the root.
 [[nodiscard]] std::string JsonOf(const Document& document);

@@ -442,7 +442,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
 
 namespace {
 
-// bounds of a value; those of the options (fit_lra_input.cc)
+// bounds of a value; as those of the options
 struct Bounds {
   bool (*holds)(double);
   std::string_view what;

@@ -13,8 +13,8 @@
 
 namespace haptometer::tools {
 
-/// What the command line of fit-lra says; every statement here beats the files' headers
-/// and a drops file (tools/drops_file.h), which beats the headers too.
+/// What the command line of fit-lra says; every statement here overrides the files' headers
+/// and a drops file, which overrides the headers too.
 struct FitLraOptions {
   std::vector<std::string> files;              ///< with the load of their header; or one drops file
   std::vector<std::vector<std::string>> open;  ///< groups of files, open circuit

@@ -10,7 +10,7 @@ namespace haptometer::tools {
 struct ImpedanceFiles {
   std::string sweep;
   std::string plot;
-  std::string save;        ///< see fit_lra_save.h
+  std::string save;        ///< see tools/fit/saved_actuator.h
   bool overwrite = false;  ///< of `save`
 };
 

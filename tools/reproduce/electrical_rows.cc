@@ -58,7 +58,7 @@ double RunPower(const sim::Scene& scene, double duration_s) {
 }
 
 // Saved over whole runs from rest. How long the thesis ran is not printed: the first length is the
-// one that gives its 15 %, and Table 2.3 asks for another (0.7 s, displacement_rows.cc).
+// one that gives its 15 %, and Table 2.3 asks for another (0.7 s, motion_rows.cc).
 template <typename Measure>
 std::vector<CandidateCause> WholeRuns(const sim::Scene& adapter, const sim::Scene& direct,
                                       const Measure& measure) {
@@ -144,11 +144,7 @@ std::vector<ThesisRow> ElectricalRows(const ThesisModel& model) {
   return rows;
 }
 
-}  // namespace haptometer::tools
-
 // What the model says of chapter 3: weight, prototypes as built, 175 Hz, power, travel, contact.
-
-namespace haptometer::tools {
 namespace {
 
 double Rms(const sim::Scene& scene) { return sim::SolveSteadyState(scene).skin_rms_m; }

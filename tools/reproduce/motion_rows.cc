@@ -172,11 +172,7 @@ std::vector<ThesisRow> DisplacementRows(const ThesisModel& model) {
   return rows;
 }
 
-}  // namespace haptometer::tools
-
 // Resonance, impedances (Figure 2.4) and sensitivity (Figure 2.5).
-
-namespace haptometer::tools {
 namespace {
 
 // about the drive; the system's other resonances lie outside of what was drawn
@@ -279,11 +275,7 @@ std::vector<ThesisRow> FrequencyRows(const ThesisModel& model) {
   return rows;
 }
 
-}  // namespace haptometer::tools
-
 // Figure 2.3: displacement over time from rest.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr double kEarlyLevelM = 25e-6;

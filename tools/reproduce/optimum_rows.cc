@@ -138,11 +138,7 @@ std::vector<ThesisRow> OptimumRows(const ThesisModel& model) {
   return rows;
 }
 
-}  // namespace haptometer::tools
-
 // Figures 2.6 and 2.7: receptors reached, and the stimulus.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr double kLeastRadiusM = 1e-3;  // of the contactors (p. 12)

@@ -320,12 +320,8 @@ Result<std::vector<std::string>> CompareDocuments(const std::string& earlier,
   return differences;
 }
 
-}  // namespace haptometer::tools
-
 // study: several trials, or several settings, as one answer; a word each for what is no table of
 // trials (tools/study/).
-
-namespace haptometer::tools {
 
 int RunStudy(int argc, const char* const* argv) {
   const std::string_view word = argc > 1 ? argv[1] : "";

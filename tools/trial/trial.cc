@@ -70,11 +70,7 @@ int RunTrial(int argc, const char* const* argv) {
                                            : fmt::format("did you mean trial {}?", nearest)});
 }
 
-}  // namespace haptometer::tools
-
 // trial label: labels given after the recording.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr cli::VerbText kLabelText{
@@ -136,11 +132,7 @@ int RunTrialLabel(int argc, const char* const* argv) {
   return 0;
 }
 
-}  // namespace haptometer::tools
-
 // trial plot: a recording over time.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr cli::VerbText kPlotText{

@@ -275,22 +275,26 @@ void Declare(cli::Options& options, TuneWords& words) {
   options.Text("--motor-side-mass", &words.motor_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
   options.Text("--skin-side-mass", &words.skin_side_mass, "LOW:HIGH", "Bounds; 0.25g:10g");
   options.Text("--stiffness", &words.stiffness, "LOW:HIGH", "Bounds; 2000:12000 N/m");
-  options.Text("--springs", &words.springs, "K,K,...", "Choose from these; beats --stiffness");
+  options.Text("--springs", &words.springs, "K,K,...", "Choose from these; overrides --stiffness");
   options.Text("--damping", &words.damping, "LOW:HIGH", "Bounds; 0.01:0.1 N s/m");
   options.Text("--contact-area", &words.contact_area, "LOW:HIGH", "Bounds; 1:100 mm2");
   options.Choice("--skin", &words.skin, {"text", "table", "scene"},
                  "The thesis's law up to 2000 (text) or 1200 N/m (table), or the scene's skin");
   options.Number("--skin-varies", &words.skin_varies, Dimension::kNone,
                  "Best for the worst of skins, Ks and Bs each by this part: 0.2 is 20 %");
-  options.Number("--voltage", &words.voltage, Dimension::kVoltage, "Beats the scene's amplitude");
-  options.Number("--frequency", &words.frequency, Dimension::kFrequency, "Beats the scene's");
+  options.Number("--voltage", &words.voltage, Dimension::kVoltage,
+                 "Overrides the scene's amplitude");
+  options.Number("--frequency", &words.frequency, Dimension::kFrequency,
+                 "Overrides the scene's frequency");
   options.Number("--mover-travel", &words.mover_travel, Dimension::kLength,
                  "Only adapters with which the mover travels no further, to either side");
   options.Text("--latency", &words.latency, "s",
-               "Only adapters whose latency to 10 %, as simulate tells it, is no longer");
+               "Only adapters whose latency to 10 % (as of simulate) is no longer");
   options.Flag("--all", &words.outputs.all, "Grid, ridge and wrong springs too");
   options.Output("--plot", &words.outputs.plot, "FILE",
                  "Draw the objective around the optimum, and the ridge");
+  options.Output("--report", &words.outputs.report, "FILE.html",
+                 "Write a page with all numbers and figures");
   options.Count("--grid", &words.grid, 1, 60, "Values an axis of the grid beside; 20");
   options.Choice("--receptor-grid", &words.receptor_grid, {"cell", "edge"},
                  "Receptors in the middle of their cells, or from edge to edge", Shown::kHelpAll);

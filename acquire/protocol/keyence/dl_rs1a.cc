@@ -98,11 +98,7 @@ std::string FormatErrorReply(const Refusal& refusal) {
   return dl::FormatErrorReply(Spelling(), refusal);
 }
 
-}  // namespace haptometer::acquire::dl_rs1a
-
 // The maker's tables: what the numbers of the DL-RS1A and of the IL series mean.
-
-namespace haptometer::acquire::dl_rs1a {
 namespace {
 
 // codes of data 195; distances and linear ranges of the IL series catalogue (AS_98890_IL), 0 where

@@ -124,11 +124,7 @@ TEST(PipeChannels, CountsOfATriggerStayCounts) {
 }
 
 }  // namespace
-}  // namespace haptometer::acquire
-
 // Samples through a scripted pipe on a manual clock.
-
-namespace haptometer::acquire {
 namespace {
 
 using ::testing::Contains;

@@ -92,11 +92,7 @@ TEST_F(RecorderTest, APacedReplayIsTheSameTrial) {
 }
 
 }  // namespace
-}  // namespace haptometer::acquire
-
 // A recorded trial played as a sensor.
-
-namespace haptometer::acquire {
 namespace {
 
 namespace fs = std::filesystem;

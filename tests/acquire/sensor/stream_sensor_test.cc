@@ -61,11 +61,7 @@ TEST(LineCounter, AccountsForEveryLine) {
 }
 
 }  // namespace
-}  // namespace haptometer::acquire
-
 // Free-running lines on a scripted wire and a manual clock.
-
-namespace haptometer::acquire {
 namespace {
 
 using ::testing::Contains;

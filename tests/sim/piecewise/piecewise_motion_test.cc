@@ -254,11 +254,7 @@ TEST(PiecewiseMotion, RoundingDoesNotPileUp) {
 }
 
 }  // namespace
-}  // namespace haptometer::sim
-
 // PiecewiseMotion::NextUnwatched: many outputs at once are those asked for one by one.
-
-namespace haptometer::sim {
 namespace {
 
 // as many outputs at once as there are, of seven at first

@@ -347,11 +347,7 @@ TEST(SmoothMotion, WorkIsCounted) {
 }
 
 }  // namespace
-}  // namespace haptometer::sim
-
 // Events of a SmoothMotion that are hard to see or to leave behind.
-
-namespace haptometer::sim {
 namespace {
 
 // d = A cos w t over a gap, both ways
