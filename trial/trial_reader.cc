@@ -99,6 +99,10 @@ std::optional<std::uint64_t> ReadReport::RowsLost() const {
   return sum;
 }
 
+bool ReadReport::IsInterrupted() const {
+  return !closed || std::ranges::find(events, kInterruptedText, &Event::text) != events.end();
+}
+
 std::vector<std::string> ReadReport::WhatIsMissing() const {
   std::vector<std::string> sentences;
   sentences.reserve(losses.size() + 1);

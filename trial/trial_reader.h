@@ -57,6 +57,8 @@ struct ReadReport {
 
   /// Rows known to be lost; empty where a loss does not say how many.
   [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
+  /// Whether the recording did not reach its end: the file is not finished, or has the remark.
+  [[nodiscard]] bool IsInterrupted() const;
   /// A sentence for each loss, and one where the writer did not finish the file.
   [[nodiscard]] std::vector<std::string> WhatIsMissing() const;
 };

@@ -289,8 +289,8 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
   summary.connection_lost = ending == Ending::kConnectionLost;
   summary.interrupted = ending == Ending::kStopped && HasEnd(limits);
   if (summary.interrupted) {
-    ring.PushEvent({.kind = trial::EventKind::kRemark,
-                    .text = "interrupted: stopped before the end that was asked for"});
+    ring.PushEvent(
+        {.kind = trial::EventKind::kRemark, .text = std::string(trial::kInterruptedText)});
   }
   // what is known of the device only now
   for (std::string& remark : sensor.Remarks()) {

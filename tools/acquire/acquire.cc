@@ -32,6 +32,7 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/daemon/daemon.h"
+#include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -105,11 +106,11 @@ std::string FileName(const std::string& output, const trial::Metadata& metadata)
 }
 
 // how the live figures are shown: over and over for people, line by line for programs
-LiveStyle StyleOf(const cli::Options& options, bool live) {
+LiveStyle StyleOf(bool is_json, bool live) {
   const bool err_is_terminal = isatty(STDERR_FILENO) != 0;
   if (!live) return err_is_terminal ? LiveStyle::kProgressLine : LiveStyle::kNone;
   if (err_is_terminal && isatty(STDOUT_FILENO) != 0) return LiveStyle::kPlot;
-  return options.json() ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
+  return is_json ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
 }
 
 // a device that goes away and comes back is worth a line each
@@ -139,19 +140,9 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
        .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); }});
 }
 
-int Report(const cli::Options& options, const std::string& file, const trial::TrialHeader& header,
-           acquire::RecordingSummary summary, const std::string& port, bool reconnects) {
-  const auto time_base = ReviewTimeBase(file, header.timing, summary);
-  if (time_base) {
-    // the holes between shots are meant to be
-    if (summary.triggers == 0) summary.gaps = time_base->gaps;
-    cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
-  }
-  if (options.json()) {
-    cli::Print(SummaryJson(file, header.metadata, summary, time_base));
-  } else {
-    cli::Print(Printable(SummaryLine(file, summary)) + "\n");
-  }
+// why the recording is not what was asked for; the status to leave with
+int ReportFault(const std::string& file, const acquire::RecordingSummary& summary,
+                const std::string& port, bool reconnects) {
   if (summary.connection_lost) {
     const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
     return cli::ReportError(
@@ -173,6 +164,17 @@ int Report(const cli::Options& options, const std::string& file, const trial::Tr
       kVerb, {Cause::kCannotAnswer, port,
               summary.readings == 0 ? "no reading came" : "no reading was a measurement",
               "check that the laser is on and meets its target within the range"});
+}
+
+int Report(const document::Outputs& outputs, const std::string& file,
+           const trial::TrialHeader& header, acquire::RecordingSummary summary,
+           const std::string& port, bool reconnects, int argc, const char* const* argv) {
+  const auto time_base = ReviewTimeBase(file, header.timing, summary);
+  // the holes between shots are meant to be
+  if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
+  const int status = document::Present(RecordingDocument(file, header.metadata, summary, time_base),
+                                       outputs, argc, argv);
+  return cli::WorseStatus(status, ReportFault(file, summary, port, reconnects));
 }
 
 // into a trial, or, where none is named, past the eyes only
@@ -203,8 +205,8 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
 }
 
 // everything between the command line and the report
-int Run(const cli::Options& options, const AcquireOptions& wanted, const RecordingPlan& plan,
-        const dsp::BandPass& band, const std::vector<std::string>& words) {
+int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::BandPass& band,
+        int argc, const char* const* argv) {
   const auto fail = [](const Error& error) {
     return cli::InterruptedStatus(cli::ReportError(kVerb, error));
   };
@@ -217,14 +219,14 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   cli::Remark(kVerb, "source: " + (*sensor)->header().metadata.source);
   std::vector<std::string> said;
   SayNew(**sensor, said);
-  if (wanted.check) return RunSensorCheck(options, wanted, band, words, **sensor, clock);
+  if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, **sensor, clock);
 
   // the recording's zero, head and end
   const auto tare_m = Tare(**sensor, wanted, clock);
   if (!tare_m) return fail(tare_m.error());
   trial::TrialHeader header =
       RecordingHeader(**sensor, IsSensor(wanted.sensor.sensor, SensorType::kReplay), plan.labels,
-                      cli::CommandLine(words));
+                      cli::CommandLine({argv, argv + argc}));
   if (*tare_m) header.metadata.tare_m = **tare_m;
   const auto limits = LimitsOf(plan, header, clock);
   if (!limits) return fail(limits.error());
@@ -232,25 +234,24 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   // the recording
   const std::string file = FileName(wanted.recording.output, header.metadata);
   const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
-                                band, StyleOf(options, wanted.live));
+                                band, StyleOf(wanted.outputs.json, wanted.live));
   if (!summary) return fail(summary.error());
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
   SayNew(**sensor, said);
-  return Report(options, file, header, *summary, PortName(wanted.sensor), plan.reconnects);
+  return Report(wanted.outputs, file, header, *summary, PortName(wanted.sensor), plan.reconnects,
+                argc, argv);
 }
 
-int ListPorts(const cli::Options& options) {
+Result<document::Document> ListPorts() {
   const auto ports = acquire::ListPorts();
-  if (!ports) return cli::ReportError(kVerb, ports.error());
-  cli::Print(options.json() ? PortListJson(*ports) : PortListText(*ports));
-  return 0;
+  if (!ports) return std::unexpected(ports.error());
+  return PortsDocument(*ports);
 }
 
-int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
+Result<document::Document> ListSensors(const AcquireOptions& wanted) {
   const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
-  if (!question) return cli::ReportError(kVerb, question.error());
-  cli::Print(options.json() ? SensorListJson(*question) : SensorListText(*question));
-  return 0;
+  if (!question) return std::unexpected(question.error());
+  return SensorsDocument(*question);
 }
 
 }  // namespace
@@ -260,9 +261,17 @@ int RunAcquire(int argc, const char* const* argv) {
   AcquireOptions wanted;
   DeclareAcquire(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  if (wanted.list_ports) return ListPorts(options);
-  if (wanted.list_sensors) return ListSensors(options, wanted);
-  if (const auto status = RunDaemonOptions(options, wanted.daemon, argc, argv)) return *status;
+  wanted.outputs.json = options.json();
+  if (auto good = document::CheckOutputs(wanted.outputs); !good) {
+    return cli::ReportError(kVerb, good.error());
+  }
+  if (wanted.list_ports || wanted.list_sensors) {
+    auto document = wanted.list_ports ? ListPorts() : ListSensors(wanted);
+    if (!document) return cli::ReportError(kVerb, document.error());
+    return document::Present(std::move(*document), wanted.outputs, argc, argv);
+  }
+  if (const auto status = RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv))
+    return *status;
   if (auto checked = CheckAcquire(wanted); !checked)
     return cli::ReportError(kVerb, checked.error());
   const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));
@@ -270,8 +279,7 @@ int RunAcquire(int argc, const char* const* argv) {
   const auto band = BandOf(wanted);
   if (!band) return cli::ReportError(kVerb, band.error());
   cli::CatchInterrupts();
-  const std::vector<std::string> words(argv, argv + argc);
-  return Run(options, wanted, *plan, *band, words);
+  return Run(wanted, *plan, *band, argc, argv);
 }
 
 trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,

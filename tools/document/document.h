@@ -68,6 +68,11 @@ struct Value : AnyValue {
   [[nodiscard]] bool IsKnown() const;
 };
 
+/// The text; not known where it is empty.
+[[nodiscard]] inline Value TextOrNotKnown(std::string text) {
+  return text.empty() ? Value() : Value(std::move(text));
+}
+
 /// A value with all that is known of it, in the value's SI unit.
 struct Item {
   std::string name;
