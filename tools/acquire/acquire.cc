@@ -81,12 +81,18 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
       plan.longest_away_ns, clock);
 }
 
-// the sensor's remarks, without those that were said before: it may know more after a recording
+std::string Say(const acquire::Finding& found) {
+  const std::string words = document::WordsOf(found);
+  return found.subject.empty() ? words : found.subject + ": " + words;
+}
+
+// what the sensor finds, without what was said before: more may be known after a recording
 void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
-  for (const std::string& remark : sensor.Remarks()) {
-    if (std::ranges::find(said, remark) != said.end()) continue;
-    cli::Remark(kVerb, remark);
-    said.push_back(remark);
+  for (const acquire::Finding& found : sensor.Found().list()) {
+    std::string words = Say(found);
+    if (std::ranges::find(said, words) != said.end()) continue;
+    cli::Remark(kVerb, words);
+    said.push_back(std::move(words));
   }
 }
 
@@ -130,14 +136,15 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
                                               const std::function<void()>& output_closed = {}) {
   if (style == LiveStyle::kNone) {
     return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
-                           {.progress = TellAbsences()});
+                           {.progress = TellAbsences(), .say = Say});
   }
   LiveMeter meter(header, band);
   LiveView view(meter, band, style, output_closed);
   return acquire::Record(
       sensor, sink, clock, cli::Interrupted(), limits,
       {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
-       .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); }});
+       .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); },
+       .say = Say});
 }
 
 // why the recording is not what was asked for; the status to leave with
@@ -166,15 +173,16 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
               "check that the laser is on and meets its target within the range"});
 }
 
-int Report(const document::Outputs& outputs, const std::string& file,
-           const trial::TrialHeader& header, acquire::RecordingSummary summary,
-           const std::string& port, bool reconnects, int argc, const char* const* argv) {
+int Report(const AcquireOptions& wanted, const std::string& file, const Sensor& sensor,
+           const trial::TrialHeader& header, acquire::RecordingSummary summary, bool reconnects,
+           int argc, const char* const* argv) {
   const auto time_base = ReviewTimeBase(file, header.timing, summary);
   // the holes between shots are meant to be
   if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
-  const int status = document::Present(RecordingDocument(file, header.metadata, summary, time_base),
-                                       outputs, argc, argv);
-  return cli::WorseStatus(status, ReportFault(file, summary, port, reconnects));
+  const int status = document::Present(
+      RecordingDocument(file, header.metadata, summary, time_base, sensor.Found()), wanted.outputs,
+      argc, argv);
+  return cli::WorseStatus(status, ReportFault(file, summary, PortName(wanted.sensor), reconnects));
 }
 
 // into a trial, or, where none is named, past the eyes only
@@ -238,8 +246,7 @@ int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::Band
   if (!summary) return fail(summary.error());
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
   SayNew(**sensor, said);
-  return Report(wanted.outputs, file, header, *summary, PortName(wanted.sensor), plan.reconnects,
-                argc, argv);
+  return Report(wanted, file, **sensor, header, *summary, plan.reconnects, argc, argv);
 }
 
 Result<document::Document> ListPorts() {

@@ -94,7 +94,8 @@ std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Tim
 
 document::Document RecordingDocument(const std::string& file, const trial::Metadata& metadata,
                                      const RecordingSummary& summary,
-                                     const std::optional<TimeBaseReview>& time_base) {
+                                     const std::optional<TimeBaseReview>& time_base,
+                                     const acquire::Findings& found) {
   document::Document document{
       .verb = "acquire",
       .title = fmt::format("{}: {} readings in {:.3f} s", file.empty() ? "nothing kept" : file,
@@ -105,7 +106,8 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
   if (time_base) uncertainty_s = time_base->uncertainty_s;
   std::string bad_words;
-  root.sections = {BadByKind(summary, bad_words)};
+  root.sections = {BadByKind(summary, bad_words), {.detail = document::Detail::kAll}};
+  document::AddFindings(root.sections.back(), found);
 
   root.Add(kFileKey, TextOrNotKnown(file));
   root.Add(kSensorKey, metadata.sensor);
@@ -152,8 +154,8 @@ Section PortSection(const PortInfo& port) {
     const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
     latency_s = SecondsFromNs(*port.latency_ns);
     rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
-    const std::string remark = acquire::LatencyRemark(port.path, *port.latency_ns, period_ns);
-    if (!remark.empty()) section.findings.push_back({.kind = "latency-timer", .text = remark});
+    document::AddFindings(section,
+                          acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
   }
   std::string usb;
   if (port.usb_vendor && port.usb_product) {
@@ -195,14 +197,18 @@ namespace {
 using acquire::Capability;
 using acquire::CapabilityQuestion;
 
-Section CapabilitySection(const Capability& capability, const CapabilityQuestion& question) {
+Section CapabilitySection(const Capability& capability) {
   const acquire::SensorAbility& sensor = capability.sensor;
   Section section{.heading =
                       fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
   section.Add({"name"}, sensor.name);
   section.Add({"can_answer"}, capability.can_answer);
-  section.Add({"reason", "because"}, capability.reason);
-  section.Add({"option", "acquire with"}, sensor.option);
+  section.Add({"reason", "because"}, document::WordsOf(capability.reason));
+  std::string options;
+  for (const auto& [setting, value] : sensor.settings) {
+    options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);
+  }
+  section.Add({"option", "acquire with"}, options);
   section.Add(kRateKey, sensor.rate_hz).label.clear();
   section.Add({"highest_observable_hz"}, capability.highest_hz);
   section.Add({"gain_at_lower"}, capability.gain_lower);
@@ -245,7 +251,7 @@ document::Document SensorsDocument(const CapabilityQuestion& question) {
   root.Add({"record_s"}, question.record_s);
   Section list{.name = "sensors", .shape = Section::Shape::kArray};
   for (const Capability& capability : Judge(acquire::KnownSensors(), question)) {
-    list.sections.push_back(CapabilitySection(capability, question));
+    list.sections.push_back(CapabilitySection(capability));
   }
   root.sections = {std::move(list)};
   return document;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "acquire/capability.h"
+#include "acquire/findings.h"
 #include "acquire/recorder/recorder.h"
 #include "acquire/transport/port_list.h"
 #include "base/error.h"
@@ -43,11 +44,13 @@ struct TimeBaseReview {
 [[nodiscard]] std::optional<TimeBaseReview> ReviewTimeBase(
     const std::string& file, trial::Timing timing, const acquire::RecordingSummary& summary);
 
-/// What came of a recording; `file` is empty where nothing was kept.
+/// What came of a recording; `file` is empty where nothing was kept. `found`: by the sensor, shown
+/// with all details.
 [[nodiscard]] document::Document RecordingDocument(const std::string& file,
                                                    const trial::Metadata& metadata,
                                                    const acquire::RecordingSummary& summary,
-                                                   const std::optional<TimeBaseReview>& time_base);
+                                                   const std::optional<TimeBaseReview>& time_base,
+                                                   const acquire::Findings& found);
 
 /// How far a recording that runs has come: "12.5 s  125000 readings  10000.0/s".
 [[nodiscard]] std::string ProgressLine(const acquire::RecordingSummary& summary);

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <memory>
 #include <span>
-#include <utility>
 
 #include "base/clock.h"
 #include "base/input_file.h"
@@ -55,27 +54,6 @@ std::string_view NameOf(DataSource source) {
   constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
                                                    "interrupted"};
   return kNames[static_cast<std::size_t>(source)];
-}
-
-std::vector<DataSource> SourcesOf(std::string_view header_source, bool is_interrupted) {
-  // "replay of FILE (SOURCE)", where SOURCE may be a replay again
-  const bool is_replay = header_source.starts_with("replay of ");
-  constexpr std::array<std::pair<std::string_view, DataSource>, 7> kBeginnings{
-      {{"device", DataSource::kDevice},
-       {"TCP connection", DataSource::kDevice},
-       {"emulated", DataSource::kEmulated},
-       {"virtual terminal", DataSource::kEmulated},
-       {"simulated", DataSource::kSimulated},
-       {"imported", DataSource::kImported},
-       {"piped in", DataSource::kImported}}};
-  std::vector<DataSource> sources;
-  for (const auto& [beginning, source] : kBeginnings) {
-    const bool is_replayed =
-        is_replay && header_source.find(fmt::format(" ({}", beginning)) != std::string_view::npos;
-    if (is_replayed || header_source.starts_with(beginning)) sources.push_back(source);
-  }
-  if (is_interrupted) sources.push_back(DataSource::kInterrupted);
-  return sources;
 }
 
 Provenance CollectProvenance(const std::vector<std::string>& command) {

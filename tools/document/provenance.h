@@ -13,12 +13,6 @@ enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported
 /// "device", "emulated", "simulated", "imported", "interrupted".
 [[nodiscard]] std::string_view NameOf(DataSource source);
 
-/// Where the data of a recording come from, by the text of its header (trial::Metadata::source); a
-/// virtual terminal is emulated, what was piped in is imported, and a replay is what was replayed.
-/// Empty where the header does not state it.
-[[nodiscard]] std::vector<DataSource> SourcesOf(std::string_view header_source,
-                                                bool is_interrupted);
-
 /// A file that the command read.
 struct InputFile {
   std::string path;

@@ -70,7 +70,7 @@ class UnitSettings {
   [[nodiscard]] double ResponseSeconds() const;
 
   /// What these settings do to a recording, in sentences; empty where nothing is unusual or known.
-  [[nodiscard]] std::vector<std::string> Remarks() const;
+  [[nodiscard]] Findings Found() const;
 
   /// Whether the product name says that this is an emulator.
   [[nodiscard]] bool is_emulated() const;
@@ -85,6 +85,9 @@ class UnitSettings {
 };
 
 /// Something in an amplifier that was changed because the user asked for it.
+/// "amplifier 00"
+[[nodiscard]] std::string AmplifierName(int unit);
+
 struct IlChange {
   int unit = 0;     ///< identification number of the amplifier
   std::string key;  ///< "sampling", "zero"
