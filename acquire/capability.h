@@ -40,7 +40,7 @@ namespace haptometer::acquire {
 
 /// What a sensor, its wire and its settings give; empty where nobody states it.
 struct SensorAbility {
-  std::string name{};     ///< "IL-030 through a DL-RS1A, 38400 baud"
+  std::string name{};  ///< "IL-030 through a DL-RS1A, 38400 baud"
   /// How it is asked for, by settings: {"sensor", "keyence-il"}, {"baud", "38400"}.
   std::vector<std::pair<std::string, std::string>> settings{};
   double rate_hz = 0;     ///< fastest new readings a second, > 0

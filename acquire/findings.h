@@ -27,30 +27,30 @@ enum class FindingKind : std::uint8_t {
   kLatencyTimer,        ///< port, latency_s, rate_hz, rate_at_1_ms_hz
 
   // --- settings of the device
-  kSettingChanged,     ///< setting, before, after
-  kNotSettled,         ///< no value since the settings were changed
-  kAveragingCorner,    ///< averages, sampling_s, corner_hz: -3 dB
-  kDifferenceFilter,   ///< is on
-  kHighPassFilter,     ///< corner_hz: is on
-  kHold,               ///< hold
-  kAmplifierError,     ///< flags
-  kSettingsNotRead,    ///< sampling, averaging and filters
-  kTcpProfile,         ///< profile: on a serial port
-  kNoCheckRequest,     ///< profile, longest_reply_s
-  kIdealSensor,        ///< rate_hz: the scene has no sensor
+  kSettingChanged,    ///< setting, before, after
+  kNotSettled,        ///< no value since the settings were changed
+  kAveragingCorner,   ///< averages, sampling_s, corner_hz: -3 dB
+  kDifferenceFilter,  ///< is on
+  kHighPassFilter,    ///< corner_hz: is on
+  kHold,              ///< hold
+  kAmplifierError,    ///< flags
+  kSettingsNotRead,   ///< sampling, averaging and filters
+  kTcpProfile,        ///< profile: on a serial port
+  kNoCheckRequest,    ///< profile, longest_reply_s
+  kIdealSensor,       ///< rate_hz: the scene has no sensor
 
   // --- what was seen
-  kHeadingLines,     ///< lines, first
-  kLinesTooSoon,     ///< lines, elapsed_s, baud, wire_s
-  kSurplusReplies,   ///< replies
-  kRepliesTooSoon,   ///< too_soon, replies, wire_s, rate_hz
-  kWireErrors,       ///< errors
-  kReplayCutShort,   ///< the trial that is replayed
-  kReplayLosses,     ///< losses, rows_lost (where known)
+  kHeadingLines,    ///< lines, first
+  kLinesTooSoon,    ///< lines, elapsed_s, baud, wire_s
+  kSurplusReplies,  ///< replies
+  kRepliesTooSoon,  ///< too_soon, replies, wire_s, rate_hz
+  kWireErrors,      ///< errors
+  kReplayCutShort,  ///< the trial that is replayed
+  kReplayLosses,    ///< losses, rows_lost (where known)
 
   // --- whether a sensor can answer a question (acquire/capability.h)
-  kCanAnswer,         ///< rate_hz, limit, observable_hz, noise_m, smallest_m, record_s (where known)
-  kRateTooLow,        ///< rate_hz, limit, observable_hz, asked_hz, needed_hz
+  kCanAnswer,   ///< rate_hz, limit, observable_hz, noise_m, smallest_m, record_s (where known)
+  kRateTooLow,  ///< rate_hz, limit, observable_hz, asked_hz, needed_hz
   kAveragingTooLong,  ///< averages, sampling_s, gain, asked_hz
   kStepsTooLarge,     ///< step_m, wanted_m
 };

@@ -303,8 +303,6 @@ Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs r
   return Outcome::kReading;
 }
 
-Findings PolledLine::Found() const {
-  return DoubtfulReplies(replies_, deadline_.wire_ns());
-}
+Findings PolledLine::Found() const { return DoubtfulReplies(replies_, deadline_.wire_ns()); }
 
 }  // namespace haptometer::acquire

@@ -33,9 +33,7 @@ Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
   return {};
 }
 
-Findings ReconnectingSensor::Found() const {
-  return sensor_ ? sensor_->Found() : last_found_;
-}
+Findings ReconnectingSensor::Found() const { return sensor_ ? sensor_->Found() : last_found_; }
 
 MonotonicNs ReconnectingSensor::Begin() { return sensor_ ? sensor_->Begin() : clock_.Now(); }
 

@@ -76,8 +76,8 @@ class ReconnectingSensor final : public Sensor {
   RetryPause pause_;
   MonotonicNs next_try_ns_ = 0;
   std::string last_refusal_;
-  Findings last_found_;                ///< of the sensor that is gone
-  std::uint64_t discarded_before_ = 0;     ///< by the sensors that are gone
+  Findings last_found_;                 ///< of the sensor that is gone
+  std::uint64_t discarded_before_ = 0;  ///< by the sensors that are gone
 };
 
 }  // namespace haptometer::acquire

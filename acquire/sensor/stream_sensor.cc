@@ -137,7 +137,8 @@ Findings StreamSensor::Found() const {
                                        {"characters", LineBytes(setup_.format)},
                                        {"rate_hz", most_hz},
                                        {"observable_hz", band_hz}});
-  if (most_hz < kNeededRateHz) found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", kNeededRateHz}});
+  if (most_hz < kNeededRateHz)
+    found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", kNeededRateHz}});
   if (setup_.format.counter_digits > 0) {
     found.Note(FindingKind::kLinesNumbered, {{"last", CounterTurn(setup_.format) - 1}});
   }
@@ -146,10 +147,9 @@ Findings StreamSensor::Found() const {
                         static_cast<double>(lines_);
   const double elapsed_s = SecondsFromNs(link_.last_bytes_ns() - begin_ns_);
   if (lines_ > 0 && wire_s > elapsed_s + kHeldByPortsS) {
-    found.Doubt(FindingKind::kLinesTooSoon, {{"lines", lines_},
-                                             {"elapsed_s", elapsed_s},
-                                             {"baud", setup_.baud},
-                                             {"wire_s", wire_s}});
+    found.Doubt(
+        FindingKind::kLinesTooSoon,
+        {{"lines", lines_}, {"elapsed_s", elapsed_s}, {"baud", setup_.baud}, {"wire_s", wire_s}});
   }
   return found;
 }

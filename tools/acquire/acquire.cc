@@ -81,15 +81,10 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
       plan.longest_away_ns, clock);
 }
 
-std::string Say(const acquire::Finding& found) {
-  const std::string words = document::WordsOf(found);
-  return found.subject.empty() ? words : found.subject + ": " + words;
-}
-
 // what the sensor finds, without what was said before: more may be known after a recording
 void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
   for (const acquire::Finding& found : sensor.Found().list()) {
-    std::string words = Say(found);
+    std::string words = InWords(found);
     if (std::ranges::find(said, words) != said.end()) continue;
     cli::Remark(kVerb, words);
     said.push_back(std::move(words));
@@ -136,7 +131,7 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
                                               const std::function<void()>& output_closed = {}) {
   if (style == LiveStyle::kNone) {
     return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
-                           {.progress = TellAbsences(), .say = Say});
+                           {.progress = TellAbsences(), .say = InWords});
   }
   LiveMeter meter(header, band);
   LiveView view(meter, band, style, output_closed);
@@ -144,7 +139,7 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
       sensor, sink, clock, cli::Interrupted(), limits,
       {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
        .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); },
-       .say = Say});
+       .say = InWords});
 }
 
 // why the recording is not what was asked for; the status to leave with
@@ -287,6 +282,11 @@ int RunAcquire(int argc, const char* const* argv) {
   if (!band) return cli::ReportError(kVerb, band.error());
   cli::CatchInterrupts();
   return Run(wanted, *plan, *band, argc, argv);
+}
+
+std::string InWords(const acquire::Finding& found) {
+  const std::string words = document::WordsOf(found);
+  return found.subject.empty() ? words : found.subject + ": " + words;
 }
 
 trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,

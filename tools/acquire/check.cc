@@ -173,7 +173,7 @@ document::Document CheckDocument(const trial::TrialHeader& header, const CheckFi
       .verb = "acquire",
       .title = fixes == 0 ? "ready" : fmt::format("not ready: {} to fix", fixes)};
   Section& root = document.root;
-  root.sources = document::SourcesOf(header.metadata.source, findings.summary.interrupted);
+  root.sources = trial::SourcesOf(header.metadata, {.closed = !findings.summary.interrupted});
   root.Add({"ready"}, fixes == 0);
   root.Add({kSensorKey.name}, header.metadata.sensor);
   root.Add({kSourceKey.name}, header.metadata.source);

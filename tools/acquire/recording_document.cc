@@ -101,7 +101,7 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
       .title = fmt::format("{}: {} readings in {:.3f} s", file.empty() ? "nothing kept" : file,
                            summary.readings, summary.elapsed_s)};
   Section& root = document.root;
-  root.sources = document::SourcesOf(metadata.source, summary.interrupted);
+  root.sources = trial::SourcesOf(metadata, {.closed = !summary.interrupted});
   std::optional<double> observable_hz, uncertainty_s;
   if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
   if (time_base) uncertainty_s = time_base->uncertainty_s;
@@ -154,8 +154,7 @@ Section PortSection(const PortInfo& port) {
     const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
     latency_s = SecondsFromNs(*port.latency_ns);
     rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
-    document::AddFindings(section,
-                          acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
+    document::AddFindings(section, acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
   }
   std::string usb;
   if (port.usb_vendor && port.usb_product) {

@@ -21,9 +21,10 @@ namespace haptometer::cli {
 
 std::string WithOptions(std::string_view text, std::string_view before) {
   constexpr std::array<std::string_view, 23> kSettings{
-      "amplifiers", "averages", "baud",  "calibration", "channel", "channels", "columns", "decimals",
-      "fault",      "format",   "label", "overwrite",   "port",    "profile",  "protocol", "rate",
-      "sampling",   "scale",    "segment", "sensor",    "set",     "slave", "tcp"};
+      "amplifiers", "averages", "baud",     "calibration", "channel",  "channels",
+      "columns",    "decimals", "fault",    "format",      "label",    "overwrite",
+      "port",       "profile",  "protocol", "rate",        "sampling", "scale",
+      "segment",    "sensor",   "set",      "slave",       "tcp"};
   std::string said;
   while (!text.empty()) {
     const std::size_t begin = std::min(text.find('<'), text.size());

@@ -72,8 +72,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{profile} does not answer the check request of its profile with registers: replies later "
      "than {longest_reply_s} cannot be distinguished from the next (longest_reply_s, check_address "
      "and check_count)"},
-    {"ideal-sensor",
-     "the scene has no [sensor]: an ideal one on the skin at {rate_hz} is assumed"},
+    {"ideal-sensor", "the scene has no [sensor]: an ideal one on the skin at {rate_hz} is assumed"},
 
     // what was seen
     {"heading-lines", "{lines} lines before the first row are no rows: \"{first}\""},

@@ -106,11 +106,11 @@ class Hdf5Writer {
 
   /// Adds `recording` as the group `name`, which may hold no '/' and must be new. `raw`: a reader
   /// at the beginning of the trial.bin that it comes from, or nullptr. `say`: a line for each of
-  /// its losses and findings.
+  /// its losses and findings; empty: without them.
   /// Errors (Cause::kFailed): the disk is full; (Cause::kCannotAnswer): `raw` cannot be read, or
   /// has fewer rows than `recording`. Memory: one column of `recording`, or of `raw` one chunk.
   [[nodiscard]] Result<void> Add(const std::string& name, const Recording& recording,
-                                 TrialReader* raw, const FindingSayer& say);
+                                 TrialReader* raw, const FindingSayer& say = {});
 
   /// Writes what waits and closes the file. Errors (Cause::kFailed): the disk is full.
   [[nodiscard]] Result<void> Close();

@@ -235,8 +235,11 @@ Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHe
   for (const Event& event : recording.report.events) events += EventToJson(event) + "\n";
   if (done) done = WriteText(group, hdf5::kEvents, events);
   std::string remarks;
-  for (const Loss& loss : recording.report.losses) remarks += say(FindingOfLoss(loss)) + "\n";
-  for (const Finding& found : recording.report.findings.list()) remarks += say(found) + "\n";
+  const auto add = [&](const Finding& found) {
+    if (say) remarks += say(found) + "\n";
+  };
+  for (const Loss& loss : recording.report.losses) add(FindingOfLoss(loss));
+  for (const Finding& found : recording.report.findings.list()) add(found);
   if (done) done = WriteText(group, hdf5::kRemarks, remarks);
   if (done) done = WriteFlag(group, hdf5::kClosed, recording.report.closed);
   if (done && recording.record.times_are_known) done = WriteFlag(group, hdf5::kTimesAreKnown, true);

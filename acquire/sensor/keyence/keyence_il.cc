@@ -243,8 +243,8 @@ Findings KeyenceIl::Found() const {
   const bool is_serial = setup_.unit == IlUnit::kDlRs1a;
   const double fresh_hz = 1.0 / SecondsFromNs(RefreshNs());
   const double poll_hz = NominalRateHz().value_or(fresh_hz);
-  const double best_hz = 1.0 / SecondsFromNs(is_serial ? dl_rs1a::PollPeriodNs(38400, 1)
-                                                       : traits_.refresh_ns(1));
+  const double best_hz =
+      1.0 / SecondsFromNs(is_serial ? dl_rs1a::PollPeriodNs(38400, 1) : traits_.refresh_ns(1));
   const std::string device(traits_.name);
   Finding rate{.kind = FindingKind::kUnitRate,
                .numbers = {{"device", device},
@@ -261,11 +261,10 @@ Findings KeyenceIl::Found() const {
         dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command)));
   }
   for (const IlChange& change : changes_) {
-    found.Add({.kind = FindingKind::kSettingChanged,
-               .numbers = {{"setting", change.key},
-                           {"before", change.before},
-                           {"after", change.after}},
-               .subject = AmplifierName(change.unit)});
+    found.Add(
+        {.kind = FindingKind::kSettingChanged,
+         .numbers = {{"setting", change.key}, {"before", change.before}, {"after", change.after}},
+         .subject = AmplifierName(change.unit)});
   }
   if (is_unsettled_) found.Doubt(FindingKind::kNotSettled);
   const std::vector<int> units = Units();

@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/acquire/scripted_il_unit.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 using ::testing::Contains;
 using ::testing::HasSubstr;
@@ -235,7 +238,7 @@ TEST_F(KeyenceIlTest, RepeatedReadingsAreMarkedInTheRow) {
   EXPECT_EQ(NextStatus(), SampleStatus::kOk);
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
-  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("50.0 of them fresh")));
+  EXPECT_THAT(NumbersOf(sensor_->Found(), FindingKind::kUnitRate), HasSubstr("new_rate_hz=50"));
 }
 
 }  // namespace
