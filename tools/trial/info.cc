@@ -171,8 +171,11 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
   section.Add({"unit"}, channel.unit);
   section.Add({"range_min"}, channel.range_min);
   section.Add({"range_max"}, channel.range_max);
-  section.Add({"resolution", "resolution", unit},
-              channel.resolution > 0 ? Number(channel.resolution) : Number());
+  // nothing measures below a picometre
+  section
+      .Add({"resolution", "resolution", unit},
+           channel.resolution > 0 ? Number(channel.resolution) : Number())
+      .resolution = channel.unit == "m" ? 1e-12 : 0;
   const bool has_range = std::isfinite(channel.range_min) && std::isfinite(channel.range_max);
   if (has_range) {
     section.Add({"", "range", unit}, document::Range{channel.range_min, channel.range_max});
