@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "acquire/protocol/modbus.h"
 #include "base/clock.h"
 #include "base/error.h"

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "acquire/findings.h"
 #include "base/clock.h"
 #include "base/error.h"
 

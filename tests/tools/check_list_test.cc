@@ -355,7 +355,7 @@ TEST(CheckOutput, HasTheSameFactsInBothForms) {
   const std::string text = document::TextOf(made, document::Detail::kShort);
   EXPECT_THAT(text, ::testing::StartsWith("not ready: 2 to fix\n"));
   EXPECT_THAT(text, HasSubstr("  FIX  rate       48 new readings/s"));
-  EXPECT_THAT(text, Not(HasSubstr("smallest RMS to 10 %")));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("smallest RMS to 10 %")));
   EXPECT_THAT(document::TextOf(made, document::Detail::kAll), HasSubstr("new readings"));
   const auto document = nlohmann::json::parse(document::JsonOf(made));
   EXPECT_EQ(document["ready"], false);

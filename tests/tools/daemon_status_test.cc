@@ -59,7 +59,7 @@ TEST(DaemonStatus, IsReadableByPeople) {
   const std::string text = document::TextOf(StatusDocument(Sample()), document::Detail::kShort);
   EXPECT_THAT(text, ::testing::StartsWith("d.toml: 1 of 2 recording; right: away\n"));
   EXPECT_THAT(text, ::testing::ContainsRegex(
-                        " left +recording +2026-03-01T11:00:00.000Z +172800 +48 +1 +2 +3 +4 +5 "
+                        " left +recording +2026-03-01T11:00:00.000Z +172800 +48.0 +1 +2 +3 +4 +5 "
                         "+/data/left.bin\n"));
   EXPECT_THAT(text, ::testing::ContainsRegex(" right +away +x +0 +- +0 +0 +0 +0 +0 +-\n"));
   EXPECT_THAT(text, HasSubstr("note: left: last error: went \"away\"\n"));

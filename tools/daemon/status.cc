@@ -151,7 +151,7 @@ Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where
   const auto refused = CannotAnswer(where, "answers with no status of a daemon",
                                     "is it haptometer's, and of this version?");
   const ordered_json document = ordered_json::parse(json, nullptr, false);
-  if (!document.is_object() || !document.contains(kSensors.name)) return refused;
+  if (!document.is_object() || !document.contains(std::string(kSensors.name))) return refused;
   DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, kUtc)};
   for (const ordered_json& object : document[std::string(kSensors.name)]) {
     auto sensor = FromJson(object);

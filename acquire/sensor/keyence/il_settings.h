@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/sensor/keyence/il_unit.h"
 #include "base/clock.h"
@@ -84,10 +85,10 @@ class UnitSettings {
   std::map<int, std::string> data_;
 };
 
-/// Something in an amplifier that was changed because the user asked for it.
 /// "amplifier 00"
 [[nodiscard]] std::string AmplifierName(int unit);
 
+/// Something in an amplifier that was changed because the user asked for it.
 struct IlChange {
   int unit = 0;     ///< identification number of the amplifier
   std::string key;  ///< "sampling", "zero"
