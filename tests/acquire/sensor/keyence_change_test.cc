@@ -21,7 +21,6 @@ using tests::NumbersOf;
 
 using emulator::StillHead;
 using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 

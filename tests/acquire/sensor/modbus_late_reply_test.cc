@@ -12,7 +12,6 @@ namespace {
 
 using tests::NumbersOf;
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 

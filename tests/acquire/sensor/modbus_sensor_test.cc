@@ -13,7 +13,6 @@ namespace {
 
 using tests::NumbersOf;
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 

@@ -134,7 +134,6 @@ TEST(PipeChannels, CountsOfATriggerStayCounts) {
 namespace haptometer::acquire {
 namespace {
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using tests::ScriptedTransport;
 using trial::SampleStatus;

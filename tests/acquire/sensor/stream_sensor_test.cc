@@ -71,7 +71,6 @@ TEST(LineCounter, AccountsForEveryLine) {
 namespace haptometer::acquire {
 namespace {
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using tests::ScriptedTransport;
 using trial::SampleStatus;

@@ -16,7 +16,6 @@ namespace {
 
 using tests::NumbersOf;
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 
 Record Parsed(std::string_view text, const ImportOptions& options = {}) {

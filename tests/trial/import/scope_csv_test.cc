@@ -19,7 +19,6 @@ namespace {
 
 using tests::NumbersOf;
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 
 std::string PathOf(const std::string& file) { return HAPTOMETER_FIXTURES "/scope_csv/" + file; }

@@ -16,10 +16,8 @@ namespace {
 
 using tests::NumbersOf;
 
-using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr std::size_t kRows = 300;
 
