@@ -212,11 +212,7 @@ Findings FindWireRate(const SensorProfile& profile) {
   return found;
 }
 
-}  // namespace haptometer::acquire
-
 // A sensor profile from its TOML file; docs/reference/sensors.md has the keys with an example.
-
-namespace haptometer::acquire {
 namespace {
 
 // an integer key that fits an int; its own limits are checked with the whole profile
@@ -371,11 +367,7 @@ Result<SensorProfile> ReadProfileText(std::string_view text, std::string where) 
   return ReadProfile(std::move(*root));
 }
 
-}  // namespace haptometer::acquire
-
 // What the makers' manuals say, and no more: a figure that was not at hand is left out.
-
-namespace haptometer::acquire {
 namespace {
 
 // A partly read block is refused ("number of registers must correspond"); 202 with two registers is

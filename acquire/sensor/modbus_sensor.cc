@@ -49,11 +49,7 @@ std::string InWords(const ModbusErrors& errors) {
   return text;
 }
 
-}  // namespace haptometer::acquire
-
 // The wire and the recording; modbus_sensor_start.cc has what comes before it.
-
-namespace haptometer::acquire {
 namespace {
 
 using trial::SampleStatus;
@@ -344,11 +340,7 @@ Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next
   return Outcome::kReading;
 }
 
-}  // namespace haptometer::acquire
-
 // What comes before the recording: the first answers, the header, the findings.
-
-namespace haptometer::acquire {
 namespace {
 
 constexpr int kTries = 3;

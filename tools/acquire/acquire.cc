@@ -47,11 +47,7 @@ class KeepNothing final : public acquire::RowSink {
   [[nodiscard]] Result<void> Finish() override { return {}; }
 };
 
-}  // namespace haptometer::tools
-
 // acquire: a sensor's readings become a trial.
-
-namespace haptometer::tools {
 namespace {
 
 using acquire::Sensor;

@@ -1,5 +1,3 @@
-#include "tools/trial/info.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -17,7 +17,6 @@
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/trial/info.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_writer.h"
@@ -71,11 +70,7 @@ int RunTrial(int argc, const char* const* argv) {
                                            : fmt::format("did you mean trial {}?", nearest)});
 }
 
-}  // namespace haptometer::tools
-
 // trial label: labels given after the recording.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr cli::VerbText kLabelText{
@@ -138,11 +133,7 @@ int RunTrialLabel(int argc, const char* const* argv) {
   return 0;
 }
 
-}  // namespace haptometer::tools
-
 // trial plot: a recording over time.
-
-namespace haptometer::tools {
 namespace {
 
 constexpr cli::VerbText kPlotText{
