@@ -9,7 +9,7 @@ namespace haptometer::trial {
 /// What a reader finds of a file beside its rows: what is lost of it, and what was assumed while a
 /// foreign one was read. The numbers of each kind stand behind it.
 enum class FindingKind : std::uint8_t {
-  // --- losses (trial/trial_reader.h); numbers: block, last_block (where several), from_byte,
+  // --- losses (trial/trial_reader.h); numbers: block (or first_block and last_block), from_byte,
   // to_byte (where bytes are there), first_row and last_row or row (rows lost), after_row (where
   // their number is not known)
   kSignatureDamaged,

@@ -122,7 +122,7 @@ Finding FindingOfLoss(const Loss& loss) {
   const auto add = [&](std::string_view name, std::uint64_t count) {
     finding.numbers.emplace_back(name, count);
   };
-  if (loss.block) add("block", *loss.block);
+  if (loss.block) add(loss.last_block ? "first_block" : "block", *loss.block);
   if (loss.last_block) add("last_block", *loss.last_block);
   if (loss.bytes > 0) {
     add("from_byte", loss.offset);

@@ -15,8 +15,10 @@ constexpr std::size_t kLosses = static_cast<std::size_t>(FindingKind::kDamagedFr
 // in the order of the kinds
 constexpr std::array<Sentence, kKinds> kSentences{{
     {"signature-damaged", "the file's signature is damaged"},
-    {"blocks-damaged", "block {block}[ to {last_block}] is damaged"},
-    {"blocks-missing", "block {block}[ to {last_block}] is missing"},
+    {"blocks-damaged",
+     "[block {block} is damaged][blocks {first_block} to {last_block} are damaged]"},
+    {"blocks-missing",
+     "[block {block} is missing][blocks {first_block} to {last_block} are missing]"},
     {"block-out-of-order", "block {block} is out of its order"},
     {"block-no-event", "block {block} holds no event"},
     {"block-unfit", "block {block} does not fit the header"},
