@@ -133,8 +133,10 @@ document::Document StatusDocument(const DaemonStatus& status) {
   for (const SensorStatus& sensor : status.sensors) {
     sensors.sections.push_back(SensorSection(sensor));
     if (sensor.last_error.empty()) continue;
-    root.findings.push_back(
-        {.kind = "last-error", .text = "last error: " + sensor.last_error, .subject = sensor.name});
+    root.findings.push_back({.kind = "last-error",
+                             .text = "last error: " + sensor.last_error,
+                             .subject = sensor.name,
+                             .numbers = {}});
   }
   root.sections = {std::move(sensors)};
   return document;
