@@ -127,8 +127,10 @@ int RunTrialLabel(int argc, const char* const* argv) {
   if (options.json()) {
     const auto recording = trial::ReadRecording(path);
     if (!recording) return cli::ReportError(kLabelText.name, recording.error());
-    return document::Present(TrialDocument(kLabelText.name, path, *recording, false),
-                             {.json = true}, argc, argv);
+    document::Outputs outputs;
+    outputs.json = true;
+    return document::Present(TrialDocument(kLabelText.name, path, *recording, false), outputs, argc,
+                             argv);
   }
   return 0;
 }
