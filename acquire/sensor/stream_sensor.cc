@@ -137,8 +137,9 @@ Findings StreamSensor::Found() const {
                                        {"characters", LineBytes(setup_.format)},
                                        {"rate_hz", most_hz},
                                        {"observable_hz", band_hz}});
-  if (most_hz < kNeededRateHz)
+  if (most_hz < kNeededRateHz) {
     found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", kNeededRateHz}});
+  }
   if (setup_.format.counter_digits > 0) {
     found.Note(FindingKind::kLinesNumbered, {{"last", CounterTurn(setup_.format) - 1}});
   }

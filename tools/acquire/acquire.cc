@@ -268,8 +268,9 @@ int RunAcquire(int argc, const char* const* argv) {
     if (!document) return cli::ReportError(kVerb, document.error());
     return document::Present(std::move(*document), wanted.outputs, argc, argv);
   }
-  if (const auto status = RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv))
+  if (const auto status = RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv)) {
     return *status;
+  }
   if (auto checked = CheckAcquire(wanted); !checked)
     return cli::ReportError(kVerb, checked.error());
   const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));
