@@ -75,41 +75,41 @@ void AddNoise(const CapabilityQuestion& question, Capability* capability) {
   capability->smallest_rms_1_percent_m = SmallestRms(noise, 0.01);
 }
 
-// "10240", "48.39"
-std::string RateText(double rate_hz) {
-  return rate_hz < 1000 ? fmt::format("{:.4g}", rate_hz) : fmt::format("{:.0f}", rate_hz);
-}
-
-// why it cannot answer; empty where it can
-std::string Obstacle(const Capability& capability, const CapabilityQuestion& question) {
+// why it cannot answer; nothing where it can
+std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQuestion& question) {
   const SensorAbility& sensor = capability.sensor;
   if (capability.highest_hz < question.upper_hz * (1 - kRounding)) {
-    return fmt::format("{} new readings/s ({}) show motion up to {:.3g} Hz; {:g} Hz needs {:g}",
-                       RateText(sensor.rate_hz), sensor.limit, capability.highest_hz,
-                       question.upper_hz, kReadingsPerPeriod * question.upper_hz);
+    return Finding{.kind = FindingKind::kRateTooLow,
+                   .numbers = {{"rate_hz", sensor.rate_hz},
+                               {"limit", sensor.limit},
+                               {"observable_hz", capability.highest_hz},
+                               {"asked_hz", question.upper_hz},
+                               {"needed_hz", kReadingsPerPeriod * question.upper_hz}}};
   }
   if (capability.gain_upper < kLeastGain) {
-    return fmt::format("its {} averages at {:g} ms leave {:.3f} of {:g} Hz: set fewer",
-                       sensor.averages, 1e3 * sensor.sampling_s, capability.gain_upper,
-                       question.upper_hz);
+    return Finding{.kind = FindingKind::kAveragingTooLong,
+                   .numbers = {{"averages", sensor.averages},
+                               {"sampling_s", sensor.sampling_s},
+                               {"gain", capability.gain_upper},
+                               {"asked_hz", question.upper_hz}}};
   }
   if (sensor.resolution_m && *sensor.resolution_m > question.resolution_m * (1 + kRounding)) {
-    return fmt::format("its steps are {:g} um, {:g} um are wanted", 1e6 * *sensor.resolution_m,
-                       1e6 * question.resolution_m);
+    return Finding{
+        .kind = FindingKind::kStepsTooLarge,
+        .numbers = {{"step_m", *sensor.resolution_m}, {"wanted_m", question.resolution_m}}};
   }
-  return {};
+  return std::nullopt;
 }
 
-std::string Praise(const Capability& capability, const CapabilityQuestion& question) {
-  std::string reason = fmt::format("{} new readings/s ({}) show motion up to {:.4g} Hz",
-                                   RateText(capability.sensor.rate_hz), capability.sensor.limit,
-                                   capability.highest_hz);
+Finding Praise(const Capability& capability, const CapabilityQuestion& question) {
+  Finding reason{.kind = FindingKind::kCanAnswer,
+                 .numbers = {{"rate_hz", capability.sensor.rate_hz},
+                             {"limit", capability.sensor.limit},
+                             {"observable_hz", capability.highest_hz}}};
   if (capability.smallest_rms_10_percent_m) {
-    reason += fmt::format(
-        "; noise of {:.2g} um in the band lets {:.2g} um RMS be told to 10 % in "
-        "{:g} s",
-        1e6 * *capability.noise_in_band_m, 1e6 * *capability.smallest_rms_10_percent_m,
-        question.record_s);
+    reason.numbers.emplace_back("noise_m", *capability.noise_in_band_m);
+    reason.numbers.emplace_back("smallest_m", *capability.smallest_rms_10_percent_m);
+    reason.numbers.emplace_back("record_s", question.record_s);
   }
   return reason;
 }
@@ -125,9 +125,9 @@ Capability Judge(const SensorAbility& sensor, const CapabilityQuestion& question
   capability.gain_lower = GainAt(sensor, question.lower_hz);
   capability.gain_upper = GainAt(sensor, question.upper_hz);
   AddNoise(question, &capability);
-  capability.reason = Obstacle(capability, question);
-  capability.can_answer = capability.reason.empty();
-  if (capability.can_answer) capability.reason = Praise(capability, question);
+  const auto obstacle = Obstacle(capability, question);
+  capability.can_answer = !obstacle;
+  capability.reason = obstacle.value_or(Praise(capability, question));
   return capability;
 }
 
@@ -167,7 +167,7 @@ SensorAbility DlRs1a(int baud) {
   const MonotonicNs refresh_ns = dl_rs1a::RefreshNs(1);
   SensorAbility sensor = FactoryIl030();
   sensor.name = fmt::format("IL-030 through a DL-RS1A, {} baud", baud);
-  sensor.option = fmt::format("--sensor keyence-il --baud {}", baud);
+  sensor.settings = {{"sensor", "keyence-il"}, {"baud", std::to_string(baud)}};
   sensor.rate_hz = 1 / SecondsFromNs(std::max(poll_ns, refresh_ns));
   sensor.limit = poll_ns > refresh_ns ? "the wire" : "the unit's refresh";
   return sensor;
@@ -177,7 +177,7 @@ SensorAbility DlRs1a(int baud) {
 SensorAbility DlEn1() {
   SensorAbility sensor = FactoryIl030();
   sensor.name = "IL-030 through a DL-EN1";
-  sensor.option = "--sensor keyence-en1";
+  sensor.settings = {{"sensor", "keyence-en1"}};
   sensor.rate_hz = 1 / SecondsFromNs(dl_en1::RefreshNs(1));
   sensor.limit = "the unit's processing";
   return sensor;
@@ -188,7 +188,7 @@ SensorAbility LkG() {
   constexpr int kBaud = 115200;
   constexpr std::size_t kExchangeBytes = 3 + 12;
   return {.name = "LK-G asked over RS-232C, at an assumed 115200 baud",
-          .option = "--sensor keyence-lkg --baud 115200",
+          .settings = {{"sensor", "keyence-lkg"}, {"baud", "115200"}},
           .rate_hz = 1 / SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud)),
           .limit = "the wire alone",
           .resolution_m = 1e-7};
@@ -197,7 +197,7 @@ SensorAbility LkG() {
 SensorAbility Stream(int baud) {
   const StreamFormat format;
   return {.name = fmt::format("lines of 9 characters that come unasked, {} baud", baud),
-          .option = fmt::format("--sensor stream --baud {}", baud),
+          .settings = {{"sensor", "stream"}, {"baud", std::to_string(baud)}},
           .rate_hz = MostLinesPerSecond(format, baud),
           .limit = "the wire",
           .resolution_m = MetresPerCount(format)};
@@ -205,7 +205,7 @@ SensorAbility Stream(int baud) {
 
 SensorAbility Modbus(const SensorProfile& profile) {
   return {.name = fmt::format("{} {}, Modbus", profile.maker, profile.model),
-          .option = "--sensor modbus --profile " + profile.name,
+          .settings = {{"sensor", "modbus"}, {"profile", profile.name}},
           .rate_hz = HighestRateHz(profile),
           .limit = "the wire and the sensor",
           .resolution_m = profile.resolution_m,
@@ -219,7 +219,7 @@ SensorAbility AnalogOutput(double sampling_s, int averages) {
   SensorAbility sensor = Il030(sampling_s, averages);
   sensor.name = fmt::format("IL-030, analog output and a DAQ, {:g} ms, {} average{}",
                             1e3 * sampling_s, averages, averages == 1 ? "" : "s");
-  sensor.option = "--sensor pipe --calibration FILE";
+  sensor.settings = {{"sensor", "pipe"}, {"calibration", "FILE"}};
   sensor.rate_hz = 1 / sampling_s;
   sensor.limit = "the amplifier's sampling";
   sensor.resolution_m.reset();

@@ -2,7 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "acquire/findings.h"
 
 namespace haptometer::acquire {
 
@@ -34,8 +37,9 @@ struct NoiseInBand {
 
 /// What a sensor, its wire and its settings give; empty where nobody states it.
 struct SensorAbility {
-  std::string name{};     ///< "IL-030 through a DL-RS1A, 38400 baud"
-  std::string option{};   ///< how acquire is told: "--sensor keyence-il --baud 38400"
+  std::string name{};  ///< "IL-030 through a DL-RS1A, 38400 baud"
+  /// How it is asked for, by settings: {"sensor", "keyence-il"}, {"baud", "38400"}.
+  std::vector<std::pair<std::string, std::string>> settings{};
   double rate_hz = 0;     ///< fastest new readings a second, > 0
   std::string limit{};    ///< what sets the rate: "the wire", "the unit's refresh"
   double sampling_s = 0;  ///< of the raw samples in an averaged reading; 0: no averaging is known
@@ -58,7 +62,7 @@ struct CapabilityQuestion {
 struct Capability {
   SensorAbility sensor{};
   bool can_answer = false;
-  std::string reason{};   ///< in one sentence
+  Finding reason{};       ///< why it can, or cannot
   double highest_hz = 0;  ///< highest observable frequency: rate / 2.56
   double gain_lower = 1;  ///< of its averaging at the band's lower and upper edge
   double gain_upper = 1;

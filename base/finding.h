@@ -52,6 +52,9 @@ template <typename Kind>
 class Findings {
  public:
   void Add(FindingOf<Kind> finding) { list_.push_back(std::move(finding)); }
+  void AddAll(const Findings& others) {
+    list_.insert(list_.end(), others.list_.begin(), others.list_.end());
+  }
   void Refuse(Kind kind, std::initializer_list<FindingNumber> numbers = {}) {
     Add({Severity::kRefusal, kind, numbers});
   }
@@ -62,7 +65,9 @@ class Findings {
     Add({Severity::kNote, kind, numbers});
   }
 
-  [[nodiscard]] const std::vector<FindingOf<Kind>>& list() const { return list_; }
+  [[nodiscard]] const std::vector<FindingOf<Kind>>& list() const& { return list_; }
+  /// Of a temporary a list of its own, so that a loop may go over it.
+  [[nodiscard]] std::vector<FindingOf<Kind>> list() && { return std::move(list_); }
   [[nodiscard]] bool Has(Kind kind) const {
     return std::ranges::find(list_, kind, &FindingOf<Kind>::kind) != list_.end();
   }

@@ -53,9 +53,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[2] % 8 == 1) options.channel = "CH1";
   if (data[2] % 8 == 2) options.segment = 1 + data[2] / 8 % 4;
   if (data[2] % 8 == 3) options.scale_v = 10;
-  std::vector<std::string> remarks;
+  trial::Findings findings;
   const std::string_view input(reinterpret_cast<const char*>(data) + 3, size - 3);
-  const auto record = trial::ParseCsv(input, "fuzz", options, &remarks);
+  const auto record = trial::ParseCsv(input, "fuzz", options, &findings);
   if (!record) return 0;
   CheckPromises(*record);
   std::string text;

@@ -106,12 +106,6 @@ std::uint64_t RowsOf(const BlockHead& head) {
   return head.kind == BlockKind::kRows ? head.rows : 0;
 }
 
-// "block 5 is", "blocks 5 to 7 are"
-std::string BlocksAre(std::uint32_t first, std::uint32_t end) {
-  if (end <= first + 1) return fmt::format("block {} is", first);
-  return fmt::format("blocks {} to {} are", first, end - 1);
-}
-
 }  // namespace
 
 BlockScanner::BlockScanner(const ByteSource* source, std::uint64_t offset)
@@ -134,7 +128,7 @@ Result<std::optional<FoundBlock>> BlockScanner::Next(std::vector<std::byte>* pay
     const FoundBlock block{**head, offset_};
     offset_ += kBlockHeadBytes + (*head)->payload_bytes;
     if (!Follows(block.head)) {
-      Reject(block, "is out of its order");
+      Reject(block, FindingKind::kBlockOutOfOrder);
       continue;
     }
     Settle(block);
@@ -143,11 +137,12 @@ Result<std::optional<FoundBlock>> BlockScanner::Next(std::vector<std::byte>* pay
   return std::nullopt;
 }
 
-void BlockScanner::Reject(const FoundBlock& block, const std::string& why) {
+void BlockScanner::Reject(const FoundBlock& block, FindingKind why) {
   const std::uint64_t rows = RowsOf(block.head);
   losses_.push_back({.offset = block.offset,
                      .bytes = kBlockHeadBytes + block.head.payload_bytes,
-                     .what = fmt::format("block {} {}", block.head.sequence, why),
+                     .kind = why,
+                     .block = block.head.sequence,
                      .first_row = block.head.first_row,
                      .rows = rows});
 }
@@ -215,8 +210,8 @@ Result<void> BlockScanner::SkipBlock(const BlockHead& head) {
   if (Follows(head)) Settle({head, offset_});
   losses_.push_back({.offset = offset_,
                      .bytes = *end - offset_,
-                     .what = is_cut ? fmt::format("the file ends inside block {}", head.sequence)
-                                    : fmt::format("block {} is damaged", head.sequence),
+                     .kind = is_cut ? FindingKind::kEndsInBlock : FindingKind::kBlocksDamaged,
+                     .block = head.sequence,
                      .first_row = head.first_row,
                      .rows = RowsOf(head)});
   offset_ = *end;
@@ -230,13 +225,12 @@ Result<void> BlockScanner::SkipToNextHead() {
   if (open_loss_) {
     losses_[*open_loss_].bytes = *next - losses_[*open_loss_].offset;
   } else {
-    losses_.push_back(
-        {.offset = offset_,
-         .bytes = *next - offset_,
-         .what = is_cut ? fmt::format("the file ends inside block {}", next_sequence_)
-                        : fmt::format("the file is damaged from block {} on", next_sequence_),
-         .first_row = next_row_,
-         .rows = std::nullopt});
+    losses_.push_back({.offset = offset_,
+                       .bytes = *next - offset_,
+                       .kind = is_cut ? FindingKind::kEndsInBlock : FindingKind::kDamagedFromBlock,
+                       .block = next_sequence_,
+                       .first_row = next_row_,
+                       .rows = std::nullopt});
     open_loss_ = losses_.size() - 1;
   }
   offset_ = *next;
@@ -254,15 +248,17 @@ void BlockScanner::Settle(const FoundBlock& block) {
   if (!open_loss_ && head.sequence > next_sequence_) {
     losses_.push_back({.offset = block.offset,
                        .bytes = 0,
-                       .what = "",
+                       .kind = FindingKind::kBlocksMissing,
+                       .block = next_sequence_,
                        .first_row = next_row_,
                        .rows = std::nullopt});
     open_loss_ = losses_.size() - 1;
   }
   if (open_loss_ && head.kind != BlockKind::kLaterEvent) {
     Loss& loss = losses_[*open_loss_];
-    loss.what =
-        BlocksAre(next_sequence_, head.sequence) + (loss.bytes > 0 ? " damaged" : " missing");
+    loss.kind = loss.bytes > 0 ? FindingKind::kBlocksDamaged : FindingKind::kBlocksMissing;
+    loss.block = next_sequence_;
+    if (head.sequence > next_sequence_ + 1) loss.last_block = head.sequence - 1;
     loss.rows = head.first_row - next_row_;
   }
   open_loss_.reset();

@@ -147,7 +147,7 @@ class BlockScanner {
   [[nodiscard]] std::uint64_t offset() const { return offset_; }
 
   /// Counts a block that Next() gave as lost after all: "block N " + `why`.
-  void Reject(const FoundBlock& block, const std::string& why);
+  void Reject(const FoundBlock& block, FindingKind why);
 
   [[nodiscard]] const std::vector<Loss>& losses() const { return losses_; }
   [[nodiscard]] std::uint32_t next_sequence() const { return next_sequence_; }

@@ -121,6 +121,10 @@ struct Event {
   }
 };
 
+/// The text of the remark behind the last row of a recording that was stopped before its end.
+inline constexpr std::string_view kInterruptedText =
+    "interrupted: stopped before the end that was asked for";
+
 /// The metadata field of a source that numbers its rows, "0 to 99": every loss, up to whole turns
 /// of the numbers, is an event with Event::missing.
 inline constexpr std::string_view kLineNumbersField = "line_numbers";

@@ -56,7 +56,7 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
   if (DecodeBlockHead(rest)) {
     losses->push_back({.offset = 0,
                        .bytes = kSignature.size(),
-                       .what = "the file's signature is damaged",
+                       .kind = FindingKind::kSignatureDamaged,
                        .first_row = 0,
                        .rows = 0});
     return {};
@@ -71,23 +71,72 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
   return CannotAnswer(name, "is no trial", std::string(kGiveATrial));
 }
 
+// what a source begins with; of a replay behind the path: "replay of PATH (SOURCE)"
+std::optional<DataSource> StatedSource(std::string_view source) {
+  constexpr std::array<std::pair<std::string_view, DataSource>, 6> kBegins{
+      {{"device", DataSource::kDevice},
+       {"emulated", DataSource::kEmulated},
+       {"virtual terminal", DataSource::kEmulated},
+       {"simulated", DataSource::kSimulated},
+       {"imported", DataSource::kImported},
+       {"piped in", DataSource::kImported}}};
+  if (source.starts_with("replay of ")) {
+    for (std::size_t at = source.find(" ("); at != std::string_view::npos;
+         at = source.find(" (", at + 1)) {
+      if (const auto stated = StatedSource(source.substr(at + 2))) return stated;
+    }
+    return std::nullopt;
+  }
+  for (const auto& [begin, stated] : kBegins) {
+    if (source.starts_with(begin)) return stated;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::string_view NameOf(DataSource source) {
+  constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
+                                                   "interrupted"};
+  return kNames.at(static_cast<std::size_t>(source));
+}
+
+std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report) {
+  std::vector<DataSource> sources;
+  if (const auto stated = StatedSource(metadata.source)) {
+    sources.push_back(*stated);
+  } else if (report.kind != FileKind::kTrial && metadata.source.empty()) {
+    sources.push_back(DataSource::kImported);
+  }
+  if (report.IsInterrupted()) sources.push_back(DataSource::kInterrupted);
+  return sources;
+}
 
 std::string_view Name(FileKind kind) {
   constexpr std::array<std::string_view, 4> kNames{"trial", "CSV", "HDF5", "LabVIEW measurement"};
   return kNames.at(static_cast<std::size_t>(kind));
 }
 
-std::string Describe(const Loss& loss) {
-  std::string text = loss.what;
+Finding FindingOfLoss(const Loss& loss) {
+  Finding finding{.severity = Severity::kDoubt, .kind = loss.kind};
+  const auto add = [&](std::string_view name, std::uint64_t count) {
+    finding.numbers.emplace_back(name, count);
+  };
+  if (loss.block) add(loss.last_block ? "first_block" : "block", *loss.block);
+  if (loss.last_block) add("last_block", *loss.last_block);
   if (loss.bytes > 0) {
-    text += fmt::format(" (bytes {} to {})", loss.offset, loss.offset + loss.bytes - 1);
+    add("from_byte", loss.offset);
+    add("to_byte", loss.offset + loss.bytes - 1);
   }
-  if (!loss.rows) return text + fmt::format(": what followed row {} is lost", loss.first_row);
-  if (*loss.rows == 0) return text + ": no row is lost";
-  if (*loss.rows == 1) return text + fmt::format(": row {} is lost", loss.first_row);
-  return text +
-         fmt::format(": rows {} to {} are lost", loss.first_row, loss.first_row + *loss.rows - 1);
+  if (!loss.rows) {
+    add("after_row", loss.first_row);
+  } else if (*loss.rows == 1) {
+    add("row", loss.first_row);
+  } else if (*loss.rows > 1) {
+    add("first_row", loss.first_row);
+    add("last_row", loss.first_row + *loss.rows - 1);
+  }
+  return finding;
 }
 
 std::optional<std::uint64_t> ReadReport::RowsLost() const {
@@ -99,12 +148,16 @@ std::optional<std::uint64_t> ReadReport::RowsLost() const {
   return sum;
 }
 
-std::vector<std::string> ReadReport::WhatIsMissing() const {
-  std::vector<std::string> sentences;
-  sentences.reserve(losses.size() + 1);
-  for (const Loss& loss : losses) sentences.push_back(Describe(loss));
-  if (!closed) sentences.emplace_back("the file was not finished by its writer");
-  return sentences;
+bool ReadReport::IsInterrupted() const {
+  return !closed || std::ranges::find(events, kInterruptedText, &Event::text) != events.end();
+}
+
+Findings ReadReport::AllFindings() const {
+  Findings all;
+  for (const Loss& loss : losses) all.Add(FindingOfLoss(loss));
+  if (!closed) all.Doubt(FindingKind::kNotFinished);
+  for (const Finding& finding : findings.list()) all.Add(finding);
+  return all;
 }
 
 const std::byte* Chunk::RowAt(std::size_t row) const {
@@ -199,7 +252,7 @@ struct TrialReader::State {
         if (event) {
           report.events.push_back(std::move(*event));
         } else {
-          scanner->Reject(block, "holds no event");
+          scanner->Reject(block, FindingKind::kBlockNoEvent);
         }
         return;
       }
@@ -261,7 +314,7 @@ Result<const Chunk*> TrialReader::Next() {
       continue;
     }
     if (state.TakeRows(**block)) return &state.chunk;
-    state.scanner->Reject(**block, "does not fit the header");
+    state.scanner->Reject(**block, FindingKind::kBlockUnfit);
   }
 }
 

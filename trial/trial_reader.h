@@ -10,6 +10,7 @@
 
 #include "base/error.h"
 #include "trial/byte_io.h"
+#include "trial/findings.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 
@@ -23,21 +24,29 @@ inline constexpr std::string_view kGiveATrial = "give a trial.bin recorded by ac
 
 /// A part of a file that could not be read.
 struct Loss {
-  std::uint64_t offset = 0;             ///< first byte of the part
-  std::uint64_t bytes = 0;              ///< its length
-  std::string what{};                   ///< "block 7 is damaged", "the file ends inside block 7"
-  std::uint64_t first_row = 0;          ///< rows recorded before the part
-  std::optional<std::uint64_t> rows{};  ///< rows lost with it; empty where it cannot be known
+  std::uint64_t offset = 0;  ///< first byte of the part
+  std::uint64_t bytes = 0;   ///< its length
+  FindingKind kind = FindingKind::kBlocksDamaged;
+  std::optional<std::uint32_t> block{};       ///< the first of those that it is of; empty: none
+  std::optional<std::uint32_t> last_block{};  ///< empty: one alone
+  std::uint64_t first_row = 0;                ///< rows recorded before the part
+  std::optional<std::uint64_t> rows{};        ///< rows lost with it; empty where it cannot be known
 };
 
-/// One sentence: "block 7 is damaged (bytes 4096 to 8191): rows 512 to 1023 are lost".
-[[nodiscard]] std::string Describe(const Loss& loss);
+/// The loss with its numbers, a doubt.
+[[nodiscard]] Finding FindingOfLoss(const Loss& loss);
 
 /// What a recording was read from.
 enum class FileKind : std::uint8_t { kTrial, kCsv, kHdf5, kLvm };
 
 /// "trial", "CSV", "HDF5", "LabVIEW measurement".
 [[nodiscard]] std::string_view Name(FileKind kind);
+
+/// Where data come from. Interrupted stands beside one of the others.
+enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported, kInterrupted };
+
+/// "device", "emulated", "simulated", "imported", "interrupted".
+[[nodiscard]] std::string_view NameOf(DataSource source);
 
 /// How well a file could be read; complete when the last chunk has been handed out.
 struct ReadReport {
@@ -49,17 +58,25 @@ struct ReadReport {
   std::uint64_t file_bytes = 0;
   std::vector<Loss> losses{};   ///< in the order of the file; empty: every byte accounted for
   std::vector<Event> events{};  ///< in the order of the file
-  /// What was assumed while a foreign file was read, one sentence each; to be shown to the user.
-  std::vector<std::string> remarks{};
+  Findings findings{};          ///< what was assumed while a foreign file was read
 
   std::uint32_t next_sequence = 0;  ///< for a block that is appended to the file
   std::uint64_t next_row = 0;       ///< rows that were written, as far as the file tells
 
   /// Rows known to be lost; empty where a loss does not say how many.
   [[nodiscard]] std::optional<std::uint64_t> RowsLost() const;
-  /// A sentence for each loss, and one where the writer did not finish the file.
-  [[nodiscard]] std::vector<std::string> WhatIsMissing() const;
+  /// Whether the recording did not reach its end: the file is not finished, or has the remark.
+  [[nodiscard]] bool IsInterrupted() const;
+  /// A finding for each loss, one where the writer did not finish the file, and `findings`; to be
+  /// shown to the user.
+  [[nodiscard]] Findings AllFindings() const;
 };
+
+/// Where a recording's data come from: as its metadata state it, of a replay that of the replayed
+/// trial; imported where a foreign file or a pipe does not state it. Nothing where it is not known,
+/// as behind a network connection. A virtual terminal is no device: emulated. Interrupted as well
+/// where the recording did not reach its end.
+[[nodiscard]] std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report);
 
 /// A rectangle of rows that follow each other without a loss. Views into the reader's one buffer:
 /// valid until the next call of TrialReader::Next.

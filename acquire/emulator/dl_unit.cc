@@ -50,12 +50,12 @@ IlDatum NumberDatum(int number, int digits) { return {.number = number, .digits 
 
 Result<void> ValidateIlHead(const trial::SensorHead& head) {
   if (!dl_rs1a::SamplingCode(head.sampling_s)) {
-    return Usage("--sampling",
+    return Usage("<sampling>",
                  fmt::format("an IL-1000 does not sample every {:g} ms", 1e3 * head.sampling_s),
                  "give 0.33ms, 1ms, 2ms or 5ms");
   }
   if (!dl_rs1a::AveragingCode(head.averages)) {
-    return Usage("--averages", fmt::format("an IL-1000 does not average {}", head.averages),
+    return Usage("<averages>", fmt::format("an IL-1000 does not average {}", head.averages),
                  "give a power of two from 1 to 4096");
   }
   return {};
@@ -316,11 +316,11 @@ std::vector<MovingHead> AllHeads(const DlRs1aSetup& setup) {
 
 Result<void> Validate(const DlRs1aSetup& setup) {
   if (std::ranges::find(dl_rs1a::kBauds, setup.baud) == dl_rs1a::kBauds.end()) {
-    return Usage("--baud", fmt::format("a DL-RS1A has no {} baud", setup.baud),
+    return Usage("<baud>", fmt::format("a DL-RS1A has no {} baud", setup.baud),
                  fmt::format("give one of {}", fmt::join(dl_rs1a::kBauds, ", ")));
   }
   if (setup.expansions.size() >= dl_rs1a::kMostUnits) {
-    return Usage("--amplifiers", "a DL-RS1A has no more than 15", "give 1 to 15");
+    return Usage("<amplifiers>", "a DL-RS1A has no more than 15", "give 1 to 15");
   }
   for (const MovingHead& head : setup.expansions) {
     if (auto valid = ValidateIlHead(head.head); !valid) return valid;
@@ -381,7 +381,7 @@ const DlModel& En1Model() {
 
 Result<void> Validate(const DlEn1Setup& setup) {
   if (setup.heads.empty() || setup.heads.size() > dl::kMostUnits) {
-    return Usage("--amplifiers", "a DL-EN1 has 1 to 15", "give as many");
+    return Usage("<amplifiers>", "a DL-EN1 has 1 to 15", "give as many");
   }
   for (const MovingHead& head : setup.heads) {
     if (auto valid = ValidateIlHead(head.head); !valid) return valid;

@@ -41,7 +41,7 @@ struct Terminal {
 
 std::unexpected<Error> NoTerminal(std::string_view step) {
   return Failed("", "no pseudo-terminal: " + std::string(step) + ": " + std::strerror(errno),
-                "is /dev/pts mounted? --tcp 127.0.0.1:0 does without");
+                "is /dev/pts mounted? <tcp> 127.0.0.1:0 does without");
 }
 
 // A new terminal whose host side is raw 8N1: no echo, no line editing, no flow control.
@@ -181,7 +181,7 @@ struct HostPort {
 Result<HostPort> Split(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   if (colon == std::string::npos || colon == 0 || colon + 1 == address.size()) {
-    return Usage("--tcp", "'" + address + "' is not HOST:PORT", "give 127.0.0.1:0, for example");
+    return Usage("<tcp>", "'" + address + "' is not HOST:PORT", "give 127.0.0.1:0, for example");
   }
   HostPort parts{address.substr(0, colon), address.substr(colon + 1)};
   // an IPv6 address wears brackets because of its own colons
@@ -189,7 +189,7 @@ Result<HostPort> Split(const std::string& address) {
     parts.host = parts.host.substr(1, parts.host.size() - 2);
   }
   if (!TcpPort(parts.port)) {
-    return Usage("--tcp", fmt::format("'{}': {} is no TCP port", address, parts.port),
+    return Usage("<tcp>", fmt::format("'{}': {} is no TCP port", address, parts.port),
                  "give a port from 1 to 65535, or 0 for any free one");
   }
   return parts;
@@ -291,7 +291,7 @@ Result<std::unique_ptr<Endpoint>> ListenTcp(const std::string& address) {
   addrinfo* found = nullptr;
   const int code = getaddrinfo(parts->host.c_str(), parts->port.c_str(), &hints, &found);
   if (code != 0) {
-    return Usage("--tcp", "'" + address + "': " + gai_strerror(code),
+    return Usage("<tcp>", "'" + address + "': " + gai_strerror(code),
                  "give 127.0.0.1:0, for example");
   }
   OwnedDescriptor listener = Listener(*found);

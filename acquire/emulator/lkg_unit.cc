@@ -14,9 +14,9 @@ using trial::SampleStatus;
 }  // namespace
 
 Result<void> Validate(const LkgSetup& setup) {
-  if (setup.baud < 1) return Usage("--baud", "must be above 0", "give 9600");
+  if (setup.baud < 1) return Usage("<baud>", "must be above 0", "give 9600");
   if (setup.heads.empty() || setup.heads.size() > lkg::kMostOuts) {
-    return Usage("--amplifiers", "an LK-G3001 has one or two heads", "give 1 or 2");
+    return Usage("<amplifiers>", "an LK-G3001 has one or two heads", "give 1 or 2");
   }
   return {};
 }

@@ -21,15 +21,15 @@ bool Fits(std::size_t bytes, int baud, double sampling_s) {
   return static_cast<double>(bytes) * kBitsPerCharacter <= sampling_s * baud * (1 + 1e-12);
 }
 
-// "use --baud 921600 or --sampling 782us": the slowest common rate and the shortest period that fit
+// "use <baud> 921600 or <sampling> 782us": the slowest common rate and the shortest period that fit
 std::string Advice(const StreamSetup& setup) {
   const std::size_t bytes = LineBytes(setup.format);
   const auto period_us = static_cast<std::int64_t>(
       std::ceil(1e6 / MostLinesPerSecond(setup.format, setup.baud) - 1e-6));
-  std::string advice = fmt::format("--sampling {}us", period_us);
+  std::string advice = fmt::format("<sampling> {}us", period_us);
   for (const int baud : kCommonBauds) {
     if (Fits(bytes, baud, setup.head.head.sampling_s)) {
-      return fmt::format("use --baud {} or {}", baud, advice);
+      return fmt::format("use <baud> {} or {}", baud, advice);
     }
   }
   return "use " + advice;
@@ -40,12 +40,12 @@ std::string Advice(const StreamSetup& setup) {
 Result<void> Validate(const StreamSetup& setup) {
   const Fault* fault = setup.faults.fault;
   if (fault != nullptr && NeedsAQuestion(*fault)) {
-    return Usage("--fault",
+    return Usage("<fault>",
                  fmt::format("'{}' is a fault of answers, and nobody asks a stream", fault->name),
-                 "choose another, or --protocol dl-rs1a");
+                 "choose another, or <protocol> dl-rs1a");
   }
   if (setup.baud < 1 || !Fits(LineBytes(setup.format), setup.baud, setup.head.head.sampling_s)) {
-    return Usage("--baud",
+    return Usage("<baud>",
                  fmt::format("{} characters at {} baud allow {:.0f} lines/s, the head gives {:g}",
                              LineBytes(setup.format), setup.baud,
                              std::floor(MostLinesPerSecond(setup.format, setup.baud)),

@@ -38,7 +38,7 @@ Result<void> ReadPicture(std::string_view picture, StreamFormat& format) {
   const bool has_zeros =
       ConsistsOf(whole, '0') && (point == std::string_view::npos || ConsistsOf(decimals, '0'));
   if (!has_zeros || whole.size() + decimals.size() > kMostDigits) {
-    return Usage("--format",
+    return Usage("<format>",
                  fmt::format("\"{}\" is not a picture of a number of 1 to 9 digits", picture),
                  std::string(kFormatRemedy));
   }
@@ -54,7 +54,7 @@ Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
   if (mark == std::string_view::npos) return ReadPicture(pictures, format);
   const std::string_view counter = pictures.substr(0, mark);
   if (!ConsistsOf(counter, '0') || counter.size() > kMostDigits) {
-    return Usage("--format",
+    return Usage("<format>",
                  fmt::format("\"{}\" is not a picture of a line counter of 1 to 9 digits", counter),
                  "write e.g. 000,+00.0000,mm,CR");
   }
@@ -67,9 +67,9 @@ Result<void> ReadPictures(std::string_view pictures, StreamFormat& format) {
 Result<double> ReadUnit(std::string_view unit) {
   const bool has_number = !unit.empty() && unit[0] >= '0' && unit[0] <= '9';
   const std::string text = (has_number ? "" : "1") + std::string(unit);
-  const Result<Quantity> quantity = ParseQuantity(text, Dimension::kLength, "--format");
+  const Result<Quantity> quantity = ParseQuantity(text, Dimension::kLength, "<format>");
   if (!quantity) return std::unexpected(quantity.error());
-  if (!(quantity->value > 0)) return Usage("--format", "the unit must be a length above 0");
+  if (!(quantity->value > 0)) return Usage("<format>", "the unit must be a length above 0");
   return quantity->value;
 }
 
@@ -77,7 +77,7 @@ Result<Delimiter> ReadDelimiter(std::string_view word) {
   if (word == "CR") return Delimiter::kCr;
   if (word == "LF") return Delimiter::kLf;
   if (word == "CRLF") return Delimiter::kCrLf;
-  return Usage("--format", fmt::format("\"{}\" is not a delimiter", word), "use CR, LF or CRLF");
+  return Usage("<format>", fmt::format("\"{}\" is not a delimiter", word), "use CR, LF or CRLF");
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ Result<StreamFormat> ParseStreamFormat(std::string_view text) {
                                 ? std::string_view::npos
                                 : text.rfind(',', second - 1);
   if (first == std::string_view::npos) {
-    return Usage("--format", fmt::format("\"{}\" has not three parts", text),
+    return Usage("<format>", fmt::format("\"{}\" has not three parts", text),
                  std::string(kFormatRemedy));
   }
   StreamFormat format;

@@ -259,6 +259,14 @@ Ending Reader::Run() {
   return ending;
 }
 
+// what the sensor finds by now, in words
+std::vector<std::string> Sentences(const Sensor& sensor, const RecordingHooks& hooks) {
+  std::vector<std::string> sentences;
+  if (!hooks.say) return sentences;
+  for (const Finding& found : sensor.Found().list()) sentences.push_back(hooks.say(found));
+  return sentences;
+}
+
 bool HasEnd(const RecordingLimits& limits) {
   return limits.duration_ns || limits.readings || limits.until_ns || limits.trigger;
 }
@@ -282,20 +290,20 @@ Result<RecordingSummary> Record(Sensor& sensor, RowSink& sink, Clock& clock,
     written = WriteRows(ring, sink);
     if (!written) ring.GiveUp();
   });
-  const std::vector<std::string> said = sensor.Remarks();
+  const std::vector<std::string> said = Sentences(sensor, hooks);
   Reader reader(sensor, ring, clock, stop, limits, hooks);
   const Ending ending = reader.Run();
   RecordingSummary summary = reader.Summary();
   summary.connection_lost = ending == Ending::kConnectionLost;
   summary.interrupted = ending == Ending::kStopped && HasEnd(limits);
   if (summary.interrupted) {
-    ring.PushEvent({.kind = trial::EventKind::kRemark,
-                    .text = "interrupted: stopped before the end that was asked for"});
+    ring.PushEvent(
+        {.kind = trial::EventKind::kRemark, .text = std::string(trial::kInterruptedText)});
   }
   // what is known of the device only now
-  for (std::string& remark : sensor.Remarks()) {
-    if (std::ranges::find(said, remark) != said.end()) continue;
-    ring.PushEvent({.kind = trial::EventKind::kRemark, .text = std::move(remark)});
+  for (std::string& text : Sentences(sensor, hooks)) {
+    if (std::ranges::find(said, text) != said.end()) continue;
+    ring.PushEvent({.kind = trial::EventKind::kRemark, .text = std::move(text)});
   }
   ring.Close();
   writing.join();

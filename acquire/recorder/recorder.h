@@ -54,11 +54,14 @@ struct RecordingSummary {
   [[nodiscard]] std::uint64_t distinct() const { return readings - bad() - repeated(); }
 };
 
-/// Who looks on. Both are called by the reading thread, which must get back to its port within a
+/// Who looks on. They are called by the reading thread, which must get back to its port within a
 /// few milliseconds.
 struct RecordingHooks {
   std::function<void(const Reading&)> reading{};  ///< each reading that comes, recorded or not
   std::function<void(const RecordingSummary&)> progress{};  ///< about twice a second of the clock
+  /// What a finding says, for the trial's remarks; empty: none of those that the sensor makes only
+  /// at the end are written.
+  std::function<std::string(const Finding&)> say{};
 };
 
 /// Runs `sensor` (started) into `sink` until a limit, `stop`, the end of a replay or the loss of
@@ -67,7 +70,7 @@ struct RecordingHooks {
 /// The calling thread reads; a second one writes (recorder/row_ring.h says why). What the ring has
 /// no room for while the disk stalls is counted in `lost` and stands in the trial as a gap with its
 /// number, unless the source waits (Sensor::waits). A lost connection, a return, a trigger, an
-/// interruption, and the remarks that the sensor makes only at the end, are events in the trial.
+/// interruption, and what the sensor finds only at the end, are events in the trial.
 /// Between a thousand rows and the next event nothing allocates memory. The sink's clock is its
 /// own; if it is a ManualClock it must not be `clock`. Errors (Cause::kFailed): the disk is full;
 /// the file keeps what it holds.

@@ -143,7 +143,7 @@ Result<SensorProfile> FindProfile(const std::string& name_or_file) {
   if (std::filesystem::exists(name_or_file, error)) return ReadProfileFile(name_or_file);
   const std::string nearest = Nearest(name_or_file, names);
   return Usage(
-      "--profile", fmt::format("'{}' is neither a built-in profile nor a file", name_or_file),
+      "<profile>", fmt::format("'{}' is neither a built-in profile nor a file", name_or_file),
       nearest.empty() ? fmt::format("give a TOML file or one of {}", fmt::join(names, ", "))
                       : fmt::format("did you mean {}?", nearest));
 }
@@ -185,33 +185,31 @@ double HighestRateHz(const SensorProfile& profile) {
   return std::min(wire_hz, profile.fastest_rate_hz.value_or(wire_hz));
 }
 
-std::vector<std::string> WireRemarks(const SensorProfile& profile) {
-  std::vector<std::string> remarks;
-  const double highest_hz = HighestRateHz(profile);
+Findings FindWireRate(const SensorProfile& profile) {
+  constexpr double kMostRtuRateHz = 1 / 3.5e-3;  // two silent intervals of 1.75 ms at any baud rate
+  Findings found;
   const double wire_hz = 1.0 / SecondsFromNs(RtuPeriodNs(profile));
   const double sensor_hz = profile.fastest_rate_hz.value_or(wire_hz);
   if (profile.transport == ModbusFraming::kRtu) {
-    remarks.push_back(fmt::format(
-        "{} at {} baud: {} registers take {:.2f} ms on the wire, at most {:.0f} readings/s{}: "
-        "motion up to {:.1f} Hz can be observed (rate / 2.56)",
-        profile.name, profile.wire.baud, profile.count, 1e3 / wire_hz, wire_hz,
-        sensor_hz < wire_hz ? fmt::format(", {:.0f} of them new", sensor_hz) : "",
-        HighestObservableHz(highest_hz)));
-    remarks.emplace_back(
-        "20-500 Hz vibration cannot be observed over Modbus RTU at any baud rate (two silent "
-        "intervals of 1.75 ms leave 286 readings/s, 1280 are needed): use the sensor's own stream "
-        "(--sensor stream) or its analog output with a DAQ");
+    Finding rate{.kind = FindingKind::kRegistersRate,
+                 .numbers = {{"profile", profile.name},
+                             {"baud", profile.wire.baud},
+                             {"registers", profile.count},
+                             {"wire_s", 1 / wire_hz},
+                             {"rate_hz", wire_hz},
+                             {"observable_hz", HighestObservableHz(HighestRateHz(profile))}}};
+    if (sensor_hz < wire_hz) rate.numbers.emplace_back("new_rate_hz", sensor_hz);
+    found.Add(std::move(rate));
+    found.Note(FindingKind::kRegistersTooSlow,
+               {{"rate_hz", kMostRtuRateHz}, {"needed_hz", kNeededRateHz}});
   } else if (profile.fastest_rate_hz) {
-    remarks.push_back(fmt::format(
-        "{} measures {:.0f} times a second: motion up to {:.1f} Hz can be observed (rate / 2.56)",
-        profile.name, sensor_hz, HighestObservableHz(sensor_hz)));
+    found.Note(FindingKind::kProfileRate, {{"profile", profile.name},
+                                           {"rate_hz", sensor_hz},
+                                           {"observable_hz", HighestObservableHz(sensor_hz)}});
   } else {
-    remarks.push_back(fmt::format(
-        "how often {} measures is not known: motion can be observed up to its rate / 2.56, and "
-        "the rate of replies says nothing of it",
-        profile.name));
+    found.Note(FindingKind::kProfileRateUnknown, {{"profile", profile.name}});
   }
-  return remarks;
+  return found;
 }
 
 // A sensor profile from its TOML file; docs/reference/sensors.md has the keys with an example.

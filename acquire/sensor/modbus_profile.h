@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "acquire/protocol/modbus.h"
 #include "base/clock.h"
 #include "base/error.h"
@@ -112,7 +113,7 @@ struct SensorProfile {
 /// sensor measures more slowly.
 [[nodiscard]] double HighestRateHz(const SensorProfile& profile);
 
-/// The same in sentences for the user, against the 20-500 Hz band.
-[[nodiscard]] std::vector<std::string> WireRemarks(const SensorProfile& profile);
+/// The same for the user, against the 20-500 Hz band.
+[[nodiscard]] Findings FindWireRate(const SensorProfile& profile);
 
 }  // namespace haptometer::acquire

@@ -340,7 +340,7 @@ Outcome ModbusSensor::GiveRow(Reading& reading, trial::Sample sample, Phase next
   return Outcome::kReading;
 }
 
-// What comes before the recording: the first answers, the header, the remarks.
+// What comes before the recording: the first answers, the header, the findings.
 namespace {
 
 constexpr int kTries = 3;
@@ -389,14 +389,14 @@ Result<std::string> ModbusSensor::Ask(ReadRequest request, const std::atomic<boo
         link_->name(),
         fmt::format("refuses {} with exception {:02} ({})", asked, answer->exception,
                     ModbusExceptionText(answer->exception)),
-        profile_.advice.empty() ? "give the --profile of this sensor" : profile_.advice);
+        profile_.advice.empty() ? "give the <profile> of this sensor" : profile_.advice);
   }
   const std::string settings =
       fmt::format("{} baud, parity {}", profile_.wire.baud, Name(profile_.wire.parity));
-  std::string remedy = fmt::format("check that the sensor is on, --slave{}",
+  std::string remedy = fmt::format("check that the sensor is on, <slave>{}",
                                    is_rtu() ? ", baud rate and parity in the profile, and A and B "
                                               "of the cable"
-                                            : " and the --profile");
+                                            : " and the <profile>");
   if (!profile_.advice.empty()) remedy += "; " + profile_.advice;
   return CannotAnswer(
       link_->name(),
@@ -419,7 +419,7 @@ Result<void> ModbusSensor::Start(const std::atomic<bool>& stop) {
       return CannotAnswer(
           link_->name(),
           fmt::format("register {}, which scales its values, holds 0", *profile_.scale_address),
-          profile_.advice.empty() ? "check the --profile" : profile_.advice);
+          profile_.advice.empty() ? "check the <profile>" : profile_.advice);
     }
   }
   const auto registers = Ask(ReadingRequest(profile_), stop);
@@ -469,24 +469,21 @@ void ModbusSensor::Describe(trial::Metadata& metadata) const {
       fmt::format("{} {} at {}", Name(profile_.type), Name(profile_.order), profile_.value_address);
 }
 
-std::vector<std::string> ModbusSensor::Remarks() const {
-  std::vector<std::string> remarks{WireRemarks(profile_)};
+Findings ModbusSensor::Found() const {
+  Findings found = FindWireRate(profile_);
   if (is_rtu() && profile_.transport == ModbusFraming::kTcp) {
-    remarks.push_back(profile_.name + " speaks TCP by its profile, and the port is a serial one");
+    found.Doubt(FindingKind::kTcpProfile, {{"profile", profile_.name}});
   }
   if (is_rtu() && !has_checks_) {
-    remarks.push_back(fmt::format(
-        "{} does not answer the check request of its profile with registers: replies later than "
-        "{:g} s cannot be told from the next (longest_reply_s, check_address and check_count)",
-        profile_.name, SecondsFromNs(profile_.longest_reply_ns)));
+    found.Doubt(FindingKind::kNoCheckRequest,
+                {{"profile", profile_.name},
+                 {"longest_reply_s", SecondsFromNs(profile_.longest_reply_ns)}});
   }
   if (const std::string errors = InWords(errors_); !errors.empty()) {
-    remarks.push_back("errors on the wire: " + errors);
+    found.Doubt(FindingKind::kWireErrors, {{"errors", errors}});
   }
-  for (std::string& remark : DoubtfulReplies(replies_, exchanges_.wire_ns())) {
-    remarks.push_back(std::move(remark));
-  }
-  return remarks;
+  found.AddAll(DoubtfulReplies(replies_, exchanges_.wire_ns()));
+  return found;
 }
 
 namespace {

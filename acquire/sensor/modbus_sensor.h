@@ -56,7 +56,7 @@ struct ModbusSetup {
 ///
 /// What remains: a device that answers out of order; and one of which Start() found that it does
 /// not answer the check with registers. There only `longest_reply_ns` of waiting stands between a
-/// late reply and the next request, and Remarks() says so.
+/// late reply and the next request, and Found() has it.
 class ModbusSensor final : public Sensor {
  public:
   /// `clock` must outlive the sensor and be the one of the link's deadlines.
@@ -67,7 +67,7 @@ class ModbusSensor final : public Sensor {
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   /// Also tells the errors so far, so that it may be asked again after a recording.
-  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  [[nodiscard]] Findings Found() const override;
   /// What is outstanding from before stays so: it is drained, as after a missed deadline.
   [[nodiscard]] MonotonicNs Begin() override;
   /// Allocates nothing once `reading` holds a row.

@@ -17,7 +17,7 @@ namespace {
 
 using trial::ChannelRole;
 
-constexpr std::string_view kOption = "--channels";
+constexpr std::string_view kOption = "<channels>";
 constexpr std::string_view kExample = "write e.g. displacement:m,voltage:V,trigger";
 
 // one channel as it is written
@@ -89,7 +89,7 @@ Result<trial::ChannelFormat> PlainChannel(const Word& word, SampleFormat format)
     channel.role = RoleOf(word.name);
     if (!IsQuantity(channel.role)) return channel;
     return Usage(std::string(kOption), fmt::format("nothing says what a count of {} is", word.name),
-                 fmt::format("give --calibration a file with a table [{}]", word.name));
+                 fmt::format("give <calibration> a file with a table [{}]", word.name));
   }
   const auto column = ColumnOf(word.name, word.unit);
   if (!column) return std::unexpected(column.error());
@@ -107,7 +107,7 @@ Result<trial::RawLimits> CalibrateChannel(const Word& word,
   channel->unit = UnitOf(channel->role);
   if (channel->encoding == trial::Encoding::kI32) {
     if (!calibration.input_per_count) {
-      return Usage("--calibration",
+      return Usage("<calibration>",
                    fmt::format("does not say what a count of {} is", channel->name),
                    fmt::format("add {} to its table",
                                calibration.input_unit == "A" ? "a_per_count" : "v_per_count"));
@@ -244,8 +244,8 @@ Error PipeSensor::NoRow(std::string what) const {
     what += fmt::format(" ({} bytes did)", parser_.waiting_bytes());
   }
   return {Cause::kCannotAnswer, transport_->name(), std::move(what),
-          fmt::format("check that the program writes {}, or say what it writes with --channels and "
-                      "--format",
+          fmt::format("check that the program writes {}, or say what it writes with <channels> and "
+                      "<format>",
                       FormName(setup_))};
 }
 
@@ -257,13 +257,11 @@ void PipeSensor::Describe() {
   header_.metadata.source = fmt::format("{}, {}", transport_->Source(), FormName(setup_));
   header_.metadata.nominal_rate_hz = setup_.rate_hz;
   header_.metadata.fields = setup_.channels.fields;
-  remarks_.push_back(fmt::format(
-      "{:g} rows/s, as stated: motion up to {:.0f} Hz can be observed (rate / 2.56) if nothing "
-      "above {:g} Hz reaches the converter",
-      setup_.rate_hz, HighestObservableHz(setup_.rate_hz), 0.5 * setup_.rate_hz));
+  found_.Note(FindingKind::kStatedRate, {{"rate_hz", setup_.rate_hz},
+                                         {"observable_hz", HighestObservableHz(setup_.rate_hz)},
+                                         {"half_rate_hz", 0.5 * setup_.rate_hz}});
   if (heading_lines_ > 0) {
-    remarks_.push_back(fmt::format("{} lines before the first row were passed over: \"{}\"",
-                                   heading_lines_, heading_));
+    found_.Note(FindingKind::kHeadingLines, {{"lines", heading_lines_}, {"first", heading_}});
   }
 }
 

@@ -55,7 +55,7 @@ class PipeSensor final : public Sensor {
   /// none.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
-  [[nodiscard]] std::vector<std::string> Remarks() const override { return remarks_; }
+  [[nodiscard]] Findings Found() const override { return found_; }
   /// The next row has index 0; after Start() it is the first that came.
   [[nodiscard]] MonotonicNs Begin() override;
   /// kEnd at the end of the input. No allocation once the buffers have grown.
@@ -74,7 +74,7 @@ class PipeSensor final : public Sensor {
   std::unique_ptr<Transport> transport_;
   SampleParser parser_;
   trial::TrialHeader header_;
-  std::vector<std::string> remarks_;
+  Findings found_;
   std::vector<char> chunk_;
   std::vector<trial::Sample> row_;  ///< as parsed last
   bool has_row_ = false;            ///< row_ was not handed out yet

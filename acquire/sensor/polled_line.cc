@@ -54,23 +54,19 @@ MonotonicNs ResponseDeadline::UsualNs() const {
   return std::max(EarliestNs(), *middle * 3 / 2);
 }
 
-std::vector<std::string> DoubtfulReplies(const ReplyCounts& replies, MonotonicNs wire_ns) {
-  std::vector<std::string> remarks;
+Findings DoubtfulReplies(const ReplyCounts& replies, MonotonicNs wire_ns) {
+  Findings found;
   if (replies.surplus > 0) {
-    remarks.push_back(fmt::format(
-        "{} replies came to requests that had been answered already and were discarded: the device "
-        "answers more than once",
-        replies.surplus));
+    found.Doubt(FindingKind::kSurplusReplies, {{"replies", replies.surplus}});
   }
   if (replies.too_soon > 0) {
     const double wire_s = SecondsFromNs(wire_ns);
-    remarks.push_back(fmt::format(
-        "{} of {} replies came sooner than the stated baud rate carries request and reply ({:.3g} "
-        "ms): the port is no such wire, or the device has another baud rate; readings were taken "
-        "at {:.4g} Hz at most, as the stated rate allows",
-        replies.too_soon, replies.taken, 1e3 * wire_s, 1 / wire_s));
+    found.Doubt(FindingKind::kRepliesTooSoon, {{"too_soon", replies.too_soon},
+                                               {"replies", replies.taken},
+                                               {"wire_s", wire_s},
+                                               {"rate_hz", 1 / wire_s}});
   }
-  return remarks;
+  return found;
 }
 
 namespace {
@@ -307,8 +303,6 @@ Outcome PolledLine::GiveRow(Reading& reading, SampleStatus status, MonotonicNs r
   return Outcome::kReading;
 }
 
-std::vector<std::string> PolledLine::Remarks() const {
-  return DoubtfulReplies(replies_, deadline_.wire_ns());
-}
+Findings PolledLine::Found() const { return DoubtfulReplies(replies_, deadline_.wire_ns()); }
 
 }  // namespace haptometer::acquire

@@ -84,10 +84,9 @@ struct ReplyCounts {
   std::uint64_t too_soon = 0;  ///< of those taken, that no wire carries as fast
 };
 
-/// What they say of the device and of its wire, on which request and reply need `wire_ns`, in
-/// sentences for the user; none where all is well.
-[[nodiscard]] std::vector<std::string> DoubtfulReplies(const ReplyCounts& replies,
-                                                       MonotonicNs wire_ns);
+/// What they show of the device and of its wire, on which request and reply need `wire_ns`; nothing
+/// where all is well.
+[[nodiscard]] Findings DoubtfulReplies(const ReplyCounts& replies, MonotonicNs wire_ns);
 
 /// What a line is that came while a reading was asked for.
 enum class LineMeaning : std::uint8_t {
@@ -166,7 +165,7 @@ class PolledLine {
   [[nodiscard]] Outcome Next(Reading& reading);
 
   /// What replies that came twice or too soon say of the device and its wire, in sentences.
-  [[nodiscard]] std::vector<std::string> Remarks() const;
+  [[nodiscard]] Findings Found() const;
 
   [[nodiscard]] const LineLink& link() const { return link_; }
   [[nodiscard]] const std::string& name() const { return link_.transport().name(); }

@@ -33,9 +33,7 @@ Result<void> ReconnectingSensor::Start(const std::atomic<bool>& stop) {
   return {};
 }
 
-std::vector<std::string> ReconnectingSensor::Remarks() const {
-  return sensor_ ? sensor_->Remarks() : last_remarks_;
-}
+Findings ReconnectingSensor::Found() const { return sensor_ ? sensor_->Found() : last_found_; }
 
 MonotonicNs ReconnectingSensor::Begin() { return sensor_ ? sensor_->Begin() : clock_.Now(); }
 
@@ -49,7 +47,7 @@ Outcome ReconnectingSensor::Next(Reading& reading) {
 
 void ReconnectingSensor::LetGo() {
   discarded_before_ += sensor_->discarded_bytes();
-  last_remarks_ = sensor_->Remarks();
+  last_found_ = sensor_->Found();
   sensor_.reset();
   away_since_ns_ = clock_.Now();
   pause_.Reset();

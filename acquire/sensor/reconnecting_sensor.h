@@ -53,7 +53,7 @@ class ReconnectingSensor final : public Sensor {
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
   /// While it is away, what it said last.
-  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  [[nodiscard]] Findings Found() const override;
   /// Also while it is away: then readings begin when it is back.
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
@@ -76,8 +76,8 @@ class ReconnectingSensor final : public Sensor {
   RetryPause pause_;
   MonotonicNs next_try_ns_ = 0;
   std::string last_refusal_;
-  std::vector<std::string> last_remarks_;  ///< of the sensor that is gone
-  std::uint64_t discarded_before_ = 0;     ///< by the sensors that are gone
+  Findings last_found_;                 ///< of the sensor that is gone
+  std::uint64_t discarded_before_ = 0;  ///< by the sensors that are gone
 };
 
 }  // namespace haptometer::acquire

@@ -89,9 +89,17 @@ Result<std::unique_ptr<Sensor>> Replay::Open(const std::string& path) {
   }
   metadata.source = fmt::format("replay of {} ({})", path, metadata.source);
   // what the recording itself cannot give
-  if (!report->closed) replay->remarks_.push_back(path + " was cut short");
-  for (const trial::Loss& loss : report->losses) {
-    replay->remarks_.push_back(fmt::format("{}: {}", path, Describe(loss)));
+  if (!report->closed) {
+    replay->found_.Add(
+        {.severity = Severity::kDoubt, .kind = FindingKind::kReplayCutShort, .subject = path});
+  }
+  if (!report->losses.empty()) {
+    Finding losses{.severity = Severity::kDoubt,
+                   .kind = FindingKind::kReplayLosses,
+                   .numbers = {{"losses", report->losses.size()}},
+                   .subject = path};
+    if (const auto rows = report->RowsLost()) losses.numbers.emplace_back("rows_lost", *rows);
+    replay->found_.Add(std::move(losses));
   }
   return replay;
 }

@@ -24,7 +24,7 @@ class PacedSensor final : public Sensor {
     return inner_->Start(stop);
   }
   [[nodiscard]] const trial::TrialHeader& header() const override { return inner_->header(); }
-  [[nodiscard]] std::vector<std::string> Remarks() const override { return inner_->Remarks(); }
+  [[nodiscard]] Findings Found() const override { return inner_->Found(); }
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
   [[nodiscard]] bool waits() const override { return true; }
@@ -52,7 +52,7 @@ class Replay final : public Sensor {
 
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
-  [[nodiscard]] std::vector<std::string> Remarks() const override { return remarks_; }
+  [[nodiscard]] Findings Found() const override { return found_; }
   /// The recorded times count from the recorded start: 0.
   [[nodiscard]] MonotonicNs Begin() override { return 0; }
   /// kGone when the file can no longer be read.
@@ -65,7 +65,7 @@ class Replay final : public Sensor {
 
   trial::TrialReader reader_;
   trial::TrialHeader header_;
-  std::vector<std::string> remarks_;
+  Findings found_;
   const trial::Chunk* chunk_ = nullptr;
   std::size_t row_ = 0;
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "trial/trial_format.h"
@@ -54,10 +55,9 @@ class Sensor {
   /// What a recording of this sensor begins with; complete after Start().
   [[nodiscard]] virtual const trial::TrialHeader& header() const = 0;
 
-  /// What this wire can and cannot observe, and what its settings do, in sentences for the user,
-  /// to be shown before the recording; asked again after it, more may be known. Complete after
-  /// Start().
-  [[nodiscard]] virtual std::vector<std::string> Remarks() const = 0;
+  /// What this wire can and cannot observe, and what its settings do, to be shown before the
+  /// recording; asked again after it, more may be known. Complete after Start().
+  [[nodiscard]] virtual Findings Found() const = 0;
 
   /// Begins the readings and returns the instant from which their times count; indices count from
   /// 0. May be called again, as after a tare: what was asked before stays outstanding, so that its

@@ -93,16 +93,16 @@ Error StreamSensor::NoLines(const std::string& example) const {
   if (!example.empty()) {
     return {Cause::kCannotAnswer, name,
             fmt::format("sends lines of another form at {} baud: \"{}\"", setup_.baud, example),
-            "give the sensor's --baud, or its line as --format +00.0000,mm,CR; a Keyence unit "
-            "that is asked is --sensor keyence-il, keyence-en1 or keyence-lkg"};
+            "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR; a Keyence unit "
+            "that is asked is <sensor> keyence-il, keyence-en1 or keyence-lkg"};
   }
   if (discarded_bytes() > 0 || link_.waiting_bytes() > 0) {
     return {Cause::kCannotAnswer, name,
             fmt::format("bytes come at {} baud, but no line", setup_.baud),
-            "give the sensor's --baud, or its line as --format +00.0000,mm,CR"};
+            "give the sensor's <baud>, or its line as <format> +00.0000,mm,CR"};
   }
   return {Cause::kCannotAnswer, name, fmt::format("nothing comes at {} baud", setup_.baud),
-          "check that the sensor is on and sends by itself; a DL-RS1A is asked with --sensor "
+          "check that the sensor is on and sends by itself; a DL-RS1A is asked with <sensor> "
           "keyence-il"};
 }
 
@@ -129,33 +129,30 @@ void StreamSensor::MakeHeader() {
       fmt::format("{:.6g}", SecondsFromNs(WireTimeNs(LineBytes(format), setup_.baud)));
 }
 
-std::vector<std::string> StreamSensor::Remarks() const {
+Findings StreamSensor::Found() const {
   const double most_hz = MostLinesPerSecond(setup_.format, setup_.baud);
   const double band_hz = HighestObservableHz(most_hz);
-  std::string remark = fmt::format(
-      "{} baud carry at most {:.0f} lines/s of {} characters: motion up to {:.0f} Hz can be "
-      "observed if the sensor sends that fast (rate / 2.56)",
-      setup_.baud, most_hz, LineBytes(setup_.format), band_hz);
-  if (band_hz < 500) {
-    remark += "; the 20-500 Hz band needs 1280 lines/s: set the sensor to a higher baud rate";
+  Findings found;
+  found.Note(FindingKind::kLinesRate, {{"baud", setup_.baud},
+                                       {"characters", LineBytes(setup_.format)},
+                                       {"rate_hz", most_hz},
+                                       {"observable_hz", band_hz}});
+  if (most_hz < kNeededRateHz) {
+    found.Note(FindingKind::kLinesTooSlow, {{"needed_hz", kNeededRateHz}});
   }
-  std::vector<std::string> remarks{remark};
   if (setup_.format.counter_digits > 0) {
-    remarks.push_back(fmt::format(
-        "the lines are numbered 0 to {0}: what is lost is known exactly up to {0} lines in a row",
-        CounterTurn(setup_.format) - 1));
+    found.Note(FindingKind::kLinesNumbered, {{"last", CounterTurn(setup_.format) - 1}});
   }
   // what the port held from before the beginning may come as well
   const double wire_s = SecondsFromNs(WireTimeNs(LineBytes(setup_.format), setup_.baud)) *
                         static_cast<double>(lines_);
   const double elapsed_s = SecondsFromNs(link_.last_bytes_ns() - begin_ns_);
   if (lines_ > 0 && wire_s > elapsed_s + kHeldByPortsS) {
-    remarks.push_back(fmt::format(
-        "{} lines came in {:.3g} s, and {} baud carry them in {:.3g} s at least: the port is no "
-        "such wire, or the sensor has another baud rate",
-        lines_, elapsed_s, setup_.baud, wire_s));
+    found.Doubt(
+        FindingKind::kLinesTooSoon,
+        {{"lines", lines_}, {"elapsed_s", elapsed_s}, {"baud", setup_.baud}, {"wire_s", wire_s}});
   }
-  return remarks;
+  return found;
 }
 
 MonotonicNs StreamSensor::Begin() {

@@ -61,7 +61,7 @@ class StreamSensor final : public Sensor {
   /// first asks whether the head is an emulated one, and gives it 0.2 s to say so.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
-  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  [[nodiscard]] Findings Found() const override;
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override;
   /// What came before the recording began, and the line that its beginning cut, do not count.

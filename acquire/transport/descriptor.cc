@@ -92,7 +92,7 @@ Error BusyPort(const std::string& name) {
   return {Cause::kCannotAnswer, name,
           holder.empty() ? "is busy: another program holds it"
                          : fmt::format("is busy: {} holds it", holder),
-          "end that program, or give another --port"};
+          "end that program, or give another <port>"};
 }
 
 Error PortDoesNotOpen(const std::string& name, int error_number) {

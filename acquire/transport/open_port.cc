@@ -88,7 +88,7 @@ Result<std::unique_ptr<Transport>> SerialPort::Open(const std::string& path,
   // settings
   if (Configure(opened->handle_->port, baud) != SP_OK) {
     return CannotAnswer(name, fmt::format("cannot be set to {} baud 8N1", baud),
-                        "give a --baud that the port and the sensor have");
+                        "give a <baud> that the port and the sensor have");
   }
   opened->low_latency_ = AskForLowLatency(descriptor);
   opened->path_ = path;
@@ -109,8 +109,8 @@ std::string SerialPort::Source() const {
                      LatencyWords(latency_ns_, low_latency_));
 }
 
-std::string SerialPort::LatencyCost(MonotonicNs period_ns) const {
-  return latency_ns_ ? LatencyRemark(path_, *latency_ns_, period_ns) : "";
+Findings SerialPort::LatencyCost(MonotonicNs period_ns) const {
+  return latency_ns_ ? LatencyCostOf(path_, *latency_ns_, period_ns) : Findings();
 }
 
 VirtualTerminal::VirtualTerminal(OwnedDescriptor descriptor, std::string name)
@@ -284,7 +284,7 @@ namespace {
 
 constexpr int kPipeBytes = 1 << 20;
 constexpr const char* kRemedy =
-    "pipe samples into it, e.g. my_daq | acquire --sensor pipe --rate 10kHz --channels "
+    "pipe samples into it, e.g. my_daq | acquire <sensor> pipe <rate> 10kHz <channels> "
     "displacement:m -o trial.bin";
 
 }  // namespace

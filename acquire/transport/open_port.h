@@ -34,7 +34,7 @@ class SerialPort final : public Transport {
   /// Says the latency timer, where the adapter has one and it was read back.
   [[nodiscard]] std::string Source() const override;
   [[nodiscard]] std::optional<MonotonicNs> LatencyTimer() const override { return latency_ns_; }
-  [[nodiscard]] std::string LatencyCost(MonotonicNs period_ns) const override;
+  [[nodiscard]] Findings LatencyCost(MonotonicNs period_ns) const override;
   [[nodiscard]] const std::string& name() const override { return name_; }
 
  private:

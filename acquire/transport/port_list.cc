@@ -47,15 +47,15 @@ double PolledRateHz(MonotonicNs period_ns, MonotonicNs latency_ns) {
   return 1 / SecondsFromNs(period_ns + latency_ns);
 }
 
-std::string LatencyRemark(const std::string& path, MonotonicNs latency_ns, MonotonicNs period_ns) {
-  if (latency_ns <= kNsPerMs) return {};
-  return fmt::format(
-      "the adapter keeps short replies for {} ms: {:.1f} readings/s at most instead of {:.1f}; set "
-      "1 ms with: echo 1 | sudo tee /sys{}, or for good with the udev rule "
-      "ACTION==\"add\", SUBSYSTEM==\"usb-serial\", DRIVER==\"ftdi_sio\", "
-      "ATTR{{latency_timer}}=\"1\"",
-      latency_ns / kNsPerMs, PolledRateHz(period_ns, latency_ns), PolledRateHz(period_ns, kNsPerMs),
-      TimerPath(path));
+Findings LatencyCostOf(const std::string& path, MonotonicNs latency_ns, MonotonicNs period_ns) {
+  Findings found;
+  if (latency_ns <= kNsPerMs) return found;
+  found.Doubt(FindingKind::kLatencyTimer,
+              {{"port", std::filesystem::path(path).filename().string()},
+               {"latency_s", SecondsFromNs(latency_ns)},
+               {"rate_hz", PolledRateHz(period_ns, latency_ns)},
+               {"rate_at_1_ms_hz", PolledRateHz(period_ns, kNsPerMs)}});
+  return found;
 }
 
 namespace {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "base/clock.h"
 #include "base/error.h"
 #include "trial/trial_format.h"
@@ -32,10 +33,10 @@ void AddLatencyTimer(std::optional<MonotonicNs> latency_ns, trial::Metadata& met
 /// + latency_ns).
 [[nodiscard]] double PolledRateHz(MonotonicNs period_ns, MonotonicNs latency_ns);
 
-/// What a latency timer above 1 ms costs a sensor that is polled every `period_ns` at best, and how
-/// to set it; empty where it costs nothing worth saying.
-[[nodiscard]] std::string LatencyRemark(const std::string& path, MonotonicNs latency_ns,
-                                        MonotonicNs period_ns);
+/// What a latency timer above 1 ms costs a sensor that is polled every `period_ns` at best; nothing
+/// where it is not above that.
+[[nodiscard]] Findings LatencyCostOf(const std::string& path, MonotonicNs latency_ns,
+                                     MonotonicNs period_ns);
 
 /// Where the kernel shows its devices; elsewhere in tests.
 struct DeviceRoots {

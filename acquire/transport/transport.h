@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "acquire/findings.h"
 #include "base/clock.h"
 #include "base/error.h"
 
@@ -47,8 +48,8 @@ class Transport {
   /// empty where there is none.
   [[nodiscard]] virtual std::optional<MonotonicNs> LatencyTimer() const { return std::nullopt; }
   /// What the adapter's habit of keeping short replies costs a sensor that could be polled every
-  /// `period_ns` (acquire/transport/port_list.h); empty where there is nothing to say.
-  [[nodiscard]] virtual std::string LatencyCost(MonotonicNs /*period_ns*/) const { return {}; }
+  /// `period_ns` (acquire/transport/port_list.h); nothing where it costs nothing.
+  [[nodiscard]] virtual Findings LatencyCost(MonotonicNs /*period_ns*/) const { return {}; }
   /// The port as the user named it, for messages.
   [[nodiscard]] virtual const std::string& name() const = 0;
 };

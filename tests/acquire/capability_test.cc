@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 // What sensors can answer, against numbers worked out from their manuals.
@@ -35,8 +36,9 @@ TEST(Capability, TheRateDecidesFirst) {
   SensorAbility slow = kFast;
   slow.rate_hz = 1279;
   EXPECT_FALSE(Judge(slow, {}).can_answer);
-  EXPECT_EQ(Judge(slow, {}).reason,
-            "1279 new readings/s (the wire) show motion up to 500 Hz; 500 Hz needs 1280");
+  EXPECT_EQ(Judge(slow, {}).reason.kind, FindingKind::kRateTooLow);
+  EXPECT_EQ(tests::NumbersOf(Judge(slow, {}).reason),
+            "rate_hz=1279 limit=the wire observable_hz=499.609 asked_hz=500 needed_hz=1280");
   slow.rate_hz = 1280;
   EXPECT_TRUE(Judge(slow, {}).can_answer);
   EXPECT_TRUE(Judge(kFast, {}).can_answer);
@@ -52,7 +54,9 @@ TEST(Capability, AveragingTakesTheUpperEdge) {
   EXPECT_REL(capability.gain_upper, 0.8763 / 1.9819, 2e-4, "four digits");
   EXPECT_REL(capability.gain_lower, 0.9989, 1e-4, "four digits");
   EXPECT_FALSE(capability.can_answer);
-  EXPECT_THAT(capability.reason, HasSubstr("its 4 averages at 0.33 ms leave 0.442 of 500 Hz"));
+  EXPECT_EQ(capability.reason.kind, FindingKind::kAveragingTooLong);
+  EXPECT_THAT(tests::NumbersOf(capability.reason),
+              HasSubstr("averages=4 sampling_s=0.00033 gain=0.442"));
   averaged.averages = 2;
   EXPECT_TRUE(Judge(averaged, {}).can_answer);  // 0.869
 }
@@ -62,7 +66,8 @@ TEST(Capability, StepsMayBeAsLargeAsWanted) {
   coarse.resolution_m = 1e-6;
   EXPECT_TRUE(Judge(coarse, {}).can_answer);
   coarse.resolution_m = 1e-2;
-  EXPECT_THAT(Judge(coarse, {}).reason, HasSubstr("its steps are 10000 um, 1 um are wanted"));
+  EXPECT_EQ(Judge(coarse, {}).reason.kind, FindingKind::kStepsTooLarge);
+  EXPECT_EQ(tests::NumbersOf(Judge(coarse, {}).reason), "step_m=0.01 wanted_m=1e-06");
   coarse.resolution_m.reset();
   EXPECT_TRUE(Judge(coarse, {}).can_answer);
 }
@@ -119,7 +124,7 @@ TEST(KnownSensors, AreSortedByWhetherTheyAnswerAndThenByReach) {
     if (all[i - 1].can_answer == all[i].can_answer) {
       EXPECT_GE(all[i - 1].highest_hz, all[i].highest_hz);
     }
-    EXPECT_FALSE(all[i].reason.empty());
+    EXPECT_EQ(all[i].reason.kind == FindingKind::kCanAnswer, all[i].can_answer);
   }
 }
 

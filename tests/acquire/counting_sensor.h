@@ -40,7 +40,11 @@ class CountingSensor final : public Sensor {
 
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
-  std::vector<std::string> Remarks() const override { return {"counts"}; }
+  Findings Found() const override {
+    Findings found;
+    found.Note(FindingKind::kLinesNumbered, {{"last", 99}});
+    return found;
+  }
   MonotonicNs Begin() override { return origin_ns_ = clock_.Now(); }
   Outcome Next(Reading& reading) override {
     if (next_ == rows_) {

@@ -137,7 +137,7 @@ def status(directory):
         check(shown["file"] in daemon.files(), f"writes {shown['file']}")
         text = subprocess.run([PROGRAM, "acquire", "--status", daemon.config], capture_output=True,
                               text=True)
-        check(text.returncode == 0 and text.stdout.startswith("head: recording since "), str(text))
+        check(text.returncode == 0 and "1 of 1 recording" in text.stdout and " recording  " in text.stdout, str(text))
         check(shown["file"] in text.stdout, text.stdout)
 
         second = subprocess.run([PROGRAM, "acquire", "--daemon", daemon.config],

@@ -1,4 +1,4 @@
-// What --list-ports and --list-sensors print.
+// What a recording, --list-ports and --list-sensors answer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 
 #include "tests/residual.h"
 #include "tools/acquire/recording_document.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
@@ -25,18 +26,25 @@ const acquire::PortInfo kAdapter{.path = "/dev/ttyUSB0",
                                  .latency_ns = 16'000'000,
                                  .held_by = "minicom (process 7)"};
 
+std::string TextOf(const document::Document& document) {
+  return document::TextOf(document, document::Detail::kShort);
+}
+
+json JsonOf(const document::Document& document) { return json::parse(document::JsonOf(document)); }
+
 TEST(PortList, SaysWhatIsKnownAndWhatItCosts) {
-  const std::string text = PortListText({kAdapter, {.path = "/dev/ttyS0"}});
-  EXPECT_THAT(text,
-              AllOf(HasSubstr("/dev/serial/by-id/usb-FTDI\n"), HasSubstr("0403:6001 A50285BI"),
-                    HasSubstr("16 ms\n"), HasSubstr("41.4 readings/s at most instead of"),
-                    HasSubstr("minicom (process 7)")));
-  EXPECT_THAT(text.substr(text.find("/dev/ttyS0")), "/dev/ttyS0\n");
-  EXPECT_THAT(PortListText({}), HasSubstr("no serial port is there"));
+  const std::string text = TextOf(PortsDocument({kAdapter, {.path = "/dev/ttyS0"}}));
+  EXPECT_THAT(text, AllOf(HasSubstr("/dev/serial/by-id/usb-FTDI\n"),
+                          HasSubstr("0403:6001 A50285BI"), HasSubstr("16 ms\n"),
+                          HasSubstr("doubt: the adapter keeps short replies for 16 ms: readings at "
+                                    "41.38 Hz at most in place of"),
+                          HasSubstr("minicom (process 7)")));
+  EXPECT_THAT(text, ::testing::EndsWith("  /dev/ttyS0\n"));
+  EXPECT_THAT(TextOf(PortsDocument({})), HasSubstr("no serial port is there"));
 }
 
 TEST(PortList, WhatIsNotKnownIsNull) {
-  const json document = json::parse(PortListJson({kAdapter, {.path = "/dev/ttyS0"}}));
+  const json document = JsonOf(PortsDocument({kAdapter, {.path = "/dev/ttyS0"}}));
   const json& usb = document["ports"][0];
   EXPECT_EQ(usb["usb_vendor"], 0x0403);
   EXPECT_EQ(usb["latency_s"], 0.016);
@@ -44,6 +52,8 @@ TEST(PortList, WhatIsNotKnownIsNull) {
   const json& board = document["ports"][1];
   EXPECT_EQ(board.size(), usb.size());
   for (const auto& [key, value] : board.items()) EXPECT_EQ(value.is_null(), key != "port") << key;
+  EXPECT_EQ(document["findings"].size(), 1U);
+  EXPECT_EQ(document["findings"][0]["kind"], "latency-timer");
 }
 
 TEST(SensorList, AsksWhatTheOptionsSay) {
@@ -63,18 +73,81 @@ TEST(SensorList, AsksWhatTheOptionsSay) {
   EXPECT_FALSE(ReadCapabilityQuestion("1-2Hz", Quantity{.value = 0, .standard_uncertainty = 0}));
 }
 
-TEST(SensorList, TextAndDocumentSayTheSame) {
-  const acquire::CapabilityQuestion question;
-  const std::string text = SensorListText(question);
-  const json document = json::parse(SensorListJson(question));
+TEST(SensorList, TextAndJsonSayTheSame) {
+  const document::Document made = SensorsDocument({});
+  const std::string text = TextOf(made);
+  const json document = JsonOf(made);
   for (const json& sensor : document["sensors"]) {
-    const std::string verdict = sensor["can_answer"] ? "yes     " : "cannot  ";
-    EXPECT_THAT(text, HasSubstr(verdict + sensor["name"].get<std::string>() + "\n        " +
-                                sensor["reason"].get<std::string>()));
+    const std::string verdict = sensor["can_answer"] ? "yes: " : "cannot: ";
+    EXPECT_THAT(text, HasSubstr(verdict + sensor["name"].get<std::string>() +
+                                "\n    because       " + sensor["reason"].get<std::string>()));
+    EXPECT_THAT(sensor["option"].get<std::string>(), ::testing::StartsWith("--sensor "));
   }
+  EXPECT_EQ(document["band_hz"], json::parse("[20.0, 500.0]"));
   // what no maker states is null, and the noise of no wire is invented
   EXPECT_TRUE(document["sensors"][0]["noise_in_band_m"].is_null());
-  EXPECT_THAT(SensorListJson(question), Not(HasSubstr("NaN")));
+  EXPECT_THAT(document::JsonOf(made), Not(HasSubstr("NaN")));
+}
+
+// --- a recording ---
+
+acquire::RecordingSummary Summary() {
+  acquire::RecordingSummary summary;
+  summary.readings = 30'005;
+  summary.measured = 30'003;
+  summary.gaps = 1;
+  summary.rate_hz = 10'001.6;
+  summary.elapsed_s = 3;
+  summary.statuses[static_cast<std::size_t>(trial::SampleStatus::kOk)] = 30'003;
+  summary.statuses[static_cast<std::size_t>(trial::SampleStatus::kLate)] = 2;
+  summary.interval_sd_s = 8.6e-5;
+  return summary;
+}
+
+trial::Metadata Emulated() {
+  trial::Metadata metadata;
+  metadata.source = "emulated device: virtual terminal s";
+  metadata.sensor = "stream";
+  metadata.fields = {{"latency_at_least_s", "9.7656e-05"}};
+  return metadata;
+}
+
+TEST(RecordingDocument, SaysWhatCameOfIt) {
+  acquire::Findings found;
+  found.Note(acquire::FindingKind::kSettingsNotRead);
+  const document::Document made = RecordingDocument(
+      "t.bin", Emulated(), Summary(), TimeBaseReview{.gaps = 1, .uncertainty_s = 2.2e-6}, found);
+  const std::string text = TextOf(made);
+  EXPECT_THAT(text, ::testing::StartsWith("t.bin: 30005 readings in 3.000 s\n  data: emulated\n"));
+  for (const char* said :
+       {"10001.6 Hz\n", "0.086 ms\n", "  2, 2 late\n", "note: the times of arrival are fitted",
+        "note: all times are late by one latency of at least 0.09766 ms, which is not known"}) {
+    EXPECT_THAT(text, HasSubstr(said));
+  }
+  EXPECT_THAT(text, Not(HasSubstr("lost to a slow disk"))) << "0 is not worth a line";
+  EXPECT_THAT(text, Not(HasSubstr("are not read"))) << "was said before the recording";
+  EXPECT_THAT(document::TextOf(made, document::Detail::kAll), HasSubstr("are not read"));
+  const json document = JsonOf(made);
+  EXPECT_EQ(document["bad"], 2);
+  EXPECT_EQ(document["bad_by_kind"]["late"], 2);
+  EXPECT_EQ(document["distinct"], 30'003);
+  EXPECT_EQ(document["data_source"], json::parse(R"(["emulated"])"));
+  EXPECT_EQ(document["time_uncertainty_s"], 2.2e-6);
+  EXPECT_EQ(document["findings"].size(), 3U);
+  EXPECT_EQ(document["lost"], 0);
+}
+
+TEST(RecordingDocument, ShowsAnInterruptionAndWhatIsNotKnown) {
+  acquire::RecordingSummary summary = Summary();
+  summary.interrupted = true;
+  summary.lost = 7;
+  const document::Document made = RecordingDocument("", Emulated(), summary, {}, {});
+  EXPECT_THAT(TextOf(made), ::testing::StartsWith("nothing kept: 30005 readings"));
+  EXPECT_THAT(TextOf(made), HasSubstr("data: emulated, interrupted\n"));
+  EXPECT_THAT(TextOf(made), HasSubstr("lost to a slow disk  7\n"));
+  const json document = JsonOf(made);
+  EXPECT_TRUE(document["file"].is_null() && document["time_uncertainty_s"].is_null());
+  EXPECT_EQ(document["interrupted"], true);
 }
 
 }  // namespace

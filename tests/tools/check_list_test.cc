@@ -14,6 +14,7 @@
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
 #include "tools/acquire/check.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
@@ -350,10 +351,13 @@ TEST(CheckOutput, HasTheSameFactsInBothForms) {
   findings.fresh_rate_hz = 48;
   findings.noise_m.reset();
   const auto items = CheckList(SoundHeader(), findings, kQuestion);
-  const std::string text = CheckText(items);
+  const document::Document made = CheckDocument(SoundHeader(), findings, kQuestion, items);
+  const std::string text = document::TextOf(made, document::Detail::kShort);
+  EXPECT_THAT(text, ::testing::StartsWith("not ready: 2 to fix\n"));
   EXPECT_THAT(text, HasSubstr("  FIX  rate       48 new readings/s"));
-  EXPECT_THAT(text, ::testing::EndsWith("not ready: 2 to fix\n"));
-  const auto document = nlohmann::json::parse(CheckJson(SoundHeader(), findings, kQuestion, items));
+  EXPECT_THAT(text, ::testing::Not(HasSubstr("smallest RMS to 10 %")));
+  EXPECT_THAT(document::TextOf(made, document::Detail::kAll), HasSubstr("new readings"));
+  const auto document = nlohmann::json::parse(document::JsonOf(made));
   EXPECT_EQ(document["ready"], false);
   EXPECT_EQ(document["items"].size(), items.size());
   EXPECT_EQ(document["items"][5]["verdict"], "fix");

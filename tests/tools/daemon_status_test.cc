@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "tools/daemon/status.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
@@ -55,13 +56,13 @@ TEST(DaemonStatus, ComesBackFromItsJson) {
 }
 
 TEST(DaemonStatus, IsReadableByPeople) {
-  EXPECT_EQ(StatusText(Sample()),
-            "left: recording since 2026-03-01T11:00:00.000Z, 172800 readings (48.0/s), 1 bad, "
-            "2 gaps, 3 lost, 4 reconnects, 5 waits for disk\n"
-            "  /data/left.bin\n"
-            "  last error: went \"away\"\n"
-            "right: away since x, 0 readings, 0 bad, 0 gaps, 0 lost, 0 reconnects, 0 waits for "
-            "disk\n");
+  const std::string text = document::TextOf(StatusDocument(Sample()), document::Detail::kShort);
+  EXPECT_THAT(text, ::testing::StartsWith("d.toml: 1 of 2 recording; right: away\n"));
+  EXPECT_THAT(text, ::testing::ContainsRegex(
+                        " left +recording +2026-03-01T11:00:00.000Z +172800 +48.0 +1 +2 +3 +4 +5 "
+                        "+/data/left.bin\n"));
+  EXPECT_THAT(text, ::testing::ContainsRegex(" right +away +x +0 +- +0 +0 +0 +0 +0 +-\n"));
+  EXPECT_THAT(text, HasSubstr("note: left: last error: went \"away\"\n"));
   EXPECT_EQ(StatusLine(Sample()), "1 of 2 recording; right: away");
 }
 

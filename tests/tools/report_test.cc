@@ -15,5 +15,14 @@ TEST(WorseStatus, FailingThenWrongThenNotAnsweredThenAnswered) {
   }
 }
 
+TEST(WithOptions, SaysTheOptionOfASetting) {
+  EXPECT_EQ(WithOptions("<columns>: names 2; say <rate> or leave <columns> out"),
+            "--columns: names 2; say --rate or leave --columns out");
+  EXPECT_EQ(WithOptions("try <baud> 9600", ""), "try baud 9600") << "a key of a file";
+  for (const char* same : {"a < b > c", "<html>", "<rate", "rate>", "<", "", "<<rates>>"}) {
+    EXPECT_EQ(WithOptions(same), same);
+  }
+}
+
 }  // namespace
 }  // namespace haptometer::cli

@@ -31,7 +31,7 @@ class Scripted final : public acquire::Sensor {
   }
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
-  std::vector<std::string> Remarks() const override { return {}; }
+  acquire::Findings Found() const override { return {}; }
   MonotonicNs Begin() override { return clock_.Now(); }
   Outcome Next(acquire::Reading& reading) override {
     clock_.SleepUntil(clock_.Now() + 10 * kMs);

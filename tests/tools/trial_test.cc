@@ -67,11 +67,15 @@ class TrialVerb : public ::testing::Test {
 TEST_F(TrialVerb, InfoSaysWhatTheFileHolds) {
   const Outcome info = Trial({"info", trial_});
   EXPECT_EQ(info.status, 0) << info.err;
-  for (const char* text : {"emulated device", "subject = 3", "steps of 1 um", "90 ok, 10 over",
-                           "100 in 0.109 s, 1000 a second", "before row 50: 10 ms at 0.05 s",
-                           "finished by its recorder"}) {
+  for (const char* text : {"data: emulated\n", "label subject", "90 ok, 10 over\n", "109 ms\n",
+                           "1000 Hz\n", "finished by its recorder"}) {
     EXPECT_THAT(info.out, HasSubstr(text));
   }
+  EXPECT_THAT(info.out, ::testing::ContainsRegex("resolution +1 um\n"));
+  EXPECT_THAT(info.out, ::testing::ContainsRegex("before row +at / ms +length / ms\n"));
+  EXPECT_THAT(info.out, ::testing::ContainsRegex(" 50 +50 +10\n"));
+  EXPECT_THAT(info.out, Not(HasSubstr("SHA-256")));
+  EXPECT_THAT(Trial({"info", trial_, "--all"}).out, HasSubstr("SHA-256"));
   const json document = json::parse(Trial({"info", "--json", trial_}).out);
   EXPECT_EQ(document["closed"], true);
   EXPECT_EQ(document["rows"], 100);
@@ -80,6 +84,8 @@ TEST_F(TrialVerb, InfoSaysWhatTheFileHolds) {
   EXPECT_EQ(document["rows_lost"], 0);
   EXPECT_EQ(document["labels"]["subject"], "3");
   EXPECT_TRUE(document.contains("sensor") && document["sensor"].is_null());
+  EXPECT_EQ(document["data_source"], json::parse(R"(["emulated"])"));
+  EXPECT_EQ(document["provenance"]["inputs"][0]["path"], trial_);
 }
 
 TEST_F(TrialVerb, InfoStatesLosses) {
@@ -93,6 +99,11 @@ TEST_F(TrialVerb, InfoStatesLosses) {
   const json document = json::parse(Trial({"info", "--json", cut}).out);
   EXPECT_EQ(document["closed"], false);
   EXPECT_EQ(document["rows_lost"], 50);
+  EXPECT_EQ(document["losses"][0]["what"], "ends-in-block");
+  EXPECT_EQ(document["data_source"], json::parse(R"(["emulated", "interrupted"])"));
+  EXPECT_EQ(document["findings"][0]["kind"], "ends-in-block");
+  EXPECT_EQ(document["findings"][0]["numbers"]["first_row"], 50);
+  EXPECT_EQ(document["findings"][1]["kind"], "not-finished");
 }
 
 TEST_F(TrialVerb, LabelsAreAppendedAndTheLastWordCounts) {
@@ -130,7 +141,7 @@ TEST_F(TrialVerb, ExportsAreReadAsTheSame) {
   EXPECT_EQ(Content(csv), to_stdout.out);
   json from_csv = json::parse(Trial({"info", "--json", csv}).out);
   json from_trial = json::parse(Trial({"info", "--json", trial_}).out);
-  for (const char* key : {"file", "file_bytes", "kind", "closed"}) {
+  for (const char* key : {"file", "file_bytes", "kind", "closed", "provenance"}) {
     from_csv.erase(key);
     from_trial.erase(key);
   }
@@ -164,10 +175,12 @@ TEST_F(TrialVerb, ACsvIsNotCalledFinishedAndItsRemarksAreShown) {
                         "# channel.1.resolution = 8.7e-23\ntime_s,displacement_m\n0,1\n1,2\n2,3\n";
   const Outcome info = Trial({"info", csv});
   EXPECT_EQ(info.status, 0) << info.err;
-  for (const char* text : {"imported from CSV", "1 average\n", "10000 Hz", "steps of 0 um",
-                           "say 1 rows a second where the file states 1000 Hz"}) {
+  for (const char* text :
+       {"data: imported\n", "imported from CSV", "10000 Hz",
+        "doubt: the times give 1 Hz where the file states 1000 Hz; they are used as they are"}) {
     EXPECT_THAT(info.out, HasSubstr(text));
   }
+  EXPECT_THAT(info.out, ::testing::ContainsRegex("resolution +0 um\n"));
   EXPECT_THAT(info.out, Not(HasSubstr("finished")));
   EXPECT_TRUE(json::parse(Trial({"info", csv, "--json"}).out)["closed"].is_null());
 }
@@ -181,7 +194,8 @@ TEST_F(TrialVerb, InfoShowsAThumbnail) {
 
 TEST_F(TrialVerb, LabelsKeepTheirReasonAndTakeAcquiresWay) {
   EXPECT_EQ(Trial({"label", trial_, "subject=4", "--reason", "wrong one noted"}).status, 0);
-  EXPECT_THAT(Trial({"info", trial_}).out, HasSubstr("subject: wrong one noted"));
+  EXPECT_THAT(Trial({"info", trial_}).out,
+              ::testing::ContainsRegex("subject +wrong one noted, before row 100\n"));
   EXPECT_EQ(Trial({"label", trial_, "--label", "repeat=2"}).status, 0);
   const json document = json::parse(Trial({"info", "--json", trial_}).out);
   EXPECT_EQ(document["labels"]["repeat"], "2");

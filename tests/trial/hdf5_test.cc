@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/findings.h"
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
 #include "trial/export/export.h"
@@ -21,7 +22,8 @@ void Write(const std::string& path, const std::vector<std::pair<std::string, Rec
   auto writer = Hdf5Writer::Create(path);
   ASSERT_TRUE(writer) << writer.error().Text();
   for (const auto& [name, recording] : trials) {
-    const auto done = writer->Add(name, recording, nullptr);
+    const auto done = writer->Add(name, recording, nullptr,
+                                  [](const Finding& found) { return tests::NumbersOf(found); });
     ASSERT_TRUE(done) << done.error().Text();
   }
   ASSERT_TRUE(writer->Close());
@@ -94,7 +96,8 @@ TEST(Hdf5, WhatIsExportedIsReadBackBitForBit) {
   EXPECT_TRUE(back->report.closed);
   ASSERT_EQ(back->report.events.size(), 1);
   EXPECT_EQ(EventToJson(back->report.events[0]), EventToJson(polled.report.events[0]));
-  EXPECT_THAT(back->report.remarks.at(0), HasSubstr("rows 10 to 19 are lost"));
+  EXPECT_EQ(tests::NumbersOf(back->report.findings, FindingKind::kNotedAtExport),
+            "text=block=3 first_row=10 last_row=19");
 }
 
 TEST(Hdf5, ATrialThatGrowsMeanwhileIsExportedAsItWasRead) {

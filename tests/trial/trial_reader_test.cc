@@ -6,6 +6,7 @@
 #include <cmath>
 #include <fstream>
 
+#include "tests/findings.h"
 #include "tests/trial/trial_file.h"
 #include "trial/block.h"
 #include "trial/import/read_recording.h"
@@ -92,11 +93,16 @@ TEST(TrialReader, ALostBlockIsNamedWithItsRows) {
   std::string bytes = CountingTrial(30, 10);
   const auto offsets = BlockOffsets(bytes);
   bytes[offsets[3] + kHead + 5] ^= 1;  // payload of the second block of rows
-  EXPECT_EQ(Describe(ReadBytes(bytes)->report.losses.at(0)),
-            "block 3 is damaged (bytes " + std::to_string(offsets[3]) + " to " +
-                std::to_string(offsets[4] - 1) + "): rows 10 to 19 are lost");
+  const Finding loss = FindingOfLoss(ReadBytes(bytes)->report.losses.at(0));
+  EXPECT_EQ(loss.kind, FindingKind::kBlocksDamaged);
+  EXPECT_EQ(loss.severity, Severity::kDoubt);
+  EXPECT_EQ(tests::NumbersOf(loss), "block=3 from_byte=" + std::to_string(offsets[3]) +
+                                        " to_byte=" + std::to_string(offsets[4] - 1) +
+                                        " first_row=10 last_row=19");
   bytes[offsets[3] + 20] ^= 1;  // and its head
-  EXPECT_THAT(Describe(ReadBytes(bytes)->report.losses.at(0)), HasSubstr("block 3 is damaged"));
+  const Loss of_head = ReadBytes(bytes)->report.losses.at(0);
+  EXPECT_EQ(of_head.kind, FindingKind::kBlocksDamaged);
+  EXPECT_EQ(of_head.block, 3U);
   EXPECT_EQ(ReadBytes(bytes)->report.RowsLost(), 10);
 }
 
@@ -109,13 +115,15 @@ TEST(TrialReader, RemovedRepeatedAndStrangeBytesAreStated) {
   const auto without = ReadBytes(removed);
   EXPECT_EQ(without->record.rows, 20);
   ASSERT_EQ(without->report.losses.size(), 1);
-  EXPECT_EQ(Describe(without->report.losses[0]), "block 3 is missing: rows 10 to 19 are lost");
+  EXPECT_EQ(without->report.losses[0].kind, FindingKind::kBlocksMissing);
+  EXPECT_EQ(tests::NumbersOf(FindingOfLoss(without->report.losses[0])),
+            "block=3 first_row=10 last_row=19");
 
   std::string repeated = whole;
   repeated.insert(offsets[3], block);
   const auto twice = ReadBytes(repeated);
   EXPECT_EQ(twice->record.rows, 30);
-  EXPECT_THAT(Describe(twice->report.losses.at(0)), HasSubstr("is out of its order"));
+  EXPECT_EQ(twice->report.losses.at(0).kind, FindingKind::kBlockOutOfOrder);
   ExpectTrueValues(twice->record);
 
   std::string strange = whole;
@@ -147,7 +155,7 @@ TEST(TrialReader, ARepeatedEventIsNotBelievedTwice) {
   disk.bytes += disk.bytes.substr(before);
   const auto read = ReadBytes(disk.bytes);
   EXPECT_EQ(read->report.events.size(), 1);
-  EXPECT_THAT(Describe(read->report.losses.at(0)), HasSubstr("is out of its order"));
+  EXPECT_EQ(read->report.losses.at(0).kind, FindingKind::kBlockOutOfOrder);
 }
 
 TEST(TrialReader, RowsBehindADamagedBlockKeepTheirTimes) {

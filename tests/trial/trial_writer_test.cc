@@ -154,8 +154,11 @@ TEST(TrialWriter, FullDiskSaysWhatIsKeptAndStaysInError) {
   ASSERT_TRUE(read);
   EXPECT_EQ(read->record.rows, 100);
   ASSERT_EQ(read->report.losses.size(), 1);
-  EXPECT_THAT(Describe(read->report.losses[0]), HasSubstr("the file ends inside block 3"));
-  EXPECT_THAT(Describe(read->report.losses[0]), HasSubstr("rows 100 to 199 are lost"));
+  const Loss& loss = read->report.losses[0];
+  EXPECT_EQ(loss.kind, FindingKind::kEndsInBlock);
+  EXPECT_EQ(loss.block, 3U);
+  EXPECT_EQ(loss.first_row, 100U);
+  EXPECT_EQ(loss.rows, 100U);
 }
 
 TEST(TrialWriter, ExistingFilesAreRefusedUnlessReplaced) {
@@ -168,7 +171,7 @@ TEST(TrialWriter, ExistingFilesAreRefusedUnlessReplaced) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().cause, Cause::kUsage);
   EXPECT_EQ(refused.error().Text(),
-            path + ": already exists; name another file, or say --overwrite");
+            path + ": already exists; name another file, or say <overwrite>");
   EXPECT_EQ(std::filesystem::file_size(path), 8);
   auto replaced = TrialWriter::Create(path, header, {.overwrite = true}, clock);
   ASSERT_TRUE(replaced) << replaced.error().Text();

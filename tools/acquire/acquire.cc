@@ -32,6 +32,7 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/daemon/daemon.h"
+#include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/trial_writer.h"
 
@@ -76,12 +77,13 @@ Result<std::unique_ptr<Sensor>> Open(const SensorOptions& wanted, const Recordin
       plan.longest_away_ns, clock);
 }
 
-// the sensor's remarks, without those that were said before: it may know more after a recording
+// what the sensor finds, without what was said before: more may be known after a recording
 void SayNew(const Sensor& sensor, std::vector<std::string>& said) {
-  for (const std::string& remark : sensor.Remarks()) {
-    if (std::ranges::find(said, remark) != said.end()) continue;
-    cli::Remark(kVerb, remark);
-    said.push_back(remark);
+  for (const acquire::Finding& found : sensor.Found().list()) {
+    std::string words = InWords(found);
+    if (std::ranges::find(said, words) != said.end()) continue;
+    cli::Remark(kVerb, words);
+    said.push_back(std::move(words));
   }
 }
 
@@ -101,11 +103,11 @@ std::string FileName(const std::string& output, const trial::Metadata& metadata)
 }
 
 // how the live figures are shown: over and over for people, line by line for programs
-LiveStyle StyleOf(const cli::Options& options, bool live) {
+LiveStyle StyleOf(bool is_json, bool live) {
   const bool err_is_terminal = isatty(STDERR_FILENO) != 0;
   if (!live) return err_is_terminal ? LiveStyle::kProgressLine : LiveStyle::kNone;
   if (err_is_terminal && isatty(STDOUT_FILENO) != 0) return LiveStyle::kPlot;
-  return options.json() ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
+  return is_json ? LiveStyle::kErrorLines : LiveStyle::kOutputLines;
 }
 
 // a device that goes away and comes back is worth a line each
@@ -125,29 +127,20 @@ Result<acquire::RecordingSummary> RecordShown(Sensor& sensor, acquire::RowSink& 
                                               const std::function<void()>& output_closed = {}) {
   if (style == LiveStyle::kNone) {
     return acquire::Record(sensor, sink, clock, cli::Interrupted(), limits,
-                           {.progress = TellAbsences()});
+                           {.progress = TellAbsences(), .say = InWords});
   }
   LiveMeter meter(header, band);
   LiveView view(meter, band, style, output_closed);
   return acquire::Record(
       sensor, sink, clock, cli::Interrupted(), limits,
       {.reading = [&](const acquire::Reading& reading) { meter.Add(reading); },
-       .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); }});
+       .progress = [&](const acquire::RecordingSummary& summary) { view.Progress(summary); },
+       .say = InWords});
 }
 
-int Report(const cli::Options& options, const std::string& file, const trial::TrialHeader& header,
-           acquire::RecordingSummary summary, const std::string& port, bool reconnects) {
-  const auto time_base = ReviewTimeBase(file, header.timing, summary);
-  if (time_base) {
-    // the holes between shots are meant to be
-    if (summary.triggers == 0) summary.gaps = time_base->gaps;
-    cli::Remark(kVerb, TimeBaseRemark(*time_base, header.metadata));
-  }
-  if (options.json()) {
-    cli::Print(SummaryJson(file, header.metadata, summary, time_base));
-  } else {
-    cli::Print(Printable(SummaryLine(file, summary)) + "\n");
-  }
+// why the recording is not what was asked for; the status to leave with
+int ReportFault(const std::string& file, const acquire::RecordingSummary& summary,
+                const std::string& port, bool reconnects) {
   if (summary.connection_lost) {
     const std::string kept = file.empty() ? "" : file + " holds everything up to then; ";
     return cli::ReportError(
@@ -169,6 +162,18 @@ int Report(const cli::Options& options, const std::string& file, const trial::Tr
       kVerb, {Cause::kCannotAnswer, port,
               summary.readings == 0 ? "no reading came" : "no reading was a measurement",
               "check that the laser is on and meets its target within the range"});
+}
+
+int Report(const AcquireOptions& wanted, const std::string& file, const Sensor& sensor,
+           const trial::TrialHeader& header, acquire::RecordingSummary summary, bool reconnects,
+           int argc, const char* const* argv) {
+  const auto time_base = ReviewTimeBase(file, header.timing, summary);
+  // the holes between shots are meant to be
+  if (time_base && summary.triggers == 0) summary.gaps = time_base->gaps;
+  const int status = document::Present(
+      RecordingDocument(file, header.metadata, summary, time_base, sensor.Found()), wanted.outputs,
+      argc, argv);
+  return cli::WorseStatus(status, ReportFault(file, summary, PortName(wanted.sensor), reconnects));
 }
 
 // into a trial, or, where none is named, past the eyes only
@@ -199,8 +204,8 @@ Result<acquire::RecordingSummary> RecordTo(const std::string& file, bool overwri
 }
 
 // everything between the command line and the report
-int Run(const cli::Options& options, const AcquireOptions& wanted, const RecordingPlan& plan,
-        const dsp::BandPass& band, const std::vector<std::string>& words) {
+int Run(const AcquireOptions& wanted, const RecordingPlan& plan, const dsp::BandPass& band,
+        int argc, const char* const* argv) {
   const auto fail = [](const Error& error) {
     return cli::InterruptedStatus(cli::ReportError(kVerb, error));
   };
@@ -213,14 +218,14 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   cli::Remark(kVerb, "source: " + (*sensor)->header().metadata.source);
   std::vector<std::string> said;
   SayNew(**sensor, said);
-  if (wanted.check) return RunSensorCheck(options, wanted, band, words, **sensor, clock);
+  if (wanted.check) return RunSensorCheck(wanted, band, argc, argv, **sensor, clock);
 
   // the recording's zero, head and end
   const auto tare_m = Tare(**sensor, wanted, clock);
   if (!tare_m) return fail(tare_m.error());
   trial::TrialHeader header =
       RecordingHeader(**sensor, IsSensor(wanted.sensor.sensor, SensorType::kReplay), plan.labels,
-                      cli::CommandLine(words));
+                      cli::CommandLine({argv, argv + argc}));
   if (*tare_m) header.metadata.tare_m = **tare_m;
   const auto limits = LimitsOf(plan, header, clock);
   if (!limits) return fail(limits.error());
@@ -228,25 +233,23 @@ int Run(const cli::Options& options, const AcquireOptions& wanted, const Recordi
   // the recording
   const std::string file = FileName(wanted.recording.output, header.metadata);
   const auto summary = RecordTo(file, wanted.recording.overwrite, **sensor, clock, *limits, header,
-                                band, StyleOf(options, wanted.live));
+                                band, StyleOf(wanted.outputs.json, wanted.live));
   if (!summary) return fail(summary.error());
   if (cli::InterruptedStatus(0) == kOutputClosed) return kOutputClosed;
   SayNew(**sensor, said);
-  return Report(options, file, header, *summary, PortName(wanted.sensor), plan.reconnects);
+  return Report(wanted, file, **sensor, header, *summary, plan.reconnects, argc, argv);
 }
 
-int ListPorts(const cli::Options& options) {
+Result<document::Document> ListPorts() {
   const auto ports = acquire::ListPorts();
-  if (!ports) return cli::ReportError(kVerb, ports.error());
-  cli::Print(options.json() ? PortListJson(*ports) : PortListText(*ports));
-  return 0;
+  if (!ports) return std::unexpected(ports.error());
+  return PortsDocument(*ports);
 }
 
-int ListSensors(const cli::Options& options, const AcquireOptions& wanted) {
+Result<document::Document> ListSensors(const AcquireOptions& wanted) {
   const auto question = ReadCapabilityQuestion(wanted.band, wanted.resolution_m);
-  if (!question) return cli::ReportError(kVerb, question.error());
-  cli::Print(options.json() ? SensorListJson(*question) : SensorListText(*question));
-  return 0;
+  if (!question) return std::unexpected(question.error());
+  return SensorsDocument(*question);
 }
 
 }  // namespace
@@ -256,9 +259,18 @@ int RunAcquire(int argc, const char* const* argv) {
   AcquireOptions wanted;
   DeclareAcquire(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  if (wanted.list_ports) return ListPorts(options);
-  if (wanted.list_sensors) return ListSensors(options, wanted);
-  if (const auto status = RunDaemonOptions(options, wanted.daemon, argc, argv)) return *status;
+  wanted.outputs.json = options.json();
+  if (auto good = document::CheckOutputs(wanted.outputs); !good) {
+    return cli::ReportError(kVerb, good.error());
+  }
+  if (wanted.list_ports || wanted.list_sensors) {
+    auto document = wanted.list_ports ? ListPorts() : ListSensors(wanted);
+    if (!document) return cli::ReportError(kVerb, document.error());
+    return document::Present(std::move(*document), wanted.outputs, argc, argv);
+  }
+  if (const auto status = RunDaemonOptions(wanted.daemon, wanted.outputs, argc, argv)) {
+    return *status;
+  }
   if (auto checked = CheckAcquire(wanted); !checked)
     return cli::ReportError(kVerb, checked.error());
   const auto plan = PlanRecording(wanted.recording, wanted.sensor, std::time(nullptr));
@@ -266,8 +278,12 @@ int RunAcquire(int argc, const char* const* argv) {
   const auto band = BandOf(wanted);
   if (!band) return cli::ReportError(kVerb, band.error());
   cli::CatchInterrupts();
-  const std::vector<std::string> words(argv, argv + argc);
-  return Run(options, wanted, *plan, *band, words);
+  return Run(wanted, *plan, *band, argc, argv);
+}
+
+std::string InWords(const acquire::Finding& found) {
+  const std::string words = document::WordsOf(found);
+  return found.subject.empty() ? words : found.subject + ": " + words;
 }
 
 trial::TrialHeader RecordingHeader(const acquire::Sensor& sensor, bool is_replay,

@@ -14,6 +14,9 @@ namespace haptometer::tools {
                                                  const std::map<std::string, std::string>& labels,
                                                  std::string command_line);
 
+/// What a sensor finds: "amplifier 01: the amplifier holds (peak): ...".
+[[nodiscard]] std::string InWords(const acquire::Finding& found);
+
 /// The value of `sample` in the channel's unit: raw * scale + offset.
 [[nodiscard]] inline double ValueOf(const trial::ChannelFormat& channel,
                                     const trial::Sample& sample) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,7 +12,7 @@
 #include "dsp/analysis/band_analysis.h"
 #include "tools/acquire/acquire.h"
 #include "tools/acquire/check_list.h"
-#include "tools/cli/json.h"
+#include "tools/acquire/recording_document.h"
 #include "tools/cli/terminal.h"
 #include "trial/byte_io.h"
 #include "trial/record.h"
@@ -30,9 +29,10 @@ constexpr MonotonicNs kUsualDurationNs = 10 * kNsPerS;
 std::string CommandOf(const std::vector<std::string>& words) {
   std::vector<std::string> kept;
   for (std::size_t word = 0; word < words.size(); ++word) {
-    if (words[word] == "--check" || words[word] == "--json") continue;
-    if (words[word].starts_with("--band=")) continue;
-    if (words[word] == "--band") {
+    const std::string_view name = std::string_view(words[word]).substr(0, words[word].find('='));
+    if (name == "--check" || name == "--json" || name == "--all") continue;
+    if (name == "--band" || name == "--report") {
+      if (name.size() < words[word].size()) continue;
       ++word;  // and its value
       continue;
     }
@@ -43,9 +43,8 @@ std::string CommandOf(const std::vector<std::string>& words) {
 
 }  // namespace
 
-int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
-                   const dsp::BandPass& band, const std::vector<std::string>& words,
-                   acquire::Sensor& sensor, Clock& clock) {
+int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int argc,
+                   const char* const* argv, acquire::Sensor& sensor, Clock& clock) {
   if (!trial::DisplacementChannel(sensor.header())) {
     return cli::ReportError(kVerb, {Cause::kCannotAnswer, PortName(wanted.sensor),
                                     "has no displacement channel in metres to check",
@@ -57,13 +56,15 @@ int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
                            : kUsualDurationNs;
   const auto trial = RecordInMemory(sensor, clock, cli::Interrupted(), limits);
   if (!trial) return cli::ReportError(kVerb, trial.error());
-  CheckQuestion question{.band = band, .command = CommandOf(words), .smallest_rms_m = {}};
+  CheckQuestion question{
+      .band = band, .command = CommandOf({argv, argv + argc}), .smallest_rms_m = {}};
   if (wanted.smallest_rms_m) question.smallest_rms_m = wanted.smallest_rms_m->value;
   const CheckFindings findings = FindingsOf(trial->record, trial->summary, band);
   const std::vector<CheckItem> items = CheckList(sensor.header(), findings, question);
-  cli::Print(options.json() ? CheckJson(sensor.header(), findings, question, items)
-                            : CheckText(items));
-  return cli::InterruptedStatus(IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer));
+  const int status = document::Present(CheckDocument(sensor.header(), findings, question, items),
+                                       wanted.outputs, argc, argv);
+  const int verdict = IsReady(items) ? 0 : ExitStatus(Cause::kCannotAnswer);
+  return cli::InterruptedStatus(cli::WorseStatus(status, verdict));
 }
 
 namespace {
@@ -100,73 +101,90 @@ Result<MemoryTrial> RecordInMemory(acquire::Sensor& sensor, Clock& clock,
 
 namespace {
 
-using nlohmann::ordered_json;
+using document::Section;
 
-std::string_view Mark(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kFix:
-      return "FIX";
-    case Verdict::kUnknown:
-      return "?";
-  }
-  return "";
+constexpr std::string_view MarkOf(Verdict verdict) {
+  if (verdict == Verdict::kFix) return "FIX";
+  return verdict == Verdict::kOk ? "ok" : "?";
 }
 
-ordered_json ItemJson(const CheckItem& item) {
-  return {{"name", item.name},
-          {"verdict", Name(item.verdict)},
-          {"finding", item.finding},
-          {"remedy", cli::TextOrNull(item.remedy)}};
+// a line for the finding, behind mark and point, and below it one for the remedy
+Section ItemSection(const CheckItem& item) {
+  Section section;
+  section.Add({"name"}, item.name);
+  section.Add({"verdict"}, Name(item.verdict));
+  section.Add({"finding"}, item.finding).label =
+      fmt::format("{:<4} {}", MarkOf(item.verdict), item.name);
+  section.Add({"remedy", "            ->"}, document::TextOrNotKnown(item.remedy));
+  return section;
+}
+
+Section GainsSection(const std::vector<ToneGain>& gains) {
+  Section list{.name = "averaging_gains",
+               .heading = "gain of the sensor's averaging",
+               .shape = Section::Shape::kTable,
+               .detail = document::Detail::kAll,
+               .is_known = !gains.empty()};
+  for (const ToneGain& tone : gains) {
+    Section& row = list.sections.emplace_back();
+    row.Add({"frequency_hz", "frequency", document::kHertz}, tone.frequency_hz);
+    row.Add({"gain", "gain"}, tone.gain).resolution = 1e-4;
+  }
+  return list;
+}
+
+// what the list is made from
+Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band) {
+  const acquire::RecordingSummary& summary = findings.summary;
+  Section section{.heading = "numbers", .detail = document::Detail::kAll};
+  section.Add(kReadingsKey, summary.readings);
+  section.Add(kBadKey, summary.bad());
+  section.Add(kRepeatedKey, summary.repeated());
+  section.Add(kGapsKey, summary.gaps);
+  section.Add({"duration_s", "duration", document::kSecond}, findings.duration_s);
+  section.Add({"new_readings_per_s", "new readings", document::kPerSecond}, findings.fresh_rate_hz);
+  section.Add({"observable_upper_hz", "observable to", document::kHertz},
+              findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner);
+  section.Add(kJitterKey, summary.interval_sd_s);
+  section.Add(kTimeUncertaintyKey, findings.time_uncertainty_s);
+  const auto add_length = [&](const document::Key& key, std::optional<double> length_m) {
+    section.Add(key, length_m).resolution = findings.resolution_m / 10;
+  };
+  add_length({"level_m", "mean", document::kMetre}, findings.level_m);
+  add_length({"least_m", "least", document::kMetre}, findings.least_m);
+  add_length({"greatest_m", "greatest", document::kMetre}, findings.greatest_m);
+  add_length({"noise_rms_m", "noise in the band (RMS)", document::kMetre}, findings.noise_m);
+  add_length({"smallest_rms_10_percent_m", "smallest RMS to 10 %", document::kMetre},
+             SmallestRmsOf(findings, band, 0.1));
+  add_length({"smallest_rms_1_percent_m", "smallest RMS to 1 %", document::kMetre},
+             SmallestRmsOf(findings, band, 0.01));
+  section.Add({"tone_frequency_hz", "strongest tone", document::kHertz}, findings.tone_hz);
+  add_length({"tone_rms_m", "its RMS", document::kMetre}, findings.tone_rms_m);
+  return section;
 }
 
 }  // namespace
 
-std::string CheckText(const std::vector<CheckItem>& items) {
-  std::string text;
-  for (const CheckItem& item : items) {
-    text += fmt::format("  {:<4} {:<10} {}\n", Mark(item.verdict), item.name, item.finding);
-    if (!item.remedy.empty()) text += fmt::format("{:17}-> {}\n", "", item.remedy);
-  }
+document::Document CheckDocument(const trial::TrialHeader& header, const CheckFindings& findings,
+                                 const CheckQuestion& question,
+                                 const std::vector<CheckItem>& items) {
   const auto fixes = std::ranges::count(items, Verdict::kFix, &CheckItem::verdict);
-  return text + (fixes == 0 ? "ready\n" : fmt::format("not ready: {} to fix\n", fixes));
-}
-
-std::string CheckJson(const trial::TrialHeader& header, const CheckFindings& findings,
-                      const CheckQuestion& question, const std::vector<CheckItem>& items) {
-  ordered_json list = ordered_json::array();
-  for (const CheckItem& item : items) list.push_back(ItemJson(item));
-  ordered_json gains = ordered_json::array();
-  for (const ToneGain& tone : AveragingGains(header.metadata, question.band)) {
-    gains.push_back({{"frequency_hz", tone.frequency_hz}, {"gain", tone.gain}});
-  }
-  const acquire::RecordingSummary& summary = findings.summary;
-  const ordered_json document{
-      {"ready", IsReady(items)},
-      {"sensor", header.metadata.sensor},
-      {"source", header.metadata.source},
-      {"band", {{"lower_hz", question.band.lower_hz}, {"upper_hz", question.band.upper_hz}}},
-      {"items", list},
-      {"readings", summary.readings},
-      {"bad", summary.bad()},
-      {"repeated", summary.repeated()},
-      {"gaps", summary.gaps},
-      {"duration_s", findings.duration_s},
-      {"new_readings_per_s", findings.fresh_rate_hz},
-      {"observable_upper_hz", findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner},
-      {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
-      {"time_uncertainty_s", findings.time_uncertainty_s},
-      {"level_m", cli::NumberOrNull(findings.level_m)},
-      {"least_m", cli::NumberOrNull(findings.least_m)},
-      {"greatest_m", cli::NumberOrNull(findings.greatest_m)},
-      {"averaging_gains", gains.empty() ? ordered_json(nullptr) : gains},
-      {"noise_rms_m", cli::NumberOrNull(findings.noise_m)},
-      {"smallest_rms_10_percent_m", cli::NumberOrNull(SmallestRmsOf(findings, question.band, 0.1))},
-      {"smallest_rms_1_percent_m", cli::NumberOrNull(SmallestRmsOf(findings, question.band, 0.01))},
-      {"tone_frequency_hz", cli::NumberOrNull(findings.tone_hz)},
-      {"tone_rms_m", cli::NumberOrNull(findings.tone_rms_m)}};
-  return cli::JsonText(document);
+  document::Document document{
+      .verb = "acquire",
+      .title = fixes == 0 ? "ready" : fmt::format("not ready: {} to fix", fixes)};
+  Section& root = document.root;
+  root.sources = trial::SourcesOf(header.metadata, {.closed = !findings.summary.interrupted});
+  root.Add({"ready"}, fixes == 0);
+  root.Add({kSensorKey.name}, header.metadata.sensor);
+  root.Add({kSourceKey.name}, header.metadata.source);
+  Section band{.name = "band"};
+  band.Add({"lower_hz"}, question.band.lower_hz);
+  band.Add({"upper_hz"}, question.band.upper_hz);
+  Section list{.name = "items", .shape = Section::Shape::kArray};
+  for (const CheckItem& item : items) list.sections.push_back(ItemSection(item));
+  root.sections = {std::move(band), std::move(list), NumbersSection(findings, question.band),
+                   GainsSection(AveragingGains(header.metadata, question.band))};
+  return document;
 }
 
 using acquire::Outcome;

@@ -11,18 +11,17 @@
 #include "dsp/filter/butterworth.h"
 #include "tools/acquire/check_list.h"
 #include "tools/acquire/recording.h"
-#include "tools/cli/options.h"
+#include "tools/document/document.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
 
 /// acquire --check: records `sensor` (started) for 10 s or the asked duration in memory and prints
-/// the list of what is ok and what to fix (check_list.h). `words` is the command line, on which the
-/// remedies build. Returns the program's exit status: 0 ready, 3 not.
-[[nodiscard]] int RunSensorCheck(const cli::Options& options, const AcquireOptions& wanted,
-                                 const dsp::BandPass& band, const std::vector<std::string>& words,
-                                 acquire::Sensor& sensor, Clock& clock);
+/// the list of what is ok and what to fix (check_list.h), with remedies that build on the command
+/// line. Returns the program's exit status: 0 ready, 3 not.
+[[nodiscard]] int RunSensorCheck(const AcquireOptions& wanted, const dsp::BandPass& band, int argc,
+                                 const char* const* argv, acquire::Sensor& sensor, Clock& clock);
 
 /// A recording that was never on a disk.
 struct MemoryTrial {
@@ -36,14 +35,11 @@ struct MemoryTrial {
                                                  const std::atomic<bool>& stop,
                                                  const acquire::RecordingLimits& limits);
 
-/// The list for people: "  ok   distance   ..." a line, below a FIX its remedy; the last line says
-/// whether the sensor is ready.
-[[nodiscard]] std::string CheckText(const std::vector<CheckItem>& items);
-
-/// The JSON document of `acquire --check --json` (docs/reference/acquire.md), with a line's end.
-[[nodiscard]] std::string CheckJson(const trial::TrialHeader& header, const CheckFindings& findings,
-                                    const CheckQuestion& question,
-                                    const std::vector<CheckItem>& items);
+/// The list with what it is made from.
+[[nodiscard]] document::Document CheckDocument(const trial::TrialHeader& header,
+                                               const CheckFindings& findings,
+                                               const CheckQuestion& question,
+                                               const std::vector<CheckItem>& items);
 
 /// The mean of the first displacement channel over the second before the recording, in m; values
 /// that are no measurements do not count. The counts of a recording are not touched by it.

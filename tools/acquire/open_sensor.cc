@@ -248,7 +248,7 @@ class SceneSensor final : public acquire::Sensor {
 
   Result<void> Start(const std::atomic<bool>& /*stop*/) override { return {}; }
   const trial::TrialHeader& header() const override { return header_; }
-  std::vector<std::string> Remarks() const override { return remarks; }
+  acquire::Findings Found() const override { return found; }
   MonotonicNs Begin() override {
     next_ = 0;
     return 0;
@@ -265,7 +265,7 @@ class SceneSensor final : public acquire::Sensor {
   }
   std::uint64_t discarded_bytes() const override { return 0; }
 
-  std::vector<std::string> remarks;
+  acquire::Findings found;
 
  private:
   sim::Sensor sensor_;
@@ -288,7 +288,7 @@ Result<std::unique_ptr<acquire::Sensor>> OpenScene(const std::string& path) {
   }
   auto sensor = std::make_unique<SceneSensor>(*scene, path);
   if (is_ideal) {
-    sensor->remarks.emplace_back("no [sensor]: an ideal one on the skin at 10 kHz is assumed");
+    sensor->found.Note(acquire::FindingKind::kIdealSensor, {{"rate_hz", scene->sensor->rate_hz}});
   }
   return sensor;
 }

@@ -414,6 +414,10 @@ void DeclareAcquire(cli::Options& options, AcquireOptions& wanted) {
   options.Number("--resolution", &wanted.resolution_m, Dimension::kLength,
                  "For --list-sensors: largest step that is fine enough; 1um");
   DeclareDaemon(options, wanted.daemon);
+  options.Flag("--all", &wanted.outputs.all, "Numbers and provenance too");
+  options.Output("--report", &wanted.outputs.report, "FILE.html",
+                 "A page with what is printed, all numbers and the provenance",
+                 cli::Shown::kHelpAll);
 }
 
 Result<dsp::BandPass> BandOf(const AcquireOptions& wanted) {

@@ -15,6 +15,7 @@
 #include "tools/acquire/sensor_options.h"
 #include "tools/cli/options.h"
 #include "tools/daemon/daemon.h"
+#include "tools/document/present.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
@@ -128,6 +129,7 @@ struct AcquireOptions {
   bool list_sensors = false;
   std::optional<Quantity> resolution_m;
   DaemonOptions daemon;
+  document::Outputs outputs;
 };
 
 /// Declares all its options.

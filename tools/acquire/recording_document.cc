@@ -3,109 +3,83 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
-#include <optional>
 
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/stream_sensor.h"
-#include "acquire/transport/port_list.h"
-#include "base/text.h"
-#include "tools/cli/json.h"
 #include "tools/cli/shared_options.h"
+#include "trial/import/table_cells.h"
 #include "trial/trial_reader.h"
 
 namespace haptometer::tools {
 namespace {
 
 using acquire::RecordingSummary;
-using nlohmann::ordered_json;
+using document::Key;
+using document::Section;
+using document::TextOrNotKnown;
+using document::Value;
 using trial::SampleStatus;
+
+// --- findings ---
+
+enum class RecordingFinding : std::uint8_t { kTimesStraightened, kLatencyUnknown };
+
+document::Sentence SentenceOf(RecordingFinding kind) {
+  switch (kind) {
+    case RecordingFinding::kTimesStraightened:
+      return {"times-straightened",
+              "the times of arrival are fitted by straight lines; standard uncertainty of a time "
+              "{time_uncertainty_s}"};
+    case RecordingFinding::kLatencyUnknown:
+      break;
+  }
+  return {"latency-unknown",
+          "all times are late by one latency of at least {latency_at_least_s}, which is not known"};
+}
+
+Findings<RecordingFinding> FindingsOf(const TimeBaseReview& review,
+                                      const trial::Metadata& metadata) {
+  Findings<RecordingFinding> findings;
+  findings.Note(RecordingFinding::kTimesStraightened,
+                {{"time_uncertainty_s", review.uncertainty_s}});
+  const auto latency = metadata.fields.find(std::string(acquire::kLatencyField));
+  if (latency == metadata.fields.end()) return findings;
+  if (const auto latency_s = trial::ReadNumber(latency->second)) {
+    findings.Note(RecordingFinding::kLatencyUnknown, {{"latency_at_least_s", *latency_s}});
+  }
+  return findings;
+}
+
+// --- a recording ---
 
 bool IsBad(std::size_t status) { return !IsMeasurement(static_cast<SampleStatus>(status)); }
 
-// " (1 late, 2 bad_frame)", or nothing where nothing is bad
-std::string BadByKind(const RecordingSummary& summary) {
-  std::string kinds;
+// the counts by status, and in words "1 late, 2 bad_frame"
+Section BadByKind(const RecordingSummary& summary, std::string& words) {
+  Section kinds{.name = "bad_by_kind"};
   for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
-    if (!IsBad(status) || summary.statuses[status] == 0) continue;
-    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", summary.statuses[status],
-                         Name(static_cast<SampleStatus>(status)));
+    if (!IsBad(status)) continue;
+    const std::string_view name = Name(static_cast<SampleStatus>(status));
+    const std::uint64_t count = summary.statuses[status];
+    kinds.Add({name}, count);
+    if (count > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, name);
   }
-  return kinds.empty() ? kinds : " (" + kinds + ")";
+  return kinds;
 }
 
-std::string Rate(const RecordingSummary& summary) {
-  return summary.rate_hz ? fmt::format("{:.1f}/s", *summary.rate_hz) : "rate unknown";
+// shown in text where it is not 0
+void AddRare(Section& section, const Key& key, std::uint64_t count) {
+  document::Item& item = section.Add(key, count);
+  if (count == 0) item.label.clear();
 }
-
-}  // namespace
-
-std::string SummaryLine(const std::string& file, const RecordingSummary& summary) {
-  std::string line =
-      fmt::format("{}: {} readings in {:.3f} s ({}", file.empty() ? "nothing kept" : file,
-                  summary.readings, summary.elapsed_s, Rate(summary));
-  if (summary.interval_sd_s)
-    line += fmt::format(", jitter {:.3f} ms", *summary.interval_sd_s * 1e3);
-  line += fmt::format("), {} bad{}, {} repeated, {} gaps", summary.bad(), BadByKind(summary),
-                      summary.repeated(), summary.gaps);
-  if (summary.lost > 0) line += fmt::format(", {} lost to a slow disk", summary.lost);
-  if (summary.reconnects > 0) line += fmt::format(", {} reconnections", summary.reconnects);
-  if (summary.triggers > 0) line += fmt::format(", {} triggers", summary.triggers);
-  if (summary.interrupted) line += ", interrupted before its end";
-  if (summary.discarded_bytes > 0) {
-    line += fmt::format(", {} bytes formed no reading", summary.discarded_bytes);
-  }
-  return line;
-}
-
-std::string ProgressLine(const RecordingSummary& summary) {
-  return fmt::format("{:.1f} s  {} readings  {}", summary.elapsed_s, summary.readings,
-                     Rate(summary));
-}
-
-std::string SummaryJson(const std::string& file, const trial::Metadata& metadata,
-                        const RecordingSummary& summary,
-                        const std::optional<TimeBaseReview>& time_base) {
-  ordered_json kinds = ordered_json::object();
-  for (std::size_t status = 0; status < summary.statuses.size(); ++status) {
-    if (IsBad(status)) kinds[Name(static_cast<SampleStatus>(status))] = summary.statuses[status];
-  }
-  std::optional<double> observable_hz;
-  if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
-  std::optional<double> uncertainty_s;
-  if (time_base) uncertainty_s = time_base->uncertainty_s;
-  const ordered_json document{{"file", cli::TextOrNull(file)},
-                              {"sensor", metadata.sensor},
-                              {"source", metadata.source},
-                              {"readings", summary.readings},
-                              {"bad", summary.bad()},
-                              {"bad_by_kind", kinds},
-                              {"repeated", summary.repeated()},
-                              {"distinct", summary.distinct()},
-                              {"gaps", summary.gaps},
-                              {"lost", summary.lost},
-                              {"reconnects", summary.reconnects},
-                              {"triggers", summary.triggers},
-                              {"discarded_bytes", summary.discarded_bytes},
-                              {"elapsed_s", summary.elapsed_s},
-                              {"rate_hz", cli::NumberOrNull(summary.rate_hz)},
-                              {"jitter_s", cli::NumberOrNull(summary.interval_sd_s)},
-                              {"highest_observable_hz", cli::NumberOrNull(observable_hz)},
-                              {"connection_lost", summary.connection_lost},
-                              {"interrupted", summary.interrupted},
-                              {"time_uncertainty_s", cli::NumberOrNull(uncertainty_s)}};
-  return cli::JsonText(document);
-}
-
-namespace {
 
 constexpr std::uint64_t kMostRows = 1'000'000;
 
 }  // namespace
 
 std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Timing timing,
-                                             const acquire::RecordingSummary& summary) {
+                                             const RecordingSummary& summary) {
   if (file.empty() || timing != trial::Timing::kArrival) return std::nullopt;
   if (summary.readings == 0 || summary.readings > kMostRows) return std::nullopt;
   const auto recording = trial::ReadRecord(file);
@@ -118,102 +92,134 @@ std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Tim
   return review;
 }
 
-std::string TimeBaseRemark(const TimeBaseReview& review, const trial::Metadata& metadata) {
-  std::string remark =
-      fmt::format("times are straightened, true to {:.2g} ms", review.uncertainty_s * 1e3);
-  const auto latency = metadata.fields.find(std::string(acquire::kLatencyField));
-  if (latency != metadata.fields.end()) {
-    remark +=
-        fmt::format("; all are late by one unknown latency of at least {} s", latency->second);
-  }
-  return remark;
+document::Document RecordingDocument(const std::string& file, const trial::Metadata& metadata,
+                                     const RecordingSummary& summary,
+                                     const std::optional<TimeBaseReview>& time_base,
+                                     const acquire::Findings& found) {
+  document::Document document{
+      .verb = "acquire",
+      .title = fmt::format("{}: {} readings in {:.3f} s", file.empty() ? "nothing kept" : file,
+                           summary.readings, summary.elapsed_s)};
+  Section& root = document.root;
+  root.sources = trial::SourcesOf(metadata, {.closed = !summary.interrupted});
+  std::optional<double> observable_hz, uncertainty_s;
+  if (summary.rate_hz) observable_hz = acquire::HighestObservableHz(*summary.rate_hz);
+  if (time_base) uncertainty_s = time_base->uncertainty_s;
+  std::string bad_words;
+  root.sections = {BadByKind(summary, bad_words), {.detail = document::Detail::kAll}};
+  document::AddFindings(root.sections.back(), found);
+
+  root.Add(kFileKey, TextOrNotKnown(file));
+  root.Add(kSensorKey, metadata.sensor);
+  root.Add(kSourceKey, metadata.source);
+  root.Add({kReadingsKey.name}, summary.readings);
+  root.Add(kRateKey, summary.rate_hz).resolution = 0.1;
+  root.Add(kJitterKey, summary.interval_sd_s).resolution = 1e-6;
+  root.Add({"highest_observable_hz", "observable to", document::kHertz}, observable_hz).note =
+      "rate / 2.56";
+  root.Add(kBadKey, summary.bad()).note = bad_words;
+  root.Add(kRepeatedKey, summary.repeated());
+  root.Add({"distinct"}, summary.distinct());
+  root.Add(kGapsKey, summary.gaps);
+  AddRare(root, kLostKey, summary.lost);
+  AddRare(root, kReconnectsKey, summary.reconnects);
+  AddRare(root, {"triggers", "triggers"}, summary.triggers);
+  AddRare(root, {"discarded_bytes", "bytes that formed no reading"}, summary.discarded_bytes);
+  root.Add({"elapsed_s"}, summary.elapsed_s);
+  root.Add({"connection_lost"}, summary.connection_lost);
+  root.Add({"interrupted"}, summary.interrupted);
+  root.Add({kTimeUncertaintyKey.name}, uncertainty_s);
+  if (time_base) document::AddFindings(root, FindingsOf(*time_base, metadata));
+  return document;
 }
+
+std::string ProgressLine(const RecordingSummary& summary) {
+  return fmt::format("{:.1f} s  {} readings  {}", summary.elapsed_s, summary.readings,
+                     summary.rate_hz ? fmt::format("{:.1f}/s", *summary.rate_hz) : "rate unknown");
+}
+
+// --- serial ports ---
 
 namespace {
 
 using acquire::PortInfo;
-using nlohmann::ordered_json;
 
 constexpr int kFastestBaud = 38400;
 
-// what the fastest DL-RS1A gives behind this adapter
-std::optional<double> FastestPollHz(const PortInfo& port) {
-  if (!port.latency_ns) return std::nullopt;
-  return acquire::PolledRateHz(acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1), *port.latency_ns);
-}
-
-std::string Line(std::string_view what, const std::string& text) {
-  return text.empty() ? "" : fmt::format("  {:<12}{}\n", what, Printable(text));
-}
-
-std::string PortText(const PortInfo& port) {
-  std::string text = Printable(port.path) + "\n";
-  text += Line("by id", port.by_id);
-  text += Line("description", port.description);
-  text += Line("driver", port.driver);
-  if (port.usb_vendor && port.usb_product) {
-    text += Line("USB", fmt::format("{:04x}:{:04x} {}", *port.usb_vendor, *port.usb_product,
-                                    port.usb_serial));
-  }
+Section PortSection(const PortInfo& port) {
+  std::optional<double> latency_s, rate_hz;
+  Section section{.heading = port.path};
   if (port.latency_ns) {
+    // what the fastest DL-RS1A gives behind this adapter
     const MonotonicNs period_ns = acquire::dl_rs1a::PollPeriodNs(kFastestBaud, 1);
-    text += Line("latency", fmt::format("{} ms", *port.latency_ns / 1'000'000));
-    text += Line("", acquire::LatencyRemark(port.path, *port.latency_ns, period_ns));
+    latency_s = SecondsFromNs(*port.latency_ns);
+    rate_hz = acquire::PolledRateHz(period_ns, *port.latency_ns);
+    document::AddFindings(section, acquire::LatencyCostOf(port.path, *port.latency_ns, period_ns));
   }
-  return text + Line("in use by", port.held_by);
+  std::string usb;
+  if (port.usb_vendor && port.usb_product) {
+    usb = fmt::format("{:04x}:{:04x} {}", *port.usb_vendor, *port.usb_product, port.usb_serial);
+  }
+  section.Add({"port"}, port.path);
+  section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
+  section.Add({"description", "description"}, TextOrNotKnown(port.description));
+  section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
+  section.Add({"", "USB"}, TextOrNotKnown(usb));
+  section.Add({"usb_vendor"}, port.usb_vendor);
+  section.Add({"usb_product"}, port.usb_product);
+  section.Add({"usb_serial"}, TextOrNotKnown(port.usb_serial));
+  section.Add({"latency_s", "latency timer", document::kSecond}, latency_s);
+  section.Add({"dl_rs1a_38400_baud_rate_hz", "fastest DL-RS1A", document::kHertz}, rate_hz)
+      .resolution = 0.1;
+  section.Add({"in_use_by", "in use by"}, TextOrNotKnown(port.held_by));
+  return section;
 }
 
 }  // namespace
 
-std::string PortListText(const std::vector<PortInfo>& ports) {
-  if (ports.empty()) return "no serial port is there: plug the sensor's adapter in\n";
-  std::string text;
-  for (const PortInfo& port : ports) text += PortText(port);
-  return text;
+document::Document PortsDocument(const std::vector<PortInfo>& ports) {
+  document::Document document{
+      .verb = "acquire",
+      .title = ports.empty()
+                   ? "no serial port is there: plug the sensor's adapter in"
+                   : fmt::format("{} serial port{}", ports.size(), ports.size() == 1 ? "" : "s")};
+  Section list{.name = "ports", .shape = Section::Shape::kArray};
+  for (const PortInfo& port : ports) list.sections.push_back(PortSection(port));
+  document.root.sections = {std::move(list)};
+  return document;
 }
 
-std::string PortListJson(const std::vector<PortInfo>& ports) {
-  ordered_json list = ordered_json::array();
-  for (const PortInfo& port : ports) {
-    std::optional<double> latency_s;
-    if (port.latency_ns) latency_s = SecondsFromNs(*port.latency_ns);
-    list.push_back({{"port", port.path},
-                    {"by_id", cli::TextOrNull(port.by_id)},
-                    {"description", cli::TextOrNull(port.description)},
-                    {"driver", cli::TextOrNull(port.driver)},
-                    {"usb_vendor", cli::CountOrNull(port.usb_vendor)},
-                    {"usb_product", cli::CountOrNull(port.usb_product)},
-                    {"usb_serial", cli::TextOrNull(port.usb_serial)},
-                    {"latency_s", cli::NumberOrNull(latency_s)},
-                    {"dl_rs1a_38400_baud_rate_hz", cli::NumberOrNull(FastestPollHz(port))},
-                    {"in_use_by", cli::TextOrNull(port.held_by)}});
-  }
-  return cli::JsonText({{"ports", list}});
-}
+// --- known sensors ---
 
 namespace {
 
 using acquire::Capability;
 using acquire::CapabilityQuestion;
-using nlohmann::ordered_json;
 
-ordered_json ToJson(const Capability& capability) {
+Section CapabilitySection(const Capability& capability) {
   const acquire::SensorAbility& sensor = capability.sensor;
-  return {{"name", sensor.name},
-          {"option", sensor.option},
-          {"can_answer", capability.can_answer},
-          {"reason", capability.reason},
-          {"rate_hz", sensor.rate_hz},
-          {"highest_observable_hz", capability.highest_hz},
-          {"gain_at_lower", capability.gain_lower},
-          {"gain_at_upper", capability.gain_upper},
-          {"resolution_m", cli::NumberOrNull(sensor.resolution_m)},
-          {"noise_rms_m", cli::NumberOrNull(sensor.noise_rms_m)},
-          {"noise_in_band_m", cli::NumberOrNull(capability.noise_in_band_m)},
-          {"smallest_rms_10_percent_m", cli::NumberOrNull(capability.smallest_rms_10_percent_m)},
-          {"smallest_rms_1_percent_m", cli::NumberOrNull(capability.smallest_rms_1_percent_m)},
-          {"range_min_m", cli::NumberOrNull(sensor.range_min_m)},
-          {"range_max_m", cli::NumberOrNull(sensor.range_max_m)}};
+  Section section{.heading =
+                      fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
+  section.Add({"name"}, sensor.name);
+  section.Add({"can_answer"}, capability.can_answer);
+  section.Add({"reason", "because"}, document::WordsOf(capability.reason));
+  std::string options;
+  for (const auto& [setting, value] : sensor.settings) {
+    options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);
+  }
+  section.Add({"option", "acquire with"}, options);
+  section.Add(kRateKey, sensor.rate_hz).label.clear();
+  section.Add({"highest_observable_hz"}, capability.highest_hz);
+  section.Add({"gain_at_lower"}, capability.gain_lower);
+  section.Add({"gain_at_upper"}, capability.gain_upper);
+  section.Add({"resolution_m"}, sensor.resolution_m);
+  section.Add({"noise_rms_m"}, sensor.noise_rms_m);
+  section.Add({"noise_in_band_m"}, capability.noise_in_band_m);
+  section.Add({"smallest_rms_10_percent_m"}, capability.smallest_rms_10_percent_m);
+  section.Add({"smallest_rms_1_percent_m"}, capability.smallest_rms_1_percent_m);
+  section.Add({"range_min_m"}, sensor.range_min_m);
+  section.Add({"range_max_m"}, sensor.range_max_m);
+  return section;
 }
 
 }  // namespace
@@ -233,27 +239,21 @@ Result<CapabilityQuestion> ReadCapabilityQuestion(const std::string& band,
   return question;
 }
 
-std::string SensorListText(const CapabilityQuestion& question) {
-  std::string text = fmt::format("{:g}-{:g} Hz in steps of {:g} um:\n", question.lower_hz,
-                                 question.upper_hz, 1e6 * question.resolution_m);
+document::Document SensorsDocument(const CapabilityQuestion& question) {
+  document::Document document{
+      .verb = "acquire",
+      .title = fmt::format("{:g}-{:g} Hz in steps of {:g} um, records of {:g} s", question.lower_hz,
+                           question.upper_hz, 1e6 * question.resolution_m, question.record_s)};
+  Section& root = document.root;
+  root.Add({"band_hz"}, document::Range{question.lower_hz, question.upper_hz});
+  root.Add({"wanted_resolution_m"}, question.resolution_m);
+  root.Add({"record_s"}, question.record_s);
+  Section list{.name = "sensors", .shape = Section::Shape::kArray};
   for (const Capability& capability : Judge(acquire::KnownSensors(), question)) {
-    text +=
-        fmt::format("{:<7} {}\n        {}\n        {}\n", capability.can_answer ? "yes" : "cannot",
-                    capability.sensor.name, capability.reason, capability.sensor.option);
+    list.sections.push_back(CapabilitySection(capability));
   }
-  return text;
-}
-
-std::string SensorListJson(const CapabilityQuestion& question) {
-  ordered_json sensors = ordered_json::array();
-  for (const Capability& capability : Judge(acquire::KnownSensors(), question)) {
-    sensors.push_back(ToJson(capability));
-  }
-  const ordered_json document{{"band_hz", {question.lower_hz, question.upper_hz}},
-                              {"wanted_resolution_m", question.resolution_m},
-                              {"record_s", question.record_s},
-                              {"sensors", sensors}};
-  return cli::JsonText(document);
+  root.sections = {std::move(list)};
+  return document;
 }
 
 }  // namespace haptometer::tools

@@ -22,6 +22,7 @@
 #include "tools/cli/json.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/document.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 
@@ -48,8 +49,10 @@ struct Job {
 
 // what could not be read of the file, and what was assumed in reading it
 std::vector<std::string> LossesOf(const trial::ReadReport& report) {
-  std::vector<std::string> remarks = report.WhatIsMissing();
-  remarks.insert(remarks.end(), report.remarks.begin(), report.remarks.end());
+  std::vector<std::string> remarks;
+  for (const trial::Finding& found : report.AllFindings().list()) {
+    remarks.push_back(document::WordsOf(found));
+  }
   return remarks;
 }
 

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -18,9 +19,35 @@
 
 namespace haptometer::cli {
 
+std::string WithOptions(std::string_view text, std::string_view before) {
+  constexpr std::array<std::string_view, 23> kSettings{
+      "amplifiers", "averages", "baud",     "calibration", "channel",  "channels",
+      "columns",    "decimals", "fault",    "format",      "label",    "overwrite",
+      "port",       "profile",  "protocol", "rate",        "sampling", "scale",
+      "segment",    "sensor",   "set",      "slave",       "tcp"};
+  std::string said;
+  while (!text.empty()) {
+    const std::size_t begin = std::min(text.find('<'), text.size());
+    const std::size_t end = std::min(text.find('>', begin), text.size());
+    said += text.substr(0, begin);
+    const std::string_view word =
+        text.substr(std::min(begin + 1, end), end - std::min(begin + 1, end));
+    const bool is_setting = std::ranges::find(kSettings, word) != kSettings.end();
+    if (is_setting && end < text.size()) {
+      said += before;
+      said += word;
+      text.remove_prefix(end + 1);
+    } else {
+      said += text.substr(begin, 1);
+      text.remove_prefix(std::min(begin + 1, text.size()));
+    }
+  }
+  return said;
+}
+
 int ReportError(std::string_view verb, const Error& error) {
   const std::string_view blank = verb.empty() ? "" : " ";
-  fmt::print(stderr, "haptometer{}{}: {}\n", blank, verb, error.Text());
+  fmt::print(stderr, "haptometer{}{}: {}\n", blank, verb, WithOptions(error.Text()));
   return ExitStatus(error.cause);
 }
 

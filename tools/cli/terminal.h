@@ -9,8 +9,12 @@
 
 namespace haptometer::cli {
 
-/// Prints "haptometer VERB: TEXT" on stderr, in one line, and returns the exit status of its cause.
-/// Without a verb: "haptometer: TEXT".
+/// The text of an error of a lower room with its settings as options: "<columns>" is "--columns",
+/// or behind another word than the dashes.
+[[nodiscard]] std::string WithOptions(std::string_view text, std::string_view before = "--");
+
+/// Prints "haptometer VERB: TEXT" (WithOptions) on stderr, in one line, and returns the exit status
+/// of its cause. Without a verb: "haptometer: TEXT".
 [[nodiscard]] int ReportError(std::string_view verb, const Error& error);
 
 /// The exit status of two answers of which one program speaks: 1 (it failed) before 2 (asked

@@ -186,11 +186,11 @@ Result<DaemonStatus> Ask(const std::string& asked) {
   return ParseStatus(*answer, path);
 }
 
-int ShowStatus(const cli::Options& options, const std::string& asked) {
+int ShowStatus(const std::string& asked, const document::Outputs& outputs, int argc,
+               const char* const* argv) {
   const auto status = Ask(asked);
   if (!status) return cli::ReportError(kVerb, status.error());
-  cli::Print(options.json() ? StatusJson(*status) : StatusText(*status));
-  return 0;
+  return document::Present(StatusDocument(*status), outputs, argc, argv);
 }
 
 // whether nothing else was asked for: `allowed` words, each possibly as --name=value
@@ -211,17 +211,17 @@ void DeclareDaemon(cli::Options& options, DaemonOptions& wanted) {
                        "Show what a running daemon is about");
 }
 
-std::optional<int> RunDaemonOptions(const cli::Options& options, const DaemonOptions& wanted,
+std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document::Outputs& outputs,
                                     int argc, const char* const* argv) {
   if (wanted.config.empty() && !wanted.wants_status) return std::nullopt;
   const std::string which = wanted.wants_status ? "--status" : "--daemon";
   std::vector<std::string> allowed{which, wanted.config, wanted.asked};
-  if (wanted.wants_status) allowed.emplace_back("--json");
+  if (wanted.wants_status) allowed.insert(allowed.end(), {"--json", "--all"});
   if (!StandsAlone(argc, argv, allowed)) {
     return cli::ReportError(kVerb, {Cause::kUsage, which, "stands alone",
                                     "leave the other options out; CONFIG.toml says the rest"});
   }
-  if (wanted.wants_status) return ShowStatus(options, wanted.asked);
+  if (wanted.wants_status) return ShowStatus(wanted.asked, outputs, argc, argv);
   const std::vector<std::string> words(argv, argv + argc);
   return RunDaemon(wanted.config, cli::CommandLine(words));
 }

@@ -5,6 +5,7 @@
 
 #include "base/clock.h"
 #include "tools/cli/options.h"
+#include "tools/document/present.h"
 
 namespace haptometer::tools {
 
@@ -24,8 +25,8 @@ void DeclareDaemon(cli::Options& options, DaemonOptions& wanted);
 
 /// Does what they ask for and returns the exit status, or nothing where they ask for nothing. What
 /// else stands on the command line is refused: the daemon's file says it.
-[[nodiscard]] std::optional<int> RunDaemonOptions(const cli::Options& options,
-                                                  const DaemonOptions& wanted, int argc,
+[[nodiscard]] std::optional<int> RunDaemonOptions(const DaemonOptions& wanted,
+                                                  const document::Outputs& outputs, int argc,
                                                   const char* const* argv);
 
 /// Tells the service manager that started this process (sd_notify(3)): "READY=1\nSTATUS=...".

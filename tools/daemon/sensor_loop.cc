@@ -141,7 +141,8 @@ void SensorLoop::RecordTrials(acquire::ReconnectingSensor& sensor) {
   // a full disk after all, a directory that is gone, ...: what was written stays; tried again
   NoteError(written.error());
   Enter(LoopState::kWaitingForDisk);
-  pause_note_ = "the trial before could not be written: " + written.error().Text();
+  pause_note_ =
+      "the trial before could not be written: " + cli::WithOptions(written.error().Text(), "");
   retry_ns_ = std::clamp(2 * retry_ns_, kNsPerS, kLongestRetryNs);
   Nap(retry_ns_);
 }
@@ -158,10 +159,10 @@ Result<void> SensorLoop::RecordInto(acquire::TrialRotation& trials,
                       .pulse = writing_},
                      clock_);
   const auto progress = [&](const acquire::RecordingSummary& so_far) {
-    ShowProgress(so_far, sensor.last_refusal());
+    ShowProgress(so_far, cli::WithOptions(sensor.last_refusal(), ""));
   };
   const auto summary = acquire::Record(sensor, sink, clock_, stop_recording_, {},
-                                       {.reading = {}, .progress = progress});
+                                       {.reading = {}, .progress = progress, .say = InWords});
   writing_.Rest();
   WriteTo(nullptr);
   last_file_ = trials.file();
@@ -228,7 +229,9 @@ void SensorLoop::WriteTo(acquire::TrialRotation* trials) {
 }
 
 void SensorLoop::NoteError(const Error& error) {
-  if (SetLastError(error.Text())) Say(error.Text());
+  // settings are keys of the daemon's file
+  const std::string text = cli::WithOptions(error.Text(), "");
+  if (SetLastError(text)) Say(text);
 }
 
 bool SensorLoop::SetLastError(const std::string& text) {

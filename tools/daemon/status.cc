@@ -18,70 +18,89 @@
 #include <utility>
 
 #include "base/text.h"
-#include "tools/cli/json.h"
+#include "tools/acquire/recording_document.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
 
+using document::Key;
+using document::Section;
+using document::TextOrNotKnown;
 using nlohmann::ordered_json;
 
 constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForDevice,
                              LoopState::kRecording,      LoopState::kAway,
                              LoopState::kWaitingForDisk, LoopState::kStopped};
 
-ordered_json ToJson(const SensorStatus& sensor) {
-  return {{"name", sensor.name},
-          {"port", sensor.port},
-          {"sensor", sensor.sensor},
-          {"state", Name(sensor.state)},
-          {"since_utc", cli::TextOrNull(sensor.since_utc)},
-          {"file", cli::TextOrNull(sensor.file)},
-          {"readings", sensor.readings},
-          {"rate_hz", cli::NumberOrNull(sensor.rate_hz)},
-          {"bad", sensor.bad},
-          {"gaps", sensor.gaps},
-          {"lost", sensor.lost},
-          {"reconnects", sensor.reconnects},
-          {"disk_waits", sensor.disk_waits},
-          {"last_error", cli::TextOrNull(sensor.last_error)}};
+// the names are those of the answer on the socket too, which ParseStatus() reads
+constexpr Key kConfig{"config"};
+constexpr Key kUtc{"utc"};
+constexpr Key kSensors{"sensors"};
+constexpr Key kName{"name", "sensor"};
+constexpr Key kPort{"port"};
+constexpr Key kState{"state", "state"};
+constexpr Key kSince{"since_utc", "since"};
+constexpr Key kDiskWaits{"disk_waits", "waits for disk"};
+constexpr Key kLastError{"last_error"};
+
+Section SensorSection(const SensorStatus& sensor) {
+  Section row;
+  row.Add(kName, sensor.name);
+  row.Add(kPort, sensor.port);
+  row.Add({kSensorKey.name}, sensor.sensor);
+  row.Add(kState, Name(sensor.state));
+  row.Add(kSince, TextOrNotKnown(sensor.since_utc));
+  row.Add(kReadingsKey, sensor.readings);
+  row.Add(kRateKey, sensor.rate_hz).resolution = 0.1;
+  row.Add(kBadKey, sensor.bad);
+  row.Add(kGapsKey, sensor.gaps);
+  row.Add(kLostKey, sensor.lost);
+  row.Add(kReconnectsKey, sensor.reconnects);
+  row.Add(kDiskWaits, sensor.disk_waits);
+  row.Add({kFileKey.name, "file"}, TextOrNotKnown(sensor.file));
+  row.Add(kLastError, TextOrNotKnown(sensor.last_error));
+  return row;
 }
 
 // What stands under a key, made printable, because anything may answer on a socket; where it is of
 // another kind, the default, which says nothing
-std::string Text(const ordered_json& object, const char* key) {
-  const auto found = object.find(key);
+std::string Text(const ordered_json& object, const Key& key) {
+  const auto found = object.find(std::string(key.name));
   return found != object.end() && found->is_string() ? Printable(found->get<std::string>()) : "";
 }
 
-std::uint64_t Count(const ordered_json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
+std::uint64_t Count(const ordered_json& object, const Key& key) {
+  const auto found = object.find(std::string(key.name));
+  if (found == object.end() || !found->is_number_unsigned()) return 0;
+  const auto count = found->get<std::uint64_t>();
+  return std::in_range<std::int64_t>(count) ? count : 0;
 }
 
-std::optional<double> Number(const ordered_json& object, const char* key) {
-  const auto found = object.find(key);
+std::optional<double> Number(const ordered_json& object, const Key& key) {
+  const auto found = object.find(std::string(key.name));
   if (found == object.end() || !found->is_number()) return std::nullopt;
   return found->get<double>();
 }
 
 std::optional<SensorStatus> FromJson(const ordered_json& object) {
-  const std::string state = Text(object, "state");
+  const std::string state = Text(object, kState);
   const auto found = std::ranges::find_if(kStates, [&](LoopState s) { return Name(s) == state; });
   if (!object.is_object() || found == kStates.end()) return std::nullopt;
-  return SensorStatus{.name = Text(object, "name"),
-                      .port = Text(object, "port"),
-                      .sensor = Text(object, "sensor"),
+  return SensorStatus{.name = Text(object, kName),
+                      .port = Text(object, kPort),
+                      .sensor = Text(object, kSensorKey),
                       .state = *found,
-                      .since_utc = Text(object, "since_utc"),
-                      .file = Text(object, "file"),
-                      .readings = Count(object, "readings"),
-                      .rate_hz = Number(object, "rate_hz"),
-                      .bad = Count(object, "bad"),
-                      .gaps = Count(object, "gaps"),
-                      .lost = Count(object, "lost"),
-                      .reconnects = Count(object, "reconnects"),
-                      .disk_waits = Count(object, "disk_waits"),
-                      .last_error = Text(object, "last_error")};
+                      .since_utc = Text(object, kSince),
+                      .file = Text(object, kFileKey),
+                      .readings = Count(object, kReadingsKey),
+                      .rate_hz = Number(object, kRateKey),
+                      .bad = Count(object, kBadKey),
+                      .gaps = Count(object, kGapsKey),
+                      .lost = Count(object, kLostKey),
+                      .reconnects = Count(object, kReconnectsKey),
+                      .disk_waits = Count(object, kDiskWaits),
+                      .last_error = Text(object, kLastError)};
 }
 
 }  // namespace
@@ -104,41 +123,44 @@ std::string_view Name(LoopState state) {
   return "";
 }
 
+document::Document StatusDocument(const DaemonStatus& status) {
+  document::Document document{.verb = "acquire",
+                              .title = fmt::format("{}: {}", status.config, StatusLine(status))};
+  Section& root = document.root;
+  root.Add(kConfig, status.config);
+  root.Add(kUtc, status.utc);
+  Section sensors{.name = std::string(kSensors.name), .shape = Section::Shape::kTable};
+  for (const SensorStatus& sensor : status.sensors) {
+    sensors.sections.push_back(SensorSection(sensor));
+    if (sensor.last_error.empty()) continue;
+    root.findings.push_back({.kind = "last-error",
+                             .text = "last error: " + sensor.last_error,
+                             .subject = sensor.name,
+                             .numbers = {}});
+  }
+  root.sections = {std::move(sensors)};
+  return document;
+}
+
 std::string StatusJson(const DaemonStatus& status) {
-  ordered_json sensors = ordered_json::array();
-  for (const SensorStatus& sensor : status.sensors) sensors.push_back(ToJson(sensor));
-  const ordered_json document{
-      {"config", status.config}, {"utc", status.utc}, {"sensors", std::move(sensors)}};
-  return cli::JsonText(document);
+  document::Document document = StatusDocument(status);
+  document.provenance = {
+      .version = HAPTOMETER_VERSION, .command = {}, .utc = status.utc, .inputs = {}};
+  return document::JsonOf(document);
 }
 
 Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where) {
   const auto refused = CannotAnswer(where, "answers with no status of a daemon",
                                     "is it haptometer's, and of this version?");
   const ordered_json document = ordered_json::parse(json, nullptr, false);
-  if (!document.is_object() || !document.contains("sensors")) return refused;
-  DaemonStatus status{.config = Text(document, "config"), .utc = Text(document, "utc")};
-  for (const ordered_json& object : document["sensors"]) {
+  if (!document.is_object() || !document.contains(std::string(kSensors.name))) return refused;
+  DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, kUtc)};
+  for (const ordered_json& object : document[std::string(kSensors.name)]) {
     auto sensor = FromJson(object);
     if (!sensor) return refused;
     status.sensors.push_back(std::move(*sensor));
   }
   return status;
-}
-
-std::string StatusText(const DaemonStatus& status) {
-  std::string text;
-  for (const SensorStatus& sensor : status.sensors) {
-    text += fmt::format("{}: {} since {}, {} readings", sensor.name, Name(sensor.state),
-                        sensor.since_utc, sensor.readings);
-    if (sensor.rate_hz) text += fmt::format(" ({:.1f}/s)", *sensor.rate_hz);
-    text += fmt::format(", {} bad, {} gaps, {} lost, {} reconnects, {} waits for disk", sensor.bad,
-                        sensor.gaps, sensor.lost, sensor.reconnects, sensor.disk_waits);
-    if (!sensor.file.empty()) text += fmt::format("\n  {}", sensor.file);
-    if (!sensor.last_error.empty()) text += fmt::format("\n  last error: {}", sensor.last_error);
-    text += "\n";
-  }
-  return text;
 }
 
 std::string StatusLine(const DaemonStatus& status) {

@@ -12,6 +12,7 @@
 #include "acquire/transport/descriptor.h"
 #include "base/clock.h"
 #include "base/error.h"
+#include "tools/document/document.h"
 
 namespace haptometer::tools {
 
@@ -52,14 +53,15 @@ struct DaemonStatus {
   std::vector<SensorStatus> sensors{};
 };
 
-/// The JSON document of `acquire --status --json` (docs/reference/daemon.md), with a line's end.
+/// What `acquire --status` prints.
+[[nodiscard]] document::Document StatusDocument(const DaemonStatus& status);
+
+/// The same as JSON, as it is sent over the socket (docs/reference/daemon.md): its provenance has
+/// version and time of the daemon alone.
 [[nodiscard]] std::string StatusJson(const DaemonStatus& status);
 
 /// Reads it back. Errors (Cause::kCannotAnswer), naming `where`: no status of a daemon.
 [[nodiscard]] Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where);
-
-/// For people: one line a sensor, and its last error below it.
-[[nodiscard]] std::string StatusText(const DaemonStatus& status);
 
 /// For `systemctl status`, in one line: "2 of 3 recording; left: away".
 [[nodiscard]] std::string StatusLine(const DaemonStatus& status);

@@ -10,10 +10,12 @@
 #include <variant>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "base/finding.h"
 #include "tools/document/number_text.h"
 #include "tools/document/provenance.h"
 #include "tools/plot/gnuplot.h"
+#include "trial/findings.h"
 
 /// What a verb answers with: one Document, which text, JSON, HTML and CSV are made of
 /// (tools/document/render.h).
@@ -67,6 +69,11 @@ struct Value : AnyValue {
 
   [[nodiscard]] bool IsKnown() const;
 };
+
+/// The text; not known where it is empty.
+[[nodiscard]] inline Value TextOrNotKnown(std::string text) {
+  return text.empty() ? Value() : Value(std::move(text));
+}
 
 /// A value with all that is known of it, in the value's SI unit.
 struct Item {
@@ -157,17 +164,25 @@ struct Sentence {
   std::string_view text;
 };
 
+[[nodiscard]] Sentence SentenceOf(acquire::FindingKind kind);  ///< findings_acquire.cc
+[[nodiscard]] Sentence SentenceOf(trial::FindingKind kind);    ///< findings_trial.cc
+
 /// The sentence with the numbers in their places.
 [[nodiscard]] std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers);
+
+/// The finding in words.
+template <typename Kind>
+[[nodiscard]] std::string WordsOf(const FindingOf<Kind>& found) {
+  return Fill(SentenceOf(found.kind).text, found.numbers);
+}
 
 /// Adds the findings to the section, in words.
 template <typename Kind>
 void AddFindings(Section& section, const Findings<Kind>& findings) {
   for (const FindingOf<Kind>& found : findings.list()) {
-    const Sentence sentence = SentenceOf(found.kind);
-    section.findings.push_back({.kind = sentence.kind,
+    section.findings.push_back({.kind = SentenceOf(found.kind).kind,
                                 .severity = found.severity,
-                                .text = Fill(sentence.text, found.numbers),
+                                .text = WordsOf(found),
                                 .subject = found.subject,
                                 .numbers = found.numbers});
   }

@@ -44,6 +44,11 @@ std::string PlainText(double value, double resolution, int digits) {
   if (value == 0) return "0";
   const bool is_limited =
       resolution > 0 && PlaceOf(resolution) > PlaceOf(std::abs(value)) - digits + 1;
+  // a large number is rounded, and has no power of ten: "10240" to four digits
+  const int place = PlaceOf(std::abs(value)) - digits + 1;
+  if (!is_limited && place > 0 && std::abs(value) < std::pow(10.0, kMostPlaces)) {
+    return ToPlace(value, place);
+  }
   if (!is_limited) return fmt::format("{:.{}g}", value, digits);
   const std::string text = ToPlace(value, PlaceOf(resolution));
   return text.find_first_of("123456789") == std::string::npos ? "0" : text;

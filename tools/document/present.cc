@@ -1,6 +1,7 @@
 #include "tools/document/present.h"
 
 #include <algorithm>
+#include <sstream>
 
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
@@ -11,7 +12,10 @@ namespace haptometer::document {
 namespace {
 
 std::vector<std::string> CommandOf(const Document& document, int argc, const char* const* argv) {
-  std::vector<std::string> words{"haptometer", document.verb};
+  // "trial info" is two words
+  std::vector<std::string> words{"haptometer"};
+  std::istringstream verb(document.verb);
+  for (std::string word; verb >> word;) words.push_back(word);
   for (int k = 1; k < argc; ++k) words.emplace_back(argv[k]);
   return words;
 }

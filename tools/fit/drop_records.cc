@@ -12,6 +12,7 @@
 #include "base/toml.h"
 #include "fit/drop_test/prepared_record.h"
 #include "sim/scene/actuator.h"
+#include "tools/document/document.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
@@ -213,8 +214,8 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
                                     std::vector<std::string>* remarks) {
   auto recording = trial::ReadRecording(source.path, options.import);
   if (!recording) return std::unexpected(recording.error());
-  for (const std::string& remark : recording->report.remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+  for (const trial::Finding& found : recording->report.findings.list()) {
+    remarks->push_back(fmt::format("{}: {}", source.path, document::WordsOf(found)));
   }
   auto file = fit::ImpulseFromRecord(recording->record, Printable(source.path));
   if (!file) return std::unexpected(file.error());

@@ -10,6 +10,7 @@
 #include "fit/adapter/adapter_fit.h"
 #include "tools/cli/json.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/document.h"
 #include "tools/fit/fit_lra_document.h"
 #include "trial/import/read_recording.h"
 
@@ -168,8 +169,8 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
       taps.left_out.push_back(recording.error());
       continue;
     }
-    for (const auto& remark : recording->report.remarks) {
-      taps.remarks.push_back(fmt::format("{}: {}", Printable(path), remark));
+    for (const trial::Finding& found : recording->report.findings.list()) {
+      taps.remarks.push_back(fmt::format("{}: {}", Printable(path), document::WordsOf(found)));
     }
     auto record = fit::TapFromRecord(recording->record, Printable(path));
     if (record) {

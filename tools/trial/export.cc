@@ -11,10 +11,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/text.h"
 #include "tools/cli/options.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/document.h"
 #include "tools/trial/trial.h"
 
 namespace haptometer::tools {
@@ -151,14 +153,16 @@ class Names {
   std::set<std::string> taken_;
 };
 
+std::string Say(const trial::Finding& found) { return Printable(document::WordsOf(found)); }
+
 Result<void> AddTo(trial::Hdf5Writer* writer, const std::string& name, const std::string& input,
                    const trial::Recording& recording) {
   if (recording.report.kind != trial::FileKind::kTrial) {
-    return writer->Add(name, recording, nullptr);
+    return writer->Add(name, recording, nullptr, Say);
   }
   auto raw = trial::TrialReader::Open(input);
   if (!raw) return std::unexpected(raw.error());
-  return writer->Add(name, recording, &*raw);
+  return writer->Add(name, recording, &*raw, Say);
 }
 
 Result<void> AddTo(trial::MatWriter* writer, const std::string& name, const std::string& /*input*/,

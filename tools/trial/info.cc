@@ -1,18 +1,14 @@
-#include "tools/trial/info.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "base/text.h"
-#include "tools/cli/json.h"
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/present.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/trial/trial.h"
 #include "trial/import/read_recording.h"
@@ -22,36 +18,11 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr cli::VerbText kText{
-    .name = "trial info",
-    .summary = "What a recording holds: channels, rows, times, gaps, labels, losses.",
-    .examples = {"haptometer trial info trial.bin", "haptometer trial info trial.bin --json",
-                 "haptometer trial info scope.csv --columns time_s,displacement_mm"}};
-
-}  // namespace
-
-int RunTrialInfo(int argc, const char* const* argv) {
-  std::string path;
-  cli::ImportWords import;
-  cli::Options options(kText);
-  options.Positional("file", &path, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
-  cli::DeclareImport(&options, &import);
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  const auto wanted = cli::ImportOf(import);
-  if (!wanted) return cli::ReportError(kText.name, wanted.error());
-  const auto recording = trial::ReadRecording(path, *wanted);
-  if (!recording) return cli::ReportError(kText.name, recording.error());
-  if (options.json()) {
-    PrintTrialInfoJson(path, *recording);
-  } else {
-    PrintTrialInfo(path, *recording);
-  }
-  return 0;
-}
-
-namespace {
-
-using Json = nlohmann::ordered_json;
+using document::Detail;
+using document::Item;
+using document::Key;
+using document::Section;
+using document::TextOrNotKnown;
 using trial::Channel;
 using trial::Event;
 using trial::EventKind;
@@ -117,99 +88,166 @@ double WorstUncertainty(const Record& record) {
   return worst_s;
 }
 
-// "  label           text"; nothing where there is no text
-void Line(std::string_view label, std::string_view text) {
-  if (!text.empty()) cli::Print(fmt::format("  {:<16}{}\n", label, Printable(text)));
+// --- sections ---
+
+// keys of more than one place
+constexpr Key kRows{"rows", "rows"};
+constexpr Key kRow{"row", "before row"};
+constexpr Key kRate{"rate_hz", "rate", document::kHertz};
+constexpr Key kTimeUncertainty{"time_uncertainty_s", "standard uncertainty of a time",
+                               document::kSecond};
+constexpr Key kFirstRow{"first_row", "first row"};
+
+// a name in a file is a key here
+Section TextsSection(std::string name, std::string_view what,
+                     const std::map<std::string, std::string>& texts) {
+  Section section{.name = std::move(name)};
+  for (const auto& [key, text] : texts) {
+    section.Add({key}, text).label = fmt::format("{} {}", what, key);
+  }
+  return section;
 }
 
-// a number in six digits and without an exponent where it has any meaning
-std::string Plain(double value) {
-  if (value == 0 || !std::isfinite(value)) return fmt::format("{}", value);
-  const double place = std::pow(10, 5 - std::floor(std::log10(std::abs(value))));
-  return fmt::format("{}", std::round(value * place) / place);
+Section HeaderSection(const Metadata& metadata) {
+  Section section;
+  section.Add({"source", "source"}, TextOrNotKnown(metadata.source));
+  section.Add({"sensor", "sensor"}, TextOrNotKnown(metadata.sensor));
+  section.Add({"head", "head"}, TextOrNotKnown(metadata.head));
+  section.Add({"averages", "samples averaged in a reading"}, metadata.averages);
+  section.Add({"sampling_s", "sampled every", document::kSecond}, metadata.sampling_s);
+  section.Add({"hold", "hold"}, TextOrNotKnown(metadata.hold));
+  section.Add({"nominal_rate_hz", "nominal rate", document::kHertz}, metadata.nominal_rate_hz);
+  section.Add({"utc_start", "recorded"}, TextOrNotKnown(metadata.utc_start));
+  section.Add({"laser_spot", "laser spot"}, TextOrNotKnown(metadata.laser_spot));
+  section.Add({"drive_frequency_hz", "drive", document::kHertz}, metadata.drive_frequency_hz);
+  section.Add({"drive_amplitude_v", "drive amplitude", document::kVolt},
+              metadata.drive_amplitude_v);
+  Item& tare = section.Add({"tare_m", "tare", document::kMetre}, metadata.tare_m);
+  if (metadata.tare_m == 0) tare.label.clear();
+  section.Add({"notes", metadata.notes.empty() ? "" : "notes"}, metadata.notes);
+  section.sections = {TextsSection("labels", "label", metadata.labels),
+                      TextsSection("fields", "field", metadata.fields)};
+  return section;
 }
 
-// a value of a channel in the unit people say; nothing measures below a picometre
-std::string InPeoplesUnit(double value, const std::string& unit) {
-  if (unit != "m") return fmt::format("{} {}", Plain(value), unit);
-  constexpr double kPicometre = 1e-12;
-  return Plain(std::abs(value) < kPicometre ? 0 : value * 1e6) + " um";
+// where and how it was recorded
+Section OriginSection(const Metadata& metadata) {
+  Section section{.detail = Detail::kAll};
+  section.Add({"host", "host"}, TextOrNotKnown(metadata.host));
+  section.Add({"command_line", "command"}, TextOrNotKnown(metadata.command_line));
+  return section;
 }
 
-void PrintChannel(const Channel& channel) {
-  std::string text(Name(channel.role));
-  if (channel.name != text) text = channel.name + ", " + text;
-  if (channel.resolution > 0)
-    text += ", steps of " + InPeoplesUnit(channel.resolution, channel.unit);
-  if (std::isfinite(channel.range_min) && std::isfinite(channel.range_max)) {
-    text += fmt::format(", range {} to {}", InPeoplesUnit(channel.range_min, channel.unit),
-                        InPeoplesUnit(channel.range_max, channel.unit));
+// in words "90 ok, 10 over"
+Section StatusSection(const StatusCounts& counts, std::string& words) {
+  Section section{.name = "statuses"};
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const std::string_view name = Name(static_cast<SampleStatus>(i));
+    section.Add({name}, counts[i]);
+    if (counts[i] > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", counts[i], name);
   }
-  Line("channel", text);
-  std::string counts;
-  const StatusCounts statuses = CountStatuses(channel);
-  for (std::size_t i = 0; i < statuses.size(); ++i) {
-    if (statuses[i] == 0) continue;
-    if (!counts.empty()) counts += ", ";
-    counts += fmt::format("{} {}", statuses[i], Name(static_cast<SampleStatus>(i)));
-  }
-  Line("", counts);
+  return section;
 }
 
-void PrintMetadata(const Metadata& metadata) {
-  Line("source", metadata.source);
-  Line("sensor", metadata.sensor + (metadata.head.empty() ? "" : ", head " + metadata.head));
-  if (metadata.averages) {
-    const std::string period =
-        metadata.sampling_s ? " sampled every " + Plain(*metadata.sampling_s * 1e3) + " ms" : "";
-    Line("averaging", fmt::format("{} average{}{}", *metadata.averages,
-                                  *metadata.averages == 1 ? "" : "s", period));
+Section ChannelSection(const Channel& channel, StatusCounts& all) {
+  const StatusCounts counts = CountStatuses(channel);
+  for (std::size_t i = 0; i < counts.size(); ++i) all[i] += counts[i];
+  const std::string_view role = Name(channel.role);
+  Section section{.heading =
+                      fmt::format("channel {}{}{}", channel.name, channel.name == role ? "" : ", ",
+                                  channel.name == role ? "" : role)};
+  std::string words;
+  section.sections = {StatusSection(counts, words)};
+  // its unit is the file's
+  const document::Unit unit =
+      channel.unit == document::kMetre.symbol
+          ? document::kMetre
+          : document::Unit{.symbol = channel.unit, .spoken = {{{1, channel.unit}}}};
+  using Number = std::optional<double>;
+  section.Add({"name"}, channel.name);
+  section.Add({"role"}, role);
+  section.Add({"unit"}, channel.unit);
+  section.Add({"range_min"}, channel.range_min);
+  section.Add({"range_max"}, channel.range_max);
+  // nothing measures below a picometre
+  section
+      .Add({"resolution", "resolution", unit},
+           channel.resolution > 0 ? Number(channel.resolution) : Number())
+      .resolution = channel.unit == "m" ? 1e-12 : 0;
+  const bool has_range = std::isfinite(channel.range_min) && std::isfinite(channel.range_max);
+  if (has_range) {
+    section.Add({"", "range", unit}, document::Range{channel.range_min, channel.range_max});
   }
-  Line("recorded", metadata.utc_start);
-  Line("laser spot", metadata.laser_spot);
-  if (metadata.drive_frequency_hz) {
-    Line("drive", Plain(*metadata.drive_frequency_hz) + " Hz");
-  }
-  for (const auto& [key, value] : metadata.labels)
-    Line("label", fmt::format("{} = {}", key, value));
-  for (const auto& [key, value] : metadata.fields)
-    Line("field", fmt::format("{} = {}", key, value));
-  for (const std::string& note : metadata.notes) Line("note", note);
+  section.Add({"", "samples"}, words);
+  return section;
 }
 
-void PrintTimes(const Recording& recording) {
-  const Record& record = recording.record;
-  std::string rows = fmt::format("{}", record.rows);
-  if (const auto duration_s = Duration(record)) rows += fmt::format(" in {:.6g} s", *duration_s);
-  if (const auto rate_hz = MeanRate(record)) rows += fmt::format(", {:.8g} a second", *rate_hz);
-  Line("rows", rows);
-  if (recording.record.timing != trial::Timing::kUniform) {
-    Line("times", fmt::format("{}, straightened; true to {:.3g} ms (one standard deviation)",
-                              Name(recording.record.timing), WorstUncertainty(record) * 1e3));
+Section GapsSection(const Record& record) {
+  Section list{.name = "gaps", .heading = "gaps", .shape = Section::Shape::kTable};
+  for (const Gap& gap : GapsOf(record)) {
+    Section& row = list.sections.emplace_back();
+    row.Add(kRow, gap.row);
+    row.Add({"at_s", "at", document::kSecond}, gap.at_s);
+    row.Add({"length_s", "length", document::kSecond}, gap.length_s);
   }
-  // many gaps are told by their number
-  constexpr std::size_t kShown = 10;
-  const std::vector<Gap> gaps = GapsOf(record);
-  for (std::size_t i = 0; i < std::min(gaps.size(), kShown); ++i) {
-    Line("gap", fmt::format("before row {}: {:.4g} ms at {:.6g} s", gaps[i].row,
-                            gaps[i].length_s * 1e3, gaps[i].at_s));
-  }
-  if (gaps.size() > kShown) Line("", fmt::format("and {} more gaps", gaps.size() - kShown));
+  return list;
 }
 
-void PrintEvent(const Event& event) {
-  if (event.kind == EventKind::kTimeBase) return;
-  if (event.kind != EventKind::kLabels) {
-    Line(Name(event.kind), fmt::format("before row {}: {}", event.row, event.text));
-    return;
+Section StretchesSection(const Record& record) {
+  Section list{.name = "stretches",
+               .heading = "segments",
+               .shape = Section::Shape::kTable,
+               .detail = Detail::kAll};
+  for (const Stretch& stretch : record.stretches) {
+    Section& row = list.sections.emplace_back();
+    row.Add(kFirstRow, stretch.first_row);
+    row.Add(kRows, stretch.rows);
+    row.Add({"start_s", "start", document::kSecond}, stretch.start_s);
+    row.Add(kRate, stretch.rate_hz);
+    row.Add(kTimeUncertainty, stretch.time_uncertainty_s);
   }
-  // the labels themselves stand above, as last given
-  std::string keys;
-  for (const auto& [key, value] : event.labels) keys += (keys.empty() ? "" : ", ") + key;
-  if (!event.text.empty()) Line("labelled", fmt::format("{}: {}", keys, event.text));
+  return list;
 }
 
-// what the file says of its own end
+// of labels that were given later the header has the last ones
+Section EventsSection(const std::vector<Event>& events) {
+  Section list{.name = "events", .shape = Section::Shape::kArray};
+  for (const Event& event : events) {
+    Section& section = list.sections.emplace_back();
+    std::optional<double> time_s;
+    if (event.time_ns) time_s = 1e-9 * static_cast<double>(*event.time_ns);
+    section.Add({"event"}, Name(event.kind));
+    section.Add({kRow.name}, event.row);
+    section.Add({"time_s"}, time_s);
+    Item& text = section.Add({"text"}, event.text);
+    if (event.kind != EventKind::kTimeBase && !event.text.empty()) {
+      text.label = Name(event.kind);
+      text.note = fmt::format("before row {}", event.row);
+    }
+    Section labels{.name = "labels"};
+    for (const auto& [key, value] : event.labels) {
+      labels.Add({key}, value);
+      if (!text.label.empty()) text.label += " " + key;
+    }
+    section.sections = {std::move(labels)};
+  }
+  return list;
+}
+
+Section LossesSection(const std::vector<trial::Loss>& losses) {
+  Section list{.name = "losses", .shape = Section::Shape::kArray};
+  for (const trial::Loss& loss : losses) {
+    Section& section = list.sections.emplace_back();
+    section.Add({"what"}, document::SentenceOf(loss.kind).kind);
+    section.Add({"offset"}, loss.offset);
+    section.Add({"bytes"}, loss.bytes);
+    section.Add({kFirstRow.name}, loss.first_row);
+    section.Add({kRows.name}, loss.rows);
+  }
+  return list;
+}
+
+// what the file states of its own end
 std::string FileText(const trial::ReadReport& report) {
   const char* end =
       report.closed ? "finished by its recorder" : "cut short, or still being recorded";
@@ -218,143 +256,106 @@ std::string FileText(const trial::ReadReport& report) {
   return fmt::format("imported from {}", Name(report.kind));
 }
 
+Section RowsSection(const std::string& path, const Recording& recording) {
+  const Record& record = recording.record;
+  const trial::ReadReport& report = recording.report;
+  // a table cannot show whether it is whole
+  const bool is_end_known =
+      report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
+  Section section;
+  section.Add({"file"}, path);
+  section.Add({"kind"}, Name(report.kind));
+  section.Add({"closed"}, is_end_known ? std::optional(report.closed) : std::optional<bool>());
+  section.Add(kRows, record.rows);
+  section.Add({"duration_s", "duration", document::kSecond}, Duration(record));
+  section.Add(kRate, MeanRate(record));
+  section.Add({"timing"}, Name(record.timing));
+  Item& uncertainty = section.Add(kTimeUncertainty, WorstUncertainty(record));
+  if (record.timing == trial::Timing::kUniform) uncertainty.label.clear();
+  section.Add({"", "file"}, FileText(report));
+  section.Add({"rows_lost"}, report.RowsLost());
+  section.Add({"file_bytes"}, report.file_bytes);
+  return section;
+}
+
 // the displacement, or what there is first, in characters; nothing where gnuplot is not there
-void PrintThumbnail(const Record& record) {
+std::string Thumbnail(const Record& record) {
   constexpr int kColumns = 79;
   constexpr int kLines = 14;
-  if (record.rows < 2 || record.channels.empty()) return;
+  if (record.rows < 2 || record.channels.empty()) return {};
   const Channel* shown = record.Find(trial::ChannelRole::kDisplacement);
   const auto panel = PanelOf(record, shown != nullptr ? *shown : record.channels.front());
   const auto text = plot::DrawText(panel, kColumns, kLines);
-  if (!text) return;
+  if (!text) return {};
   // gnuplot leaves room above the title
   const std::size_t first = std::min(text->find_first_not_of(" \n"), text->size());
   const std::size_t line_end = text->rfind('\n', first);
-  cli::Print(text->substr(line_end == std::string::npos ? 0 : line_end + 1));
-}
-
-// whether the recorder finished; null where the file cannot tell
-Json ClosedOrNull(const trial::ReadReport& report) {
-  const bool can_tell =
-      report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
-  return can_tell ? Json(report.closed) : Json(nullptr);
-}
-
-Json ToJson(const StatusCounts& counts) {
-  Json json = Json::object();
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    json[std::string(Name(static_cast<SampleStatus>(i)))] = counts[i];
-  }
-  return json;
-}
-
-Json ToJson(const Channel& channel) {
-  return {{"name", channel.name},
-          {"role", Name(channel.role)},
-          {"unit", channel.unit},
-          {"range_min", cli::NumberOrNull(channel.range_min)},
-          {"range_max", cli::NumberOrNull(channel.range_max)},
-          {"resolution", channel.resolution > 0 ? Json(channel.resolution) : Json(nullptr)},
-          {"statuses", ToJson(CountStatuses(channel))}};
-}
-
-Json ToJson(const Stretch& stretch) {
-  return {{"first_row", stretch.first_row},
-          {"rows", stretch.rows},
-          {"start_s", stretch.start_s},
-          {"rate_hz", cli::NumberOrNull(stretch.rate_hz)},
-          {"time_uncertainty_s", stretch.time_uncertainty_s}};
-}
-
-Json ToJson(const Event& event) {
-  return {{"event", Name(event.kind)},
-          {"row", event.row},
-          {"time_s", event.time_ns ? Json(1e-9 * static_cast<double>(*event.time_ns)) : Json()},
-          {"text", event.text},
-          {"labels", event.labels}};
-}
-
-Json ToJson(const trial::Loss& loss) {
-  return {{"what", loss.what},
-          {"offset", loss.offset},
-          {"bytes", loss.bytes},
-          {"first_row", loss.first_row},
-          {"rows", cli::CountOrNull(loss.rows)}};
-}
-
-Json ToJson(const Metadata& metadata) {
-  return {{"source", cli::TextOrNull(metadata.source)},
-          {"sensor", cli::TextOrNull(metadata.sensor)},
-          {"head", cli::TextOrNull(metadata.head)},
-          {"sampling_s", cli::NumberOrNull(metadata.sampling_s)},
-          {"averages", metadata.averages ? Json(*metadata.averages) : Json(nullptr)},
-          {"hold", cli::TextOrNull(metadata.hold)},
-          {"nominal_rate_hz", cli::NumberOrNull(metadata.nominal_rate_hz)},
-          {"laser_spot", cli::TextOrNull(metadata.laser_spot)},
-          {"drive_frequency_hz", cli::NumberOrNull(metadata.drive_frequency_hz)},
-          {"drive_amplitude_v", cli::NumberOrNull(metadata.drive_amplitude_v)},
-          {"tare_m", metadata.tare_m},
-          {"utc_start", cli::TextOrNull(metadata.utc_start)},
-          {"host", cli::TextOrNull(metadata.host)},
-          {"command_line", cli::TextOrNull(metadata.command_line)},
-          {"labels", metadata.labels},
-          {"fields", metadata.fields},
-          {"notes", metadata.notes}};
-}
-
-template <typename T>
-Json ListOf(const std::vector<T>& items) {
-  Json list = Json::array();
-  for (const T& item : items) list.push_back(ToJson(item));
-  return list;
+  return text->substr(line_end == std::string::npos ? 0 : line_end + 1);
 }
 
 }  // namespace
 
-void PrintTrialInfo(const std::string& path, const Recording& recording) {
-  cli::Print(Printable(path) + "\n");
-  PrintMetadata(recording.record.metadata);
-  for (const Channel& channel : recording.record.channels) PrintChannel(channel);
-  PrintTimes(recording);
-  for (const Event& event : recording.report.events) PrintEvent(event);
-  Line("file", FileText(recording.report));
-  for (const trial::Loss& loss : recording.report.losses) Line("loss", Describe(loss));
-  for (const std::string& remark : recording.report.remarks) Line("remark", remark);
-  PrintThumbnail(recording.record);
+document::Document TrialDocument(std::string_view verb, const std::string& path,
+                                 const Recording& recording, bool has_figures) {
+  const Record& record = recording.record;
+  document::Document document{.verb = std::string(verb), .title = path};
+  Section& root = document.root;
+  root.sources = trial::SourcesOf(record.metadata, recording.report);
+  StatusCounts all{};
+  Section channels{.name = "channels", .shape = Section::Shape::kArray};
+  for (const Channel& channel : record.channels) {
+    channels.sections.push_back(ChannelSection(channel, all));
+  }
+  std::string ignored;
+  root.sections = {HeaderSection(record.metadata),
+                   OriginSection(record.metadata),
+                   RowsSection(path, recording),
+                   std::move(channels),
+                   {.detail = Detail::kAll, .sections = {StatusSection(all, ignored)}},
+                   GapsSection(record),
+                   StretchesSection(record),
+                   EventsSection(recording.report.events),
+                   LossesSection(recording.report.losses)};
+  if (has_figures && record.rows > 0) {
+    root.figures = {{.caption = "the recording", .panels = PanelsOf(record)}};
+  }
+  document::AddFindings(root, recording.report.AllFindings());
+  return document;
 }
 
-void PrintTrialInfoJson(const std::string& path, const Recording& recording) {
-  const Record& record = recording.record;
-  Json gaps = Json::array();
-  for (const Gap& gap : GapsOf(record)) {
-    gaps.push_back({{"row", gap.row},
-                    {"at_s", cli::NumberOrNull(gap.at_s)},
-                    {"length_s", cli::NumberOrNull(gap.length_s)}});
+namespace {
+
+constexpr cli::VerbText kText{
+    .name = "trial info",
+    .summary = "What a recording holds: channels, rows, times, gaps, labels, losses.",
+    .examples = {"haptometer trial info trial.bin", "haptometer trial info trial.bin --json",
+                 "haptometer trial info scope.csv --columns time_s,displacement_mm"}};
+
+}  // namespace
+
+int RunTrialInfo(int argc, const char* const* argv) {
+  std::string path;
+  cli::ImportWords import;
+  document::Outputs outputs;
+  cli::Options options(kText);
+  options.Positional("file", &path, "trial.bin, CSV with time_s, LabVIEW .lvm, HDF5");
+  options.Flag("--all", &outputs.all, "Host, command and segments of the time base too");
+  options.Output("--report", &outputs.report, "FILE.html",
+                 "A page with all of it and the recording drawn", cli::Shown::kHelpAll);
+  cli::DeclareImport(&options, &import);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  if (auto good = document::CheckOutputs(outputs); !good) {
+    return cli::ReportError(kText.name, good.error());
   }
-  StatusCounts statuses{};
-  for (const Channel& channel : record.channels) {
-    const StatusCounts own = CountStatuses(channel);
-    for (std::size_t i = 0; i < own.size(); ++i) statuses[i] += own[i];
-  }
-  Json json{{"file", path},
-            {"kind", Name(recording.report.kind)},
-            {"closed", ClosedOrNull(recording.report)},
-            {"rows", record.rows},
-            {"duration_s", cli::NumberOrNull(Duration(record))},
-            {"rate_hz", cli::NumberOrNull(MeanRate(record))},
-            {"timing", Name(recording.record.timing)},
-            {"time_uncertainty_s", WorstUncertainty(record)},
-            {"channels", ListOf(record.channels)},
-            {"statuses", ToJson(statuses)},
-            {"gaps", gaps},
-            {"stretches", ListOf(record.stretches)},
-            {"events", ListOf(recording.report.events)},
-            {"losses", ListOf(recording.report.losses)},
-            {"rows_lost", cli::CountOrNull(recording.report.RowsLost())},
-            {"remarks", recording.report.remarks},
-            {"file_bytes", recording.report.file_bytes}};
-  json.update(ToJson(record.metadata));
-  cli::Print(cli::JsonText(json));
+  const auto wanted = cli::ImportOf(import);
+  if (!wanted) return cli::ReportError(kText.name, wanted.error());
+  const auto recording = trial::ReadRecording(path, *wanted);
+  if (!recording) return cli::ReportError(kText.name, recording.error());
+  const int status = document::Present(
+      TrialDocument(kText.name, path, *recording, outputs.HasFigures()), outputs, argc, argv);
+  if (!outputs.json) cli::Print(Thumbnail(recording->record));
+  return status;
 }
 
 }  // namespace haptometer::tools

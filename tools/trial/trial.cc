@@ -15,8 +15,8 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/present.h"
 #include "tools/plot/gnuplot.h"
-#include "tools/trial/info.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 #include "trial/trial_writer.h"
@@ -127,7 +127,10 @@ int RunTrialLabel(int argc, const char* const* argv) {
   if (options.json()) {
     const auto recording = trial::ReadRecording(path);
     if (!recording) return cli::ReportError(kLabelText.name, recording.error());
-    PrintTrialInfoJson(path, *recording);
+    document::Outputs outputs;
+    outputs.json = true;
+    return document::Present(TrialDocument(kLabelText.name, path, *recording, false), outputs, argc,
+                             argv);
   }
   return 0;
 }
@@ -142,9 +145,6 @@ constexpr cli::VerbText kPlotText{
                  "haptometer trial plot trial.bin --plot trial.png",
                  "haptometer trial plot s.csv --columns time_s,displacement_mm -o scope.pdf"}};
 
-// more panels than this are too flat to be read
-constexpr std::size_t kMostPanels = 8;
-
 Result<void> Draw(const std::string& input, const std::string& output,
                   const cli::ImportWords& words) {
   if (output.empty()) return Usage("-o", "is missing", "name the plot, e.g. -o trial.svg");
@@ -155,15 +155,11 @@ Result<void> Draw(const std::string& input, const std::string& output,
   if (!recording) return std::unexpected(recording.error());
   const trial::Record& record = recording->record;
   if (record.rows == 0) return CannotAnswer(input, "holds no rows", "record again");
-  std::vector<plot::Panel> panels;
-  for (std::size_t c = 0; c < std::min(record.channels.size(), kMostPanels); ++c) {
-    panels.push_back(PanelOf(record, record.channels[c]));
-  }
   if (record.channels.size() > kMostPanels) {
     cli::Remark(kPlotText.name, fmt::format("the first {} of {} channels are drawn", kMostPanels,
                                             record.channels.size()));
   }
-  return plot::DrawPanels(output, panels);
+  return plot::DrawPanels(output, PanelsOf(record));
 }
 
 }  // namespace
@@ -253,15 +249,20 @@ plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel) 
   return panel;
 }
 
+std::vector<plot::Panel> PanelsOf(const trial::Record& record) {
+  std::vector<plot::Panel> panels;
+  for (std::size_t c = 0; c < std::min(record.channels.size(), kMostPanels); ++c) {
+    panels.push_back(PanelOf(record, record.channels[c]));
+  }
+  return panels;
+}
+
 Result<trial::Recording> ReadAndTell(std::string_view verb, const std::string& path,
                                      const trial::ImportOptions& import) {
   auto recording = trial::ReadRecording(path, import);
   if (!recording) return recording;
-  for (const trial::Loss& loss : recording->report.losses) {
-    cli::Remark(verb, fmt::format("{}: {}", path, Describe(loss)));
-  }
-  for (const std::string& remark : recording->report.remarks) {
-    cli::Remark(verb, fmt::format("{}: {}", path, remark));
+  for (const trial::Finding& found : recording->report.AllFindings().list()) {
+    cli::Remark(verb, fmt::format("{}: {}", path, document::WordsOf(found)));
   }
   return recording;
 }

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.h"
+#include "tools/document/document.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/import/import_options.h"
 #include "trial/record.h"
@@ -16,6 +19,17 @@ namespace haptometer::tools {
 ///
 /// Programmer's errors: a record without rows. Cost: one pass; memory: four doubles a row.
 [[nodiscard]] plot::Panel PanelOf(const trial::Record& record, const trial::Channel& channel);
+
+/// More panels than this in one picture are too flat to be read.
+inline constexpr std::size_t kMostPanels = 8;
+
+/// Panels of the first channels of `record`, kMostPanels at most.
+[[nodiscard]] std::vector<plot::Panel> PanelsOf(const trial::Record& record);
+
+/// What a recording holds: header, channels, rows, times, gaps, labels, losses. `verb` answers with
+/// it; `recording` must outlive it. `has_figures`: with the figure of PanelsOf().
+[[nodiscard]] document::Document TrialDocument(std::string_view verb, const std::string& path,
+                                               const trial::Recording& recording, bool has_figures);
 
 /// Reads the recording at `path` whole and says on stderr, as remarks of `verb`, what is lost of it
 /// and what was assumed. Errors: as trial::ReadRecording.

@@ -86,6 +86,9 @@ class MatWriter {
   std::unique_ptr<State> state_;
 };
 
+/// What a finding says, in one line.
+using FindingSayer = std::function<std::string(const Finding&)>;
+
 /// An HDF5 file that takes trials, a group each. Lossless: times, values and statuses keep their
 /// bits, header and events stay as JSON, and of a trial.bin also what the source sent (group
 /// `raw`). trial/import/readers.h reads it back. docs/reference/formats.md names the objects.
@@ -102,11 +105,12 @@ class Hdf5Writer {
   ~Hdf5Writer();
 
   /// Adds `recording` as the group `name`, which may hold no '/' and must be new. `raw`: a reader
-  /// at the beginning of the trial.bin that it comes from, or nullptr.
+  /// at the beginning of the trial.bin that it comes from, or nullptr. `say`: a line for each of
+  /// its losses and findings; empty: without them.
   /// Errors (Cause::kFailed): the disk is full; (Cause::kCannotAnswer): `raw` cannot be read, or
   /// has fewer rows than `recording`. Memory: one column of `recording`, or of `raw` one chunk.
   [[nodiscard]] Result<void> Add(const std::string& name, const Recording& recording,
-                                 TrialReader* raw);
+                                 TrialReader* raw, const FindingSayer& say = {});
 
   /// Writes what waits and closes the file. Errors (Cause::kFailed): the disk is full.
   [[nodiscard]] Result<void> Close();

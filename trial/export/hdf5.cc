@@ -227,15 +227,19 @@ Result<void> WriteChannels(const Hdf5Id& group, const std::vector<std::string>& 
 }
 
 // header, events and what was said when it was read
-Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHeader header) {
+Result<void> WriteWords(const Hdf5Id& group, const Recording& recording, TrialHeader header,
+                        const FindingSayer& say) {
   header.metadata = recording.record.metadata;  // with the labels as last given
   auto done = WriteText(group, hdf5::kHeader, HeaderToJson(header));
   std::string events;
   for (const Event& event : recording.report.events) events += EventToJson(event) + "\n";
   if (done) done = WriteText(group, hdf5::kEvents, events);
   std::string remarks;
-  for (const Loss& loss : recording.report.losses) remarks += Describe(loss) + "\n";
-  for (const std::string& remark : recording.report.remarks) remarks += remark + "\n";
+  const auto add = [&](const Finding& found) {
+    if (say) remarks += say(found) + "\n";
+  };
+  for (const Loss& loss : recording.report.losses) add(FindingOfLoss(loss));
+  for (const Finding& found : recording.report.findings.list()) add(found);
   if (done) done = WriteText(group, hdf5::kRemarks, remarks);
   if (done) done = WriteFlag(group, hdf5::kClosed, recording.report.closed);
   if (done && recording.record.times_are_known) done = WriteFlag(group, hdf5::kTimesAreKnown, true);
@@ -261,8 +265,8 @@ Result<Hdf5Writer> Hdf5Writer::Create(const std::string& path) {
   return Hdf5Writer(std::make_unique<State>(State{std::move(file)}));
 }
 
-Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording,
-                             TrialReader* raw) {
+Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording, TrialReader* raw,
+                             const FindingSayer& say) {
   const Hdf5Id group(
       H5Gcreate2(state_->file.id(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
   if (!group.ok()) return NotWritten();
@@ -270,7 +274,9 @@ Result<void> Hdf5Writer::Add(const std::string& name, const Recording& recording
   const std::vector<std::string> columns = CsvColumnNames(record.channels);
   auto done = WriteTimes(group, record);
   if (done) done = WriteChannels(group, columns, record);
-  if (done) done = WriteWords(group, recording, raw != nullptr ? raw->header() : HeaderOf(record));
+  if (done) {
+    done = WriteWords(group, recording, raw != nullptr ? raw->header() : HeaderOf(record), say);
+  }
   if (done && raw != nullptr) done = WriteRaw(group, columns, record.rows, raw);
   return done;
 }

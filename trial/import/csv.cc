@@ -21,10 +21,10 @@
 
 namespace haptometer::trial {
 
-/// A sentence for each column whose unit the command line (`read`) states otherwise than the file
-/// (`said`); none where their counts differ.
-[[nodiscard]] std::vector<std::string> OverriddenUnits(const std::vector<CsvColumn>& said,
-                                                       const std::vector<CsvColumn>& read);
+/// Finds each column whose unit the options (`read`) state otherwise than the file (`said`); none
+/// where their counts differ.
+void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
+                         Findings& findings);
 
 /// The column, from 1 on, but for `except`, whose values in the first eight lines of `rows` grow in
 /// steps equal to 5 %, as times do; 0: none. For a message about times that do not grow.
@@ -37,8 +37,8 @@ bool IsOurTime(std::string_view cell) {
   return column && column->kind == CsvColumnKind::kTime;
 }
 
-// "Rigol DS1000Z/2000A/4000 (rigol-sequence)": what a table was taken for
-std::string FormatRemark(const ForeignTable& table, bool is_told) {
+// what a table was taken for
+Finding FormatFinding(const ForeignTable& table, bool is_given) {
   const TableFormatFacts& facts = FactsOf(table.format);
   std::string channels;
   for (const CsvColumn& column : table.columns) {
@@ -46,18 +46,20 @@ std::string FormatRemark(const ForeignTable& table, bool is_told) {
     channels += fmt::format("{}{}", channels.empty() ? "" : ", ", column.name);
     if (!column.unit.empty()) channels += fmt::format(" [{}]", column.unit);
   }
-  return fmt::format("read as {} {} ({}--format {}), {}channels {}",
-                     table.format == TableFormat::kPlain ? "a" : "the layout of", facts.title,
-                     is_told ? "" : "found; ", facts.name,
-                     table.separator == ' ' ? "cells separated by blanks, " : "", channels);
+  Finding finding{.kind = is_given ? FindingKind::kFormatGiven : FindingKind::kFormatFound,
+                  .numbers = {{"format", std::string(facts.name)},
+                              {"title", std::string(facts.title)},
+                              {"channels", std::move(channels)}}};
+  if (table.separator == ' ') finding.numbers.emplace_back("separator", std::string("blanks"));
+  return finding;
 }
 
 // Turns lines into a record.
 class Parser {
  public:
   Parser(std::string_view text, const std::string& name, const ImportOptions& options,
-         std::vector<std::string>* remarks)
-      : name_(name), options_(options), remarks_(*remarks), rows_(name) {
+         Findings* findings)
+      : name_(name), options_(options), findings_(*findings), rows_(name) {
     whole_ = rest_ = Utf8Text(text, &storage_);
   }
 
@@ -71,11 +73,7 @@ class Parser {
       if (!done) return std::unexpected(done.error());
     }
     auto record = Complete();
-    if (record) {
-      if (std::string remark = RateRemark(*record); !remark.empty()) {
-        remarks_.push_back(std::move(remark));
-      }
-    }
+    if (record) FindContradictedRate(*record, findings_);
     return record;
   }
 
@@ -128,7 +126,7 @@ class Parser {
     return {};
   }
 
-  // remarks where --columns or --scale reads a column otherwise than the file names it
+  // where the options read a column otherwise than the file names it
   void NoteOverridden(const std::vector<CsvColumn>& columns) {
     if (options_.columns.empty() && !options_.scale_m && !options_.scale_v) return;
     ImportOptions own_words = options_;
@@ -137,20 +135,18 @@ class Parser {
     own_words.scale_v.reset();
     const auto own = FindForeignTable(whole_, name_, own_words);
     if (!own || !*own) return;
-    for (std::string& remark : OverriddenUnits((*own)->columns, columns)) {
-      remarks_.push_back(std::move(remark));
-    }
+    FindOverriddenUnits((*own)->columns, columns, findings_);
   }
 
   // a row; where its time does not grow, a column of the rows below may look like the times
   Result<void> TakeRow() {
     auto done = rows_.Take(line_, line_number_);
-    if (done || !done.error().what.contains("does not grow")) return done;
+    if (done || !rows_.is_time_falling()) return done;
     const std::size_t even = EvenColumn(rest_, separator_, time_column_);
     if (even == 0) return done;
     return CannotAnswer(done.error().where, done.error().what,
                         fmt::format("column {} grows in even steps as times do: if the columns are "
-                                    "swapped, name them from the left with --columns",
+                                    "swapped, name them from the left with <columns>",
                                     even));
   }
 
@@ -170,8 +166,8 @@ class Parser {
     for (auto& [key, value] : table.fields) comments_.metadata.fields[key] = std::move(value);
     for (std::string& note : table.notes) comments_.metadata.notes.push_back(std::move(note));
     comments_.metadata.fields["table.format"] = FactsOf(table.format).name;
-    remarks_.push_back(FormatRemark(table, options_.format.has_value()));
-    for (std::string& remark : table.remarks) remarks_.push_back(std::move(remark));
+    findings_.Add(FormatFinding(table, options_.format.has_value()));
+    for (const Finding& finding : table.findings.list()) findings_.Add(finding);
     words_ = {.clock = std::move(table.clock),
               .segment_starts_s = std::move(table.segment_starts_s)};
     stated_rows_ = table.stated_rows;
@@ -238,13 +234,13 @@ class Parser {
     if (!is_foreign_) {
       record_.times_are_known = comments_.times_are_known;
       return SetOwnTimes(name_, comments_.timing, std::move(comments_.stretches), &rows_, &record_,
-                         &remarks_);
+                         &findings_);
     }
     if (stated_rows_ && *stated_rows_ != record_.rows) {
-      remarks_.push_back(
-          fmt::format("the file states {} rows and holds {}", *stated_rows_, record_.rows));
+      findings_.Doubt(FindingKind::kStatedRowsDiffer,
+                      {{"stated_rows", *stated_rows_}, {"rows", record_.rows}});
     }
-    return SetForeignTimes(name_, words_, options_, &rows_, &record_, &remarks_);
+    return SetForeignTimes(name_, words_, options_, &rows_, &record_, &findings_);
   }
 
   // `# channel.2.name = CH2` and its like
@@ -278,9 +274,9 @@ class Parser {
     const double rate_hz = std::ranges::max_element(record_.stretches, {}, &Stretch::rows)->rate_hz;
     if (std::abs(rate_hz - wanted_hz) <= kTolerance * wanted_hz) return {};
     return CannotAnswer(name_,
-                        fmt::format("its times say {:.6g} rows a second and --rate says {:.6g} Hz",
+                        fmt::format("its times say {:.6g} rows a second and <rate> says {:.6g} Hz",
                                     rate_hz, wanted_hz),
-                        "leave out --rate, or name the time's unit in --columns (time_ms), or - to "
+                        "leave out <rate>, or name the time's unit in <columns> (time_ms), or - to "
                         "leave the times out");
   }
 
@@ -289,7 +285,7 @@ class Parser {
   std::string_view rest_;
   const std::string& name_;
   const ImportOptions& options_;
-  std::vector<std::string>& remarks_;
+  Findings& findings_;
   std::string_view line_;
   std::size_t line_number_ = 0;
   bool is_foreign_ = false;
@@ -306,9 +302,9 @@ class Parser {
 }  // namespace
 
 Result<Record> ParseCsv(std::string_view text, const std::string& name,
-                        const ImportOptions& options, std::vector<std::string>* remarks) {
-  std::vector<std::string> ignored;
-  return Parser(text, name, options, remarks != nullptr ? remarks : &ignored).Parse();
+                        const ImportOptions& options, Findings* findings) {
+  Findings ignored;
+  return Parser(text, name, options, findings != nullptr ? findings : &ignored).Parse();
 }
 
 namespace {
@@ -327,19 +323,18 @@ bool GrowsEvenly(const std::vector<double>& values) {
 
 }  // namespace
 
-std::vector<std::string> OverriddenUnits(const std::vector<CsvColumn>& said,
-                                         const std::vector<CsvColumn>& read) {
-  std::vector<std::string> remarks;
-  if (said.size() != read.size()) return remarks;
+void FindOverriddenUnits(const std::vector<CsvColumn>& said, const std::vector<CsvColumn>& read,
+                         Findings& findings) {
+  if (said.size() != read.size()) return;
   for (std::size_t i = 0; i < read.size(); ++i) {
     if (said[i].unit.empty() || read[i].kind == CsvColumnKind::kLeftOut) continue;
     if (said[i].unit == read[i].unit && said[i].factor == read[i].factor) continue;
-    remarks.push_back(
-        fmt::format("column {} holds units of {:g} {} by the file and of {:g} {} by --columns or "
-                    "--scale; the file is not believed",
-                    i + 1, said[i].factor, said[i].unit, read[i].factor, read[i].unit));
+    findings.Note(FindingKind::kUnitOverridden, {{"column", i + 1},
+                                                 {"file_factor", said[i].factor},
+                                                 {"file_unit", said[i].unit},
+                                                 {"given_factor", read[i].factor},
+                                                 {"given_unit", read[i].unit}});
   }
-  return remarks;
 }
 
 std::size_t EvenColumn(std::string_view rows, char separator, std::size_t except) {

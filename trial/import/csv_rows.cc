@@ -151,6 +151,7 @@ Result<void> CsvRows::PlaceTime(std::string_view cell, double time_s, const CsvC
   const auto& times_s = segments_.back().times.times_s();
   if (!times_s.empty() && time_s < times_s.back()) {
     if (!layout_.is_foreign || segments_.size() == kMostSegments) {
+      is_time_falling_ = true;
       return CannotAnswer(Here(),
                           fmt::format("time {} s does not grow (the row before is at {} s)", time_s,
                                       times_s.back()),

@@ -44,6 +44,8 @@ class CsvRows {
 
   [[nodiscard]] bool has_begun() const { return !layout_.columns.empty(); }
   [[nodiscard]] bool has_times() const { return has_times_; }
+  /// Whether the error of the last Take() is that its time lies before that of the row before.
+  [[nodiscard]] bool is_time_falling() const { return is_time_falling_; }
   [[nodiscard]] std::size_t rows() const { return rows_; }
   [[nodiscard]] std::vector<Channel>& channels() { return channels_; }
   [[nodiscard]] std::vector<Segment>& segments() { return segments_; }
@@ -72,6 +74,7 @@ class CsvRows {
   std::size_t rows_ = 0;
   bool has_status_ = false;
   bool has_times_ = false;
+  bool is_time_falling_ = false;
   std::vector<Channel> channels_;
   std::vector<Segment> segments_;
   std::optional<double> first_clock_s_;

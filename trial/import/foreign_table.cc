@@ -184,8 +184,8 @@ Result<void> ApplyScale(std::optional<double> scale, ChannelRole role,
     is_used = true;
   }
   if (is_used) return {};
-  return Usage("--scale", fmt::format("is about a {}, and no column is one", Name(role)),
-               fmt::format("say --columns time_s,{}", Name(role)));
+  return Usage("<scale>", fmt::format("is about a {}, and no column is one", Name(role)),
+               fmt::format("say <columns> time_s,{}", Name(role)));
 }
 
 class Finder {
@@ -226,12 +226,12 @@ class Finder {
   Result<std::optional<ForeignTable>> NoTable() const {
     if (options_.format) {
       return CannotAnswer(
-          name_, fmt::format("is no table as --format {} says", FactsOf(*options_.format).name),
-          "leave --format out, or name another");
+          name_, fmt::format("is no table as <format> {} says", FactsOf(*options_.format).name),
+          "leave <format> out, or name another");
     }
     if (options_.columns.empty()) return std::nullopt;
     return CannotAnswer(
-        name_, "has no two lines of numbers for --columns to name",
+        name_, "has no two lines of numbers for <columns> to name",
         "give a file with a row of numbers a line, separated by commas, semicolons, "
         "tabs or blanks");
   }
@@ -252,7 +252,7 @@ class Finder {
     auto named = ReadNamedColumns(beginning, {table_.format, table_.clock}, name_, options_);
     if (!named) return std::unexpected(named.error());
     table_.columns = std::move(named->columns);
-    table_.remarks = std::move(named->remarks);
+    table_.findings = std::move(named->findings);
     return named->lines_used;
   }
 
@@ -260,14 +260,14 @@ class Finder {
   Result<void> Check() {
     const auto times = std::ranges::count(table_.columns, CsvColumnKind::kTime, &CsvColumn::kind);
     const auto values = std::ranges::count(table_.columns, CsvColumnKind::kValue, &CsvColumn::kind);
-    if (times > 1) return CannotAnswer(name_, "two columns are times", "say --columns");
+    if (times > 1) return CannotAnswer(name_, "two columns are times", "say <columns>");
     if (times == 0 && !options_.rate_hz && !table_.clock) {
       return CannotAnswer(
           name_, "no column is a time and no line above states the sample interval",
-          "name one time_s (--columns), or say how many rows come a second (--rate)");
+          "name one time_s (<columns>), or say how many rows come a second (<rate>)");
     }
     if (values == 0) {
-      return CannotAnswer(name_, "no column beside the time holds values", "say --columns");
+      return CannotAnswer(name_, "no column beside the time holds values", "say <columns>");
     }
     for (const CsvColumn& column : table_.columns) {
       if (column.kind == CsvColumnKind::kStatus &&
@@ -302,7 +302,7 @@ Result<void> KeepChannel(const ImportOptions& options, const std::string& name,
         fmt::format("has {} called '{}' (its channels: {})",
                     found == 0 ? "no channel" : "several channels", options.channel,
                     NamesOf(*columns)),
-        found == 0 ? "say --channel with one of these" : "say --columns, with - for the others");
+        found == 0 ? "say <channel> with one of these" : "say <columns>, with - for the others");
   }
   const std::size_t number = std::ranges::find_if(*columns, is_it)->channel;
   for (CsvColumn& column : *columns) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "trial/findings.h"
 #include "trial/import/csv_header.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"
@@ -67,7 +68,7 @@ struct ForeignTable {
   std::vector<double> segment_starts_s{};
   std::map<std::string, std::string> fields{};  ///< "table.KEY" of lines "KEY,value" above it
   std::vector<std::string> notes{};             ///< other lines above it
-  std::vector<std::string> remarks{};           ///< what was assumed, a sentence each
+  Findings findings{};                          ///< what was assumed
 };
 
 /// Finds the table of numbers in what an oscilloscope or a DAQ's program wrote

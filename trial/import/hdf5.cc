@@ -286,7 +286,9 @@ Result<Recording> ReadGroup(const Group& group) {
   if (group.Has(hdf5::kRemarks)) {
     const auto remarks = group.Text(hdf5::kRemarks);
     if (!remarks) return std::unexpected(remarks.error());
-    report.remarks = Lines(*remarks);
+    for (std::string& line : Lines(*remarks)) {
+      report.findings.Note(FindingKind::kNotedAtExport, {{"text", std::move(line)}});
+    }
   }
   return recording;
 }

@@ -100,10 +100,7 @@ void AddElvisStarts(const TableBeginning& beginning, ForeignTable* table) {
     if (clock_s && first_s) latest_s = std::max(latest_s, *clock_s - *first_s);
   }
   if (latest_s > 0) {
-    table->remarks.push_back(
-        fmt::format("its channels begin up to {:.4g} us apart (t0); all are put at the first one's "
-                    "times",
-                    latest_s * 1e6));
+    table->findings.Note(FindingKind::kChannelsApart, {{"apart_s", latest_s}});
   }
 }
 
@@ -217,11 +214,11 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
     is_assumed = true;
   }
   if (is_digital) {
-    table->remarks.emplace_back(
-        "digital channels list their transitions alone: rows are no samples");
+    table->findings.Doubt(FindingKind::kTransitionsOnly);
   }
   if (is_assumed) {
-    table->remarks.emplace_back("the values' unit is not in the file; Saleae Logic 2 writes V");
+    table->findings.Note(FindingKind::kValueUnitAssumed,
+                         {{"title", std::string("Saleae Logic 2")}, {"unit", std::string("V")}});
   }
 }
 
@@ -246,7 +243,7 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
   if (!head.start_s || !head.increment_s || !std::isfinite(*head.start_s) ||
       !std::isfinite(1 / *head.increment_s) || !(*head.increment_s > 0)) {
     return CannotAnswer(name, "has no Start and Increment beside its names, or no sound ones",
-                        "say --format plain with --columns and --rate");
+                        "say <format> plain with <columns> and <rate>");
   }
   table->columns.assign(beginning.width(), {.kind = CsvColumnKind::kLeftOut});
   for (std::size_t i = 0; i < std::min(head.channels.size(), beginning.width()); ++i) {
@@ -266,10 +263,8 @@ Result<std::size_t> ReadSequence(const TableBeginning& beginning, const std::str
   const double first = ReadNumber(beginning.rows[0].cells[0]).value_or(0);
   *table->clock->start_s += first * *head.increment_s;
   if (first != 0) {
-    table->remarks.push_back(fmt::format(
-        "its rows begin at number {}: times are Start + number x Increment; if Start is the first "
-        "row's, all are {:.6g} s earlier",
-        beginning.rows[0].cells[0], first * *head.increment_s));
+    table->findings.Doubt(FindingKind::kRowsBeginAt,
+                          {{"first", first}, {"earlier_s", first * *head.increment_s}});
   }
   return head.lines;
 }

@@ -50,8 +50,8 @@ bool AreEqual(double a, double b) {
 class Parser {
  public:
   Parser(std::string_view text, const std::string& name, const ImportOptions& options,
-         std::vector<std::string>* remarks)
-      : rest_(text), name_(name), options_(options), remarks_(*remarks) {}
+         Findings* findings)
+      : rest_(text), name_(name), options_(options), findings_(*findings) {}
 
   Result<Record> Parse() {
     if (auto bounded = CheckLines(rest_, name_); !bounded) return std::unexpected(bounded.error());
@@ -211,7 +211,7 @@ class Parser {
       channel.unit = column.unit;
       record_.channels.push_back(std::move(channel));
     }
-    if (record_.channels.empty()) return CannotAnswer(name_, "no column is left", "say --columns");
+    if (record_.channels.empty()) return CannotAnswer(name_, "no column is left", "say <columns>");
     return {};
   }
 
@@ -222,7 +222,7 @@ class Parser {
     const bool has_x = told == columns_.size() + 1;
     if (!has_x && told != columns_.size()) {
       return Usage(
-          "--columns",
+          "<columns>",
           fmt::format("names {} columns where {} has {} channels{}", told, name_, columns_.size(),
                       x_columns_ == XColumns::kNone ? "" : " beside X_Value"),
           "name each from the left, - for one to leave out");
@@ -234,7 +234,7 @@ class Parser {
       const bool is_left_out = column->kind == CsvColumnKind::kLeftOut;
       if (is_x ? !is_left_out && column->kind != CsvColumnKind::kTime
                : !is_left_out && column->kind != CsvColumnKind::kValue) {
-        return Usage("--columns",
+        return Usage("<columns>",
                      fmt::format("'{}' stands for {}", options_.columns[i],
                                  is_x ? "X_Value, which is the time" : "a channel"),
                      "name X_Value time_s (or -), then the channels");
@@ -358,7 +358,7 @@ class Parser {
               "every {:.6g} s (Delta_X), '{}' at {:.6g} s with one every {:.6g} s",
               segment_.names[first], common->start_s, common->interval_s, segment_.names[c],
               clock->start_s, clock->interval_s),
-          "read one of them: --channel");
+          "read one of them: <channel>");
     }
     return common;
   }
@@ -389,11 +389,11 @@ class Parser {
       if (!words.clock && !options_.rate_hz) {
         return Wrong("its segment has neither X values nor a Delta_X above 0");
       }
-      part.stretches = {UniformTimes(words, options_, part.rows, &remarks_)};
+      part.stretches = {UniformTimes(words, options_, part.rows, &findings_)};
       return Append(part);
     }
     auto read =
-        ReadSegmentTimes(name_, words, options_, std::move(segment_.rows), &left_out_, &remarks_);
+        ReadSegmentTimes(name_, words, options_, std::move(segment_.rows), &left_out_, &findings_);
     if (!read) return std::unexpected(read.error());
     return Append(*read);
   }
@@ -432,11 +432,10 @@ class Parser {
     if (options_.segment && *options_.segment > segments_) {
       return CannotAnswer(name_,
                           fmt::format("has {} segment{}", segments_, segments_ == 1 ? "" : "s"),
-                          "say --segment with one of them, counted from 1");
+                          "say <segment> with one of them, counted from 1");
     }
     if (options_.format) {
-      remarks_.emplace_back(
-          "a LabVIEW measurement has a layout of its own; --format is passed over");
+      findings_.Note(FindingKind::kFormatNotUsed);
     }
     if (record_.rows < 2) {
       return CannotAnswer(name_,
@@ -452,7 +451,7 @@ class Parser {
   std::string_view rest_;
   const std::string& name_;
   const ImportOptions& options_;
-  std::vector<std::string>& remarks_;
+  Findings& findings_;
   std::string_view line_;
   std::size_t line_number_ = 0;
   char separator_ = '\t';
@@ -479,9 +478,9 @@ class Parser {
 bool IsLvm(std::string_view text) { return text.starts_with(kMagic); }
 
 Result<Record> ParseLvm(std::string_view text, const std::string& name,
-                        const ImportOptions& options, std::vector<std::string>* remarks) {
-  std::vector<std::string> ignored;
-  return Parser(text, name, options, remarks != nullptr ? remarks : &ignored).Parse();
+                        const ImportOptions& options, Findings* findings) {
+  Findings ignored;
+  return Parser(text, name, options, findings != nullptr ? findings : &ignored).Parse();
 }
 
 }  // namespace haptometer::trial

@@ -86,7 +86,7 @@ class Head {
     while (width > options_.columns.size() && IsEmptyBelow(width - 1)) --width;
     if (options_.columns.size() != width) {
       return Usage(
-          "--columns",
+          "<columns>",
           fmt::format("names {} columns where {} has {}, separated by {}", options_.columns.size(),
                       name_, width, NameOfSeparator(beginning_.rows[0].separator)),
           "name each from the left, - for one to leave out");
@@ -219,13 +219,13 @@ class Head {
   std::unexpected<Error> NoNames(const std::vector<std::size_t>& filled) const {
     constexpr const char* kRemedy =
         "put a line such as time_s,displacement_m above the numbers (time_s,voltage_v for a coil), "
-        "or say --columns";
+        "or say <columns>";
     const std::string what =
         fmt::format("no line names its {} column{}{}", Width(), Width() == 1 ? "" : "s",
                     beginning_.rows[0].separator == ' ' ? " (separated by blanks)" : "");
     if (filled.size() == 1) {
       return CannotAnswer(name_, "holds one column, without a name and without times",
-                          "say --rate 10kHz, and what it is: --scale, or --columns voltage_v");
+                          "say <rate> 10kHz, and what it is: <scale>, or <columns> voltage_v");
     }
     const double step = filled.empty() ? 0 : Step(filled[0]);
     if (!(step > 0)) return CannotAnswer(name_, what, kRemedy);
@@ -234,7 +234,7 @@ class Head {
         fmt::format("{}: the first may be a time ({:.4g} rows a second in s, {:.4g} in ms) or a "
                     "channel beside the others",
                     what, 1 / step, 1000 / step),
-        "say --columns time_s,voltage_v, or --columns voltage_v,voltage_2_v with --rate");
+        "say <columns> time_s,voltage_v, or <columns> voltage_v,voltage_2_v with <rate>");
   }
 
   // by how much the first two rows differ
@@ -285,7 +285,8 @@ class Head {
       if (!stated.empty()) unit = FindUnit(stated[0]);
       if (!unit && facts_.format == TableFormat::kLecroy) {
         unit = PrintedUnit{"s", 1};
-        named_.remarks.emplace_back("the times' unit is not in the file; LeCroy writes seconds");
+        named_.findings.Note(FindingKind::kTimeUnitAssumed,
+                             {{"title", std::string("LeCroy")}, {"unit", std::string("s")}});
       }
       if (!unit && facts_.format != TableFormat::kTektronixDpo) unit = PrintedUnit{"s", 1};
     }
@@ -312,7 +313,7 @@ class Head {
         fmt::format("column '{}' does not say its unit: in s there are {:.4g} rows a second, in ms "
                     "{:.4g}",
                     cell, 1 / step, 1000 / step),
-        "name it time_s, time_ms or time_us, or say --columns");
+        "name it time_s, time_ms or time_us, or say <columns>");
   }
 
   // units of values that stand elsewhere than beside their names
@@ -336,8 +337,9 @@ class Head {
       }
     }
     if (is_assumed) {
-      named_.remarks.push_back(fmt::format("the values' unit is not in the file; {} writes {}",
-                                           facts_.title, facts_.assumed_value_unit));
+      named_.findings.Note(
+          FindingKind::kValueUnitAssumed,
+          {{"title", std::string(facts_.title)}, {"unit", std::string(facts_.assumed_value_unit)}});
     }
   }
 
@@ -356,7 +358,7 @@ Result<CsvColumn> ReadToldColumn(const std::string& word, const ImportOptions& o
   std::string name = word;
   if (options.scale_m && word == "displacement") name = "displacement_m";
   if (options.scale_v && word == "voltage") name = "voltage_v";
-  auto column = ReadCsvColumn(name, "--columns");
+  auto column = ReadCsvColumn(name, "<columns>");
   if (!column) {
     Error error = column.error();
     error.cause = Cause::kUsage;

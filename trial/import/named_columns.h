@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "trial/findings.h"
 #include "trial/import/csv_header.h"
 #include "trial/import/foreign_table.h"
 #include "trial/import/import_options.h"
@@ -16,8 +17,8 @@ namespace haptometer::trial {
 /// The columns of a table as the lines above its numbers name them.
 struct NamedColumns {
   std::vector<CsvColumn> columns{};
-  std::size_t lines_used = 0;          ///< lines right above the numbers that name them: 0, 1 or 2
-  std::vector<std::string> remarks{};  ///< what was assumed, a sentence each
+  std::size_t lines_used = 0;  ///< lines right above the numbers that name them: 0, 1 or 2
+  Findings findings{};         ///< what was assumed
 };
 
 /// The column that `word` of options.columns names; "displacement" and "voltage" need no unit where

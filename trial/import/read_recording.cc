@@ -91,8 +91,8 @@ Result<Recording> ReadTextRecording(const std::string& path, const ImportOptions
   if (!text) return std::unexpected(text.error());
   Recording recording;
   const bool is_lvm = IsLvm(*text);
-  auto record = is_lvm ? ParseLvm(*text, path, options, &recording.report.remarks)
-                       : ParseCsv(*text, path, options, &recording.report.remarks);
+  auto record = is_lvm ? ParseLvm(*text, path, options, &recording.report.findings)
+                       : ParseCsv(*text, path, options, &recording.report.findings);
   if (!record) return std::unexpected(record.error());
   recording.report.kind = is_lvm ? FileKind::kLvm : FileKind::kCsv;
   recording.report.closed = true;
@@ -118,7 +118,6 @@ void MakePrintable(Recording* recording) {
     *texts = std::move(printable);
   }
   for (std::string& note : metadata.notes) note = Printable(note);
-  for (std::string& remark : recording->report.remarks) remark = Printable(remark);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace haptometer::trial {
 /// A measurement from a file of any kind that is known, told apart by its first bytes: trial.bin,
 /// HDF5 of this program (`FILE.h5/NAME` where it holds several), LabVIEW measurement, CSV.
 ///
-/// What was assumed on the way stands in report.remarks; show it. `options` are about foreign
+/// What was assumed on the way stands in report.findings; show it. `options` are about foreign
 /// tables only.
 /// Errors (Cause::kCannotAnswer): as TrialReader::Open, ReadHdf5, ReadLvm and ReadCsv; bytes that
 /// are none of them give one message that names the kinds, and those of a kind that is known and

@@ -31,7 +31,7 @@ namespace haptometer::trial {
 ///
 /// A table of another program (oscilloscope, DAQ) is read as trial/import/foreign_table.h says;
 /// `options` help where its own words do not suffice. Without a time column it needs
-/// options.rate_hz. Errors name `name`; what was assumed goes to `remarks`, which may be nullptr.
+/// options.rate_hz. Errors name `name`; what was assumed goes to `findings`, which may be nullptr.
 ///
 /// Errors (Cause::kCannotAnswer): text instead of numbers, no time column, times that do not grow
 /// or are not finite, a row with too many or too few cells (the line is named), a comma that may be
@@ -39,7 +39,7 @@ namespace haptometer::trial {
 /// the record.
 [[nodiscard]] Result<Record> ParseCsv(std::string_view text, const std::string& name,
                                       const ImportOptions& options = {},
-                                      std::vector<std::string>* remarks = nullptr);
+                                      Findings* findings = nullptr);
 
 /// A trial from an HDF5 file that trial/export/export.h wrote, bit for bit as it was exported:
 /// record, events, whether it was closed; the losses stated at the export come as remarks.
@@ -69,7 +69,7 @@ namespace haptometer::trial {
 ///
 /// `options`: columns names the channels, or X and the channels, from the left; a channel of
 /// another Delta_X than the first can be read on its own (options.channel), at its own X0 and
-/// Delta_X. What was assumed goes to `remarks`, which may be nullptr. options.format is passed
+/// Delta_X. What was assumed goes to `findings`, which may be nullptr. options.format is passed
 /// over.
 ///
 /// Errors (Cause::kCannotAnswer), naming the line: no header end, a cell that is no number,
@@ -79,6 +79,6 @@ namespace haptometer::trial {
 /// Cause::kUsage: as ReadNamedColumns. Memory: the record.
 [[nodiscard]] Result<Record> ParseLvm(std::string_view text, const std::string& name,
                                       const ImportOptions& options = {},
-                                      std::vector<std::string>* remarks = nullptr);
+                                      Findings* findings = nullptr);
 
 }  // namespace haptometer::trial

@@ -32,21 +32,20 @@ std::unexpected<Error> NoTimes(const std::string& name, std::size_t rows, std::s
                   "grid explains it",
                   repeated, rows, repeated == 1 ? "has" : "have", repeat_line),
       "print the times with more digits, or remove these rows; only where no row is missing, "
-      "leave the times out (--columns) and say --rate");
+      "leave the times out (<columns>) and say <rate>");
 }
 
-std::string LeftOutRemark(std::size_t left_out, std::size_t rows, std::size_t repeat_line) {
-  const bool is_one = left_out == 1;
-  return fmt::format("{} of {} rows {} the time of the row before and {} left out ({} {})",
-                     left_out, rows, is_one ? "has" : "have", is_one ? "is" : "are",
-                     is_one ? "line" : "the first in line", repeat_line);
+void NoteExcluded(std::size_t excluded, std::size_t rows, std::size_t repeat_line,
+                  Findings& findings) {
+  findings.Doubt(FindingKind::kRowsExcluded,
+                 {{"excluded", excluded}, {"rows", rows}, {"line", repeat_line}});
 }
 
 class TimeSetter {
  public:
   TimeSetter(const std::string& name, const TimeWords& words, const ImportOptions& options,
-             std::vector<std::string>* remarks)
-      : name_(name), words_(words), options_(options), remarks_(*remarks) {}
+             Findings* findings)
+      : name_(name), words_(words), options_(options), findings_(*findings) {}
 
   Result<void> One(Segment segment, Record* record) {
     auto part = Read(std::move(segment));
@@ -71,7 +70,7 @@ class TimeSetter {
                             fmt::format("says that segment {} begins before the one ahead "
                                         "of it ends",
                                         s + 1),
-                            "read one of them: --segment 1");
+                            "read one of them: <segment> 1");
       }
     }
     std::move(times).Complete(record);
@@ -99,12 +98,9 @@ class TimeSetter {
     if (!left_out) return NoTimes(name_, segment.rows, repeated, segment.repeat_line);
     for (const std::size_t row : *left_out) left_out_.push_back(segment.first_row + row);
     if (!left_out->empty()) {
-      remarks_.push_back(LeftOutRemark(left_out->size(), segment.rows, segment.repeat_line));
+      NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, findings_);
     } else if (repeated > 0) {
-      remarks_.push_back(
-          fmt::format("{} of {} times are those of the row before, too few digits being printed; "
-                      "they are rebuilt on the even grid that explains all",
-                      repeated, segment.rows));
+      findings_.Note(FindingKind::kTimesRebuilt, {{"repeated", repeated}, {"rows", segment.rows}});
     }
     return Agree(std::move(part), first_s);
   }
@@ -119,7 +115,7 @@ class TimeSetter {
             "its times begin again at line {}: either {} segments, of which it does not say "
             "when they were, or rows out of order",
             segments[1].line, segments.size()),
-        fmt::format("read one of them (--segment 1 to {}), or sort the rows", segments.size()));
+        fmt::format("read one of them (<segment> 1 to {}), or sort the rows", segments.size()));
   }
 
   // times and header must say the same
@@ -128,10 +124,16 @@ class TimeSetter {
     const double stated_hz = 1 / words_.clock->interval_s;
     const double rate_hz = RateOf(part);
     if (IsRate(rate_hz, stated_hz, 1e-3)) return part;
-    const std::string both = fmt::format("its times say {:.6g} rows a second and '{}' says {:.6g}",
-                                         rate_hz, words_.clock->from, stated_hz);
-    if (!options_.rate_hz) return CannotAnswer(name_, both, "say which is right with --rate");
-    remarks_.push_back(both + "; --rate decides");
+    if (!options_.rate_hz) {
+      return CannotAnswer(name_,
+                          fmt::format("its times say {:.6g} rows a second and '{}' says {:.6g}",
+                                      rate_hz, words_.clock->from, stated_hz),
+                          "say which is right with <rate>");
+    }
+    findings_.Note(FindingKind::kRateContradicted,
+                   {{"rate_hz", rate_hz},
+                    {"stated_hz", stated_hz},
+                    {"stated_by", std::string(words_.clock->from)}});
     if (IsRate(rate_hz, *options_.rate_hz, 0.01)) return part;
     Record stated;
     stated.rows = part.rows;
@@ -142,7 +144,7 @@ class TimeSetter {
   const std::string& name_;
   const TimeWords& words_;
   const ImportOptions& options_;
-  std::vector<std::string>& remarks_;
+  Findings& findings_;
   std::vector<std::size_t> left_out_;  // rows of the record
 };
 
@@ -180,35 +182,35 @@ void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record) {
 }
 
 Stretch UniformTimes(const TimeWords& words, const ImportOptions& options, std::size_t rows,
-                     std::vector<std::string>* remarks) {
+                     Findings* findings) {
   const auto& clock = words.clock;
   Stretch stretch{.rows = rows};
   stretch.rate_hz = options.rate_hz ? *options.rate_hz : 1 / clock->interval_s;
   const bool is_replaced =
       options.rate_hz && clock && !IsRate(*options.rate_hz, 1 / clock->interval_s, 1e-3);
   if (is_replaced) {
-    remarks->push_back(fmt::format("--rate {:.6g} Hz replaces {:.6g} Hz by '{}'", *options.rate_hz,
-                                   1 / clock->interval_s, clock->from));
+    findings->Note(FindingKind::kRateReplaced, {{"rate_hz", *options.rate_hz},
+                                                {"stated_hz", 1 / clock->interval_s},
+                                                {"stated_by", std::string(clock->from)}});
   } else if (clock && clock->start_s) {
     stretch.start_s = *clock->start_s;
   } else {
-    remarks->emplace_back("the time of the first row is not in the file; it is put at 0 s");
+    findings->Note(FindingKind::kStartAssumed);
   }
   return stretch;
 }
 
 Result<Record> ReadSegmentTimes(const std::string& name, const TimeWords& words,
                                 const ImportOptions& options, CsvRows::Segment segment,
-                                std::vector<std::size_t>* left_out,
-                                std::vector<std::string>* remarks) {
-  TimeSetter setter(name, words, options, remarks);
+                                std::vector<std::size_t>* left_out, Findings* findings) {
+  TimeSetter setter(name, words, options, findings);
   auto part = setter.Read(std::move(segment));
   left_out->insert(left_out->end(), setter.left_out().begin(), setter.left_out().end());
   return part;
 }
 
 Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Stretch> stretches,
-                         CsvRows* rows, Record* record, std::vector<std::string>* remarks) {
+                         CsvRows* rows, Record* record, Findings* findings) {
   Segment segment = std::move(rows->segments()[0]);
   const std::size_t repeated = segment.times.repeated().size();
   const auto left_out = std::move(segment.times).Complete(timing, std::move(stretches), record);
@@ -216,21 +218,21 @@ Result<void> SetOwnTimes(const std::string& name, Timing timing, std::vector<Str
   record->rows = segment.rows;
   LeaveOutRows(*left_out, record);
   if (!left_out->empty()) {
-    remarks->push_back(LeftOutRemark(left_out->size(), segment.rows, segment.repeat_line));
+    NoteExcluded(left_out->size(), segment.rows, segment.repeat_line, *findings);
   }
   return {};
 }
 
 Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                              const ImportOptions& options, CsvRows* rows, Record* record,
-                             std::vector<std::string>* remarks) {
+                             Findings* findings) {
   std::vector<Segment> segments = std::move(rows->segments());
-  TimeSetter setter(name, words, options, remarks);
+  TimeSetter setter(name, words, options, findings);
   if (options.segment) {
     if (*options.segment < 1 || *options.segment > segments.size()) {
       return CannotAnswer(
           name, fmt::format("has {} segment{}", segments.size(), segments.size() == 1 ? "" : "s"),
-          "say --segment with one of them, counted from 1");
+          "say <segment> with one of them, counted from 1");
     }
     if (rows->has_times()) {
       Segment wanted = std::move(segments[*options.segment - 1]);
@@ -240,7 +242,7 @@ Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
     }
   }
   if (!rows->has_times()) {
-    record->stretches = {UniformTimes(words, options, record->rows, remarks)};
+    record->stretches = {UniformTimes(words, options, record->rows, findings)};
     return {};
   }
   if (segments.size() == 1) return setter.One(std::move(segments[0]), record);

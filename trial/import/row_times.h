@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "trial/findings.h"
 #include "trial/import/csv_rows.h"
 #include "trial/import/import_options.h"
 #include "trial/import/stated_clock.h"
@@ -25,36 +26,36 @@ struct TimeWords {
                                               const ImportOptions& options,
                                               CsvRows::Segment segment,
                                               std::vector<std::size_t>* left_out,
-                                              std::vector<std::string>* remarks);
+                                              Findings* findings);
 
 /// Times of `rows` rows without any of their own, by options.rate_hz or words.clock; one is there.
 [[nodiscard]] Stretch UniformTimes(const TimeWords& words, const ImportOptions& options,
-                                   std::size_t rows, std::vector<std::string>* remarks);
+                                   std::size_t rows, Findings* findings);
 
 /// Takes `rows`, which grow, from all channels of `record`.
 void LeaveOutRows(const std::vector<std::size_t>& rows, Record* record);
 
 /// Sets the times of `record` from its only segment's, those of a table of our own, whose lines
 /// above the rows state `timing` and `stretches`. Rows that are left out (PrintedTimes::Complete)
-/// are taken from the channels and go to `remarks`.
+/// are taken from the channels and go to `findings`.
 /// Errors (Cause::kCannotAnswer), naming `name`: times that repeat without a grid that explains it,
 /// or that lie closer than a rate can say.
 [[nodiscard]] Result<void> SetOwnTimes(const std::string& name, Timing timing,
                                        std::vector<Stretch> stretches, CsvRows* rows,
-                                       Record* record, std::vector<std::string>* remarks);
+                                       Record* record, Findings* findings);
 
 /// Sets stretches, timing and raw times of `record` from its segments, of which options.segment
 /// keeps one (then `record`'s channels are cut to its rows); `rows.segments()` are used up.
 ///
 /// A stated clock beats the printed times where their digits explain how they differ from it, and
-/// is the only word where there are none. What was assumed goes to `remarks`.
+/// is the only word where there are none. What was assumed goes to `findings`.
 /// Errors (Cause::kCannotAnswer), naming `name`: times that contradict the stated clock by more
 /// than 0.1 % (both are named; options.rate_hz decides), times that repeat without a grid that
 /// explains it, several segments of which nothing tells when they were, a segment that is not
 /// there or has one row.
 [[nodiscard]] Result<void> SetForeignTimes(const std::string& name, const TimeWords& words,
                                            const ImportOptions& options, CsvRows* rows,
-                                           Record* record, std::vector<std::string>* remarks);
+                                           Record* record, Findings* findings);
 
 /// Puts the times of a file's segments one behind the other.
 class SegmentedTimes {

@@ -150,7 +150,7 @@ Result<std::optional<StatedClock>> FindStatedClock(const std::vector<TableKey>& 
             name,
             fmt::format("states two sample intervals: {:.6g} s by '{}' and {:.6g} s by '{}'",
                         clock->interval_s, clock->from, *interval_s, key.key),
-            "remove the wrong line, or say --rate and leave the times out with --columns");
+            "remove the wrong line, or say <rate> and leave the times out with <columns>");
       }
       if (!clock) clock = StatedClock{.interval_s = *interval_s, .from = std::string(key.key)};
     }
@@ -219,18 +219,15 @@ std::optional<double> StatedRate(const Metadata& metadata) {
   return std::nullopt;
 }
 
-std::string RateRemark(const Record& record) {
+void FindContradictedRate(const Record& record, Findings& findings) {
   const auto stated_hz = StatedRate(record.metadata);
-  if (!stated_hz || record.stretches.empty()) return "";
+  if (!stated_hz || record.stretches.empty()) return;
   const double rate_hz = std::ranges::max_element(record.stretches, {}, &Stretch::rows)->rate_hz;
   const double thousands = std::log10(*stated_hz / rate_hz) / 3;
   // within 5 %, as rates are stated
   const double whole = std::round(thousands);
-  if (!std::isfinite(thousands) || whole == 0 || std::abs(thousands - whole) * 3 > 0.021) return "";
-  return fmt::format(
-      "the times say {:.6g} rows a second where the file states {:.6g} Hz; they are taken at their "
-      "word, but may be in another unit than their column says",
-      rate_hz, *stated_hz);
+  if (!std::isfinite(thousands) || whole == 0 || std::abs(thousands - whole) * 3 > 0.021) return;
+  findings.Doubt(FindingKind::kTimesInOtherUnit, {{"rate_hz", rate_hz}, {"stated_hz", *stated_hz}});
 }
 
 }  // namespace haptometer::trial

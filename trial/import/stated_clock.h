@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "trial/findings.h"
 #include "trial/record.h"
 
 namespace haptometer::trial {
@@ -50,9 +51,8 @@ struct StatedClock {
 /// Hz or kHz behind it in a field or note that speaks of a rate or sampling.
 [[nodiscard]] std::optional<double> StatedRate(const Metadata& metadata);
 
-/// A sentence where the times of `record` and the rate that it states are a power of a thousand
-/// apart, as they are when milliseconds stand in a column of seconds; empty otherwise. The times
-/// are taken at their word all the same.
-[[nodiscard]] std::string RateRemark(const Record& record);
+/// Finds that the times of `record` and the rate that it states are a power of a thousand apart, as
+/// they are when milliseconds stand in a column of seconds. The times are used all the same.
+void FindContradictedRate(const Record& record, Findings& findings);
 
 }  // namespace haptometer::trial

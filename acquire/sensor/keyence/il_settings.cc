@@ -64,7 +64,7 @@ Result<std::vector<Write>> Parse(std::string_view text) {
   const std::string_view name = text.substr(0, equals);
   const auto key = std::ranges::find(kKeys, name, &Key::name);
   if (equals == std::string_view::npos || key == kKeys.end()) {
-    return Usage("--set", fmt::format("'{}' is no setting of an IL amplifier", text),
+    return Usage("<set>", fmt::format("'{}' is no setting of an IL amplifier", text),
                  "write sampling=..., averaging=..., hold=... or high-pass=...");
   }
   std::string value(text.substr(equals + 1));
@@ -81,7 +81,7 @@ Result<std::vector<Write>> Parse(std::string_view text) {
     }
     return writes;
   }
-  return Usage("--set", fmt::format("an IL amplifier has no {} '{}'", name, value),
+  return Usage("<set>", fmt::format("an IL amplifier has no {} '{}'", name, value),
                fmt::format("use one of {}", fmt::join(Values(*key), ", ")));
 }
 
@@ -143,33 +143,28 @@ double UnitSettings::ResponseSeconds() const {
   return SamplingSeconds().value_or(0) * Averages().value_or(0);
 }
 
-std::vector<std::string> UnitSettings::Remarks() const {
-  std::vector<std::string> remarks;
+Findings UnitSettings::Found() const {
+  Findings found;
   if (const auto sampling_s = SamplingSeconds(), averages = std::optional<double>(Averages());
       sampling_s && averages && *averages > 1) {
-    remarks.push_back(fmt::format(
-        "the amplifier averages {} samples of {:g} ms: a vibration at {:.1f} Hz is 3 dB too small",
-        *averages, *sampling_s * 1e3, kMeanCorner / (*averages * *sampling_s)));
+    found.Note(FindingKind::kAveragingCorner,
+               {{"averages", static_cast<int>(*averages)},
+                {"sampling_s", *sampling_s},
+                {"corner_hz", kMeanCorner / (*averages * *sampling_s)}});
   }
   const auto averaging = Code(dl_rs1a::kAveraging);
-  if (averaging == dl_rs1a::kDifferenceFilter) {
-    remarks.emplace_back(
-        "the amplifier's difference-count filter is on: small steps are swallowed");
-  }
+  if (averaging == dl_rs1a::kDifferenceFilter) found.Doubt(FindingKind::kDifferenceFilter);
   if (const auto cutoff = Code(dl_rs1a::kHighPassCutoff);
       averaging == dl_rs1a::kHighPassFilter && cutoff && dl_rs1a::HighPassHz(*cutoff)) {
-    remarks.push_back(fmt::format("the amplifier's high-pass filter at {:g} Hz is on",
-                                  *dl_rs1a::HighPassHz(*cutoff)));
+    found.Doubt(FindingKind::kHighPassFilter, {{"corner_hz", *dl_rs1a::HighPassHz(*cutoff)}});
   }
   if (const auto hold = Code(dl_rs1a::kHold); hold && *hold != 0) {
-    remarks.push_back(fmt::format("the amplifier holds ({}): readings are not the displacement now",
-                                  dl_rs1a::HoldName(*hold)));
+    found.Doubt(FindingKind::kHold, {{"hold", std::string(dl_rs1a::HoldName(*hold))}});
   }
   if (const auto flags = Code(dl_rs1a::kErrorFlags); flags && *flags != 0) {
-    remarks.push_back(
-        fmt::format("the amplifier reports an error (flags {})", Text(dl_rs1a::kErrorFlags)));
+    found.Doubt(FindingKind::kAmplifierError, {{"flags", std::string(Text(dl_rs1a::kErrorFlags))}});
   }
-  return remarks;
+  return found;
 }
 
 namespace {
@@ -261,8 +256,10 @@ Result<IlChange> ShiftOne(IlTalk& talk, int unit, Clock& clock) {
 
 }  // namespace
 
+std::string AmplifierName(int unit) { return fmt::format("amplifier {:02}", unit); }
+
 std::string IlChange::Text() const {
-  return fmt::format("amplifier {:02}: {} {} -> {}", unit, key, before, after);
+  return fmt::format("{}: {} {} -> {}", AmplifierName(unit), key, before, after);
 }
 
 Result<std::vector<IlChange>> WriteSettings(IlTalk& talk, std::span<const int> units,

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquire/findings.h"
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/sensor/keyence/il_unit.h"
 #include "base/clock.h"
@@ -70,7 +71,7 @@ class UnitSettings {
   [[nodiscard]] double ResponseSeconds() const;
 
   /// What these settings do to a recording, in sentences; empty where nothing is unusual or known.
-  [[nodiscard]] std::vector<std::string> Remarks() const;
+  [[nodiscard]] Findings Found() const;
 
   /// Whether the product name says that this is an emulator.
   [[nodiscard]] bool is_emulated() const;
@@ -83,6 +84,9 @@ class UnitSettings {
 
   std::map<int, std::string> data_;
 };
+
+/// "amplifier 00"
+[[nodiscard]] std::string AmplifierName(int unit);
 
 /// Something in an amplifier that was changed because the user asked for it.
 struct IlChange {

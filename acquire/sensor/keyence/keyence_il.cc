@@ -93,17 +93,17 @@ Error KeyenceIl::NoAnswer() const {
     error.remedy =
         "check the address, that the unit's socket port is the one given (64000 as delivered), and "
         "that nobody else is connected: it serves one at a time";
-    if (heard_bytes) error.remedy += "; what sends without being asked is read by --sensor stream";
+    if (heard_bytes) error.remedy += "; what sends without being asked is read by <sensor> stream";
     return error;
   }
   error.what = heard_bytes
                    ? fmt::format("bytes come at {} baud, but no reply of a DL-RS1A", setup_.baud)
                    : fmt::format("nothing answers at {} baud", setup_.baud);
   error.remedy = fmt::format(
-      "try --baud {}, and check that the amplifier is on, the unit set to 8 data bits "
+      "try <baud> {}, and check that the amplifier is on, the unit set to 8 data bits "
       "without parity, and the cable the maker's",
       OtherBauds(setup_.baud));
-  if (heard_bytes) error.remedy += "; what sends without being asked is read by --sensor stream";
+  if (heard_bytes) error.remedy += "; what sends without being asked is read by <sensor> stream";
   return error;
 }
 
@@ -154,7 +154,7 @@ Result<void> KeyenceIl::ReadDecimals(IlTalk& talk) {
     if (!told || *told < 0 || *told > 9) {
       return CannotAnswer(line_.name(),
                           fmt::format("amplifier {:02} does not tell its decimal places", units[i]),
-                          "give them with --decimals, e.g. 3 for an IL-030");
+                          "give them with <decimals>, e.g. 3 for an IL-030");
     }
     decimals_[i] = *told;
   }
@@ -239,44 +239,43 @@ void KeyenceIl::MakeHeader() {
   }
 }
 
-std::vector<std::string> KeyenceIl::Remarks() const {
+Findings KeyenceIl::Found() const {
+  const bool is_serial = setup_.unit == IlUnit::kDlRs1a;
   const double fresh_hz = 1.0 / SecondsFromNs(RefreshNs());
   const double poll_hz = NominalRateHz().value_or(fresh_hz);
-  const double rate_hz = std::min(poll_hz, fresh_hz);
-  const double best_hz = setup_.unit == IlUnit::kDlEn1
-                             ? 1.0 / SecondsFromNs(traits_.refresh_ns(1))
-                             : 1.0 / SecondsFromNs(dl_rs1a::PollPeriodNs(38400, 1));
-  const std::string wire =
-      setup_.unit == IlUnit::kDlRs1a ? fmt::format(" at {} baud", setup_.baud) : std::string();
-  const std::string repeats =
-      fresh_hz < poll_hz ? fmt::format(", {:.1f} of them fresh", fresh_hz) : "";
-  std::vector<std::string> remarks{
-      fmt::format("a {}{} gives at most {:.1f} readings/s{}: motion up to {:.1f} Hz can be "
-                  "observed (rate / 2.56)",
-                  traits_.name, wire, poll_hz, repeats, HighestObservableHz(rate_hz)),
-      fmt::format("20-500 Hz vibration cannot be observed through a {}{} ({:.0f} readings/s at "
-                  "most, 1280 are needed): record the amplifier's analog output with a DAQ, or a "
-                  "head that sends lines by itself (--sensor stream)",
-                  traits_.name, setup_.unit == IlUnit::kDlRs1a ? " at any baud rate" : "",
-                  best_hz)};
-  if (setup_.unit == IlUnit::kDlRs1a) {
-    const std::string latency = line_.link().transport().LatencyCost(
-        dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command));
-    if (!latency.empty()) remarks.push_back(latency);
+  const double best_hz =
+      1.0 / SecondsFromNs(is_serial ? dl_rs1a::PollPeriodNs(38400, 1) : traits_.refresh_ns(1));
+  const std::string device(traits_.name);
+  Finding rate{.kind = FindingKind::kUnitRate,
+               .numbers = {{"device", device},
+                           {"rate_hz", poll_hz},
+                           {"observable_hz", HighestObservableHz(std::min(poll_hz, fresh_hz))}}};
+  if (is_serial) rate.numbers.emplace_back("baud", setup_.baud);
+  if (fresh_hz < poll_hz) rate.numbers.emplace_back("new_rate_hz", fresh_hz);
+  Findings found;
+  found.Add(std::move(rate));
+  found.Note(FindingKind::kUnitTooSlow,
+             {{"device", device}, {"rate_hz", best_hz}, {"needed_hz", kNeededRateHz}});
+  if (is_serial) {
+    found.AddAll(line_.link().transport().LatencyCost(
+        dl_rs1a::PollPeriodNs(setup_.baud, settings_.size(), setup_.command)));
   }
-  for (const IlChange& change : changes_) remarks.push_back("changed " + change.Text());
-  if (is_unsettled_) {
-    remarks.emplace_back(
-        "the amplifier shows no value since its settings were changed: is there a target?");
+  for (const IlChange& change : changes_) {
+    found.Add(
+        {.kind = FindingKind::kSettingChanged,
+         .numbers = {{"setting", change.key}, {"before", change.before}, {"after", change.after}},
+         .subject = AmplifierName(change.unit)});
   }
+  if (is_unsettled_) found.Doubt(FindingKind::kNotSettled);
   const std::vector<int> units = Units();
   for (std::size_t i = 0; i < units.size(); ++i) {
-    for (const std::string& remark : settings_[i].Remarks()) {
-      remarks.push_back(i == 0 ? remark : fmt::format("amplifier {:02}: {}", units[i], remark));
+    for (Finding finding : settings_[i].Found().list()) {
+      if (i > 0) finding.subject = AmplifierName(units[i]);
+      found.Add(std::move(finding));
     }
   }
-  for (std::string& remark : line_.Remarks()) remarks.push_back(std::move(remark));
-  return remarks;
+  found.AddAll(line_.Found());
+  return found;
 }
 
 MonotonicNs KeyenceIl::Begin() {

@@ -44,7 +44,7 @@ class KeyenceIl final : public Sensor {
   /// unknown. Then writes what the setup asks for, and waits until the values are valid again.
   [[nodiscard]] Result<void> Start(const std::atomic<bool>& stop) override;
   [[nodiscard]] const trial::TrialHeader& header() const override { return header_; }
-  [[nodiscard]] std::vector<std::string> Remarks() const override;
+  [[nodiscard]] Findings Found() const override;
   [[nodiscard]] MonotonicNs Begin() override;
   [[nodiscard]] Outcome Next(Reading& reading) override { return line_.Next(reading); }
   [[nodiscard]] std::uint64_t discarded_bytes() const override {

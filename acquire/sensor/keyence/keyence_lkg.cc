@@ -116,7 +116,7 @@ Error KeyenceLkg::NoNumber(const std::optional<Reply>& last) const {
                      ? fmt::format("bytes come at {} baud, but no reply of an LK-G", setup_.baud)
                      : fmt::format("nothing answers at {} baud", setup_.baud);
     error.remedy =
-        "give the controller's --baud, and check that it is set to 8 data bits without parity, "
+        "give the controller's <baud>, and check that it is set to 8 data bits without parity, "
         "that its delimiter is CR, and the cable the maker's";
   } else if (last->kind == ReplyKind::kError) {
     error.what = fmt::format("the controller refuses {} with error {:02}: {}",
@@ -127,7 +127,7 @@ Error KeyenceLkg::NoNumber(const std::optional<Reply>& last) const {
                        : "see the error list of the LK-G's manual";
   } else {
     error.what = "shows no number, so the place of its decimal point is not known";
-    error.remedy = "bring a target into the range, or give --decimals as the display shows them";
+    error.remedy = "bring a target into the range, or give <decimals> as the display shows them";
   }
   return error;
 }
@@ -151,17 +151,16 @@ void KeyenceLkg::MakeHeader(int decimals) {
   header_.metadata.nominal_rate_hz = setup_.rate_hz;
 }
 
-std::vector<std::string> KeyenceLkg::Remarks() const {
+Findings KeyenceLkg::Found() const {
   const double wire_hz = 1.0 / SecondsFromNs(LeastExchangeNs());
   const double most_hz = setup_.rate_hz ? std::min(*setup_.rate_hz, wire_hz) : wire_hz;
-  std::vector<std::string> remarks{
-      fmt::format("an LK-G at {} baud gives less than {:.0f} readings/s: motion up to {:.0f} Hz at "
-                  "best can be observed (rate / 2.56); its data storage and its analog output are "
-                  "faster",
-                  setup_.baud, most_hz, HighestObservableHz(most_hz)),
-      "the controller's sampling, averaging and filters are not read: note them with --label"};
-  for (std::string& remark : line_.Remarks()) remarks.push_back(std::move(remark));
-  return remarks;
+  Findings found;
+  found.Note(FindingKind::kLkgRate, {{"baud", setup_.baud},
+                                     {"rate_hz", most_hz},
+                                     {"observable_hz", HighestObservableHz(most_hz)}});
+  found.Note(FindingKind::kSettingsNotRead);
+  found.AddAll(line_.Found());
+  return found;
 }
 
 // request and reply on the wire; what the controller needs comes on top

@@ -111,8 +111,8 @@ TEST(StreamHead, RefusesALineThatDoesNotFitBetweenTwoSamples) {
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().cause, Cause::kUsage);
   EXPECT_EQ(refused.error().Text(),
-            "--baud: 9 characters at 115200 baud allow 1280 lines/s, the head gives 10000; use "
-            "--baud 921600 or --sampling 782us");
+            "<baud>: 9 characters at 115200 baud allow 1280 lines/s, the head gives 10000; use "
+            "<baud> 921600 or <sampling> 782us");
   setup.head.head.sampling_s = 782e-6;
   EXPECT_TRUE(Validate(setup));
   setup.head.head.sampling_s = 781e-6;
@@ -127,7 +127,7 @@ TEST(StreamHead, RefusesALineThatDoesNotFitBetweenTwoSamples) {
   EXPECT_FALSE(Validate(setup));
   setup.head.head.sampling_s = 1e-5;
   setup.baud = 921600;
-  EXPECT_EQ(Validate(setup).error().remedy, "use --sampling 98us");
+  EXPECT_EQ(Validate(setup).error().remedy, "use <sampling> 98us");
 }
 
 TEST(StreamHead, HasTheFaultsThatNobodyNeedsToAskFor) {
@@ -155,9 +155,9 @@ TEST(StreamHead, HasTheFaultsThatNobodyNeedsToAskFor) {
     setup.faults = *ParseFaultPlan(name);
     const auto refused = Validate(setup);
     ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error().Text(), std::string("--fault: '") + name +
+    EXPECT_EQ(refused.error().Text(), std::string("<fault>: '") + name +
                                           "' is a fault of answers, and nobody asks a stream; "
-                                          "choose another, or --protocol dl-rs1a");
+                                          "choose another, or <protocol> dl-rs1a");
   }
 }
 

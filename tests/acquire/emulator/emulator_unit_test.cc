@@ -335,7 +335,7 @@ TEST(FaultPlan, IsRefusedWithWhatIsKnown) {
   EXPECT_EQ(name.error().cause, Cause::kUsage);
   EXPECT_EQ(
       name.error().Text(),
-      "--fault: 'sulking' is no fault; give one of silent, slow, late, byte-gap, truncate, "
+      "<fault>: 'sulking' is no fault; give one of silent, slow, late, byte-gap, truncate, "
       "garbage, merged, wrong-id, error, invalid, over, under, amplifier-error, disconnect, crc, "
       "slave, transaction, word-order");
   for (const char* text :
@@ -353,16 +353,16 @@ TEST(DlRs1aSetup, IsRefusedWhereTheDeviceHasNoSuchSetting) {
   EXPECT_TRUE(Validate(setup));
   setup.baud = 115200;
   EXPECT_EQ(Validate(setup).error().Text(),
-            "--baud: a DL-RS1A has no 115200 baud; give one of 9600, 2400, 4800, 19200, 38400");
+            "<baud>: a DL-RS1A has no 115200 baud; give one of 9600, 2400, 4800, 19200, 38400");
   EXPECT_EQ(Validate(setup).error().cause, Cause::kUsage);
   setup = Still(0);
   setup.head.head.sampling_s = 3e-3;
   EXPECT_EQ(Validate(setup).error().Text(),
-            "--sampling: an IL-1000 does not sample every 3 ms; give 0.33ms, 1ms, 2ms or 5ms");
+            "<sampling>: an IL-1000 does not sample every 3 ms; give 0.33ms, 1ms, 2ms or 5ms");
   setup = Still(0);
   setup.head.head.averages = 12;
   EXPECT_EQ(Validate(setup).error().Text(),
-            "--averages: an IL-1000 does not average 12; give a power of two from 1 to 4096");
+            "<averages>: an IL-1000 does not average 12; give a power of two from 1 to 4096");
   setup.head.head.averages = 128;
   EXPECT_TRUE(Validate(setup));
   EXPECT_EQ(Ask(setup, "SR,00,133\r\n"), "SR,00,133,7\r\n");

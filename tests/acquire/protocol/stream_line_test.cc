@@ -119,7 +119,7 @@ TEST(StreamFormatText, RefusesInOneLineWithTheRemedy) {
     const auto format = ParseStreamFormat(text);
     ASSERT_FALSE(format) << text;
     EXPECT_EQ(format.error().cause, Cause::kUsage) << text;
-    EXPECT_THAT(format.error().Text(), HasSubstr("--format")) << text;
+    EXPECT_THAT(format.error().Text(), HasSubstr("<format>")) << text;
   }
 }
 

@@ -11,14 +11,16 @@
 #include "tests/acquire/device_transport.h"
 #include "tests/acquire/il_series_emulated.h"
 #include "tests/acquire/sensor_rows.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
 
+using tests::NumbersOf;
+
 using emulator::StillHead;
 using ::testing::AllOf;
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 
@@ -117,7 +119,8 @@ TEST_F(KeyenceChange, ASettingIsWrittenToEveryAmplifierAndReadBack) {
   EXPECT_EQ(metadata().fields.at("changed_sampling"), "1ms -> 0.33ms");
   EXPECT_EQ(metadata().fields.at("changed_averaging_02"), "1 -> 4");
   EXPECT_EQ(metadata().fields.at("keyence_data_133_01"), "2");
-  EXPECT_THAT(sensor_->Remarks(), Contains("changed amplifier 00: sampling 1ms -> 0.33ms"));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kSettingChanged),
+            "setting=sampling before=1ms after=0.33ms");
   // the values were waited for: they are there from the first row on
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kOk);
 }
@@ -134,8 +137,7 @@ TEST_F(KeyenceChange, WithoutATargetTheWaitEndsAndIsSaid) {
       .head = StillHead(0), .faults = *emulator::ParseFaultPlan("invalid"), .is_writable = true});
   ASSERT_TRUE(Start({.writes = Writes({"averaging=2"})}));
   EXPECT_LE(clock_.Now(), 4 * kNsPerS);
-  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("shows no value since its settings were "
-                                                     "changed: is there a target?")));
+  EXPECT_TRUE(sensor_->Found().Has(FindingKind::kNotSettled));
 }
 
 TEST_F(KeyenceChange, WhatIsSetAlreadyIsNotWritten) {
@@ -147,7 +149,7 @@ TEST_F(KeyenceChange, TheHighPassIsItsCornerAndTheFilter) {
   ASSERT_TRUE(StartRs1a({.writes = Writes({"high-pass=10Hz"})}));
   EXPECT_EQ(metadata().fields.at("keyence_data_159"), "6");
   EXPECT_EQ(metadata().fields.at("keyence_data_133"), "14");
-  EXPECT_THAT(sensor_->Remarks(), Contains("the amplifier's high-pass filter at 10 Hz is on"));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kHighPassFilter), "corner_hz=10");
 }
 
 TEST_F(KeyenceChange, ALockedUnitNamesItsSwitch) {
@@ -234,11 +236,11 @@ TEST(IlSetting, OthersAreRefusedWithThoseThereAre) {
   const auto key = il_setting::Parse("speed=1ms");
   ASSERT_FALSE(key);
   EXPECT_EQ(key.error().Text(),
-            "--set: 'speed=1ms' is no setting of an IL amplifier; write sampling=..., "
+            "<set>: 'speed=1ms' is no setting of an IL amplifier; write sampling=..., "
             "averaging=..., hold=... or high-pass=...");
   EXPECT_EQ(key.error().cause, Cause::kUsage);
   EXPECT_EQ(il_setting::Parse("sampling=3ms").error().Text(),
-            "--set: an IL amplifier has no sampling '3ms'; use one of default, 0.33ms, 1ms, 2ms, "
+            "<set>: an IL amplifier has no sampling '3ms'; use one of default, 0.33ms, 1ms, 2ms, "
             "5ms");
   EXPECT_THAT(il_setting::Parse("high-pass=3Hz").error().Text(), HasSubstr("one of off, 0.1Hz"));
   EXPECT_FALSE(il_setting::Parse("sampling"));

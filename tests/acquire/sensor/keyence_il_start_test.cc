@@ -4,10 +4,13 @@
 
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "tests/acquire/scripted_il_unit.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 using ::testing::AllOf;
 using ::testing::Contains;
@@ -60,21 +63,21 @@ TEST_F(KeyenceIlTest, SilenceNamesTheOtherBaudRates) {
   unit_.is_silent = true;
   const Error error = StartError(9600);
   EXPECT_EQ(error.cause, Cause::kCannotAnswer);
-  EXPECT_THAT(error.Text(), HasSubstr("scripted: nothing answers at 9600 baud; try --baud 2400, "
+  EXPECT_THAT(error.Text(), HasSubstr("scripted: nothing answers at 9600 baud; try <baud> 2400, "
                                       "4800, 19200 or 38400, and check "));
   EXPECT_EQ(clock_.Now(), 3 * kNsPerS);
 }
 
 TEST_F(KeyenceIlTest, TheLastBaudRateNamesTheFirstFour) {
   unit_.is_silent = true;
-  EXPECT_THAT(StartError(38400).Text(), HasSubstr("try --baud 2400, 4800, 9600 or 19200, and"));
+  EXPECT_THAT(StartError(38400).Text(), HasSubstr("try <baud> 2400, 4800, 9600 or 19200, and"));
 }
 
 TEST_F(KeyenceIlTest, GarbageAtTheWrongBaudRateIsToldFromSilence) {
   for (int i = 0; i < 3; ++i)
     unit_.to_m0.push_back({{std::string("\xF8\x80\x78\x00\xE0\n", 6), 8 * kMs}});
   EXPECT_THAT(StartError().Text(),
-              HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try --baud 2400"));
+              HasSubstr("bytes come at 9600 baud, but no reply of a DL-RS1A; try <baud> 2400"));
 }
 
 TEST_F(KeyenceIlTest, HalfACommandLeftInTheUnitSpoilsOnlyTheFirstProbe) {
@@ -105,15 +108,17 @@ TEST_F(KeyenceIlTest, TheStopFlagEndsTheStart) {
 
 TEST_F(KeyenceIlTest, SaysWhatTheWireCannotObserve) {
   unit_.settings = {{"195", "1"}, {"132", "2"}, {"133", "4"}, {"136", "1"}, {"033", "00004"}};
-  const std::vector<std::string> remarks = Started().Remarks();
-  EXPECT_THAT(remarks, Contains(AllOf(HasSubstr("at 38400 baud gives at most 122.4 readings/s"),
-                                      HasSubstr("up to 47.8 Hz"))));
-  EXPECT_THAT(remarks, Contains(AllOf(HasSubstr("20-500 Hz vibration cannot be observed"),
-                                      HasSubstr("analog output"), HasSubstr("--sensor stream"))));
+  const Findings found = Started().Found();
+  EXPECT_THAT(NumbersOf(found, FindingKind::kUnitRate),
+              AllOf(HasSubstr("device=DL-RS1A rate_hz=122.4"), HasSubstr(" observable_hz=47.8"),
+                    HasSubstr(" baud=38400")));
+  EXPECT_THAT(NumbersOf(found, FindingKind::kUnitTooSlow),
+              AllOf(HasSubstr(" rate_hz=122.4"), HasSubstr(" needed_hz=1280")));
   // sinc(0.443) = 1/sqrt(2): 0.443 / 16 ms
-  EXPECT_THAT(remarks, Contains(HasSubstr("averages 16 samples of 1 ms: a vibration at 27.7 Hz")));
-  EXPECT_THAT(remarks, Contains(HasSubstr("holds (peak)")));
-  EXPECT_THAT(remarks, Contains(HasSubstr("reports an error (flags 00004)")));
+  EXPECT_THAT(NumbersOf(found, FindingKind::kAveragingCorner),
+              HasSubstr("averages=16 sampling_s=0.001 corner_hz=27.68"));
+  EXPECT_EQ(NumbersOf(found, FindingKind::kHold), "hold=peak");
+  EXPECT_EQ(NumbersOf(found, FindingKind::kAmplifierError), "flags=00004");
 }
 
 }  // namespace

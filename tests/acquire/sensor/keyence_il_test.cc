@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/acquire/scripted_il_unit.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 
@@ -235,7 +237,7 @@ TEST_F(KeyenceIlTest, RepeatedReadingsAreMarkedInTheRow) {
   EXPECT_EQ(NextStatus(), SampleStatus::kOk);
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
   EXPECT_EQ(NextStatus(), SampleStatus::kRepeated);
-  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("50.0 of them fresh")));
+  EXPECT_THAT(NumbersOf(sensor_->Found(), FindingKind::kUnitRate), HasSubstr("new_rate_hz=50"));
 }
 
 }  // namespace

@@ -99,7 +99,7 @@ TEST_F(KeyenceLkgTest, APointThatMovesIsFollowedWhereNoDigitIsLost) {
 TEST_F(KeyenceLkgTest, WithoutANumberItAsksForTheDecimals) {
   EXPECT_THAT(StartScripted({"M1,XXXXXXXX\r"}, {}).error().Text(),
               HasSubstr("shows no number, so the place of its decimal point is not known; bring a "
-                        "target into the range, or give --decimals"));
+                        "target into the range, or give <decimals>"));
   ASSERT_TRUE(StartScripted({"M1,XXXXXXXX\r", "M1,XXXXXXXX\r", "M1,+01.2345\r"}, {.decimals = 4}));
   EXPECT_EQ(RowStatus(NextRow()), SampleStatus::kInvalid);
   EXPECT_EQ(Counts(NextRow().samples[0]), 12'345);

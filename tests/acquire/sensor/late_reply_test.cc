@@ -18,9 +18,12 @@
 #include "acquire/sensor/keyence/keyence_il.h"
 #include "acquire/sensor/keyence/keyence_lkg.h"
 #include "tests/acquire/scripted_transport.h"
+#include "tests/findings.h"
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 constexpr MonotonicNs kMs = 1'000'000;
 
@@ -249,11 +252,8 @@ TEST_P(DoubledReplies, AreDiscardedAndCounted) {
       }
       EXPECT_EQ(misattributed, 0) << again_after_ns << " ns later, parallel: " << is_parallel;
       EXPECT_GE(clock.Now() - begin_ns, kRows * kExchangeNs) << "no row without an exchange";
-      const std::vector<std::string> remarks = sensor->Remarks();
-      const std::string counted = fmt::format("{} replies came to requests", peer.twice);
-      EXPECT_TRUE(std::ranges::any_of(remarks, [&](const std::string& r) {
-        return r.starts_with(counted);
-      })) << counted;
+      EXPECT_EQ(NumbersOf(sensor->Found(), FindingKind::kSurplusReplies),
+                fmt::format("replies={}", peer.twice));
     }
   }
 }
@@ -283,10 +283,7 @@ TEST(ReplyRate, IsThatOfTheWireAndSaidWhereItIsAboveIt) {
   // M0 CR LF and M0,+00.000 CR LF: 16 characters of 10 bits at 9600 baud
   EXPECT_NEAR(rows, 10 * 9600.0 / 160, 1);
   EXPECT_LT(reading.reply_ns - reading.time_ns, kMs) << "the time at which it came";
-  const std::vector<std::string> remarks = sensor->Remarks();
-  EXPECT_TRUE(std::ranges::any_of(remarks, [](const std::string& remark) {
-    return remark.contains("sooner than the stated baud rate");
-  }));
+  EXPECT_TRUE(sensor->Found().Has(FindingKind::kRepliesTooSoon));
 }
 
 }  // namespace

@@ -5,11 +5,13 @@
 #include <random>
 
 #include "tests/acquire/scripted_modbus_device.h"
+#include "tests/findings.h"
 
 namespace haptometer::acquire {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 
@@ -71,7 +73,7 @@ TEST_F(ModbusLateReply, ADoubledReplyIsNotTheNextReading) {
       wrong += reading.samples[0].raw.bits() != device_->readings;
     }
     EXPECT_EQ(wrong, 0) << again_after_ns;
-    EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("requests that had been answered")));
+    EXPECT_TRUE(sensor_->Found().Has(FindingKind::kSurplusReplies));
   }
 }
 
@@ -97,7 +99,8 @@ TEST_F(ModbusLateReply, NorWithinTheLongestReplyWhenChecksAreRefusedOrIgnored) {
     };
     Started(Plain());
     ExpectNoneMisattributed(1000);
-    EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("replies later than 1 s cannot be told")));
+    EXPECT_THAT(NumbersOf(sensor_->Found(), FindingKind::kNoCheckRequest),
+                HasSubstr("longest_reply_s=1"));
   }
 }
 

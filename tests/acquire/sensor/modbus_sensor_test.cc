@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/acquire/scripted_modbus_device.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::HasSubstr;
 using trial::SampleStatus;
 
@@ -42,8 +44,8 @@ TEST_F(ModbusSensorTest, AMissingReplyIsLateAndAnExceptionADeviceError) {
   EXPECT_EQ(NextStatus(), SampleStatus::kOk);
   EXPECT_EQ(Faults(ModbusFault::kTimeout), 1U);
   EXPECT_EQ(sensor_->errors().exceptions[4], 1U);
-  EXPECT_THAT(sensor_->Remarks(),
-              Contains(HasSubstr("1 timeout, 1 exception 04 (device failure)")));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kWireErrors),
+            "errors=1 timeout, 1 exception 04 (device failure)");
 }
 
 TEST_F(ModbusSensorTest, DamageIsABadFrameCountedByKind) {
@@ -178,7 +180,7 @@ TEST_F(ModbusSensorTest, SilenceAtTheStartSaysWhatToCheck) {
   EXPECT_EQ(started.error().cause, Cause::kCannotAnswer);
   EXPECT_THAT(started.error().Text(),
               HasSubstr("nothing answers to slave 1, function 03, 1 registers from 0 at 115200 "
-                        "baud, parity even; check that the sensor is on, --slave"));
+                        "baud, parity even; check that the sensor is on, <slave>"));
 }
 
 TEST_F(ModbusSensorTest, AnExceptionAtTheStartIsTold) {
@@ -190,11 +192,12 @@ TEST_F(ModbusSensorTest, AnExceptionAtTheStartIsTold) {
   EXPECT_THAT(started.error().Text(), HasSubstr("exception 02 (illegal data address)"));
 }
 
-TEST_F(ModbusSensorTest, RemarksSayWhatTheWireAllows) {
+TEST_F(ModbusSensorTest, FindsWhatTheWireAllows) {
   Started(Plain());
-  EXPECT_THAT(sensor_->Remarks(),
-              Contains(HasSubstr("at most 203 readings/s: motion up to 79.2 Hz")));
-  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("20-500 Hz vibration cannot be observed")));
+  const std::string rate = NumbersOf(sensor_->Found(), FindingKind::kRegistersRate);
+  EXPECT_THAT(rate, ::testing::AllOf(HasSubstr(" rate_hz=202."), HasSubstr(" observable_hz=79.2")));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kRegistersTooSlow),
+            "rate_hz=285.714 needed_hz=1280");
 }
 
 }  // namespace

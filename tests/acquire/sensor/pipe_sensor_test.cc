@@ -14,12 +14,15 @@
 #include "tests/acquire/pty_pair.h"
 #include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 // "displacement:m,voltage:V" and a calibration become channels.
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 using ::testing::HasSubstr;
 using trial::ChannelRole;
@@ -127,7 +130,7 @@ TEST(PipeChannels, CountsOfATriggerStayCounts) {
 // Samples through a scripted pipe on a manual clock.
 namespace {
 
-using ::testing::Contains;
+using ::testing::HasSubstr;
 using tests::ScriptedTransport;
 using trial::SampleStatus;
 
@@ -215,8 +218,7 @@ TEST_F(PipeSensorTest, AHeadingIsPassedOverAndALaterWrongLineKeepsItsPlace) {
   pipe_->Send("# my DAQ\nvolts\n1\nx\n3\n", kMs);
   pipe_->HangUp(2 * kMs);
   ASSERT_TRUE(sensor_->Start(kNeverStop));
-  EXPECT_THAT(sensor_->Remarks(),
-              Contains(HasSubstr("2 lines before the first row were passed over: \"volts\"")));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kHeadingLines), "lines=2 first=volts");
   EXPECT_EQ(ToTheEnd(),
             (std::vector{SampleStatus::kOk, SampleStatus::kBadFrame, SampleStatus::kOk}));
   EXPECT_EQ(sensor_->discarded_bytes(), 1U);  // the x; the heading is no part of the recording

@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/acquire/recorder_fixture.h"
+#include "tests/findings.h"
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 using ::testing::HasSubstr;
 using trial::Timing;
@@ -76,7 +79,7 @@ TEST_F(ReconnectingTest, ATryComesAtLeastEveryQuarterOfASecondAndNotMoreOften) {
 TEST_F(ReconnectingTest, WhileItIsAwayItCanBeAskedAndBegunAgain) {
   plug_.away_ns = 5000 * kMs;
   ReconnectingSensor sensor(plug_.Opener(), {}, clock_);
-  EXPECT_TRUE(sensor.Remarks().empty()) << "before the start";
+  EXPECT_TRUE(sensor.Found().list().empty()) << "before the start";
   ASSERT_TRUE(sensor.Start(kNeverStop));
   EXPECT_EQ(sensor.Begin(), 0);
   Reading reading;
@@ -84,7 +87,8 @@ TEST_F(ReconnectingTest, WhileItIsAwayItCanBeAskedAndBegunAgain) {
   while (outcome == Outcome::kReading) outcome = sensor.Next(reading);
   ASSERT_EQ(outcome, Outcome::kAway);
   EXPECT_EQ(sensor.Begin(), clock_.Now());
-  EXPECT_THAT(sensor.Remarks(), ::testing::ElementsAre("counts")) << "what it said last";
+  EXPECT_EQ(NumbersOf(sensor.Found(), FindingKind::kLinesNumbered), "last=99")
+      << "what it found last";
 }
 
 TEST_F(ReconnectingTest, ARefusalIsForgottenOnceTheDeviceIsBack) {

@@ -8,11 +8,14 @@
 #include <limits>
 
 #include "tests/acquire/recorder_fixture.h"
+#include "tests/findings.h"
 
 // Rows that come when their time has come, on a manual clock.
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 using trial::Timing;
 
@@ -139,8 +142,9 @@ TEST_F(RecorderTest, AReplaySaysWhatIsMissingFromItsTrial) {
   fs::resize_file(path_, fs::file_size(path_) * 3 / 4);
   auto replay = Replay::Open(path_);
   ASSERT_TRUE(replay) << replay.error().Text();
-  ASSERT_FALSE((*replay)->Remarks().empty());
-  EXPECT_THAT((*replay)->Remarks()[0], HasSubstr("was cut short"));
+  ASSERT_TRUE((*replay)->Found().Has(FindingKind::kReplayCutShort));
+  EXPECT_EQ((*replay)->Found().list().front().subject, path_);
+  EXPECT_THAT(NumbersOf((*replay)->Found(), FindingKind::kReplayLosses), HasSubstr("losses=1"));
 }
 
 TEST_F(RecorderTest, AReplayOfNothingIsAnswered) {

@@ -7,12 +7,15 @@
 
 #include "tests/acquire/scripted_transport.h"
 #include "tests/acquire/sensor_rows.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 // Lines lost by the numbers that the others carry.
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 TEST(LineCounter, CountsWhatIsMissing) {
   LineCounter counter(1000);
@@ -64,7 +67,6 @@ TEST(LineCounter, AccountsForEveryLine) {
 // Free-running lines on a scripted wire and a manual clock.
 namespace {
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using tests::ScriptedTransport;
 using trial::SampleStatus;
@@ -193,7 +195,7 @@ TEST_F(StreamSensorTest, ACounterTellsHowManyLinesWereLost) {
       std::make_unique<StreamSensor>(std::move(transport), StreamSetup{.format = *format}, clock_);
   wire_->Send("2345\r96,+00.0001\r", kMs);
   ASSERT_TRUE(sensor_->Start(kNeverStop));
-  EXPECT_THAT(sensor_->Remarks(), Contains(HasSubstr("numbered 0 to 99")));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kLinesNumbered), "last=99");
   // what came before the beginning is not missing from it
   (void)sensor_->Begin();
   wire_->Send(
@@ -251,12 +253,12 @@ TEST_F(StreamSensorTest, SaysWhenNoLineEndComes) {
 }
 
 TEST_F(StreamSensorTest, SaysWhatTheWireCanCarry) {
-  EXPECT_THAT(sensor_->Remarks(),
-              Contains(HasSubstr("at most 10240 lines/s of 9 characters: motion "
-                                 "up to 4000 Hz")));
+  EXPECT_EQ(NumbersOf(sensor_->Found(), FindingKind::kLinesRate),
+            "baud=921600 characters=9 rate_hz=10240 observable_hz=4000");
+  EXPECT_FALSE(sensor_->Found().Has(FindingKind::kLinesTooSlow));
   StreamSensor slow(std::make_unique<ScriptedTransport>(clock_), {.baud = 9600, .format = {}},
                     clock_);
-  EXPECT_THAT(slow.Remarks(), Contains(HasSubstr("20-500 Hz band needs 1280 lines/s")));
+  EXPECT_EQ(NumbersOf(slow.Found(), FindingKind::kLinesTooSlow), "needed_hz=1280");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // Serial ports by a device tree made for the test, and what a latency timer costs.
-#include "acquire/transport/port_list.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,10 +7,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "acquire/transport/port_list.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::acquire {
 namespace {
+
+using tests::NumbersOf;
 
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
@@ -97,13 +100,12 @@ TEST(LatencyTimer, CostsItsTimeInEveryExchange) {
   EXPECT_REL(PolledRateHz(8'166'667, 0), 122.4, 1e-3, "four digits");
 }
 
-TEST(LatencyTimer, SaysTheCostAndTheRemedy) {
-  const std::string remark = LatencyRemark("/dev/ttyUSB3", 16 * kMs, 8'166'667);
-  EXPECT_THAT(remark, HasSubstr("for 16 ms: 41.4 readings/s at most instead of 109.1; set 1 ms "
-                                "with: echo 1 | sudo tee "
-                                "/sys/bus/usb-serial/devices/ttyUSB3/latency_timer, or"));
-  EXPECT_THAT(remark, HasSubstr("DRIVER==\"ftdi_sio\", ATTR{latency_timer}=\"1\""));
-  EXPECT_EQ(LatencyRemark("/dev/ttyUSB3", kMs, 8'166'667), "");
+TEST(LatencyTimer, FindsTheCost) {
+  const Findings found = LatencyCostOf("/dev/ttyUSB3", 16 * kMs, 8'166'667);
+  EXPECT_THAT(NumbersOf(found, FindingKind::kLatencyTimer),
+              HasSubstr("port=ttyUSB3 latency_s=0.016 rate_hz=41.37"));
+  EXPECT_THAT(NumbersOf(found, FindingKind::kLatencyTimer), HasSubstr(" rate_at_1_ms_hz=109.0"));
+  EXPECT_TRUE(LatencyCostOf("/dev/ttyUSB3", kMs, 8'166'667).list().empty());
 }
 
 }  // namespace

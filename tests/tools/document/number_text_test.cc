@@ -37,6 +37,8 @@ TEST(NumberText, ShowsSixDigitsWithoutAnUncertainty) {
   EXPECT_EQ(NumberText(9300, 0, 0), "9300");
   EXPECT_EQ(NumberText(0.25, 0, 0, 4), "0.25");
   EXPECT_EQ(NumberText(201.88526, 0, 0, 4), "201.9");
+  EXPECT_EQ(NumberText(10240, 0, 0, 4), "10240") << "no power of ten";
+  EXPECT_EQ(NumberText(-123456.7, 0, 0, 4), "-123500");
 }
 
 // 224.9999999872(15) was printed of a noiseless record: no clock is known to 1e-11

@@ -158,8 +158,8 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(
       ErrorOf("0,1\n1,2\n"),
       "f.csv: no line names its 2 columns: the first may be a time (1 rows a second in s, 1000 in "
-      "ms) or a channel beside the others; say --columns time_s,voltage_v, or --columns "
-      "voltage_v,voltage_2_v with --rate");
+      "ms) or a channel beside the others; say <columns> time_s,voltage_v, or <columns> "
+      "voltage_v,voltage_2_v with <rate>");
   EXPECT_THAT(ErrorOf("name,age\nbob,3\n"), HasSubstr("no time column"));
   EXPECT_EQ(ErrorOf("time,voltage_v\n0,1\n"),
             "f.csv: column 'time' does not say its unit; name it time_s, time_ms or time_us");
@@ -177,7 +177,7 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n1,3\n"),
             "f.csv: 1 of 3 rows has the time of the row before (first in line 4), and no even grid "
             "explains it; print the times with more digits, or remove these rows; only where no "
-            "row is missing, leave the times out (--columns) and say --rate");
+            "row is missing, leave the times out (<columns>) and say <rate>");
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n0.5,3\n"),
             "f.csv: line 4: time 0.5 s does not grow (the row before is at 1 s); sort the rows, or "
             "print the times with more digits");

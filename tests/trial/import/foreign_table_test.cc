@@ -5,11 +5,14 @@
 
 #include <cmath>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
 
 namespace haptometer::trial {
 namespace {
+
+using tests::NumbersOf;
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -83,7 +86,7 @@ TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
   EXPECT_EQ(
       ErrorOf("Time,CH1\n0,1\n1,2\n"),
       "f.csv: column 'Time' does not say its unit: in s there are 1 rows a second, in ms 1000; "
-      "name it time_s, time_ms or time_us, or say --columns");
+      "name it time_s, time_ms or time_us, or say <columns>");
   EXPECT_EQ(ErrorOf("a,b\n0,001,1,5\n0,002,1,6\n"),
             "f.csv: line 2: has 4 cells under 2 names: either cells '0' and '001', or one number "
             "0,001; separate cells with semicolons, or write decimal points");
@@ -92,7 +95,7 @@ TEST(ForeignTable, WhatHasTwoReadingsIsRefusedWithBoth) {
       "f.csv: line 2: '1,234' may be a decimal comma or group thousands, as '0.5' has a point; "
       "write all numbers with points and without grouping");
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n1,2\n", {.rate_hz = 1000.0}),
-              HasSubstr("its times say 1 rows a second and --rate says 1000 Hz"));
+              HasSubstr("its times say 1 rows a second and <rate> says 1000 Hz"));
 }
 
 TEST(ForeignTable, WhatIsMissingIsAskedFor) {
@@ -101,7 +104,7 @@ TEST(ForeignTable, WhatIsMissingIsAskedFor) {
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s"}}),
               HasSubstr("names 1 columns where f.csv has 2"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "voltage_v"}, .scale_m = 1.0}),
-              HasSubstr("no column is one; say --columns time_s,displacement"));
+              HasSubstr("no column is one; say <columns> time_s,displacement"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time", "voltage_v"}}),
               HasSubstr("column 'time' does not say its unit"));
   EXPECT_THAT(ErrorOf("0,1\n1,2\n", {.columns = {"time_s", "-"}}),
@@ -136,35 +139,35 @@ TEST(ForeignTable, UnevenTimesCloserThanANanosecondKeepTheirRate) {
 
 TEST(ForeignTable, ColumnsThatAreSaidNeedATable) {
   EXPECT_EQ(ErrorOf("a,b\nc,d\n", {.columns = {"time_s", "voltage_v"}}),
-            "f.csv: has no two lines of numbers for --columns to name; give a file with a row of "
+            "f.csv: has no two lines of numbers for <columns> to name; give a file with a row of "
             "numbers a line, separated by commas, semicolons, tabs or blanks");
 }
 
-TEST(ForeignTable, TimesAgainstAStatedRateAreRemarkedUpon) {
+TEST(ForeignTable, TimesAgainstAStatedRateAreADoubt) {
   for (const char* words : {"# nominal_rate_hz = 1000", "# sampling 1 kHz", "# rate = 1000 Hz",
                             "# sample_rate_hz = 1000"}) {
-    std::vector<std::string> remarks;
+    Findings findings;
     const auto record =
-        ParseCsv(std::string(words) + "\ntime_s,voltage_v\n0,1\n1,2\n2,3\n", "f", {}, &remarks);
+        ParseCsv(std::string(words) + "\ntime_s,voltage_v\n0,1\n1,2\n2,3\n", "f", {}, &findings);
     ASSERT_TRUE(record);
     EXPECT_EQ(record->stretches.at(0).rate_hz, 1);
-    ASSERT_EQ(remarks.size(), 1) << words;
-    EXPECT_THAT(remarks[0], HasSubstr("say 1 rows a second where the file states 1000 Hz"));
+    ASSERT_EQ(findings.list().size(), 1) << words;
+    EXPECT_EQ(NumbersOf(findings, FindingKind::kTimesInOtherUnit), "rate_hz=1 stated_hz=1000");
   }
-  std::vector<std::string> remarks;
-  EXPECT_TRUE(ParseCsv("# rate = 1000 Hz\ntime_s,voltage_v\n0,1\n0.001,2\n", "f", {}, &remarks));
-  EXPECT_TRUE(ParseCsv("# drive 225 Hz\ntime_s,voltage_v\n0,1\n1,2\n", "f", {}, &remarks));
-  EXPECT_THAT(remarks, IsEmpty());
+  Findings findings;
+  EXPECT_TRUE(ParseCsv("# rate = 1000 Hz\ntime_s,voltage_v\n0,1\n0.001,2\n", "f", {}, &findings));
+  EXPECT_TRUE(ParseCsv("# drive 225 Hz\ntime_s,voltage_v\n0,1\n1,2\n", "f", {}, &findings));
+  EXPECT_THAT(findings.list(), IsEmpty());
 }
 
 TEST(ForeignTable, TimesAndHeaderThatContradictEachOtherAreRefusedUntilTheRateIsSaid) {
   const std::string text = "Sample Interval,1e-3\nTime (s),CH1 (V)\n0,1\n1,2\n2,3\n";
   EXPECT_EQ(ErrorOf(text),
             "f.csv: its times say 1 rows a second and 'Sample Interval' says 1000; say which is "
-            "right with --rate");
+            "right with <rate>");
   EXPECT_REL(Parsed(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-12, "header");
   EXPECT_REL(Parsed(text, {.rate_hz = 1.0}).stretches.at(0).rate_hz, 1, 1e-12, "times");
-  EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("--rate says 7 Hz"));
+  EXPECT_THAT(ErrorOf(text, {.rate_hz = 7.0}), HasSubstr("<rate> says 7 Hz"));
   EXPECT_THAT(ErrorOf("Sample Interval,1e-3\nSample Rate,1e6\nCH1 (V)\n1\n2\n"),
               HasSubstr("states two sample intervals: 0.001 s by 'Sample Interval' and 1e-06 s"));
 }
@@ -172,18 +175,19 @@ TEST(ForeignTable, TimesAndHeaderThatContradictEachOtherAreRefusedUntilTheRateIs
 TEST(ForeignTable, ARateThatIsSaidReplacesTheHeadersWhereThereAreNoTimes) {
   const std::string text = "Sample Interval,1e-3\nCH1 (V)\n1\n2\n3\n";
   EXPECT_REL(Parsed(text).stretches.at(0).rate_hz, 1000, 1e-12, "header");
-  std::vector<std::string> remarks;
-  const auto record = ParseCsv(text, "f", {.rate_hz = 500.0}, &remarks);
+  Findings findings;
+  const auto record = ParseCsv(text, "f", {.rate_hz = 500.0}, &findings);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->stretches.at(0).rate_hz, 500);
-  EXPECT_THAT(remarks, ::testing::Contains(HasSubstr("--rate 500 Hz replaces 1000 Hz")));
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kRateReplaced),
+            "rate_hz=500 stated_hz=1000 stated_by=Sample Interval");
 }
 
 TEST(ForeignTable, TimesThatBeginAgainAreSegmentsOrRowsOutOfOrder) {
   const std::string text = "Time (s),CH1 (V)\n0,1\n1,2\n2,3\n0,4\n1,5\n2,6\n";
   EXPECT_EQ(ErrorOf(text),
             "f.csv: its times begin again at line 5: either 2 segments, of which it does not say "
-            "when they were, or rows out of order; read one of them (--segment 1 to 2), or sort "
+            "when they were, or rows out of order; read one of them (<segment> 1 to 2), or sort "
             "the rows");
   EXPECT_EQ(Parsed(text, {.segment = 2}).channels.at(0).values, (std::vector<double>{4, 5, 6}));
   EXPECT_THAT(ErrorOf("Time (s),CH1 (V)\n0,1\n1,2\n0,4\n", {.segment = 2}),

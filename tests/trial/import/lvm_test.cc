@@ -270,7 +270,7 @@ TEST(Lvm, ChannelsOfOtherClocksAreReadOneByOne) {
       LvmErrorOf(text),
       AllOf(HasSubstr("its channels have clocks of their own: 'A' begins at 0 s with a "
                       "sample every 2.5e-05 s (Delta_X), 'B' at 0.5 s with one every 0.5 s"),
-            HasSubstr("--channel")));
+            HasSubstr("<channel>")));
   const Record fast = ParsedLvm(text, {.channel = "A"});
   EXPECT_EQ(fast.rows, 3000);
   EXPECT_REL(fast.stretches.at(0).rate_hz, 40'000, 1e-12, "Delta_X");

@@ -7,13 +7,15 @@
 #include <functional>
 #include <random>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
 
 namespace haptometer::trial {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::HasSubstr;
 
 Record Parsed(std::string_view text, const ImportOptions& options = {}) {
@@ -124,18 +126,17 @@ TEST_P(Decimals, AMissingRowBeginsAStretch) {
 }
 
 TEST_P(Decimals, ADoubledRowIsLeftOutAndSaid) {
-  std::vector<std::string> remarks;
+  Findings findings;
   const auto text = Table(
       20'000, [](auto i) { return Float(At(i - (i >= 700 ? 1 : 0), -0.1, 3e-5), GetParam()); });
-  const auto record = ParseCsv(text, "f.csv", {}, &remarks);
+  const auto record = ParseCsv(text, "f.csv", {}, &findings);
   ASSERT_TRUE(record) << record.error().Text();
   EXPECT_EQ(record->rows, 19'999);
   EXPECT_EQ(record->channels.at(0).values.size(), 19'999);
   EXPECT_EQ(record->channels[0].statuses.size(), 19'999);
   EXPECT_EQ(record->stretches.size(), 1);
   EXPECT_TRUE(record->raw_times_s.empty());
-  EXPECT_THAT(remarks, Contains(HasSubstr("1 of 20000 rows has the time of the row before and is "
-                                          "left out (line 703)")));
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kRowsExcluded), "excluded=1 rows=20000 line=703");
 }
 
 TEST_P(Decimals, JitterOfAHundredthOfAnIntervalIsKept) {
@@ -178,34 +179,34 @@ TEST(PrintedTimes, TheFewRowsThatRepeatATimeOfUnevenOnesAreLeftOut) {
   // a phone: 10 ms with jitter, one reading in 2000 with its neighbour's time
   std::mt19937 random(7);
   std::uniform_real_distribution<double> jitter(-1e-3, 1e-3);
-  std::vector<std::string> remarks;
+  Findings findings;
   std::string last;
   const auto print = [&](std::size_t i) {
     if (i != 1234) last = fmt::format("{:.9f}", At(i, 0.5, 0.01) + jitter(random));
     return last;
   };
   const auto record =
-      ParseCsv(Table(2000, print, "Time (s),Acceleration (m/s^2)\n"), "f.csv", {}, &remarks);
+      ParseCsv(Table(2000, print, "Time (s),Acceleration (m/s^2)\n"), "f.csv", {}, &findings);
   ASSERT_TRUE(record) << record.error().Text();
   EXPECT_EQ(record->rows, 1999);
   EXPECT_EQ(record->raw_times_s.size(), 1999);
   EXPECT_REL(record->stretches.at(0).rate_hz, 100, 1e-3, "a row in 2000 is missing");
-  EXPECT_THAT(remarks, Contains(HasSubstr("left out (line 1236)")));
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kRowsExcluded), "excluded=1 rows=2000 line=1236");
 }
 
 TEST(PrintedTimes, OurOwnColumnsAreTreatedAlike) {
-  std::vector<std::string> remarks;
+  Findings findings;
   std::string text = "time_s,displacement_mm,status\n";
   for (int i = 0; i < 300; ++i) {
     text += fmt::format("{},{},{}\n", (i - (i > 200 ? 1 : 0)) * 0.001, i, i == 299 ? "late" : "ok");
   }
-  const auto record = ParseCsv(text, "f.csv", {}, &remarks);
+  const auto record = ParseCsv(text, "f.csv", {}, &findings);
   ASSERT_TRUE(record) << record.error().Text();
   EXPECT_EQ(record->rows, 299);
   EXPECT_EQ(record->channels.at(0).statuses.back(), SampleStatus::kLate);
   EXPECT_DOUBLE_EQ(record->channels[0].values.at(200), 0.2);
   EXPECT_DOUBLE_EQ(record->channels[0].values.at(201), 0.202);
-  EXPECT_THAT(remarks, Contains(HasSubstr("1 of 300 rows has the time of the row before")));
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kRowsExcluded), "excluded=1 rows=300 line=203");
 }
 
 TEST(PrintedTimes, ManyRowsThatRepeatATimeAreRefusedWithTheFirstLine) {

@@ -5,8 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <string_view>
+#include <utility>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/read_recording.h"
 #include "trial/import/readers.h"
@@ -14,7 +17,8 @@
 namespace haptometer::trial {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::HasSubstr;
 
 std::string PathOf(const std::string& file) { return HAPTOMETER_FIXTURES "/scope_csv/" + file; }
@@ -31,7 +35,8 @@ struct Layout {
   double start_s = 0;
   std::size_t rows = 64;
   double rate_tolerance = 1e-9;  // printed times and steps in decimal
-  std::string remark{};          // one that must be there
+  // what must be found beside the layout, with its numbers
+  std::optional<std::pair<FindingKind, std::string>> found{};
 };
 
 void PrintTo(const Layout& layout, std::ostream* out) { *out << layout.file; }
@@ -44,9 +49,12 @@ TEST_P(ScopeLayout, IsReadAsItsMakerMeansIt) {
   ASSERT_TRUE(recording) << recording.error().Text();
   const Record& record = recording->record;
   EXPECT_EQ(record.metadata.fields.at("table.format"), wanted.format);
-  EXPECT_THAT(recording->report.remarks, Contains(HasSubstr("--format " + wanted.format)));
-  if (!wanted.remark.empty()) {
-    EXPECT_THAT(recording->report.remarks, Contains(HasSubstr(wanted.remark)));
+  const Findings& findings = recording->report.findings;
+  EXPECT_THAT(NumbersOf(findings, FindingKind::kFormatFound),
+              HasSubstr("format=" + wanted.format + " title="));
+  if (wanted.found) {
+    EXPECT_TRUE(findings.Has(wanted.found->first));
+    EXPECT_THAT(NumbersOf(findings, wanted.found->first), HasSubstr(wanted.found->second));
   }
   EXPECT_EQ(record.rows, wanted.rows);
   EXPECT_TRUE(record.raw_times_s.empty()) << "not on a grid";
@@ -82,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(
                .channels = {"CH2"},
                .rate_hz = 5e5,
                .start_s = -1.4e-3 + 22 * 2e-6,
-               .remark = "begin at number 22"},
+               .found = {{FindingKind::kRowsBeginAt, "first=22 earlier_s=4.4e-05"}}},
         // times are rounded to 32-bit floats
         Layout{"rigol_seconds.csv", "rigol-seconds", {"CH1", "CH2"}, 5e5, -6e-4, 64, 1e-6},
         Layout{"rigol_volts.csv", "rigol-volts", {"CH 1", "CH 2"}, 1e5, -0.004688},
@@ -99,13 +107,13 @@ INSTANTIATE_TEST_SUITE_P(
                .format = "siglent",
                .channels = {"CH1"},
                .rate_hz = 1e8,
-               .remark = "it is put at 0 s"},
+               .found = {{FindingKind::kStartAssumed, ""}}},
         Layout{.file = "lecroy.csv",
                .format = "lecroy",
                .channels = {"Ampl"},
                .rate_hz = 5e7,
                .start_s = -5e-6,
-               .remark = "the values' unit is not in the file; LeCroy writes V"},
+               .found = {{FindingKind::kValueUnitAssumed, "title=LeCroy unit=V"}}},
         Layout{"picoscope.csv", "picoscope", {"Channel A", "Channel B"}, 1e6, -1e-4},
         Layout{"picoscope_german.csv", "picoscope", {"Kanal A"}, 1e9, -1e-7},
         Layout{"picoscope_latin1.csv", "picoscope", {"Kanal A"}, 1e9, -1e-7},
@@ -120,13 +128,13 @@ INSTANTIATE_TEST_SUITE_P(
                .channels = {"Channel 0 (PXI1Slot5/0)", "Channel 1 (PXI1Slot5/1)"},
                .rate_hz = 1 / 1.5e-7,
                .start_s = 0.0336875851235834,
-               .remark = "NI PXI writes V"},
+               .found = {{FindingKind::kValueUnitAssumed, "title=NI PXI unit=V"}}},
         // times of the wall's clock, over midnight; whole microseconds
         Layout{.file = "ni_elvis.csv",
                .format = "ni-elvis",
                .channels = {"V_S", "V_C"},
                .rate_hz = 4e5,
-               .remark = "begin up to 1 us apart"},
+               .found = {{FindingKind::kChannelsApart, "apart_s="}}},
         Layout{.file = "five_digits.csv",
                .format = "plain",
                .channels = {"CH1", "CH2"},
@@ -134,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
                .start_s = -0.003,
                .rows = 4000,
                .rate_tolerance = 2e-4,
-               .remark = "times are those of the row before"},
+               .found = {{FindingKind::kTimesRebuilt, " rows=4000"}}},
         Layout{.file = "excel.csv",
                .format = "plain",
                .channels = {"CH1", "CH2"},
@@ -159,6 +167,15 @@ TEST(ScopeCsv, ClipTokensAreNoMeasurements) {
   EXPECT_EQ(pico->record.channels[0].statuses.at(8), kUnder);
 }
 
+TEST(ScopeCsv, ChannelsThatBeginApartAreFound) {
+  const auto recording = ReadRecording(PathOf("ni_elvis.csv"));
+  ASSERT_TRUE(recording) << recording.error().Text();
+  for (const Finding& found : recording->report.findings.list()) {
+    if (found.kind != FindingKind::kChannelsApart) continue;
+    EXPECT_ABS(std::get<double>(found.numbers.at(0).value), 1e-6, 2e-11, "times of a day");
+  }
+}
+
 TEST(ScopeCsv, SegmentsLieWhereTheFileSays) {
   const auto recording = ReadRecording(PathOf("lecroy_segments.csv"));
   ASSERT_TRUE(recording) << recording.error().Text();
@@ -179,7 +196,7 @@ TEST(ScopeCsv, SegmentsLieWhereTheFileSays) {
 TEST(ScopeCsv, TransitionsAreNoSamples) {
   const auto recording = ReadRecording(PathOf("saleae_digital.csv"));
   ASSERT_TRUE(recording) << recording.error().Text();
-  EXPECT_THAT(recording->report.remarks, Contains(HasSubstr("rows are no samples")));
+  EXPECT_TRUE(recording->report.findings.Has(FindingKind::kTransitionsOnly));
   EXPECT_EQ(recording->record.raw_times_s.size(), 5) << "an uneven time base stays as it is";
   EXPECT_EQ(recording->record.channels.at(1).statuses.at(0), SampleStatus::kInvalid);
   EXPECT_EQ(recording->record.Find(ChannelRole::kVoltage), nullptr);
@@ -215,7 +232,7 @@ TEST(ScopeCsv, LabviewFilesWithAndWithoutAHeader) {
   const auto nothing_said = ReadRecording(PathOf("labview_bare.lvm"));
   ASSERT_FALSE(nothing_said);
   EXPECT_THAT(nothing_said.error().Text(),
-              HasSubstr("holds one column, without a name and without times; say --rate"));
+              HasSubstr("holds one column, without a name and without times; say <rate>"));
 }
 
 TEST(ScopeCsv, AToolsTableWithARowNumber) {
@@ -236,7 +253,7 @@ TEST(ScopeCsv, TheFormatCanBeSaid) {
   const auto wrong =
       ReadRecording(PathOf("siglent_source.csv"), {.format = TableFormat::kTektronixTds});
   ASSERT_FALSE(wrong);
-  EXPECT_THAT(wrong.error().Text(), HasSubstr("is no table as --format tektronix-tds says"));
+  EXPECT_THAT(wrong.error().Text(), HasSubstr("is no table as <format> tektronix-tds says"));
 }
 
 TEST(ScopeCsv, ATextWithoutLinesIsNoTable) {

@@ -7,16 +7,17 @@
 #include <cmath>
 #include <functional>
 
+#include "tests/findings.h"
 #include "tests/residual.h"
 #include "trial/import/readers.h"
 
 namespace haptometer::trial {
 namespace {
 
-using ::testing::Contains;
+using tests::NumbersOf;
+
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr std::size_t kRows = 300;
 
@@ -213,8 +214,8 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& dialect) { return dialect.param.name; });
 
 Record Parsed(std::string_view text, const ImportOptions& options = {},
-              std::vector<std::string>* remarks = nullptr) {
-  auto record = ParseCsv(text, "f.csv", options, remarks);
+              Findings* findings = nullptr) {
+  auto record = ParseCsv(text, "f.csv", options, findings);
   EXPECT_TRUE(record) << record.error().Text();
   return record ? std::move(*record) : Record{};
 }
@@ -229,9 +230,10 @@ TEST(TableDialects, WhatSeparatesCellsIsSaid) {
               HasSubstr("no line names its 3 columns (separated by blanks)"));
   EXPECT_THAT(ErrorOf(Rows(kBlanks), {.columns = {"time_s", "voltage_v"}}),
               HasSubstr("names 2 columns where f.csv has 3, separated by blanks"));
-  std::vector<std::string> remarks;
-  (void)Parsed(Rows(kBlanks), {.columns = {"time_s", "voltage_v", "-"}}, &remarks);
-  EXPECT_THAT(remarks, Contains(HasSubstr("cells separated by blanks, channels voltage [V]")));
+  Findings findings;
+  (void)Parsed(Rows(kBlanks), {.columns = {"time_s", "voltage_v", "-"}}, &findings);
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kFormatFound),
+            "format=plain title=plain table channels=voltage [V] separator=blanks");
 }
 
 TEST(TableDialects, ARowOfAnotherWidthBetweenBlanksIsNamed) {
@@ -250,15 +252,15 @@ TEST(TableDialects, WordsAboveNumbersAreNoNumbers) {
 }
 
 TEST(TableDialects, SaleaeTellsAnalogFromDigital) {
-  std::vector<std::string> remarks;
-  const Record analog = Parsed("Time [s],Coil\n0.0,0.125\n0.5,-0.25\n1.0,1\n", {}, &remarks);
+  Findings findings;
+  const Record analog = Parsed("Time [s],Coil\n0.0,0.125\n0.5,-0.25\n1.0,1\n", {}, &findings);
   EXPECT_EQ(analog.channels.at(0).role, ChannelRole::kVoltage);
-  EXPECT_THAT(remarks, Contains(HasSubstr("unit is not in the file; Saleae Logic 2 writes V")));
-  EXPECT_THAT(remarks, Not(Contains(HasSubstr("transitions"))));
-  remarks.clear();
-  const Record digital = Parsed("Time [s],D0\n0.0,0\n0.31,1\n0.4,0\n", {}, &remarks);
+  EXPECT_EQ(NumbersOf(findings, FindingKind::kValueUnitAssumed), "title=Saleae Logic 2 unit=V");
+  EXPECT_FALSE(findings.Has(FindingKind::kTransitionsOnly));
+  findings = {};
+  const Record digital = Parsed("Time [s],D0\n0.0,0\n0.31,1\n0.4,0\n", {}, &findings);
   EXPECT_EQ(digital.channels.at(0).role, ChannelRole::kOther);
-  EXPECT_THAT(remarks, Contains(HasSubstr("transitions")));
+  EXPECT_TRUE(findings.Has(FindingKind::kTransitionsOnly));
 }
 
 TEST(TableDialects, AChannelIsNamedAsTheHeaderPrintsIt) {

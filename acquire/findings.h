@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/finding.h"
+
+namespace haptometer::acquire {
+
+/// What a sensor, its wire and its settings can and cannot observe, and what was seen while it was
+/// read. The numbers of each kind stand behind it; the subject is an amplifier or a file where
+/// there are several.
+enum class FindingKind : std::uint8_t {
+  // --- what a wire carries
+  kUnitRate,            ///< device, baud (of a serial line), rate_hz, new_rate_hz (where lower),
+                        ///< observable_hz
+  kUnitTooSlow,         ///< device, rate_hz (highest), needed_hz: not for 20-500 Hz
+  kLkgRate,             ///< baud, rate_hz, observable_hz
+  kLinesRate,           ///< baud, characters, rate_hz, observable_hz
+  kLinesTooSlow,        ///< needed_hz: not for 20-500 Hz at this baud rate
+  kLinesNumbered,       ///< last: losses are counted up to as many lines in a row
+  kStatedRate,          ///< rate_hz, observable_hz, half_rate_hz
+  kRegistersRate,       ///< profile, baud, registers, wire_s, rate_hz, new_rate_hz (where lower),
+                        ///< observable_hz
+  kRegistersTooSlow,    ///< rate_hz (highest), needed_hz
+  kProfileRate,         ///< profile, rate_hz, observable_hz
+  kProfileRateUnknown,  ///< profile
+  kLatencyTimer,        ///< port, latency_s, rate_hz, rate_at_1_ms_hz
+
+  // --- settings of the device
+  kSettingChanged,    ///< setting, before, after
+  kNotSettled,        ///< no value since the settings were changed
+  kAveragingCorner,   ///< averages, sampling_s, corner_hz: -3 dB
+  kDifferenceFilter,  ///< is on
+  kHighPassFilter,    ///< corner_hz: is on
+  kHold,              ///< hold
+  kAmplifierError,    ///< flags
+  kSettingsNotRead,   ///< sampling, averaging and filters
+  kTcpProfile,        ///< profile: on a serial port
+  kNoCheckRequest,    ///< profile, longest_reply_s
+  kIdealSensor,       ///< rate_hz: the scene has no sensor
+
+  // --- what was seen
+  kHeadingLines,    ///< lines, first
+  kLinesTooSoon,    ///< lines, elapsed_s, baud, wire_s
+  kSurplusReplies,  ///< replies
+  kRepliesTooSoon,  ///< too_soon, replies, wire_s, rate_hz
+  kWireErrors,      ///< errors
+  kReplayCutShort,  ///< the trial that is replayed
+  kReplayLosses,    ///< losses, rows_lost (where known)
+
+  // --- whether a sensor can answer a question (acquire/capability.h)
+  kCanAnswer,   ///< rate_hz, limit, observable_hz, noise_m, smallest_m, record_s (where known)
+  kRateTooLow,  ///< rate_hz, limit, observable_hz, asked_hz, needed_hz
+  kAveragingTooLong,  ///< averages, sampling_s, gain, asked_hz
+  kStepsTooLarge,     ///< step_m, wanted_m
+};
+
+using Finding = FindingOf<FindingKind>;
+using Findings = haptometer::Findings<FindingKind>;
+
+}  // namespace haptometer::acquire

@@ -1,0 +1,85 @@
+#include <array>
+
+#include "tools/document/document.h"
+
+// What reading a file finds, in words (trial/findings.h).
+
+namespace haptometer::document {
+namespace {
+
+using trial::FindingKind;
+
+constexpr std::size_t kKinds = static_cast<std::size_t>(FindingKind::kNotedAtExport) + 1;
+constexpr std::size_t kLosses = static_cast<std::size_t>(FindingKind::kDamagedFromBlock) + 1;
+
+// in the order of the kinds
+constexpr std::array<Sentence, kKinds> kSentences{{
+    {"signature-damaged", "the file's signature is damaged"},
+    {"blocks-damaged",
+     "[block {block} is damaged][blocks {first_block} to {last_block} are damaged]"},
+    {"blocks-missing",
+     "[block {block} is missing][blocks {first_block} to {last_block} are missing]"},
+    {"block-out-of-order", "block {block} is out of its order"},
+    {"block-no-event", "block {block} holds no event"},
+    {"block-unfit", "block {block} does not fit the header"},
+    {"ends-in-block", "the file ends inside block {block}"},
+    {"damaged-from-block", "the file is damaged from block {block} on"},
+    {"not-finished", "the file was not finished by its writer"},
+    {"format-found",
+     "the file is read as {title} (found; --format {format})[, cells separated by {separator}], "
+     "channels {channels}"},
+    {"format-given",
+     "the file is read as {title} (--format {format})[, cells separated by {separator}], channels "
+     "{channels}"},
+    {"format-not-used", "a LabVIEW measurement has a layout of its own; --format is not used"},
+    {"unit-overridden",
+     "column {column} is in units of {file_factor} {file_unit} by the file and of {given_factor} "
+     "{given_unit} by --columns or --scale, which is used"},
+    {"stated-rows-differ", "the file states {stated_rows} rows and holds {rows}"},
+    {"rate-contradicted",
+     "the times give {rate_hz} and '{stated_by}' gives {stated_hz}; --rate decides"},
+    {"times-in-other-unit",
+     "the times give {rate_hz} where the file states {stated_hz}; they are used as they are, but "
+     "may be in another unit than their column states"},
+    {"rate-replaced", "--rate {rate_hz} replaces {stated_hz} by '{stated_by}'"},
+    {"start-assumed", "the time of the first row is not in the file; it is assumed to be 0 s"},
+    {"rows-excluded",
+     "rows with the time of the row before are excluded: {excluded} of {rows}, the first in line "
+     "{line}"},
+    {"times-rebuilt",
+     "{repeated} of {rows} times equal that of the row before, because they have too few digits; "
+     "they are replaced by the even grid that explains all"},
+    {"channels-apart",
+     "the channels begin up to {apart_s} apart (t0); all are given the times of the first one"},
+    {"transitions-only", "digital channels list their transitions only: their rows are no samples"},
+    {"value-unit-assumed", "the unit of the values is not in the file; {title} writes {unit}"},
+    {"time-unit-assumed", "the unit of the times is not in the file; {title} writes {unit}"},
+    {"rows-begin-at",
+     "the rows begin at number {first}: times are Start + number x Increment; if Start is the "
+     "first row's time, all are {earlier_s} earlier"},
+    {"noted-at-export", "{text}"},
+}};
+
+// behind each loss: where in the file, and which rows
+constexpr std::string_view kLost =
+    "[ (bytes {from_byte} to {to_byte})][: row {row} is lost][: rows {first_row} to {last_row} are "
+    "lost][: what followed row {after_row} is lost]";
+
+std::array<std::string, kLosses> LossTexts() {
+  std::array<std::string, kLosses> texts;
+  for (std::size_t k = 0; k < kLosses; ++k) {
+    texts[k] = std::string(kSentences[k].text) + std::string(kLost);
+  }
+  return texts;
+}
+
+}  // namespace
+
+Sentence SentenceOf(FindingKind kind) {
+  static const std::array<std::string, kLosses> loss_texts = LossTexts();
+  const auto number = static_cast<std::size_t>(kind);
+  const Sentence& sentence = kSentences.at(number);
+  return number < kLosses ? Sentence{sentence.kind, loss_texts[number]} : sentence;
+}
+
+}  // namespace haptometer::document
