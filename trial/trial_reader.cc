@@ -71,7 +71,46 @@ Result<void> CheckSignature(const ByteSource& source, const std::string& name,
   return CannotAnswer(name, "is no trial", std::string(kGiveATrial));
 }
 
+// what a source begins with; of a replay behind the path: "replay of PATH (SOURCE)"
+std::optional<DataSource> StatedSource(std::string_view source) {
+  constexpr std::array<std::pair<std::string_view, DataSource>, 6> kBegins{
+      {{"device", DataSource::kDevice},
+       {"emulated", DataSource::kEmulated},
+       {"virtual terminal", DataSource::kEmulated},
+       {"simulated", DataSource::kSimulated},
+       {"imported", DataSource::kImported},
+       {"piped in", DataSource::kImported}}};
+  if (source.starts_with("replay of ")) {
+    for (std::size_t at = source.find(" ("); at != std::string_view::npos;
+         at = source.find(" (", at + 1)) {
+      if (const auto stated = StatedSource(source.substr(at + 2))) return stated;
+    }
+    return std::nullopt;
+  }
+  for (const auto& [begin, stated] : kBegins) {
+    if (source.starts_with(begin)) return stated;
+  }
+  return std::nullopt;
+}
+
 }  // namespace
+
+std::string_view NameOf(DataSource source) {
+  constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
+                                                   "interrupted"};
+  return kNames.at(static_cast<std::size_t>(source));
+}
+
+std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report) {
+  std::vector<DataSource> sources;
+  if (const auto stated = StatedSource(metadata.source)) {
+    sources.push_back(*stated);
+  } else if (report.kind != FileKind::kTrial && metadata.source.empty()) {
+    sources.push_back(DataSource::kImported);
+  }
+  if (!report.closed) sources.push_back(DataSource::kInterrupted);
+  return sources;
+}
 
 std::string_view Name(FileKind kind) {
   constexpr std::array<std::string_view, 4> kNames{"trial", "CSV", "HDF5", "LabVIEW measurement"};

@@ -39,6 +39,12 @@ enum class FileKind : std::uint8_t { kTrial, kCsv, kHdf5, kLvm };
 /// "trial", "CSV", "HDF5", "LabVIEW measurement".
 [[nodiscard]] std::string_view Name(FileKind kind);
 
+/// Where data come from. Interrupted stands beside one of the others.
+enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported, kInterrupted };
+
+/// "device", "emulated", "simulated", "imported", "interrupted".
+[[nodiscard]] std::string_view NameOf(DataSource source);
+
 /// How well a file could be read; complete when the last chunk has been handed out.
 struct ReadReport {
   FileKind kind = FileKind::kTrial;
@@ -60,6 +66,12 @@ struct ReadReport {
   /// A sentence for each loss, and one where the writer did not finish the file.
   [[nodiscard]] std::vector<std::string> WhatIsMissing() const;
 };
+
+/// Where a recording's data come from: as its metadata state it, of a replay that of the replayed
+/// trial; imported where a foreign file or a pipe does not state it. Nothing where it is not known,
+/// as behind a network connection. A virtual terminal is no device: emulated. Interrupted as well
+/// where the writer did not finish the file.
+[[nodiscard]] std::vector<DataSource> SourcesOf(const Metadata& metadata, const ReadReport& report);
 
 /// A rectangle of rows that follow each other without a loss. Views into the reader's one buffer:
 /// valid until the next call of TrialReader::Next.

@@ -50,12 +50,6 @@ InputFile InputOf(const NotedInput& noted) {
 
 }  // namespace
 
-std::string_view NameOf(DataSource source) {
-  constexpr std::array<std::string_view, 5> kNames{"device", "emulated", "simulated", "imported",
-                                                   "interrupted"};
-  return kNames[static_cast<std::size_t>(source)];
-}
-
 Provenance CollectProvenance(const std::vector<std::string>& command) {
   Provenance provenance{.version = HAPTOMETER_VERSION,
                         .command = cli::CommandLine(command),

@@ -5,13 +5,11 @@
 #include <string_view>
 #include <vector>
 
+#include "trial/trial_reader.h"
+
 namespace haptometer::document {
 
-/// Where data come from. Interrupted stands beside one of the others.
-enum class DataSource : std::uint8_t { kDevice, kEmulated, kSimulated, kImported, kInterrupted };
-
-/// "device", "emulated", "simulated", "imported", "interrupted".
-[[nodiscard]] std::string_view NameOf(DataSource source);
+using DataSource = trial::DataSource;  ///< of a recording by trial::SourcesOf()
 
 /// A file that the command read.
 struct InputFile {

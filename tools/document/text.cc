@@ -108,7 +108,9 @@ struct TextWriter {
     AddItems(section, indent, width);
     if (section.shape == Section::Shape::kTable) return AddTable(section, indent);
     for (const Section& inner : section.sections) AddSection(inner, indent, width);
-    for (const Finding& finding : section.findings) AddLine(indent, FindingText(finding));
+    for (const Finding& finding : section.findings) {
+      AddLine(indent, FindingText(finding, section.heading));
+    }
   }
 
   // label and value, the values of a section one below the other
@@ -177,11 +179,12 @@ std::vector<Column> ColumnsOf(const Section& table) {
   return columns;
 }
 
-std::string FindingText(const Finding& finding) {
+std::string FindingText(const Finding& finding, std::string_view heading) {
   const std::string_view what =
       finding.severity == Severity::kRefusal ? "not answered" : NameOf(finding.severity);
-  return fmt::format("{}: {}{}{}", what, finding.subject, finding.subject.empty() ? "" : ": ",
-                     finding.text);
+  const bool is_said = finding.subject.empty() || finding.subject == heading;
+  return is_said ? fmt::format("{}: {}", what, finding.text)
+                 : fmt::format("{}: {}: {}", what, finding.subject, finding.text);
 }
 
 std::string SourcesText(const std::vector<DataSource>& sources) {
@@ -190,12 +193,18 @@ std::string SourcesText(const std::vector<DataSource>& sources) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string TextOf(const Section& section, Detail detail) {
+  TextWriter writer{.detail = detail};
+  writer.AddSection(section, kIndent, LabelWidth(section));
+  return std::move(writer.text);
+}
+
 std::string TextOf(const Document& document, Detail detail) {
   TextWriter writer{.detail = detail};
   writer.AddLine(0, document.title);
-  writer.AddSection(document.root, kIndent, LabelWidth(document.root));
-  if (detail == Detail::kAll) writer.text += CommentOf(document.provenance, "  ");
-  return std::move(writer.text);
+  std::string text = std::move(writer.text) + TextOf(document.root, detail);
+  if (detail == Detail::kAll) text += CommentOf(document.provenance, "  ");
+  return text;
 }
 
 }  // namespace haptometer::document
