@@ -63,6 +63,10 @@ class Findings {
   }
 
   [[nodiscard]] const std::vector<FindingOf<Kind>>& list() const { return list_; }
+  /// Whether there is a refusal.
+  [[nodiscard]] bool Refused() const {
+    return std::ranges::find(list_, Severity::kRefusal, &FindingOf<Kind>::severity) != list_.end();
+  }
   [[nodiscard]] bool Has(Kind kind) const {
     return std::ranges::find(list_, kind, &FindingOf<Kind>::kind) != list_.end();
   }

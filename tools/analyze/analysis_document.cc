@@ -2,10 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 #include <utility>
 
-#include "dsp/analysis/sensor_gain.h"
+#include "tools/document/findings_dsp.h"
 
 namespace haptometer::tools {
 namespace {
@@ -173,12 +174,20 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   return section;
 }
 
+// how the window was chosen
+std::string WindowText(const dsp::UsedPart& part) {
+  const std::string text = document::TextOf(part.why);
+  if (!part.from_drive || !part.drive.why) return text;
+  return fmt::format("{}: {}", text, document::TextOf(*part.drive.why));
+}
+
 Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers) {
   Section section{.is_known = analysis.numbers.has_value()};
+  const std::string because = WindowText(numbers.part);
   AddRms(analysis, numbers, section);
   section.Add({"window_s", "window", document::kSecond}, RangeOf(numbers.part.window)).note =
-      numbers.part.why;
-  section.Add({"window_because"}, numbers.part.why);
+      because;
+  section.Add({"window_because"}, because);
   section.Add({"band_rms_whole_m", "whole record (RMS)", document::kMetre}, numbers.whole_rms_m)
       .note = "unsettled ends and pauses included";
   AddTone(analysis, numbers, section);
@@ -197,6 +206,10 @@ Section BandSection(const AnalyzedFile& file, const dsp::BandPass& band) {
   return section;
 }
 
+// by dsp::FaultKind
+constexpr std::array<std::string_view, dsp::kFaultKindCount> kArtifacts{
+    "clipped stretches", "held readings", "spikes", "steps"};
+
 Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
   Section section{.name = "faults", .is_known = file.analysis.has_value()};
   for (std::size_t k = 0; k < dsp::kFaultKindCount; ++k) {
@@ -204,7 +217,7 @@ Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
     Section& one = section.sections.emplace_back();
     one.name = dsp::Name(kind);
     const bool is_shown = faults.Count(kind) > 0;
-    one.Add({"count", is_shown ? dsp::Words(kind, 2) : ""}, faults.Count(kind)).note =
+    one.Add({"count", is_shown ? kArtifacts[k] : ""}, faults.Count(kind)).note =
         fmt::format("{} readings in all", faults.Rows(kind));
     one.Add({kReadings.name}, faults.Rows(kind));
   }
@@ -288,7 +301,8 @@ Section BelowBandSection(const std::optional<dsp::BelowBand>& found) {
 
 Section DriveSection(const dsp::UsedPart& part) {
   Section section{.name = "drive", .heading = "drive"};
-  section.Add({"why", "course"}, part.drive.why);
+  section.Add({"why", "course"},
+              part.drive.why ? Value(document::TextOf(*part.drive.why)) : Value());
   section.Add({"window_is_a_part_of_the_drive", "window is a part of it"}, part.from_drive);
   section.Add({"told_by_a_drive_channel", "found by a drive channel"}, part.from_channel);
   std::vector<std::vector<double>> quiet_s;
@@ -457,17 +471,17 @@ void AddSentences(const std::vector<std::string>& sentences, std::string_view ki
 void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
   std::vector<std::string> reasons;
   if (file.analysis) {
-    reasons = file.analysis->reasons;
+    reasons = document::RefusalsOf(file.analysis->findings);
+    document::AddFindings(section, file.analysis->findings);
   } else if (file.error) {
     reasons.push_back(file.error->Text());
+    AddSentences(reasons, "error", Severity::kRefusal, section);
   }
-  AddSentences(reasons, file.analysis ? "refusal" : "error", Severity::kRefusal, section);
   AddSentences(file.losses, "data-lost", Severity::kDoubt, section);
   AddSentences(file.remarks, "assumed-in-reading", Severity::kNote, section);
-  if (file.analysis) AddSentences(file.analysis->remarks, "remark", Severity::kNote, section);
   section.Add({"reasons"}, std::move(reasons));
   for (document::Finding& finding : section.findings) {
-    if (!is_alone) finding.subject = file.path;
+    if (!is_alone && finding.subject.empty()) finding.subject = file.path;
   }
 }
 

@@ -18,6 +18,7 @@
 #include "tools/analyze/sweep_document.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/findings_dsp.h"
 #include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
@@ -208,10 +209,9 @@ Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuesti
   if (!analysis) return fail(analysis.error());
   const auto floor = dsp::FloorOf(*analysis, path);
   if (floor) return *floor;
-  return CannotAnswer(
-      path,
-      analysis->reasons.empty() ? "tells no noise floor in the band" : analysis->reasons.front(),
-      "record the sensor at rest, drive off, as long and as fast as the trials");
+  const std::string refusal = document::RefusalOf(analysis->findings);
+  return CannotAnswer(path, refusal.empty() ? "holds no noise floor in the band" : refusal,
+                      "record the sensor at rest, drive off, as long and as fast as the trials");
 }
 
 }  // namespace haptometer::tools

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/document/findings_dsp.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {
@@ -141,17 +142,6 @@ Section SweptSection(const dsp::SweepAnswer& answer) {
   return section;
 }
 
-void AddSentences(const std::vector<std::string>& sentences, std::string_view kind,
-                  Severity severity, std::string_view subject, Section& section) {
-  for (const std::string& text : sentences) {
-    section.findings.push_back({.kind = kind,
-                                .severity = severity,
-                                .text = text,
-                                .subject = std::string(subject),
-                                .numbers = {}});
-  }
-}
-
 }  // namespace
 
 Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bool is_alone) {
@@ -159,7 +149,7 @@ Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bo
   Section trial{.heading = is_alone ? "" : path};
   trial.Add({"file"}, path);
   trial.Add({"answered"}, answer.answered);
-  trial.Add({"reasons"}, answer.reasons);
+  trial.Add({"reasons"}, document::RefusalsOf(answer.findings));
   trial.Add({"drive_channel"}, answer.drive.empty() ? Value() : Value(answer.drive));
   trial.Add({"amplitude_unit"}, answer.amplitude_unit);
   trial.Add({"window_s"}, is_measured
@@ -173,10 +163,10 @@ Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bo
   if (!answer.points.empty()) {
     trial.figures = {{.caption = "amplitude over frequency", .panels = PanelsOf(answer)}};
   }
-  const std::string_view subject = is_alone ? "" : std::string_view(path);
-  AddSentences(answer.reasons, "refusal", answer.answered ? Severity::kDoubt : Severity::kRefusal,
-               subject, trial);
-  AddSentences(answer.remarks, "remark", Severity::kNote, subject, trial);
+  document::AddFindings(trial, answer.findings);
+  for (document::Finding& finding : trial.findings) {
+    if (!is_alone) finding.subject = path;
+  }
   return trial;
 }
 
