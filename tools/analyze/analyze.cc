@@ -139,7 +139,7 @@ Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, 
   question.resolution_hz = job.spectrum.resolution_hz;
   const auto answer = dsp::AnalyzeSweep(*opened->rows, question);
   if (!answer) return std::unexpected(answer.error());
-  if (!words.response.empty() && !answer->points.empty()) {
+  if (!words.response.empty()) {
     auto written = cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
                                     SweepCsv(*answer, job.provenance()));
     if (!written) return std::unexpected(written.error());

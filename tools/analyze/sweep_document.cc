@@ -177,7 +177,12 @@ std::string SweepCsv(const dsp::SweepAnswer& answer, const document::Provenance&
                         answer.resonance->fit.frequency_hz, answer.resonance->fit.quality_factor);
   }
   const std::string amplitude = fmt::format("amplitude{}", AmplitudeUnit(answer).ending);
-  return text + CsvOf(PointsTable(answer, amplitude), provenance);
+  if (!answer.points.empty()) return text + CsvOf(PointsTable(answer, amplitude), provenance);
+  // of no points the heading alone
+  dsp::SweepAnswer one = answer;
+  one.points.resize(1);
+  text += CsvOf(PointsTable(one, amplitude), provenance);
+  return text.substr(0, text.rfind('\n', text.size() - 2) + 1);
 }
 
 }  // namespace haptometer::tools

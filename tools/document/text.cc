@@ -80,7 +80,9 @@ std::size_t WidthOf(std::string_view text) {
 // of the labels that stand in one column: those of inner sections without a heading too
 std::size_t LabelWidth(const Section& section) {
   std::size_t width = 0;
-  for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
+  for (const Item& item : section.items) {
+    if (item.value.IsKnown() || item.at_most) width = std::max(width, WidthOf(item.label));
+  }
   for (const Section& inner : section.sections) {
     if (inner.heading.empty() && IsShown(inner)) width = std::max(width, LabelWidth(inner));
   }
@@ -154,8 +156,12 @@ std::string ItemText(const Item& item) {
   if (!item.value.IsKnown()) {
     text += " (95 %)";
   } else if (item.interval) {
-    const CellVisitor visitor{item, unit};
-    text += fmt::format("; 95 %: {}{}", visitor(*item.interval), symbol);
+    // of ends that look alike none is shown
+    const std::string range = CellVisitor{item, unit}(*item.interval);
+    const std::size_t middle = range.find(" to ");
+    if (range.substr(0, middle) != range.substr(middle + 4)) {
+      text += fmt::format("; 95 %: {}{}", range, symbol);
+    }
   }
   return item.note.empty() ? text : text + ", " + item.note;
 }
