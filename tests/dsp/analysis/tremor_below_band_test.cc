@@ -29,8 +29,8 @@ TEST(TremorBelowTheBand, StrongTremorOnOneSecondIsModelledAndTheOrderKept) {
   EXPECT_EQ(analysis.band.order, 6);
   const Finding& below = analysis.findings.list().back();
   EXPECT_EQ(below.kind, FindingKind::kBelowBandModelled);
-  EXPECT_REL(NumberOf(below, "amplitude_m"), 5e-4, 1e-3, "the fourth digit");
-  EXPECT_REL(NumberOf(below, "frequency_hz"), 8.3, 6e-3, "the third digit");
+  EXPECT_REL(NumberOf(below, "amplitude_m"), 5e-4, 1e-4, "the fourth digit");
+  EXPECT_REL(NumberOf(below, "frequency_hz"), 8.3, 6e-4, "the third digit");
   EXPECT_REL(NumberOf(below, "leaked_m"), 0.015e-6, 0.034, "the second digit");
   EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 1e-3, "the bar: leakage of order 6");
   EXPECT_LE(analysis.numbers->rms.lower_m, 1e-6 / kRootTwo);
