@@ -68,14 +68,21 @@ double GainOr1(const SensorAveraging& sensor, double frequency_hz) {
 
 // the highest frequency up to which readings are often enough and the sensor lets half through
 double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer& answer) {
+  // of nothing that is left there is no answer
+  const auto limit = [&](FindingKind kind, double to_hz, std::vector<FindingNumber> numbers) {
+    answer.findings.Add(
+        {.severity = to_hz > question.lower_hz ? Severity::kDoubt : Severity::kRefusal,
+         .kind = kind,
+         .numbers = std::move(numbers)});
+  };
   double upper_hz = question.upper_hz;
   if (const double observable_hz = fresh_rate_hz / kLeastRatePerUpperCorner;
       upper_hz > observable_hz) {
     upper_hz = observable_hz;
-    answer.findings.Doubt(FindingKind::kSweepRateLimit,
-                          {{"upper_hz", upper_hz},
-                           {"new_readings_per_s", fresh_rate_hz},
-                           {"needed_per_s", kLeastRatePerUpperCorner * question.upper_hz}});
+    limit(FindingKind::kSweepRateLimit, upper_hz,
+          {{"upper_hz", upper_hz},
+           {"new_readings_per_s", fresh_rate_hz},
+           {"needed_per_s", kLeastRatePerUpperCorner * question.upper_hz}});
   }
   if (GainOr1(answer.sensor, upper_hz) >= kLeastSensorGain) return upper_hz;
   // the gain falls from 1 at 0 Hz; bisection to where it is a half
@@ -84,7 +91,7 @@ double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer&
     const double middle_hz = (passed_hz + upper_hz) / 2;
     (GainOr1(answer.sensor, middle_hz) >= kLeastSensorGain ? passed_hz : upper_hz) = middle_hz;
   }
-  answer.findings.Doubt(FindingKind::kSweepSensorLimit, {{"upper_hz", passed_hz}});
+  limit(FindingKind::kSweepSensorLimit, passed_hz, {{"upper_hz", passed_hz}});
   return passed_hz;
 }
 

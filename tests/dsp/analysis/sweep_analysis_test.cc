@@ -220,6 +220,10 @@ TEST(AnalyzeSweep, SaysWhatIsNotDetermined) {
                      "upper_hz"),
             2000 / 2.56);
 
+  const SweepAnswer none = Analyzed(record, {.lower_hz = 800, .upper_hz = 900});
+  EXPECT_FALSE(none.answered);
+  EXPECT_THAT(RefusalsIn(none.findings), ElementsAre(FindingKind::kSweepRateLimit));
+
   record.channels[1].statuses[1000] = trial::SampleStatus::kOver;
   EXPECT_EQ(Analyzed(record).window.begin_s, 1001 / kRateHz);
   record.channels[1].values.assign(record.rows, 1.0);
