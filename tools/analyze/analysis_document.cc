@@ -120,12 +120,13 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
 void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, Section& section) {
   const dsp::ToneNumbers tone = numbers.tone.value_or(dsp::ToneNumbers{});
   const bool is_number = numbers.tone && !numbers.is_lower_limit;
-  Item& frequency =
-      section.Add({"tone_frequency_hz", "strongest tone", document::kHertz, Form::kInterval},
-                  If(numbers.tone.has_value(), tone.fit.frequency_hz));
+  Item& frequency = section.Add({"tone_frequency_hz", "", document::kHertz, Form::kInterval},
+                                If(numbers.tone.has_value(), tone.fit.frequency_hz));
   if (numbers.tone) {
     frequency.standard_uncertainty = tone.fit.frequency_uncertainty_hz;
     frequency.interval = {tone.frequency_lower_hz, tone.frequency_upper_hz};
+    section.Add({"", "strongest tone", document::kHertz}, tone.fit.frequency_hz,
+                tone.fit.frequency_uncertainty_hz);
   } else {
     AddWords(section, "strongest tone",
              analysis.frequency_move ? "none: the frequency moves" : "none above the noise");
