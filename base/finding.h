@@ -68,6 +68,10 @@ class Findings {
   [[nodiscard]] const std::vector<FindingOf<Kind>>& list() const& { return list_; }
   /// Of a temporary a list of its own, so that a loop may go over it.
   [[nodiscard]] std::vector<FindingOf<Kind>> list() && { return std::move(list_); }
+  /// Whether there is a refusal.
+  [[nodiscard]] bool Refused() const {
+    return std::ranges::find(list_, Severity::kRefusal, &FindingOf<Kind>::severity) != list_.end();
+  }
   [[nodiscard]] bool Has(Kind kind) const {
     return std::ranges::find(list_, kind, &FindingOf<Kind>::kind) != list_.end();
   }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -25,7 +26,6 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kUmPerM = 1e6;
 // farther than any target, and small enough for squares and their products
 constexpr double kFarthestM = 1e30;
 
@@ -92,26 +92,25 @@ void AddRemarks(const std::vector<BandSignal>& all, const BandSignal& used,
                 BandAnalysis* analysis) {
   const BandNumbers& numbers = *analysis->numbers;
   if (all.size() > 1) {
-    analysis->remarks.push_back(fmt::format(
-        "gaps split the record into {} pieces; the window is in one of them", all.size()));
+    analysis->findings.Note(FindingKind::kSegments, {{"segments", all.size()}});
   }
   const double rate_hz = used.rate_hz();
-  analysis->remarks.push_back(
-      fmt::format("ends not settled: {:.3f} s and {:.3f} s of a piece of {:.3f} s",
-                  static_cast<double>(used.settled_begin()) / rate_hz,
-                  static_cast<double>(used.size() - used.settled_end()) / rate_hz,
-                  static_cast<double>(used.size()) / rate_hz));
+  analysis->findings.Note(
+      FindingKind::kSegmentEnds,
+      {{"first_s", static_cast<double>(used.settled_begin()) / rate_hz},
+       {"last_s", static_cast<double>(used.size() - used.settled_end()) / rate_hz},
+       {"segment_s", static_cast<double>(used.size()) / rate_hz}});
   if (analysis->record.bridged > 0) {
-    analysis->remarks.push_back(
-        fmt::format("{} readings bridged; this adds about {:.2g} um at most",
-                    analysis->record.bridged, numbers.bridged_rms_m * kUmPerM));
+    analysis->findings.Note(FindingKind::kInterpolated, {{"interpolated", analysis->record.bridged},
+                                                         {"rms_m", numbers.bridged_rms_m}});
   }
   if (!numbers.below_band) return;
-  analysis->remarks.push_back(fmt::format(
-      "{:.4g} um at {:.3g} Hz lie below the band; {:.2g} um RMS of that leak into it{}",
-      numbers.below_band->amplitude_m * kUmPerM, numbers.below_band->frequency_hz,
-      numbers.below_band->leaked_rms_m * kUmPerM,
-      numbers.below_band->modelled ? "; taken as going on before and after the record" : ""));
+  const BelowBand& below = *numbers.below_band;
+  analysis->findings.Note(
+      below.modelled ? FindingKind::kBelowBandModelled : FindingKind::kBelowBand,
+      {{"amplitude_m", below.amplitude_m},
+       {"frequency_hz", below.frequency_hz},
+       {"leaked_m", below.leaked_rms_m}});
 }
 
 // the filtered signal beside the record's rows
@@ -135,15 +134,15 @@ Result<void> AnswerBand(const Displacement& displacement, const Segments& segmen
   if (*chosen) {
     const auto stuck = WhyStuck(displacement, **chosen, *analysis);
     if (!stuck) return std::unexpected(stuck.error());
-    if (!stuck->empty()) {
-      analysis->reasons.push_back(*stuck);
+    if (*stuck) {
+      analysis->findings.Add(**stuck);
       return {};
     }
     const auto measured = MeasureWindow(displacement, *all, **chosen, question, analysis);
     if (!measured) return measured;
     AddRemarks(*all, *(*chosen)->signal, analysis);
     RemarkImpossibleRms(analysis);
-    analysis->answered = analysis->reasons.empty();
+    analysis->answered = !analysis->findings.Refused();
   }
   return question.keep_filtered ? KeepFiltered(*all, analysis) : Result<void>{};
 }
@@ -155,9 +154,9 @@ std::optional<SlowMotion> SlowMotionOf(const trial::Record& head, const RawSumma
   return DescribeSlowMotion(summary.cell_means, head.stretches.front().rate_hz / cell_rows);
 }
 
-// the answer for rows as they are; `why_not`, where there is one, is a reason against the band
+// the answer for rows as they are; `why_not`, where there is one, speaks against the band
 Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuestion& question,
-                                 int threads, const std::string& why_not) {
+                                 int threads, const std::optional<Finding>& why_not) {
   const trial::Record& head = source.head();
   const auto channel = AnalyzedChannel(head);
   if (!channel) return std::unexpected(channel.error());
@@ -172,11 +171,11 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
   }
   RemarkFaults(head, &analysis);
   RemarkDoubts(head, pass->summary, &analysis);
-  if (std::string stuck = WhyStuck(pass->summary); !stuck.empty()) {
-    analysis.reasons.push_back(std::move(stuck));
+  if (const auto stuck = WhyStuck(pass->summary)) {
+    analysis.findings.Add(*stuck);
     return analysis;
   }
-  if (!why_not.empty()) analysis.reasons.push_back(why_not);
+  if (why_not) analysis.findings.Add(*why_not);
   CheckObservable(head, pass->segments, question.band, &analysis);
   const Displacement displacement{source, *channel, threads};
   std::optional<SlowMotion> slow_motion;
@@ -186,9 +185,9 @@ Result<BandAnalysis> AnalyzeRows(const trial::RowSource& source, const BandQuest
                   return {};
                 },
                 [&] {
-                  return analysis.reasons.empty()
-                             ? AnswerBand(displacement, pass->segments, question, &analysis)
-                             : FitKnownTone(displacement, question, &analysis);
+                  return analysis.findings.Refused()
+                             ? FitKnownTone(displacement, question, &analysis)
+                             : AnswerBand(displacement, pass->segments, question, &analysis);
                 }});
   if (!done) return std::unexpected(done.error());
   analysis.slow_motion = slow_motion;
@@ -221,11 +220,13 @@ void CountReadings(const RegularGrid& grid, BandAnalysis* analysis) {
     }
     analysis->filtered_m.resize(grid.rows.size());
   }
-  analysis->remarks.push_back(fmt::format(
-      "times scatter by {:.3g} ms (at most {:.3g} ms) about a grid of {:.6g}/s: {} readings put on "
-      "it, {} missing, {} left out; this adds at most {:.2g} of a tone",
-      grid.jitter_s * 1e3, grid.largest_jitter_s * 1e3, grid.rate_hz, grid.rows.size(),
-      grid.dropped, grid.left_out, grid.error_bound));
+  analysis->findings.Note(FindingKind::kRegularGrid, {{"jitter_s", grid.jitter_s},
+                                                      {"largest_jitter_s", grid.largest_jitter_s},
+                                                      {"readings_per_s", grid.rate_hz},
+                                                      {"readings", grid.rows.size()},
+                                                      {"missing", grid.dropped},
+                                                      {"excluded", grid.left_out},
+                                                      {"error", grid.error_bound}});
 }
 
 }  // namespace
@@ -241,8 +242,11 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
   const auto grid = OnRegularGrid(source, question.band.upper_hz);
   if (!grid && grid.error().cause != Cause::kCannotAnswer) return std::unexpected(grid.error());
   if (!grid) {
+    const std::string error = fmt::format("{}: {}", grid.error().what, grid.error().remedy);
     return AnalyzeRows(source, question, threads,
-                       fmt::format("{}: {}", grid.error().what, grid.error().remedy));
+                       Finding{.severity = Severity::kRefusal,
+                               .kind = FindingKind::kNoRegularGrid,
+                               .numbers = {{"error", error}}});
   }
   auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
   if (analysis) CountReadings(*grid, &*analysis);
@@ -253,7 +257,8 @@ std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off, const std::stri
   if (!drive_off.numbers) return std::nullopt;
   NoiseFloor floor{drive_off.numbers->power, drive_off.numbers->part.window.duration_s(), source};
   floor.rate_hz = drive_off.record.rate_hz;
-  floor.doubts = drive_off.reasons;
+  std::ranges::copy_if(drive_off.findings.list(), std::back_inserter(floor.refusals),
+                       [](const Finding& found) { return found.severity == Severity::kRefusal; });
   if (const auto& tone = drive_off.numbers->tone) {
     floor.tone_hz = tone->fit.frequency_hz;
     floor.tone_amplitude_m = tone->fit.amplitude;

@@ -13,6 +13,7 @@
 #include "dsp/analysis/frequency_move.h"
 #include "dsp/analysis/rms_estimate.h"
 #include "dsp/analysis/sensor_gain.h"
+#include "dsp/findings.h"
 #include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/envelope.h"
 #include "dsp/spectrum/kinematics.h"
@@ -67,7 +68,7 @@ struct UsedPart {
   DriveParts drive;           ///< what was found of the drive in the piece the window is in
   bool from_drive = false;    ///< whether the window is a part of the drive
   bool from_channel = false;  ///< whether a drive channel said so, not the vibration itself
-  std::string why;            ///< one sentence
+  Finding why;                ///< how they were chosen; a driven part by `drive.why` besides
 };
 
 /// Motion below the band and what of it the filter lets through.
@@ -144,7 +145,7 @@ struct BandNumbers {
   /// rate is below about 3.1 times the upper corner. At most 2^21 samples.
   std::optional<Kinematics> kinematics;
   /// Of the record's voltage (V) and current (A) at the tone's frequency over the window; nothing,
-  /// and a remark, where they do not say. At most 2^21 samples.
+  /// and a note, where they do not say. At most 2^21 samples.
   std::optional<ElectricalState> electrical;
   SensorNumbers sensor;
   NoisePower power;  ///< of the whole window, tone and all: what another trial takes as its floor
@@ -159,10 +160,9 @@ struct KnownTone {
 /// What a record says about vibration in a band.
 struct BandAnalysis {
   /// Whether `numbers` answers the question. Where it is false although `numbers` is there, they
-  /// are an estimate that may be shown with the reasons beside it only.
+  /// are an estimate that may be shown with the refusals beside it only.
   bool answered = false;
-  std::vector<std::string> reasons;  ///< why not, each with what would help; empty when answered
-  std::vector<std::string> remarks;  ///< what was left out, lowered or assumed
+  Findings findings;  ///< refusals: why not; none when answered
   RecordFacts record;
   Faults faults;                       ///< rows count from the record's first
   BandPass band;                       ///< as used: the order may have been lowered
@@ -189,8 +189,8 @@ struct BandAnalysis {
 /// the record is not answered.
 ///
 /// Readings at known but uneven times (Record::times_are_known) are put on a regular grid first
-/// (dsp/analysis/regular_grid.h), and a remark states rate, scatter and bound; where that cannot be
-/// done, it is a reason. All rows in the answer count the record's readings.
+/// (dsp/analysis/regular_grid.h), and a note states rate, scatter and bound; where that cannot be
+/// done, it is refused. All rows in the answer count the record's readings.
 ///
 /// The window is the longest steady part of the drive, by a voltage, current or trigger channel
 /// where there is one and by the vibration itself otherwise (dsp/analysis/drive_part.h); a part
@@ -222,7 +222,7 @@ struct BandAnalysis {
                                                const BandQuestion& question);
 
 /// The floor that a drive-off trial gives: all of its window's power, with its rate, its strongest
-/// tone and the reasons that speak against it. Nothing where it has none.
+/// tone and the refusals that speak against it. Nothing where it has none.
 [[nodiscard]] std::optional<NoiseFloor> FloorOf(const BandAnalysis& drive_off,
                                                 const std::string& source);
 

@@ -1,7 +1,5 @@
 #include "dsp/analysis/band_filtering.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -104,19 +102,19 @@ Result<bool> LeaksLittle(const BandSignal& signal, double lower_hz) {
 }
 
 // why nothing is answered after filtering, and what would help
-std::string TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
+Finding TooShort(const BandPass& band, double rate_hz, double settled_s, bool leaks) {
   const auto design = DesignBandPass(band, rate_hz);
   HAPTOMETER_CHECK(design, "{}", design.error().Text());
   const double ringing_s = static_cast<double>(RingingSamples(*design, 1e-12)) / rate_hz;
   const double least_s = kLeastWindowPeriods / band.lower_hz;
-  std::string text =
-      fmt::format("only {:.3f} s of it have settled in a filter of order {}; {:.3g} s are needed",
-                  settled_s, band.order, least_s);
-  if (leaks) {
-    text += fmt::format(", and a lower order lets too much of the motion below {:g} Hz through",
-                        band.lower_hz);
-  }
-  return text + fmt::format(": record at least {:.1f} s without a gap", 2 * ringing_s + least_s);
+  Finding found{.severity = Severity::kRefusal,
+                .kind = FindingKind::kTooShort,
+                .numbers = {{"settled_s", settled_s},
+                            {"order", band.order},
+                            {"needed_s", least_s},
+                            {"record_s", 2 * ringing_s + least_s}}};
+  if (leaks) found.numbers.emplace_back("lower_hz", band.lower_hz);
+  return found;
 }
 
 }  // namespace
@@ -169,15 +167,13 @@ Result<std::vector<BandSignal>> FilterSettledEnough(const Displacement& displace
     if (!leaks_little) return std::unexpected(leaks_little.error());
     leaks = !*leaks_little;
     if (leaks) continue;
-    analysis->remarks.push_back(
-        fmt::format("filter order lowered from {} to {}: of order {} only "
-                    "{:.3f} s had settled",
-                    asked, order, asked, asked_settled_s));
+    analysis->findings.Note(
+        FindingKind::kOrderLowered,
+        {{"asked_order", asked}, {"order", order}, {"settled_s", asked_settled_s}});
     return all;
   }
   analysis->band = question.band;
-  analysis->reasons.push_back(
-      TooShort(question.band, analysis->record.rate_hz, asked_settled_s, leaks));
+  analysis->findings.Add(TooShort(question.band, analysis->record.rate_hz, asked_settled_s, leaks));
   return std::vector<BandSignal>{};
 }
 

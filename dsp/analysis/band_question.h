@@ -8,6 +8,7 @@
 #include "dsp/analysis/band_noise.h"
 #include "dsp/analysis/time_window.h"
 #include "dsp/filter/butterworth.h"
+#include "dsp/findings.h"
 
 namespace haptometer::dsp {
 
@@ -30,7 +31,7 @@ struct NoiseFloor {
   double rate_hz = 0;
   std::optional<double> tone_hz{};  ///< its strongest tone
   double tone_amplitude_m = 0;
-  std::vector<std::string> doubts{};  ///< what spoke against an answer
+  std::vector<Finding> refusals{};  ///< what spoke against an answer
 };
 
 /// What is asked of a record.

@@ -270,6 +270,10 @@ struct Limits {
   double ratio = 0;      // of the top to the quiet level, in RMS
 };
 
+DriveParts Unchanging(Finding why) {
+  return {.course = DriveCourse::kUnchanging, .on = {}, .quiet = {}, .why = std::move(why)};
+}
+
 // parts from levels; `response` tells what is steady
 DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response,
                    const std::vector<Level>& levels, const Limits& limits, std::string_view what) {
@@ -279,15 +283,18 @@ DriveParts PartsOf(const Blocks& blocks, const std::vector<double>& response,
   }
   parts.quiet = QuietParts(blocks, levels, limits.quiet);
   if (parts.on.empty()) {
-    parts.why = fmt::format("no part of {} stands out for long enough", what);
+    parts.why = {.kind = FindingKind::kNothingStandsOut, .numbers = {{"of", std::string(what)}}};
     return parts;
   }
   parts.course = DriveCourse::kGated;
   const TimeWindow longest = parts.Longest()->whole;
-  const std::string which =
-      parts.on.size() > 1 ? fmt::format("in {} parts, the longest ", parts.on.size()) : "";
-  parts.why = fmt::format("{} stands out {:.3g} times in RMS, {}from {:.3f} s to {:.3f} s", what,
-                          limits.ratio, which, longest.begin_s, longest.end_s);
+  Finding why{.kind = FindingKind::kStandsOut,
+              .numbers = {{"of", std::string(what)},
+                          {"ratio", limits.ratio},
+                          {"from_s", longest.begin_s},
+                          {"to_s", longest.end_s}}};
+  if (parts.on.size() > 1) why.numbers.emplace_back("parts", parts.on.size());
+  parts.why = std::move(why);
   return parts;
 }
 
@@ -298,11 +305,7 @@ DriveParts PowerParts(const Blocks& blocks, const std::vector<double>& response,
   const std::optional<double> quiet = QuietLevel(levels);
   const double top = TopLevel(levels);
   if (!quiet || !(top > kLeastLevelRatio * *quiet)) {
-    return {
-        DriveCourse::kUnchanging,
-        {},
-        {},
-        fmt::format("the power of {} keeps one level: the drive is on throughout, or never", what)};
+    return Unchanging({.kind = FindingKind::kOneLevel, .numbers = {{"of", std::string(what)}}});
   }
   // a drive that is exactly 0 has its threshold far below the top all the same
   const Limits limits{std::max(*quiet, 1e-9 * top), std::sqrt(std::max(*quiet, 1e-4 * top) * top),
@@ -324,9 +327,9 @@ DriveParts FindDriveParts(const PowerCourse& course, const DriveSearch& search) 
   const Blocks blocks = BlocksOf(course, BlockLength(course, search));
   const double degrees = std::max(1.0, 2 * search.bandwidth_hz * blocks.block_s);
   if (blocks.mean_square.size() < kLeastTopBlocks + kLeastQuietBlocks) {
-    return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
+    return Unchanging({.kind = FindingKind::kTooShortForParts});
   }
-  return PowerParts(blocks, blocks.mean_square, degrees, "the vibration");
+  return PowerParts(blocks, blocks.mean_square, degrees, "vibration");
 }
 
 DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
@@ -340,10 +343,10 @@ DriveParts FindDriveParts(const PowerCourse& drive, const PowerCourse& response,
   const double block_s = BlockLength(drive, search);
   const Blocks blocks = BlocksOf(drive, block_s);
   if (blocks.mean_square.size() < kLeastTopBlocks + kLeastQuietBlocks) {
-    return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
+    return Unchanging({.kind = FindingKind::kTooShortForParts});
   }
   const double degrees = std::max(1.0, 2 * search.bandwidth_hz * blocks.block_s);
-  return PowerParts(blocks, BlocksOf(response, block_s).mean_square, degrees, "the drive");
+  return PowerParts(blocks, BlocksOf(response, block_s).mean_square, degrees, "drive");
 }
 
 double DriveBlockSeconds(const PowerCourse& course, const DriveSearch& search) {
@@ -359,17 +362,17 @@ DriveParts FindDriveParts(std::span<const std::complex<double>> tone, const Powe
   HAPTOMETER_CHECK(blocks.mean_square.size() == tone.size(), "{} blocks and {} amplitudes",
                    blocks.mean_square.size(), tone.size());
   if (tone.size() < kLeastTopBlocks + kLeastQuietBlocks) {
-    return {DriveCourse::kUnchanging, {}, {}, "too short to tell parts of it apart"};
+    return Unchanging({.kind = FindingKind::kTooShortForParts});
   }
   const std::vector<Level> levels = LevelsOf(tone);
   const double top = TopLevel(levels);
   const std::optional<double> quiet = QuietLevel(levels);
   if (!quiet || !(*quiet < kPause * kPause * top)) {
-    return {DriveCourse::kUnchanging, {}, {}, "the tone never pauses: the drive is on throughout"};
+    return Unchanging({.kind = FindingKind::kToneNeverPauses});
   }
   const Limits limits{kPause * kPause * top / kQuietSlack, 0.25 * top,
                       std::sqrt(top / std::max(*quiet, 1e-12 * top))};
-  return PartsOf(blocks, blocks.mean_square, levels, limits, "the tone");
+  return PartsOf(blocks, blocks.mean_square, levels, limits, "tone");
 }
 
 }  // namespace haptometer::dsp

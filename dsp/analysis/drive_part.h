@@ -2,11 +2,12 @@
 
 #include <complex>
 #include <cstdint>
+#include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "dsp/analysis/time_window.h"
+#include "dsp/findings.h"
 
 namespace haptometer::dsp {
 
@@ -46,7 +47,7 @@ struct DriveParts {
   DriveCourse course = DriveCourse::kUnchanging;
   std::vector<OnPart> on;         ///< in order of time; empty where the course is unchanging
   std::vector<TimeWindow> quiet;  ///< away from every on-part; the lowest level only
-  std::string why;                ///< one sentence: "on from 0.5 s to 2.5 s: ..."
+  std::optional<Finding> why;     ///< the course; nothing where it was not looked at
 
   /// The on-part whose steady part is longest; nullptr where there is none.
   [[nodiscard]] const OnPart* Longest() const;

@@ -60,14 +60,6 @@ std::string_view Name(FaultKind kind) {
   return kNames[static_cast<std::size_t>(kind)];
 }
 
-std::string_view Words(FaultKind kind, std::size_t count) {
-  constexpr std::array<std::string_view, kFaultKindCount> kOne{"clipped stretch", "held reading",
-                                                               "spike", "step"};
-  constexpr std::array<std::string_view, kFaultKindCount> kMany{"clipped stretches",
-                                                                "held readings", "spikes", "steps"};
-  return (count == 1 ? kOne : kMany)[static_cast<std::size_t>(kind)];
-}
-
 FaultScanner::FaultScanner(const FaultScale& scale) : scale_(scale) {}
 
 FaultLook FaultScanner::Look(const RowBlock& block) const {

@@ -26,8 +26,6 @@ inline constexpr std::size_t kFaultKindCount = 4;
 
 /// "clipped", "held", "spike", "step".
 [[nodiscard]] std::string_view Name(FaultKind kind);
-/// "clipped stretches", "held readings", "spikes", "steps", and of one "clipped stretch", ...
-[[nodiscard]] std::string_view Words(FaultKind kind, std::size_t count);
 
 /// One fault: rows [first_row, first_row + rows).
 struct Fault {

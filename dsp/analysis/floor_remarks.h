@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
@@ -8,12 +7,12 @@
 /// The step of AnalyzeBand that judges the noise floor behind the numbers.
 namespace haptometer::dsp {
 
-/// What lets doubt the floor behind `numbers`, a sentence each: the drive-off trial's own reasons,
-/// another rate than the trial's `rate_hz`, a tone in it (hum, or the drive itself). Nothing of a
-/// floor from the trial's own quiet part, or without one.
-[[nodiscard]] std::vector<std::string> FloorDoubts(const BandNumbers& numbers, double rate_hz);
+/// Doubts of the floor behind `numbers`, of which it is the subject: the drive-off trial's own
+/// refusals, another rate than the trial's `rate_hz`, a tone in it (hum, or the drive itself).
+/// Nothing of a floor from the trial's own quiet part, or without one.
+[[nodiscard]] std::vector<Finding> FloorDoubts(const BandNumbers& numbers, double rate_hz);
 
-/// Says in `analysis` where the floor is missing, above what was measured (a reason), not exceeded
+/// Says in `analysis` where the floor is missing, above what was measured (a refusal), not exceeded
 /// or doubtful (FloorDoubts).
 void RemarkFloor(const BandNumbers& numbers, BandAnalysis* analysis);
 

@@ -1,7 +1,5 @@
 #include "dsp/analysis/missed_drive.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -16,7 +14,6 @@
 namespace haptometer::dsp {
 namespace {
 
-constexpr double kUmPerM = 1e6;
 constexpr double kQuietBlocks = 2.5;  // periods of the lower corner that a filter rings for
 // periods of the lower corner, behind a channel's begin and before its end
 constexpr double kLeastGuard = 0.25;
@@ -55,8 +52,8 @@ Result<std::optional<MissedDrive>> MissedByChannel(const trial::RowSource& sourc
   }
   if (!missed) return missed;
   missed->from_channel = true;
-  missed->what = fmt::format("the drive is on from {:.3f} s to {:.3f} s", missed->on.begin_s,
-                             missed->on.end_s);
+  missed->what = {.kind = FindingKind::kDriveOn,
+                  .numbers = {{"from_s", missed->on.begin_s}, {"to_s", missed->on.end_s}}};
   return missed;
 }
 
@@ -121,9 +118,11 @@ Result<std::optional<MissedDrive>> FindMissedDrive(const Displacement& displacem
   if (!tone) return std::unexpected(tone.error());
   if (!*tone) return std::nullopt;
   MissedDrive missed = MissedIn(all, (*tone)->window);
-  missed.what = fmt::format(
-      "a vibration of {:.3g} Hz and about {:.2g} um RMS stands out from {:.3f} s to {:.3f} s",
-      (*tone)->frequency_hz, (*tone)->rms_m * kUmPerM, missed.on.begin_s, missed.on.end_s);
+  missed.what = {.kind = FindingKind::kVibrationStandsOut,
+                 .numbers = {{"frequency_hz", (*tone)->frequency_hz},
+                             {"rms_m", (*tone)->rms_m},
+                             {"from_s", missed.on.begin_s},
+                             {"to_s", missed.on.end_s}}};
   return missed;
 }
 
@@ -143,28 +142,28 @@ std::optional<ChosenPart> SettledPartOf(const MissedDrive& missed, const BandPas
   chosen.part.drive.quiet = QuietBeside(missed, kQuietBlocks * block_s, block_s);
   chosen.part.from_drive = true;
   chosen.part.from_channel = missed.from_channel;
-  chosen.part.why = "what has settled of the drive: " + missed.what;
+  chosen.part.why.kind = FindingKind::kSettledOfDrive;
   return chosen;
 }
 
-std::string WhyMissed(const MissedDrive& missed, const BandPass& band) {
+Finding WhyMissed(const MissedDrive& missed, const BandPass& band) {
+  using enum FindingKind;
   const auto [begin, end] = SettledWithin(*missed.signal, missed.on);
   const double settled_s = SettledSecondsIn(*missed.signal, missed.on);
   const double guards = missed.from_channel ? 2 * kLeastGuard : 2;
   const double least_s = (kLeastWindowPeriods + guards) / band.lower_hz;
-  std::string text = fmt::format("{}, of which {:.3f} s have settled", missed.what, settled_s);
-  text += missed.on.duration_s() < least_s
-              ? fmt::format(
-                    ", where {:.3g} s are needed: drive longer, or raise the band's lower "
-                    "corner; ",
-                    least_s)
-              : ": drive longer, record longer before and after it, or take a lower --order; ";
+  const bool is_short = missed.on.duration_s() < least_s;
+  Finding found = missed.what;
+  found.severity = Severity::kRefusal;
+  found.kind = missed.from_channel ? (is_short ? kDriveTooShort : kDriveNotSettled)
+                                   : (is_short ? kVibrationTooShort : kVibrationNotSettled);
+  found.numbers.emplace_back("settled_s", settled_s);
+  if (is_short) found.numbers.emplace_back("needed_s", least_s);
   if (settled_s >= kLeastWindowPeriods / band.lower_hz) {
-    return text + fmt::format("--window {:.3f}s:{:.3f}s takes what has settled of it",
-                              TimeOfSample(*missed.signal, begin),
-                              TimeOfSample(*missed.signal, end));
+    found.numbers.emplace_back("window_from_s", TimeOfSample(*missed.signal, begin));
+    found.numbers.emplace_back("window_to_s", TimeOfSample(*missed.signal, end));
   }
-  return text + "--window all takes what has settled beside it";
+  return found;
 }
 
 }  // namespace haptometer::dsp

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "base/error.h"
@@ -11,6 +10,7 @@
 #include "dsp/analysis/time_window.h"
 #include "dsp/analysis/used_part.h"
 #include "dsp/filter/butterworth.h"
+#include "dsp/findings.h"
 
 /// The guard against numbers of a pause: a drive that lies where nothing has settled, or is short.
 namespace haptometer::dsp {
@@ -20,7 +20,7 @@ struct MissedDrive {
   const BandSignal* signal = nullptr;  ///< in which most of it has settled
   TimeWindow on;
   bool from_channel = false;
-  std::string what;  ///< "the drive is on from 0.000 s to 0.300 s"
+  Finding what{};  ///< kDriveOn or kVibrationStandsOut
 };
 
 /// Seeks a drive where no steady part of one was found and `chosen` is all that has settled of a
@@ -44,6 +44,6 @@ struct MissedDrive {
                                                       const BandPass& band);
 
 /// Why what has settled beside it is no answer, and what would help.
-[[nodiscard]] std::string WhyMissed(const MissedDrive& missed, const BandPass& band);
+[[nodiscard]] Finding WhyMissed(const MissedDrive& missed, const BandPass& band);
 
 }  // namespace haptometer::dsp

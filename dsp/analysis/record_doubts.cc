@@ -1,11 +1,10 @@
 #include "dsp/analysis/record_doubts.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,29 +28,20 @@ struct OtherUnit {
 constexpr std::array<OtherUnit, 3> kOtherUnits{
     {{"time_ms", 1e-3}, {"time_us", 1e-6}, {"time_s", 1e3}}};
 
-std::string Length(double metres) {
-  return metres >= 1 ? fmt::format("{:.3g} m", metres) : fmt::format("{:.3g} mm", metres * 1e3);
-}
-
 void RemarkFar(const RawSummary& summary, BandAnalysis* analysis) {
   const double farthest_m = std::max({-summary.least, summary.most, summary.most - summary.least});
   if (!(farthest_m > kFarthestReadingM)) return;
-  analysis->remarks.push_back(fmt::format(
-      "readings reach {:.3g} m, farther than any displacement sensor: is the column in mm, um or "
-      "V? "
-      "Name it (--columns time_s,displacement_mm) or say what one printed unit is (--scale 1mm)",
-      farthest_m));
+  analysis->findings.Doubt(FindingKind::kFarReadings, {{"farthest_m", farthest_m}});
 }
 
 void RemarkSampling(const trial::Metadata& metadata, BandAnalysis* analysis) {
   if (!metadata.sampling_s || !(*metadata.sampling_s > 0)) return;
   const double rate_hz = analysis->record.fresh_rate_hz;
   if (!(rate_hz * *metadata.sampling_s > kRateTolerance)) return;
-  analysis->remarks.push_back(fmt::format(
-      "the file says that the sensor samples every {:.4g} ms, {:.4g} times a second, but {:.4g} "
-      "new "
-      "readings a second came: one of them is wrong, and the sensor's gain rests on the first",
-      *metadata.sampling_s * 1e3, 1 / *metadata.sampling_s, rate_hz));
+  analysis->findings.Doubt(FindingKind::kSamplingContradicted,
+                           {{"sampling_s", *metadata.sampling_s},
+                            {"samples_per_s", 1 / *metadata.sampling_s},
+                            {"new_readings_per_s", rate_hz}});
 }
 
 // a table without a sensor's name may hold times in another unit than its column says
@@ -69,10 +59,9 @@ void RemarkTimes(const trial::Record& head, BandAnalysis* analysis) {
     const double rate_hz = facts.rate_hz / unit.factor;
     const double duration_s = facts.duration_s * unit.factor;
     if (rate_hz < needed_hz || rate_hz > kFastestTableHz || duration_s < kShortestTrialS) continue;
-    analysis->remarks.push_back(fmt::format(
-        "read as {}, the times would be {:.4g} readings a second over {:.3g} s; if that "
-        "is right, name the time column so in --columns and keep the other names",
-        unit.column, rate_hz, duration_s));
+    analysis->findings.Doubt(FindingKind::kTimesInOtherUnit, {{"column", std::string(unit.column)},
+                                                              {"readings_per_s", rate_hz},
+                                                              {"duration_s", duration_s}});
     return;
   }
 }
@@ -90,32 +79,25 @@ void RemarkImpossibleRms(BandAnalysis* analysis) {
   const bool is_far = std::max(std::abs(analysis->record.offset_m),
                                analysis->record.peak_to_peak_m) > kFarthestReadingM;
   if (rms_m > kLargestBandRmsM && !is_far) {
-    analysis->remarks.push_back(fmt::format(
-        "{} RMS is more than any tactile actuator moves: is the column in another unit than it "
-        "says? Name it (--columns time_s,displacement_um) or say --scale 1um",
-        Length(rms_m)));
+    analysis->findings.Doubt(FindingKind::kRmsTooLarge, {{"rms_m", rms_m}});
   } else if (rms_m > 0 && rms_m < kSmallestBandRmsM) {
-    analysis->remarks.push_back(
-        fmt::format("{:.2g} nm RMS is less than any laser distance sensor tells: is the column in "
-                    "another unit than it says?",
-                    rms_m * 1e9));
+    analysis->findings.Doubt(FindingKind::kRmsTooSmall, {{"rms_m", rms_m}});
   }
 }
 
-std::string WhyStuck(const RawSummary& summary) {
-  if (summary.measured < kLeastToBeStuck || summary.least != summary.most) return {};
-  return fmt::format(
-      "all {} readings are the same: a stuck sensor, held readings, or steps coarser than the "
-      "motion; check its hold, its target and its range, and record again",
-      summary.measured);
+std::optional<Finding> WhyStuck(const RawSummary& summary) {
+  if (summary.measured < kLeastToBeStuck || summary.least != summary.most) return std::nullopt;
+  return Finding{.severity = Severity::kRefusal,
+                 .kind = FindingKind::kStuck,
+                 .numbers = {{"readings", summary.measured}}};
 }
 
-Result<std::string> WhyStuck(const Displacement& displacement, const ChosenPart& part,
-                             const BandAnalysis& analysis) {
+Result<std::optional<Finding>> WhyStuck(const Displacement& displacement, const ChosenPart& part,
+                                        const BandAnalysis& analysis) {
   const double lower_hz = analysis.band.lower_hz;
   const auto least_changes = [&](double seconds) { return 2 * lower_hz * seconds; };
   if (static_cast<double>(analysis.faults.runs) >= least_changes(analysis.record.duration_s)) {
-    return std::string{};
+    return std::nullopt;
   }
   const std::size_t first = part.signal->first_row() + part.begin;
   const std::size_t rows = part.end - part.begin;
@@ -136,12 +118,14 @@ Result<std::string> WhyStuck(const Displacement& displacement, const ChosenPart&
     }
   }
   const double seconds = static_cast<double>(rows) / part.signal->rate_hz();
-  if (static_cast<double>(changes) >= least_changes(seconds)) return std::string{};
-  return fmt::format(
-      "in the {:.3g} s from {:.3f} s on only {} of {} readings differ from the one before, fewer "
-      "than vibration at {:g} Hz makes: a stuck sensor, held readings, or steps coarser than the "
-      "motion; check its hold, its target and its range, and record again",
-      seconds, TimeOfSample(*part.signal, part.begin), changes, rows, lower_hz);
+  if (static_cast<double>(changes) >= least_changes(seconds)) return std::nullopt;
+  return Finding{.severity = Severity::kRefusal,
+                 .kind = FindingKind::kStuckInWindow,
+                 .numbers = {{"window_s", seconds},
+                             {"from_s", TimeOfSample(*part.signal, part.begin)},
+                             {"changes", changes},
+                             {"readings", rows},
+                             {"lower_hz", lower_hz}}};
 }
 
 }  // namespace haptometer::dsp

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
+#include <optional>
 
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
@@ -11,7 +11,7 @@
 #include "trial/record.h"
 
 /// The steps of AnalyzeBand that ask whether a record is what it says: slips of a unit, a setting
-/// or a sensor that stands still. What may be right is a remark and changes no number.
+/// or a sensor that stands still. What may be right is a doubt and changes no number.
 namespace haptometer::dsp {
 
 /// Farther than this from zero, or from end to end, reaches no displacement sensor.
@@ -20,20 +20,21 @@ inline constexpr double kFarthestReadingM = 1;
 inline constexpr double kLargestBandRmsM = 0.01;
 inline constexpr double kSmallestBandRmsM = 1e-10;
 
-/// Adds a remark where readings lie beyond kFarthestReadingM; where the file's sampling period
+/// Adds a doubt where readings lie beyond kFarthestReadingM; where the file's sampling period
 /// allows fewer new readings than came (by more than 5 %); and where an imported table is too slow
 /// or too fast for the band, but would not be with times in milli- or microseconds, or seconds.
 void RemarkDoubts(const trial::Record& head, const RawSummary& summary, BandAnalysis* analysis);
 
-/// Adds a remark where the answer's RMS is beyond the limits above.
+/// Adds a doubt where the answer's RMS is beyond the limits above.
 void RemarkImpossibleRms(BandAnalysis* analysis);
 
-/// Why the readings cannot be of a vibration: 16 or more that are all the same; empty otherwise.
-[[nodiscard]] std::string WhyStuck(const RawSummary& summary);
+/// Why the readings cannot be of a vibration: 16 or more that are all the same; nothing otherwise.
+[[nodiscard]] std::optional<Finding> WhyStuck(const RawSummary& summary);
 
 /// The same of a part: fewer changes from reading to reading than two a period of the lower
 /// corner. Reads the part only where the whole record has that few. Errors: as RowSource::Read.
-[[nodiscard]] Result<std::string> WhyStuck(const Displacement& displacement, const ChosenPart& part,
-                                           const BandAnalysis& analysis);
+[[nodiscard]] Result<std::optional<Finding>> WhyStuck(const Displacement& displacement,
+                                                      const ChosenPart& part,
+                                                      const BandAnalysis& analysis);
 
 }  // namespace haptometer::dsp

@@ -3,14 +3,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace haptometer::dsp {
 namespace {
 
 using trial::SampleStatus;
 
-constexpr double kUmPerM = 1e6;
 // a sample's time must be known to this part of a period
 constexpr double kTimeUncertaintyPeriods = 0.1;
 
@@ -54,13 +55,13 @@ void DescribeRecord(const trial::Record& head, const Segments& segments, const R
   facts.observable_upper_hz = facts.fresh_rate_hz / kLeastRatePerUpperCorner;
 
   if (facts.measured < facts.rows) {
-    analysis->remarks.push_back(fmt::format("left out: {} of {} readings ({})",
-                                            facts.rows - facts.measured, facts.rows,
-                                            Unmeasured(facts)));
+    analysis->findings.Note(FindingKind::kExcluded, {{"excluded", facts.rows - facts.measured},
+                                                     {"readings", facts.rows},
+                                                     {"statuses", Unmeasured(facts)}});
   }
   if (repeated > 0) {
-    analysis->remarks.push_back(
-        fmt::format("{} of {} readings were handed out a second time", repeated, facts.measured));
+    analysis->findings.Note(FindingKind::kRepeated,
+                            {{"repeated", repeated}, {"readings", facts.measured}});
   }
 }
 
@@ -69,10 +70,12 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
   const RecordFacts& facts = analysis->record;
   const double needed_hz = kLeastRatePerUpperCorner * band.upper_hz;
   if (facts.fresh_rate_hz < needed_hz) {
-    analysis->reasons.push_back(fmt::format(
-        "{:.4g} new readings/s show vibration up to {:.4g} Hz; {:g}-{:g} Hz needs {:g}/s: "
-        "use a free-running output, or the analog output and a DAQ",
-        facts.fresh_rate_hz, facts.observable_upper_hz, band.lower_hz, band.upper_hz, needed_hz));
+    analysis->findings.Refuse(FindingKind::kTooFewReadings,
+                              {{"new_readings_per_s", facts.fresh_rate_hz},
+                               {"observable_hz", facts.observable_upper_hz},
+                               {"lower_hz", band.lower_hz},
+                               {"upper_hz", band.upper_hz},
+                               {"needed_per_s", needed_hz}});
   }
   // a reading that was asked for is of unknown age; a free-running source has a clock of its own,
   // however its arrivals scatter
@@ -80,28 +83,32 @@ void CheckObservable(const trial::Record& head, const Segments& segments, const 
   const double limit_s = kTimeUncertaintyPeriods / band.upper_hz;
   for (const Segment& segment : segments.parts) {
     if (segment.time_uncertainty_s < limit_s) continue;
-    analysis->reasons.push_back(
-        fmt::format("each reading's time is uncertain by {:.3g} ms; motion at {:g} Hz needs less "
-                    "than {:.3g} ms: "
-                    "use a sensor that samples on a clock of its own",
-                    segment.time_uncertainty_s * 1e3, band.upper_hz, limit_s * 1e3));
+    analysis->findings.Refuse(FindingKind::kTimesUncertain,
+                              {{"time_uncertainty_s", segment.time_uncertainty_s},
+                               {"upper_hz", band.upper_hz},
+                               {"limit_s", limit_s}});
     break;
   }
 }
 
 void RemarkFaults(const trial::Record& head, BandAnalysis* analysis) {
+  using enum FindingKind;
+  constexpr std::array<std::pair<FaultKind, FindingKind>, kFaultKindCount> kKinds{
+      {{FaultKind::kClipped, kClipped},
+       {FaultKind::kHeld, kHeld},
+       {FaultKind::kSpike, kSpikes},
+       {FaultKind::kStep, kSteps}}};
   const Faults& faults = analysis->faults;
-  for (const FaultKind kind :
-       {FaultKind::kClipped, FaultKind::kHeld, FaultKind::kSpike, FaultKind::kStep}) {
-    if (faults.Count(kind) == 0) continue;
-    const auto first = std::ranges::find(faults.list, kind, &Fault::kind);
-    std::string text = fmt::format("{} {}, {} readings in all, the first at {:.4f} s",
-                                   faults.Count(kind), Words(kind, faults.Count(kind)),
-                                   faults.Rows(kind), trial::TimeOf(head, first->first_row));
-    if (kind != FaultKind::kClipped) {
-      text += fmt::format(" ({:.3g} um)", std::abs(first->size) * kUmPerM);
-    }
-    analysis->remarks.push_back(text + "; not repaired");
+  for (const auto& [fault, kind] : kKinds) {
+    if (faults.Count(fault) == 0) continue;
+    const auto first = std::ranges::find(faults.list, fault, &Fault::kind);
+    Finding found{.severity = Severity::kDoubt,
+                  .kind = kind,
+                  .numbers = {{"count", faults.Count(fault)},
+                              {"readings", faults.Rows(fault)},
+                              {"first_s", trial::TimeOf(head, first->first_row)}}};
+    if (kind != kClipped) found.numbers.emplace_back("size_m", std::abs(first->size));
+    analysis->findings.Add(std::move(found));
   }
 }
 

@@ -19,13 +19,6 @@ enum class SensorKnowledge : std::uint8_t {
   kUnknown,  ///< not on record: amplitudes are not verified
 };
 
-/// What is said of a trial whose sensor's averaging is kUnknown, and how to make it known.
-inline constexpr std::string_view kAmplitudeNotVerified =
-    "amplitude not verified: sensor averaging unknown";
-inline constexpr std::string_view kAveragingRemedy =
-    "say it in the head of a CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer "
-    "trial export FILE -o OUT.csv makes one of any trial)";
-
 /// A sensor's averaging, and the holding of readings that are handed out again.
 struct SensorAveraging {
   SensorKnowledge knowledge = SensorKnowledge::kUnknown;

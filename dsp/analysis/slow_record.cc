@@ -1,7 +1,5 @@
 #include "dsp/analysis/slow_record.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -18,7 +16,6 @@ namespace {
 
 constexpr double kTimeUncertaintyPeriods = 0.1;
 constexpr double kWorstUncertainty = 100;  // times that of a tone seen at all phases
-constexpr double kUmPerM = 1e6;
 // a tone whose amplitude falls below the first part of its top pauses; above the second it is on
 constexpr double kPause = 0.3;
 constexpr double kOn = 0.5;
@@ -26,19 +23,21 @@ constexpr double kClear = 5;  // uncertainties
 constexpr std::size_t kLeastBlock = 16;
 constexpr std::size_t kMostBlocks = 64;
 
-// why the times will not do; empty where they will
-std::string TimesWillNotDo(const trial::Record& head, double frequency_hz) {
-  if (head.times_are_known) return {};
+// why the times will not do; nothing where they will
+std::optional<Finding> TimesWillNotDo(const trial::Record& head, double frequency_hz) {
+  if (head.times_are_known) return std::nullopt;
   if (head.timing == trial::Timing::kPolled) {
-    return "its readings are of unknown age, so no tone of known frequency is fitted either";
+    return Finding{.kind = FindingKind::kPolledTimes};
   }
   double worst_s = 0;
   for (const trial::Stretch& stretch : head.stretches) {
     worst_s = std::max(worst_s, stretch.time_uncertainty_s);
   }
-  if (worst_s < kTimeUncertaintyPeriods / frequency_hz) return {};
-  return fmt::format("times are uncertain by {:.3g} ms; a fit at {:g} Hz needs less than {:.3g} ms",
-                     worst_s * 1e3, frequency_hz, kTimeUncertaintyPeriods / frequency_hz * 1e3);
+  if (worst_s < kTimeUncertaintyPeriods / frequency_hz) return std::nullopt;
+  return Finding{.kind = FindingKind::kTimesUnfitForTone,
+                 .numbers = {{"time_uncertainty_s", worst_s},
+                             {"frequency_hz", frequency_hz},
+                             {"limit_s", kTimeUncertaintyPeriods / frequency_hz}}};
 }
 
 // whether the readings see the tone at more than one phase: at a multiple of the rate only rounding
@@ -91,8 +90,8 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   const std::optional<double> frequency_hz =
       question.drive_frequency_hz ? question.drive_frequency_hz : head.metadata.drive_frequency_hz;
   if (!frequency_hz || !(*frequency_hz > 0)) return {};
-  if (const std::string why = TimesWillNotDo(head, *frequency_hz); !why.empty()) {
-    analysis->remarks.push_back(why);
+  if (const auto why = TimesWillNotDo(head, *frequency_hz)) {
+    analysis->findings.Add(*why);
     return {};
   }
   const std::size_t rows = std::min(head.rows, kMostFitted);
@@ -113,10 +112,9 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
   values.resize(kept);
   const auto [first, last] = DrivenReadings(values, times_s, *frequency_hz);
   if (last - first < kept) {
-    analysis->remarks.push_back(
-        fmt::format("the tone at {:g} Hz pauses: it is fitted where it is on longest, {:.3f} s to "
-                    "{:.3f} s",
-                    *frequency_hz, times_s[first], times_s[last - 1]));
+    analysis->findings.Note(
+        FindingKind::kKnownTonePauses,
+        {{"frequency_hz", *frequency_hz}, {"from_s", times_s[first]}, {"to_s", times_s[last - 1]}});
     kept = last - first;
   }
   KnownTone tone;
@@ -124,14 +122,11 @@ Result<void> FitKnownTone(const Displacement& displacement, const BandQuestion& 
                             std::span(times_s).subspan(first, kept), *frequency_hz, 1);
   tone.aliased = *frequency_hz > analysis->record.fresh_rate_hz / 2;
   if (!ToldApart(tone.fit, kept)) {
-    analysis->remarks.push_back(fmt::format(
-        "a tone at {:g} Hz cannot be told apart from the offset at this rate", *frequency_hz));
+    analysis->findings.Note(FindingKind::kKnownToneAtRate, {{"frequency_hz", *frequency_hz}});
     return {};
   }
-  analysis->remarks.push_back(fmt::format(
-      "a tone at {:g} Hz, if that is what moves, has {:.4g} um amplitude{}; no answer for the band",
-      *frequency_hz, tone.fit.amplitude * kUmPerM,
-      tone.aliased ? ", seen as an alias together with all else there" : ""));
+  analysis->findings.Note(tone.aliased ? FindingKind::kKnownToneAlias : FindingKind::kKnownTone,
+                          {{"frequency_hz", *frequency_hz}, {"amplitude_m", tone.fit.amplitude}});
   analysis->known_tone = tone;
   return {};
 }

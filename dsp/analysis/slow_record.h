@@ -13,7 +13,7 @@ namespace haptometer::dsp {
 /// readings, which are of unknown age.
 ///
 /// Above half the rate of new readings the tone is seen as an alias: other motion at the alias is
-/// then taken for it, and a remark says so. At a multiple of the rate, where all readings see one
+/// then taken for it, and a note says so. At a multiple of the rate, where all readings see one
 /// phase, nothing is fitted. Reads 2^21 rows at most. Errors: as RowSource::Read.
 [[nodiscard]] Result<void> FitKnownTone(const Displacement& displacement,
                                         const BandQuestion& question, BandAnalysis* analysis);

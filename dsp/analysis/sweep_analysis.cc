@@ -68,13 +68,21 @@ double GainOr1(const SensorAveraging& sensor, double frequency_hz) {
 
 // the highest frequency up to which readings are often enough and the sensor lets half through
 double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer& answer) {
+  // of nothing that is left there is no answer
+  const auto limit = [&](FindingKind kind, double to_hz, std::vector<FindingNumber> numbers) {
+    answer.findings.Add(
+        {.severity = to_hz > question.lower_hz ? Severity::kDoubt : Severity::kRefusal,
+         .kind = kind,
+         .numbers = std::move(numbers)});
+  };
   double upper_hz = question.upper_hz;
   if (const double observable_hz = fresh_rate_hz / kLeastRatePerUpperCorner;
       upper_hz > observable_hz) {
     upper_hz = observable_hz;
-    answer.reasons.push_back(
-        fmt::format("above {:.4g} Hz: {:.4g} new readings a second; record {:.4g} or more",
-                    upper_hz, fresh_rate_hz, kLeastRatePerUpperCorner * question.upper_hz));
+    limit(FindingKind::kSweepRateLimit, upper_hz,
+          {{"upper_hz", upper_hz},
+           {"new_readings_per_s", fresh_rate_hz},
+           {"needed_per_s", kLeastRatePerUpperCorner * question.upper_hz}});
   }
   if (GainOr1(answer.sensor, upper_hz) >= kLeastSensorGain) return upper_hz;
   // the gain falls from 1 at 0 Hz; bisection to where it is a half
@@ -83,8 +91,7 @@ double UpperOf(const SweepQuestion& question, double fresh_rate_hz, SweepAnswer&
     const double middle_hz = (passed_hz + upper_hz) / 2;
     (GainOr1(answer.sensor, middle_hz) >= kLeastSensorGain ? passed_hz : upper_hz) = middle_hz;
   }
-  answer.reasons.push_back(fmt::format("above {:.4g} Hz: the sensor ({}) passes less than a half",
-                                       passed_hz, Describe(answer.sensor)));
+  limit(FindingKind::kSweepSensorLimit, passed_hz, {{"upper_hz", passed_hz}});
   return passed_hz;
 }
 
@@ -151,52 +158,37 @@ Interval IntervalOf(double value, double uncertainty, double freedom, double cha
   return {value - reach, value + reach};
 }
 
-// where the largest amplitude is, and what to try because of it
-std::string Advice(const SweepAnswer& answer) {
+// that no resonance is determined, and where the largest amplitude is
+Finding NoResonance(const SweepAnswer& answer) {
   const auto& points = answer.points;
   const auto highest = std::ranges::max_element(points, {}, &SweepPoint::amplitude);
   const auto near = [&](const SweepPoint& end) {
     return std::abs(highest->frequency_hz - end.frequency_hz) <= 2 * answer.resolution_hz;
   };
+  Finding found{.severity = Severity::kDoubt,
+                .kind = FindingKind::kNoResonance,
+                .numbers = {{"from_hz", points.front().frequency_hz},
+                            {"to_hz", points.back().frequency_hz},
+                            {"highest_hz", highest->frequency_hz}}};
   if (near(points.back()) || near(points.front())) {
-    const bool is_upper = near(points.back());
-    return fmt::format(
-        "the largest amplitude lies at the {} end, {:.4g} Hz: the resonance may be {} it; sweep "
-        "and "
-        "look further with --band",
-        is_upper ? "upper" : "lower", highest->frequency_hz, is_upper ? "above" : "below");
+    found.kind = near(points.back()) ? FindingKind::kResonanceAbove : FindingKind::kResonanceBelow;
+    return found;
   }
   const auto high = std::ranges::count_if(points, [&](const SweepPoint& point) {
     return point.amplitude > highest->amplitude / std::numbers::sqrt2;
   });
   if (high <= 3) {
-    return fmt::format(
-        "the peak at {:.4g} Hz is no wider than the resolution of {:.3g} Hz: sweep more slowly, or "
-        "record the drive's voltage, with a smaller --resolution",
-        highest->frequency_hz, answer.resolution_hz);
+    found.kind = FindingKind::kPeakTooNarrow;
+    found.numbers.emplace_back("resolution_hz", answer.resolution_hz);
   }
-  return fmt::format(
-      "the largest amplitude lies at {:.4g} Hz: look at it with --plot or --response",
-      highest->frequency_hz);
-}
-
-// what is not determined of the resonance; empty where it is
-std::string Doubt(const Resonance& fit, const Resonance& other, const SweepAnswer& answer) {
-  if (fit.converged && other.converged) return {};
-  return fmt::format(
-      "f0 and Q: no resonance with one degree of freedom between {:.4g} Hz and {:.4g} Hz; {}",
-      answer.points.front().frequency_hz, answer.points.back().frequency_hz, Advice(answer));
+  return found;
 }
 
 // keeps the resonance, or says why there is none; `late_hz` is what f0 may be off besides
 void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
                    SweepAnswer& answer) {
   if (answer.points.empty()) return;
-  const std::string doubt = Doubt(fit, other, answer);
-  if (!doubt.empty()) {
-    answer.reasons.push_back(doubt);
-    return;
-  }
+  if (!fit.converged || !other.converged) return answer.findings.Add(NoResonance(answer));
   SweepResonance found{fit, {}, {}};
   found.frequency_hz =
       IntervalOf(fit.frequency_hz, fit.frequency_uncertainty_hz, fit.degrees_of_freedom,
@@ -206,9 +198,7 @@ void TakeResonance(const Resonance& fit, const Resonance& other, double late_hz,
                  std::abs(fit.quality_factor - other.quality_factor));
   found.quality_factor.lower = std::max(0.0, found.quality_factor.lower);
   if (fit.residual_share > kMuchLeft) {
-    answer.remarks.push_back(
-        fmt::format("one resonance leaves {:.0f} % of the response: it may hold more than one",
-                    100 * fit.residual_share));
+    answer.findings.Doubt(FindingKind::kSeveralResonances, {{"left", fit.residual_share}});
   }
   answer.resonance = found;
 }
@@ -217,9 +207,9 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
                            SweepAnswer& answer) {
   const std::size_t size = SegmentSize(piece, question);
   if (size < 8 || 3 * size > 2 * piece.drive.size()) {
-    answer.reasons.push_back(fmt::format(
-        "the response: {:.3g} s do not hold two segments; record longer, or ask for {:.3g} Hz",
-        answer.window.duration_s(), 2 / answer.window.duration_s()));
+    answer.findings.Refuse(FindingKind::kSweepTooShort,
+                           {{"length_s", answer.window.duration_s()},
+                            {"resolution_hz", 2 / answer.window.duration_s()}});
     return {};
   }
   answer.resolution_hz = piece.rate_hz / static_cast<double>(size);
@@ -233,12 +223,11 @@ Result<void> AnswerByDrive(const SweepPiece& piece, const SweepQuestion& questio
         {point.frequency_hz, std::abs(point.response), std::arg(point.response), point.coherence});
   }
   if (const std::size_t left_out = response->asked - response->points.size(); left_out > 0) {
-    answer.remarks.push_back(
-        fmt::format("{} of {} frequencies left out: too little drive or too much noise there",
-                    left_out, response->asked));
+    answer.findings.Note(FindingKind::kFrequenciesExcluded,
+                         {{"excluded", left_out}, {"frequencies", response->asked}});
   }
   if (answer.points.empty()) {
-    answer.reasons.emplace_back("the response: nothing in the displacement follows the drive");
+    answer.findings.Refuse(FindingKind::kNoResponse);
   }
   TakeResonance(response->resonance, halved->resonance, 0, answer);
   return {};
@@ -284,8 +273,7 @@ bool Sweeps(const std::vector<SweptPoint>& points) {
 
 Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question, const Band& band,
                          SweepAnswer& answer) {
-  answer.reasons.emplace_back(
-      "phase, coherence and amplitude per volt: there is no voltage or current channel");
+  answer.findings.Doubt(FindingKind::kNoDriveChannel);
   const auto design =
       DesignBandPass({.lower_hz = band.lower_hz, .upper_hz = band.upper_hz}, piece.rate_hz);
   if (!design) return std::unexpected(design.error());
@@ -304,16 +292,14 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
   const double periods = band.lower_hz / resolution_hz;
   std::vector<SweptPoint> points = measure(periods);
   if (!Sweeps(points)) {
-    answer.reasons.push_back(fmt::format(
-        "amplitude over frequency: from {:.4g} Hz to {:.4g} Hz no vibration whose frequency moves "
-        "by "
-        "a tenth, and by less than {:.3g} Hz in {:.3g} s; try another --band, a --resolution above "
-        "the root of the sweep's Hz/s, a slower sweep, or record the drive's voltage",
-        band.lower_hz, band.upper_hz, resolution_hz, 1 / resolution_hz));
+    answer.findings.Refuse(FindingKind::kNoSweep, {{"lower_hz", band.lower_hz},
+                                                   {"upper_hz", band.upper_hz},
+                                                   {"resolution_hz", resolution_hz},
+                                                   {"block_s", 1 / resolution_hz}});
     return {};
   }
   answer.resolution_hz = resolution_hz;
-  answer.remarks.emplace_back("f0 and Q hold for a drive of constant amplitude");
+  answer.findings.Note(FindingKind::kConstantDriveAssumed);
   const Resonance fit = FitResonance(std::span<const SweptPoint>(points));
   const Resonance longer = FitResonance(std::span<const SweptPoint>(measure(2 * periods)));
   const double late_hz =
@@ -328,20 +314,13 @@ Result<void> AnswerAlone(const SweepPiece& piece, const SweepQuestion& question,
   return {};
 }
 
-// why its times will not do; empty where they will
-std::string TimesWillNotDo(const trial::Record& head) {
-  if (head.times_are_known) return "its readings lie at uneven times";
-  if (head.timing == trial::Timing::kPolled) return "its readings are polled and of unknown age";
-  return {};
-}
-
 Result<void> Answer(const trial::RowSource& source, const SweepPiece& piece,
                     const Segments& segments, const SweepQuestion& question, SweepAnswer& answer) {
   const double fresh_rate_hz = FreshRate(segments, piece.rate_hz);
   answer.sensor = AveragingOf(source.head().metadata, piece.rate_hz, fresh_rate_hz);
   answer.amplitude_verified = answer.sensor.knowledge != SensorKnowledge::kUnknown;
   if (!answer.amplitude_verified) {
-    answer.remarks.push_back(fmt::format("{}; {}", kAmplitudeNotVerified, kAveragingRemedy));
+    answer.findings.Doubt(FindingKind::kAveragingUnknown);
   }
   const Band band{question.lower_hz, UpperOf(question, fresh_rate_hz, answer)};
   if (!(band.upper_hz > band.lower_hz)) return {};
@@ -356,16 +335,18 @@ Result<SweepAnswer> AnalyzeSweep(const trial::RowSource& source, const SweepQues
   const auto channel = AnalyzedChannel(source.head());
   if (!channel) return std::unexpected(channel.error());
   SweepAnswer answer;
-  if (const std::string why = TimesWillNotDo(source.head()); !why.empty()) {
-    answer.reasons.push_back(why + ": a sweep needs a clocked record");
+  // it needs a clocked record
+  if (source.head().times_are_known || source.head().timing == trial::Timing::kPolled) {
+    answer.findings.Refuse(source.head().times_are_known ? FindingKind::kSweepUneven
+                                                         : FindingKind::kSweepPolled);
     return answer;
   }
   const auto segments = SplitIntoSegments(source, *channel, question.upper_hz);
   if (!segments) return std::unexpected(segments.error());
-  const auto piece = ReadSweepPiece(source, *channel, *segments, answer.remarks);
+  const auto piece = ReadSweepPiece(source, *channel, *segments, answer.findings);
   if (!piece) return std::unexpected(piece.error());
   if (piece->displacement_m.empty()) {
-    answer.reasons.emplace_back("none of its readings is a measurement");
+    answer.findings.Refuse(FindingKind::kNoMeasurement);
     return answer;
   }
   TakePiece(source.head(), *piece, answer);

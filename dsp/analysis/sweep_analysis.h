@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "dsp/analysis/sensor_gain.h"
 #include "dsp/analysis/time_window.h"
+#include "dsp/findings.h"
 #include "dsp/spectrum/frequency_response.h"
 #include "dsp/statistics/distributions.h"
 #include "trial/row_source.h"
@@ -38,12 +39,11 @@ struct SweepResonance {
   Interval quality_factor;  ///< the same
 };
 
-/// The answer; what it does not hold is in `reasons`.
+/// The answer; what it does not hold is among the findings.
 struct SweepAnswer {
-  bool answered = false;             ///< there are points
-  std::vector<std::string> reasons;  ///< what is not determined, and why
-  std::vector<std::string> remarks;  ///< what was left out or assumed
-  std::string drive;                 ///< name of the drive channel; empty: none
+  bool answered = false;  ///< there are points
+  Findings findings;      ///< refusals: why there are none; doubts: what else is not determined
+  std::string drive;      ///< name of the drive channel; empty: none
   std::string amplitude_unit = "m";  ///< of the points: "m/V", "m/A", "m"
   TimeWindow window;                 ///< of the record
   double rate_hz = 0;

@@ -1,7 +1,5 @@
 #include "dsp/analysis/sweep_piece.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <optional>
 #include <span>
@@ -44,7 +42,7 @@ void Crop(std::vector<double>& values, std::size_t first, std::size_t last) {
 
 // fills the drive beside the displacement, both cut to where it is measured
 Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::size_t first_row,
-                      SweepPiece& piece, std::vector<std::string>& remarks) {
+                      SweepPiece& piece, Findings& findings) {
   std::vector<double> values(piece.displacement_m.size());
   std::vector<trial::SampleStatus> statuses(values.size());
   if (auto read = source.Read(channel, first_row, values, statuses); !read) return read;
@@ -55,12 +53,11 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
     return !run.empty() && std::ranges::min(run) < std::ranges::max(run);
   };
   if (!moves()) {
-    remarks.push_back(fmt::format("the channel {} does not move; it is no drive", drive.name));
+    findings.Note(FindingKind::kDriveConstant, {{"channel", drive.name}});
     return {};
   }
   if (last - first < values.size()) {
-    remarks.push_back(
-        fmt::format("the channel {} has holes; its longest piece is used", drive.name));
+    findings.Note(FindingKind::kDriveGaps, {{"channel", drive.name}});
   }
   Crop(values, first, last);
   Crop(piece.displacement_m, first, last);
@@ -73,17 +70,16 @@ Result<void> AddDrive(const trial::RowSource& source, std::size_t channel, std::
 }  // namespace
 
 Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
-                                  const Segments& segments, std::vector<std::string>& remarks) {
+                                  const Segments& segments, Findings& findings) {
   const auto longest = std::ranges::max_element(
       segments.parts, {}, [](const Segment& s) { return static_cast<double>(s.size) / s.rate_hz; });
   if (longest == segments.parts.end()) return SweepPiece{};
   if (segments.parts.size() > 1) {
-    remarks.push_back(fmt::format("gaps split the record into {} pieces; the longest is used",
-                                  segments.parts.size()));
+    findings.Note(FindingKind::kLongestSegment, {{"segments", segments.parts.size()}});
   }
   if (longest->size > kMostSamples) {
-    remarks.push_back(
-        fmt::format("of {} samples the first {} are used", longest->size, kMostSamples));
+    findings.Note(FindingKind::kSamplesLimited,
+                  {{"samples", longest->size}, {"used", kMostSamples}});
   }
   SweepPiece piece;
   piece.start_s = longest->start_s;
@@ -93,7 +89,7 @@ Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t ch
   if (auto read = samples.Read(0, piece.displacement_m); !read)
     return std::unexpected(read.error());
   if (const auto drive = DriveChannelOf(source.head())) {
-    const auto added = AddDrive(source, *drive, longest->first_row, piece, remarks);
+    const auto added = AddDrive(source, *drive, longest->first_row, piece, findings);
     if (!added) return std::unexpected(added.error());
   }
   return piece;

@@ -25,7 +25,6 @@ struct SweepPiece {
 /// channel that does not move is no drive. Says in `remarks` what was left out. Empty where there
 /// is no segment. Errors: as RowSource::Read.
 [[nodiscard]] Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
-                                                const Segments& segments,
-                                                std::vector<std::string>& remarks);
+                                                const Segments& segments, Findings& findings);
 
 }  // namespace haptometer::dsp

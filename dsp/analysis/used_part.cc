@@ -1,7 +1,5 @@
 #include "dsp/analysis/used_part.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -26,7 +24,6 @@ constexpr double kLeastBulge = 2;      // of a transient
 constexpr double kLeastLouder = 1.3;
 // of its mean, that three quarters of it are above; of a sine in its quarters of a half wave: 0.29
 constexpr double kLeastEven = 0.1;
-constexpr std::string_view kMovesWhy = "the frequency moves: where it stands out is no drive";
 
 // whole cells of what has settled of one signal, as a course of power
 struct SettledCells {
@@ -89,7 +86,7 @@ Result<DriveParts> ToneParts(const BandSignal& signal, const SettledCells& cells
 struct FoundParts {
   DriveParts parts;
   bool from_channel = false;
-  std::string remark{};  // what the reader must know of it
+  std::optional<Finding> finding{};  // what the reader must know of it
 };
 
 // Leaves out parts that are no longer than the filter rings on both sides of an event, and whose
@@ -100,15 +97,12 @@ void LeaveOutTransients(const BandSignal& signal, FoundParts& found) {
     return part.whole.duration_s() <= ringing_s && part.bulge >= kLeastBulge;
   });
   if (left_out == 0) return;
-  found.remark = fmt::format(
-      "{} part{} of the record stand{} out no longer than the filter rings ({:.2g} s) and swell{} "
-      "as that does: taken for transients, not for a drive in this band",
-      left_out, left_out == 1 ? "" : "s", left_out == 1 ? "s" : "", ringing_s,
-      left_out == 1 ? "s" : "");
+  found.finding = {.kind = FindingKind::kTransientsExcluded,
+                   .numbers = {{"parts", left_out}, {"ringing_s", ringing_s}}};
   if (!found.parts.on.empty()) return;
   found.parts.course = DriveCourse::kUnchanging;
   found.parts.quiet.clear();
-  found.parts.why = "only transients stand out";
+  found.parts.why = {.kind = FindingKind::kOnlyTransients};
 }
 
 // the powers of the cells in some windows
@@ -173,13 +167,15 @@ Result<FoundParts> PartsOf(const trial::RowSource& source, const BandSignal& sig
   if (pauses || by_power.course == DriveCourse::kGated) {
     const auto move = FindFrequencyMove(signal, signal.settled_begin(), signal.settled_end(), band);
     if (!move) return std::unexpected(move.error());
-    if (*move) return FoundParts{{DriveCourse::kUnchanging, {}, {}, std::string(kMovesWhy)}};
+    if (*move) {
+      FoundParts none;
+      none.parts.why = {.kind = FindingKind::kSweepIsNoDrive};
+      return none;
+    }
   }
   if (pauses) return FoundParts{std::move(*by_tone), false};
-  if (by_power.course == DriveCourse::kGated && !by_tone->why.empty()) {
-    return FoundParts{
-        std::move(*by_tone), false,
-        "the vibration's level changes, but its tone never pauses: all of it is used"};
+  if (by_power.course == DriveCourse::kGated && by_tone->why) {
+    return FoundParts{std::move(*by_tone), false, Finding{.kind = FindingKind::kLevelChanges}};
   }
   FoundParts found{std::move(by_power), false};
   LeaveOutTransients(signal, found);
@@ -207,11 +203,12 @@ Result<void> RemarkMixed(const trial::RowSource& source, const BandPass& band, C
   }
   const double rest_s = window.duration_s() - steady_s;
   if (parts.on.empty() || rest_s <= 1 / band.lower_hz) return {};
-  analysis->remarks.push_back(
-      on_s > 0 ? fmt::format("the window mixes: in {:.3f} s of its {:.3f} s the drive is off or "
-                             "changes ({}); --window auto takes the steady part",
-                             rest_s, window.duration_s(), parts.why)
-               : fmt::format("the drive is off in the whole window ({})", parts.why));
+  if (on_s > 0) {
+    analysis->findings.Doubt(FindingKind::kWindowMixed,
+                             {{"off_s", rest_s}, {"window_s", window.duration_s()}});
+  } else {
+    analysis->findings.Doubt(FindingKind::kDriveOffInWindow);
+  }
   return {};
 }
 
@@ -221,16 +218,14 @@ Result<void> RemarkMove(const ChosenPart& chosen, const BandPass& band, BandAnal
   if (!move) return std::unexpected(move.error());
   analysis->frequency_move = *move;
   if (!*move) return {};
-  analysis->remarks.push_back(fmt::format(
-      "the frequency moves from {:.3g} Hz to {:.3g} Hz: this is a sweep, and the RMS is "
-      "of all of it; use --sweep",
-      (*move)->from_hz, (*move)->to_hz));
+  analysis->findings.Doubt(FindingKind::kFrequencyMoves,
+                           {{"from_hz", (*move)->from_hz}, {"to_hz", (*move)->to_hz}});
   return {};
 }
 
 ChosenPart AllSettled(const BandSignal& signal) {
   ChosenPart chosen{&signal, signal.settled_begin(), signal.settled_end(), {}};
-  chosen.part.why = "all that has settled";
+  chosen.part.why.kind = FindingKind::kAllSettled;
   return chosen;
 }
 
@@ -244,28 +239,24 @@ std::optional<ChosenPart> ChooseGiven(const std::vector<BandSignal>& all,
   const double found_s = chosen.signal == nullptr ? 0
                                                   : static_cast<double>(chosen.end - chosen.begin) /
                                                         chosen.signal->rate_hz();
-  const std::string asked =
-      fmt::format("{:g} s to {:g} s", question.window.begin_s, question.window.end_s);
+  const FindingNumber from{"from_s", question.window.begin_s};
+  const FindingNumber to{"to_s", question.window.end_s};
   const double end_s = TimeOfSample(all.back(), all.back().size());
   if (question.window.begin_s >= end_s || question.window.end_s <= all.front().start_s()) {
-    analysis->reasons.push_back(
-        fmt::format("the window {} lies outside of the record, {:g} s to {:g} s", asked,
-                    all.front().start_s(), end_s));
+    analysis->findings.Refuse(
+        FindingKind::kWindowOutside,
+        {from, to, {"record_from_s", all.front().start_s()}, {"record_to_s", end_s}});
     return std::nullopt;
   }
   if (chosen.signal == nullptr || found_s < kLeastWindowPeriods / question.band.lower_hz) {
-    analysis->reasons.push_back(
-        fmt::format("of the window {} only {:.3f} s have settled: ask for a wider one, or record "
-                    "longer before and after it",
-                    asked, found_s));
+    analysis->findings.Refuse(FindingKind::kWindowNotSettled, {from, to, {"settled_s", found_s}});
     return std::nullopt;
   }
   const double missing_s = question.window.duration_s() - found_s;
   if (missing_s > 2 / chosen.signal->rate_hz()) {
-    analysis->remarks.push_back(fmt::format(
-        "{:.3f} s of the window {} have not settled and are left out", missing_s, asked));
+    analysis->findings.Note(FindingKind::kWindowShortened, {{"excluded_s", missing_s}, from, to});
   }
-  chosen.part.why = "asked for: " + asked;
+  chosen.part.why = {.kind = FindingKind::kWindowAsked, .numbers = {from, to}};
   return chosen;
 }
 
@@ -277,7 +268,7 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
   for (const BandSignal& signal : all) {
     auto found = PartsOf(source, signal, question.band);
     if (!found) return std::unexpected(found.error());
-    if (!found->remark.empty()) analysis->remarks.push_back(found->remark);
+    if (found->finding) analysis->findings.Add(*found->finding);
     if (&signal == undriven.signal) undriven.part.drive = found->parts;
     const OnPart* on = found->parts.Longest();
     if (on == nullptr) continue;
@@ -288,7 +279,7 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
     }
     if (best && end - begin <= best->end - best->begin) continue;
     best = ChosenPart{&signal, begin, end, {}};
-    best->part.why = "steady part of the drive: " + found->parts.why;
+    best->part.why.kind = FindingKind::kSteadyDrive;
     best->part.from_drive = true;
     best->part.from_channel = found->from_channel;
     best->part.drive = std::move(found->parts);
@@ -297,7 +288,7 @@ Result<ChosenPart> ChooseDriven(const trial::RowSource& source, const std::vecto
 }
 
 // What was chosen where no drive was found in it, if there is none elsewhere: else what has settled
-// of that drive, or a reason and nothing.
+// of that drive, or a refusal and nothing.
 Result<std::optional<ChosenPart>> WithoutMissed(const Displacement& displacement,
                                                 const Segments& segments,
                                                 const std::vector<BandSignal>& all,
@@ -307,15 +298,14 @@ Result<std::optional<ChosenPart>> WithoutMissed(const Displacement& displacement
   if (!missed) return std::unexpected(missed.error());
   if (!*missed) return chosen;
   auto part = SettledPartOf(**missed, band);
-  if (!part) analysis->reasons.push_back(WhyMissed(**missed, band));
+  if (!part) analysis->findings.Add(WhyMissed(**missed, band));
   return part;
 }
 
 void RemarkUnsteady(const DriveParts& drive, BandAnalysis* analysis) {
   const OnPart& on = *drive.Longest();
   if (on.is_steady) return;
-  analysis->remarks.push_back(
-      fmt::format("the amplitude changes by {:.2g} % over the drive", 100 * on.drift));
+  analysis->findings.Doubt(FindingKind::kDriveUnsteady, {{"drift", on.drift}});
 }
 
 }  // namespace
@@ -369,8 +359,8 @@ Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,
   if (analysis->frequency_move && chosen->part.from_drive && !chosen->part.from_channel) {
     // a sweep that leaves the band or its resonance: beside it the drive is not off
     chosen->part = {};
-    chosen->part.drive.why = kMovesWhy;
-    chosen->part.why = "where a vibration whose frequency moves stands out";
+    chosen->part.drive.why = {.kind = FindingKind::kSweepIsNoDrive};
+    chosen->part.why.kind = FindingKind::kWhereFrequencyMoves;
   }
   if (chosen->part.from_drive) {
     RemarkUnsteady(chosen->part.drive, analysis);

@@ -32,7 +32,7 @@ inline constexpr std::size_t kFittedOfLonger = std::size_t{1} << 19U;
 }
 
 /// Chooses as `question` says (see AnalyzeBand). Says in `analysis` what the reader must know;
-/// nothing, and a reason, where a given window has not settled. `all` are `segments`, filtered, at
+/// nothing, and a refusal, where a given window has not settled. `all` are `segments`, filtered, at
 /// least one.
 /// Errors: as RowSource::Read.
 [[nodiscard]] Result<std::optional<ChosenPart>> ChoosePart(const Displacement& displacement,

@@ -100,17 +100,14 @@ void DescribeSensor(Window& window) {
                                  window.analysis.record.fresh_rate_hz);
   sensor.gain_in_band = GainsOver(sensor.averaging, window.band().lower_hz, window.band().upper_hz);
   if (sensor.averaging.knowledge == SensorKnowledge::kUnknown) {
-    window.analysis.remarks.push_back(
-        fmt::format("{}; {}", kAmplitudeNotVerified, kAveragingRemedy));
-    return;
+    return window.analysis.findings.Doubt(FindingKind::kAveragingUnknown);
   }
   sensor.amplitude_verified = true;
   if (!window.numbers.tone) {
     if (sensor.gain_in_band->least < 1) {
-      window.analysis.remarks.push_back(fmt::format(
-          "the sensor ({}) passes {:.3g} to {:.3g} of the band; without a tone it is not divided "
-          "out",
-          Describe(sensor.averaging), sensor.gain_in_band->least, sensor.gain_in_band->greatest));
+      window.analysis.findings.Note(
+          FindingKind::kGainInBand,
+          {{"least", sensor.gain_in_band->least}, {"greatest", sensor.gain_in_band->greatest}});
     }
     return;
   }
@@ -123,14 +120,12 @@ void DescribeSensor(Window& window) {
     sensor.amplitude_verified = false;
     const int most =
         sensor.averaging.averages > 1 ? MostAverages(frequency_hz, sensor.averaging.sampling_s) : 1;
-    window.analysis.reasons.push_back(fmt::format(
-        "the sensor ({}) passes {:.3g} of {:.4g} Hz, below {:g}: set it to {} average{} or fewer",
-        Describe(sensor.averaging), gain, frequency_hz, kLeastSensorGain, most,
-        most == 1 ? "" : "s"));
+    window.analysis.findings.Refuse(FindingKind::kGainTooLow, {{"gain", gain},
+                                                               {"frequency_hz", frequency_hz},
+                                                               {"least_gain", kLeastSensorGain},
+                                                               {"averages", most}});
   } else if (gain < 1) {
-    window.analysis.remarks.push_back(
-        fmt::format("the sensor ({}) passes {:.4g} of the tone; divided out",
-                    Describe(sensor.averaging), gain));
+    window.analysis.findings.Note(FindingKind::kGainCorrected, {{"gain", gain}});
   }
 }
 
@@ -175,10 +170,7 @@ void JudgeClipping(Window& window) {
   const double share = static_cast<double>(rows) / static_cast<double>(part.rows);
   if (share <= kMostClipped) return;
   window.numbers.is_lower_limit = true;
-  window.analysis.reasons.push_back(fmt::format(
-      "{:.2g} % of the window is clipped, so its RMS is a lower limit: move the sensor or choose a "
-      "wider range",
-      100 * share));
+  window.analysis.findings.Refuse(FindingKind::kWindowClipped, {{"share", share}});
 }
 
 // what moving either end of a driven part inwards by a period of the lower corner changes: the
@@ -309,7 +301,7 @@ Result<void> DescribeDrive(const trial::RowSource& source, Window& window) {
                                        window.rate_hz(), frequency_hz);
   if (!found) return std::unexpected(found.error());
   window.numbers.electrical = found->state;
-  if (!found->why_not.empty()) window.analysis.remarks.push_back(found->why_not);
+  if (found->why_not) window.analysis.findings.Add(*found->why_not);
   return {};
 }
 

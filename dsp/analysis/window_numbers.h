@@ -11,7 +11,7 @@
 /// The step of AnalyzeBand that measures the window that was chosen.
 namespace haptometer::dsp {
 
-/// Fills `analysis.numbers` from `chosen`, and says in reasons and remarks what they hold.
+/// Fills `analysis.numbers` from `chosen`, and says in its findings what they hold.
 /// `all` are all the record's signals. Errors: as RowSource::Read.
 [[nodiscard]] Result<void> MeasureWindow(const Displacement& displacement,
                                          const std::vector<BandSignal>& all,

@@ -1,7 +1,5 @@
 #include "dsp/analysis/window_state.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <string_view>
@@ -68,17 +66,13 @@ Result<ElectricalFinding> MeasureElectrical(const trial::RowSource& source, std:
   const auto amperes = ReadChannel(source, *current, first, size, &unmeasured);
   if (!amperes) return std::unexpected(amperes.error());
   if (unmeasured > 0) {
-    return ElectricalFinding{
-        std::nullopt,
-        fmt::format("electrical state not determined: {} readings of voltage or current in the "
-                    "window are no measurements",
-                    unmeasured)};
+    return ElectricalFinding{std::nullopt, Finding{.kind = FindingKind::kElectricalUnmeasured,
+                                                   .numbers = {{"readings", unmeasured}}}};
   }
   ElectricalFinding found{DescribeElectrical(*volts, *amperes, rate_hz, tone_hz), {}};
   if (!found.state) {
-    found.why_not = fmt::format(
-        "electrical state not determined: no voltage or no current stands out at {:.4g} Hz",
-        tone_hz);
+    found.why_not = {.kind = FindingKind::kElectricalNoTone,
+                     .numbers = {{"frequency_hz", tone_hz}}};
   }
   return found;
 }

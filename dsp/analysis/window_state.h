@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "base/error.h"
 #include "dsp/analysis/used_part.h"
+#include "dsp/findings.h"
 #include "dsp/spectrum/electrical.h"
 #include "dsp/spectrum/kinematics.h"
 #include "trial/row_source.h"
@@ -22,7 +22,7 @@ namespace haptometer::dsp {
 /// What a drive did, or why that is not determined.
 struct ElectricalFinding {
   std::optional<ElectricalState> state;
-  std::string why_not;  ///< a remark; empty where `state` is there or nothing was recorded
+  std::optional<Finding> why_not{};  ///< nothing where `state` is there or nothing was recorded
 };
 
 /// The electrical state at `tone_hz` over `rows` rows from `first_row` on, or their middle

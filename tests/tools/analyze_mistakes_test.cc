@@ -23,6 +23,7 @@ namespace haptometer::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
@@ -76,8 +77,11 @@ TEST_F(AnalyzeMistakes, TheTransientsOfADriveOutsideOfTheBandAreNoDrive) {
 
 TEST_F(AnalyzeMistakes, AWindowAcrossAnOnsetMixes) {
   const std::string burst = Burst();
-  EXPECT_THAT(Analyze({"--window", "0.5s:1.5s", burst}).out, HasSubstr("the window mixes: in 0.5"));
-  EXPECT_THAT(Analyze({"--window", "1.1s:1.9s", burst}).out, Not(HasSubstr("the window mixes")));
+  EXPECT_THAT(
+      Analyze({"--window", "0.5s:1.5s", burst}).out,
+      ContainsRegex("in (0.5|49|5)[0-9.]* m?s of the window's .* the drive is off or changes"));
+  EXPECT_THAT(Analyze({"--window", "1.1s:1.9s", burst}).out,
+              Not(HasSubstr("the drive is off or changes")));
   EXPECT_THAT(Analyze({"--window", "0.3s:0.7s", burst}).out,
               HasSubstr("the drive is off in the whole window"));
 }
@@ -87,9 +91,9 @@ TEST_F(AnalyzeMistakes, AFloorOfAnotherRateOrWithAToneIsNamed) {
   const std::string trial = Write("trial.csv", 4000, tone);
   const auto hum = [](double t_s) { return 3 * Sine(100, t_s); };
   EXPECT_THAT(Analyze({"--floor", Write("hum.csv", 4000, hum), trial}).out,
-              HasSubstr("holds a tone, 3 um at 100 Hz: it is taken off as noise"));
+              HasSubstr("holds a tone, 3 um at 100 Hz: it is subtracted as noise"));
   EXPECT_THAT(Analyze({"--floor", Write("other.csv", 2000, hum), trial}).out,
-              HasSubstr("has 2000 readings a second and this trial 4000"));
+              HasSubstr("the floor has 2000 readings/s and this trial 4000"));
   const Outcome slow = Analyze({"--floor", Write("slow.csv", 1000, hum), trial});
   EXPECT_EQ(slow.status, 3);
   EXPECT_THAT(slow.err, HasSubstr("as long and as fast as the trials"));
@@ -103,8 +107,9 @@ TEST_F(AnalyzeMistakes, AClippedRecordHasALowerLimitAndNoInterval) {
   });
   const Outcome outcome = Analyze({path});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.out, HasSubstr("estimate           at least 12."));
-  EXPECT_THAT(outcome.out, HasSubstr("amplitude at least 17."));
+  EXPECT_THAT(outcome.out, HasSubstr("vibration (RMS) at least"));
+  EXPECT_THAT(outcome.out, ContainsRegex("RMS\\) at least +12\\."));
+  EXPECT_THAT(outcome.out, ContainsRegex("amplitude of the tone at least +17\\."));
   EXPECT_THAT(outcome.out, Not(HasSubstr("95 %")));
   EXPECT_THAT(Analyze({"--all", path}).out, Not(HasSubstr("95 %")));
   const Json trial = Json::parse(Analyze({"--json", path}).out)["trials"][0];
@@ -168,7 +173,7 @@ TEST_F(AnalyzeMistakes, WhatNoBudgetHoldsIsSaidOnce) {
   const std::string out = Analyze({trial, trial}).out;
   ASSERT_THAT(out, HasSubstr(words));
   EXPECT_EQ(out.find(words), out.rfind(words));
-  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("not included       " + words));
+  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("in no uncertainty  " + words));
   EXPECT_EQ(Json::parse(Analyze({"--json", trial}).out)["uncertainty_excludes"], words);
 }
 
@@ -179,7 +184,7 @@ TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
   EXPECT_THAT(Analyze({"--sweep", sweep}).out,
               HasSubstr("try another --band, a --resolution above"));
   EXPECT_THAT(Analyze({"--sweep", "--resolution", "20Hz", sweep}).out,
-              HasSubstr("resolution 20 Hz"));
+              ContainsRegex("resolution +20 Hz"));
   const Outcome alone = Analyze({"--resolution", "5Hz", sweep});
   EXPECT_EQ(alone.status, 2);
   EXPECT_THAT(alone.err, HasSubstr("--resolution: is of a spectrum or a sweep"));

@@ -7,10 +7,13 @@
 #include <vector>
 
 #include "tools/analyze/sweep_document.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
 
+using ::testing::ContainsRegex;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
@@ -42,52 +45,74 @@ dsp::SweepAnswer Answered(bool with_drive) {
   return answer;
 }
 
-std::string Printed(const dsp::SweepAnswer& answer) {
-  ::testing::internal::CaptureStdout();
-  PrintSweep("sweep.bin", answer);
-  return ::testing::internal::GetCapturedStdout();
+document::Document DocumentOf(const dsp::SweepAnswer& answer) {
+  document::Document document{.verb = "analyze", .title = "sweep.bin"};
+  document.root = SweepSection("sweep.bin", answer, true);
+  return document;
 }
 
-TEST(SweepOutput, SaysF0AndQWithTheirIntervals) {
-  const std::string text = Printed(Answered(true));
+TEST(SweepDocument, SaysF0AndQWithTheirIntervals) {
+  const std::string text = TextOf(DocumentOf(Answered(true)), document::Detail::kShort);
   EXPECT_THAT(text, StartsWith("sweep.bin\n"));
-  EXPECT_THAT(text, HasSubstr("100 Hz to 300 Hz, 5 points"));
-  EXPECT_THAT(text, HasSubstr("20 um/V amplitude at 200 Hz"));
-  EXPECT_THAT(text, HasSubstr("200.00 Hz (95 % interval 199.00 to 201.00 Hz)"));
-  EXPECT_THAT(text, HasSubstr("10.00 (95 % interval 9.50 to 10.50)"));
+  EXPECT_THAT(text, ContainsRegex("swept +100 to 300 Hz, 5 points"));
+  EXPECT_THAT(text, ContainsRegex("largest amplitude +20 um/V, at 200 Hz"));
+  EXPECT_THAT(text,
+              ContainsRegex("natural frequency +200.00\\(50\\) Hz; 95 %: 199.00 to 201.00 Hz"));
+  EXPECT_THAT(text, ContainsRegex("quality factor +10.00\\(25\\); 95 %: 9.50 to 10.50"));
 }
 
-TEST(SweepOutput, WritesColumnsNamedByTheirUnit) {
-  EXPECT_THAT(SweepCsv(Answered(true)),
-              HasSubstr("\nfrequency_hz,amplitude_m_per_v,phase_rad,coherence\n100,2.66"));
-  EXPECT_THAT(SweepCsv(Answered(true)), HasSubstr("\n200,2e-05,-1.57079633,0.875\n"));
-  EXPECT_THAT(SweepCsv(Answered(false)),
-              HasSubstr("\nfrequency_hz,amplitude_m,phase_rad,coherence\n100,2.66"));
-  EXPECT_THAT(SweepCsv(Answered(false)), HasSubstr("\n200,2e-05,,\n"));
+TEST(SweepDocument, WritesColumnsNamedByTheirUnit) {
+  document::Provenance provenance;
+  provenance.version = "0.0";
+  const std::string driven = SweepCsv(Answered(true), provenance);
+  EXPECT_THAT(driven, HasSubstr("\n# haptometer 0.0"));
+  EXPECT_THAT(driven,
+              HasSubstr("\nfrequency_hz,amplitude_m_per_v,phase_rad,coherence\n100.0,2.66"));
+  EXPECT_THAT(driven, HasSubstr("\n200.0,2e-05,-1.5707963267948966,0.875\n"));
+  const std::string alone = SweepCsv(Answered(false), {});
+  EXPECT_THAT(alone, HasSubstr("\nfrequency_hz,amplitude_m,phase_rad,coherence\n100.0,2.66"));
+  EXPECT_THAT(alone, HasSubstr("\n200.0,2e-05,,\n"));
+  EXPECT_THAT(SweepCsv({}, {}), EndsWith("\nfrequency_hz,amplitude_m,phase_rad,coherence\n"));
 }
 
-TEST(SweepOutput, JsonHoldsNullForWhatIsNotKnown) {
-  const auto whole = SweepJson("sweep.bin", Answered(true));
+TEST(SweepDocument, JsonHoldsNullForWhatIsNotKnown) {
+  const auto json = [](const dsp::SweepAnswer& answer) {
+    return nlohmann::json::parse(JsonOf(DocumentOf(answer)));
+  };
+  const auto whole = json(Answered(true));
   EXPECT_EQ(whole["resonance"]["quality_factor"], 10);
   EXPECT_EQ(whole["resonance"]["frequency_interval_95_hz"], nlohmann::json({199, 201}));
   EXPECT_EQ(whole["points"].size(), 5U);
   EXPECT_EQ(whole["points"][2]["coherence"], 0.875);
-  const auto alone = SweepJson("sweep.bin", Answered(false));
+  const auto alone = json(Answered(false));
   EXPECT_TRUE(alone["points"][0]["phase_rad"].is_null());
   EXPECT_TRUE(alone["drive_channel"].is_null());
-  const auto none = SweepJson("sweep.bin", {});
+  const auto none = json({});
   EXPECT_TRUE(none["resonance"].is_null());
   EXPECT_TRUE(none["window_s"].is_null());
   EXPECT_TRUE(none["points"].empty());
 }
 
-TEST(SweepOutput, DrawsAPanelForWhatIsThere) {
-  const auto panels = SweepPanels(Answered(true));
+TEST(SweepDocument, RefusalsAreItsReasons) {
+  dsp::SweepAnswer answer;
+  answer.findings.Refuse(dsp::FindingKind::kNoResponse);
+  answer.findings.Doubt(dsp::FindingKind::kNoDriveChannel);
+  const auto json = nlohmann::json::parse(JsonOf(DocumentOf(answer)));
+  EXPECT_EQ(json["reasons"], nlohmann::json({"nothing in the displacement follows the drive"}));
+  EXPECT_EQ(json["findings"].size(), 2U);
+}
+
+std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
+  return SweepSection("sweep.bin", answer, true).figures.at(0).panels;
+}
+
+TEST(SweepDocument, DrawsAPanelForWhatIsThere) {
+  const auto panels = PanelsOf(Answered(true));
   ASSERT_EQ(panels.size(), 3U);
   EXPECT_EQ(panels[0].title, "resonance at 200 Hz, Q 10");
   EXPECT_EQ(panels[0].series[0].y, panels[0].series[1].y) << "the points lie on the curve";
-  EXPECT_EQ(SweepPanels(Answered(false)).size(), 1U);
-  EXPECT_TRUE(SweepPanels({}).empty());
+  EXPECT_EQ(PanelsOf(Answered(false)).size(), 1U);
+  EXPECT_TRUE(SweepSection("sweep.bin", {}, true).figures.empty());
   const auto svg = plot::DrawSvg(panels);
   ASSERT_TRUE(svg);
   EXPECT_THAT(*svg, HasSubstr("amplitude / um/V"));

@@ -5,6 +5,9 @@
 
 #include <cmath>
 #include <fstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/findings.h"
 #include "tests/trial/trial_file.h"
@@ -272,6 +275,37 @@ TEST(TrialReader, FilesThatAreNoTrialsAreExplained) {
   EXPECT_THAT(ErrorOf(whole.substr(0, 5)), HasSubstr("is cut short within its first bytes"));
   EXPECT_THAT(ErrorOf(whole.substr(0, 40)), HasSubstr("both copies of its header"));
   EXPECT_THAT(ErrorOf("\x01\x02random"), HasSubstr("is no trial; give a trial.bin"));
+}
+
+TEST(SourcesOf, AreStatedOrImportedOrNotKnown) {
+  using enum DataSource;
+  using Sources = std::vector<DataSource>;
+  const auto sources = [](const std::string& source, FileKind kind, bool closed) {
+    Metadata metadata;
+    metadata.source = source;
+    ReadReport report;
+    report.kind = kind;
+    report.closed = closed;
+    return SourcesOf(metadata, report);
+  };
+  const std::vector<std::pair<std::string, Sources>> stated{
+      {"device: serial port /dev/ttyUSB0, 9600 baud 8N1", {kDevice}},
+      {"emulated device: virtual terminal /dev/pts/3 (not a hardware port)", {kEmulated}},
+      {"virtual terminal /dev/pts/3 (not a hardware port)", {kEmulated}},
+      {"simulated: a scene, ideal sensor, start from rest", {kSimulated}},
+      {"imported", {kImported}},
+      {"piped in: standard input, text", {kImported}},
+      {"TCP connection a:64000 (what is behind it is not known)", {}},
+      {"replay of b (1).bin (simulated: a test)", {kSimulated}},
+      {"replay of c.bin (TCP connection a:1 (what is behind it is not known))", {}},
+      {"", {}}};
+  for (const auto& [source, expected] : stated) {
+    EXPECT_EQ(sources(source, FileKind::kTrial, true), expected) << source;
+  }
+  EXPECT_EQ(sources("", FileKind::kCsv, true), Sources({kImported}));
+  EXPECT_EQ(sources("simulated", FileKind::kHdf5, true), Sources({kSimulated}));
+  EXPECT_EQ(sources("simulated", FileKind::kTrial, false), Sources({kSimulated, kInterrupted}));
+  EXPECT_EQ(NameOf(kInterrupted), "interrupted");
 }
 
 TEST(ReadRecording, TellsTrialAndCsvApartAndRefusesTheRest) {

@@ -14,6 +14,7 @@
 #include "acquire/transport/port_list.h"
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
+#include "tools/document/findings_dsp.h"
 #include "trial/import/table_cells.h"
 #include "trial/record.h"
 #include "trial/sensor_head.h"
@@ -63,7 +64,7 @@ CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSu
   findings.level_m = analysis->record.offset_m;
   if (!analysis->answered) {
     // without its remedy: the list has its own
-    const std::string& reason = analysis->reasons.front();
+    const std::string reason = document::RefusalOf(analysis->findings);
     findings.no_noise_because = reason.substr(0, reason.find(": "));
   }
   if (!analysis->numbers) return findings;

@@ -5,54 +5,25 @@
 #include <string_view>
 #include <vector>
 
-#include "base/error.h"
 #include "sim/skin/skin_rise.h"
 #include "tools/analyze/analyze.h"
-#include "tools/report/html_page.h"
+#include "tools/document/document.h"
 
 namespace haptometer::tools {
 
-/// The document of `analyze --json` (docs/reference/analyze.md), indented. Unknown values are null;
-/// an error becomes the only entry of `reasons`. Where a file is not answered, RMS and amplitude
-/// are null and what was worked out all the same stands under `band_rms_estimate_m` and
-/// `tone_amplitude_estimate_m`.
-[[nodiscard]] std::string AnalysisJson(const std::vector<AnalyzedFile>& files);
+/// The document of `count` trials before any is analysed; the first of them is `first`.
+[[nodiscard]] document::Document AnalysisDocument(const std::string& first, std::size_t count);
 
-/// One fact, as a person writes it down.
-struct AnalysisLine {
-  std::string label;  ///< empty: goes on with the line above
-  std::string text;
-};
+/// What is known of one trial (docs/reference/analyze.md). Where the question is not answered, RMS
+/// and amplitude are not known, and what was worked out all the same stands under
+/// `band_rms_estimate_m` and `tone_amplitude_estimate_m`. `is_alone`: the document has no other.
+[[nodiscard]] document::Section TrialSection(const AnalyzedFile& file, bool is_alone);
 
-/// Facts that belong together.
-struct AnalysisSection {
-  std::string heading;
-  std::vector<AnalysisLine> lines;
-};
+/// Says of the section where its data come from.
+void AddSources(std::vector<trial::DataSource> sources, document::Section& section);
 
-/// What people write down, in um with two digits of uncertainty: vibration, window, tone, rise.
-/// Where the question is not answered, what can be known and the estimate, called so.
-/// `file.analysis` is there.
-[[nodiscard]] std::vector<AnalysisLine> ShortLines(const AnalyzedFile& file);
-
-/// Everything that the analysis holds, for `--all` and the report.
-[[nodiscard]] std::vector<AnalysisSection> AllSections(const AnalyzedFile& file);
-
-/// The settings that the numbers rest on, as the report names them.
-[[nodiscard]] std::string DescribeFilter(const dsp::BandPass& band);
-
-/// What a file's part of the report shows.
-struct ReportedFile {
-  AnalyzedFile file;
-  std::vector<std::vector<plot::Panel>> figures;  ///< each one drawing
-  std::vector<std::string> captions;              ///< one a figure
-};
-
-/// The page of `analyze --report`: per file its answer, its figures, everything that --all prints,
-/// and the settings that the numbers rest on. `command` is how it was called.
-/// Errors: as HtmlPage::Figure.
-[[nodiscard]] Result<report::HtmlPage> AnalysisReport(const std::vector<ReportedFile>& files,
-                                                      const std::string& command);
+/// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
+[[nodiscard]] document::Section ClosingSection(bool has_numbers);
 
 /// What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on
 /// it is perceived.

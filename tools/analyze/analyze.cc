@@ -1,17 +1,14 @@
 #include "tools/analyze/analyze.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
-#include <memory>
-#include <nlohmann/json.hpp>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "base/text.h"
+#include "dsp/analysis/analyzed_channel.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/sweep_analysis.h"
 #include "tools/analyze/analysis_document.h"
@@ -19,7 +16,6 @@
 #include "tools/analyze/analyze_question.h"
 #include "tools/analyze/spectrum_tables.h"
 #include "tools/analyze/sweep_document.h"
-#include "tools/cli/json.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/document.h"
@@ -28,6 +24,8 @@
 
 namespace haptometer::tools {
 namespace {
+
+using document::Section;
 
 constexpr std::string_view kVerb = "analyze";
 
@@ -42,30 +40,22 @@ struct Job {
   dsp::BandQuestion question;
   trial::ImportOptions import;
   int threads = 1;
-  std::string plot;
-  bool report = false;
   SpectrumQuestion spectrum{};
+  document::Outputs outputs{};
+  std::function<document::Provenance()> provenance{};  // of a table that is written now
 };
 
-// what could not be read of the file, and what was assumed in reading it
-std::vector<std::string> LossesOf(const trial::ReadReport& report) {
-  std::vector<std::string> remarks;
-  for (const trial::Finding& found : report.AllFindings().list()) {
-    remarks.push_back(document::WordsOf(found));
-  }
-  return remarks;
-}
-
-// spectra of the window into their files; and the panel that plot and report show, if any
+// spectra of the window into their files; and the panel that plot and page show, if any
 Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, const Job& job,
                                                const dsp::BandAnalysis& analysis) {
   const bool is_written = !job.spectrum.spectrum.empty() || !job.spectrum.spectrogram.empty();
-  const bool is_shown = job.report || !job.plot.empty();
+  const bool is_shown = job.outputs.HasFigures();
   if (!analysis.numbers || !(is_written || is_shown)) return std::nullopt;
   const auto window = dsp::ReadWindow(rows, analysis, kMostInSpectrum);
   if (!window) return std::unexpected(window.error());
-  if (auto written = WriteSpectra(*window, job.spectrum); !written) {
-    return std::unexpected(written.error());
+  if (is_written) {
+    auto written = WriteSpectra(*window, job.spectrum, CommentOf(job.provenance(), "# "));
+    if (!written) return std::unexpected(written.error());
   }
   if (!is_shown) return std::nullopt;
   auto panel = SpectrumPanel(*window, job.spectrum);
@@ -76,87 +66,48 @@ Result<std::optional<plot::Panel>> TakeSpectra(const trial::RowSource& rows, con
   return *std::move(panel);
 }
 
-// draws one file into its plot and its part of the report
-Result<void> Draw(const trial::RowSource& rows, const Job& job,
-                  const std::optional<plot::Panel>& spectrum, ReportedFile& reported) {
-  if (job.plot.empty() && !job.report) return {};
-  auto panels = AnalysisPanels(rows, *reported.file.analysis);
+Result<void> AddFigures(const trial::RowSource& rows, const Job& job,
+                        const std::optional<plot::Panel>& spectrum, AnalyzedFile& file) {
+  if (!job.outputs.HasFigures()) return {};
+  auto panels = AnalysisPanels(rows, *file.analysis);
   if (!panels) return std::unexpected(panels.error());
-  if (!job.plot.empty()) {
-    std::vector<plot::Panel> all = *panels;
-    if (spectrum) all.push_back(*spectrum);
-    if (auto drawn = DrawPanels(job.plot, all); !drawn) return drawn;
+  file.figures.push_back(
+      {"The record, the filtered signal and a part of it. Grey: no number is of it.",
+       *std::move(panels)});
+  if (spectrum) {
+    file.figures.push_back({"Spectrum of the unfiltered window (Welch, one-sided).", {*spectrum}});
   }
-  if (!job.report) return {};
-  reported.figures.push_back(std::move(*panels));
-  reported.captions.emplace_back(
-      "The record, the filtered signal and a part of it. Grey: no number is of it.");
-  if (!spectrum) return {};
-  reported.figures.push_back({*spectrum});
-  reported.captions.emplace_back("Spectrum of the unfiltered window (Welch, one-sided).");
   return {};
 }
 
 // reads, analyses and, where asked, draws one file
-ReportedFile Analyze(const std::string& path, const Job& job) {
-  ReportedFile reported;
-  AnalyzedFile& file = reported.file;
+AnalyzedFile Analyze(const std::string& path, const Job& job) {
+  AnalyzedFile file;
   file.path = path;
   const auto fail = [&](Error error) {
     if (error.where.empty()) error.where = path;
     file.error = std::move(error);
-    return reported;
+    return file;
   };
   const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return fail(opened.error());
-  file.source = opened->rows->head().metadata.source;
-  file.remarks = LossesOf(opened->report);
+  const trial::Record& head = opened->rows->head();
+  file.source = head.metadata.source;
+  file.sources = trial::SourcesOf(head.metadata, opened->report);
+  file.findings = opened->report.AllFindings();
   auto analysis = dsp::AnalyzeBand(*opened->rows, job.question, job.threads);
   if (!analysis) return fail(analysis.error());
   file.analysis = std::move(*analysis);
+  if (const auto channel = dsp::AnalyzedChannel(head)) {
+    file.step_m = head.channels[*channel].resolution;
+  }
   const auto spectrum = TakeSpectra(*opened->rows, job, *file.analysis);
   if (!spectrum) return fail(spectrum.error());
-  if (auto drawn = Draw(*opened->rows, job, *spectrum, reported); !drawn) {
-    return fail(drawn.error());
+  if (auto added = AddFigures(*opened->rows, job, *spectrum, file); !added) {
+    return fail(added.error());
   }
   file.analysis->filtered_m = {};
-  return reported;
-}
-
-void PrintLines(const std::vector<AnalysisLine>& lines) {
-  for (const AnalysisLine& line : lines) {
-    cli::Print(fmt::format("  {:<18} {}\n", line.label, Printable(line.text)));
-  }
-}
-
-void Print(const AnalyzedFile& file, bool all) {
-  if (!file.analysis) return;
-  cli::Print(Printable(file.path) + "\n");
-  if (!all) return PrintLines(ShortLines(file));
-  for (const AnalysisSection& section : AllSections(file)) {
-    cli::Print(fmt::format(" {}\n", Printable(section.heading)));
-    PrintLines(section.lines);
-  }
-}
-
-// what a reader of the short lines must know of every uncertainty in them, once
-void PrintNotIncluded(const std::vector<ReportedFile>& files) {
-  const bool has_numbers = std::ranges::any_of(files, [](const ReportedFile& reported) {
-    return reported.file.analysis && reported.file.analysis->numbers;
-  });
-  if (has_numbers) cli::Print(fmt::format("{} are in no uncertainty\n", dsp::kNotInBudget));
-}
-
-// the status of the worst file
-int StatusOf(const std::vector<ReportedFile>& files) {
-  int status = 0;
-  for (const ReportedFile& reported : files) {
-    const AnalyzedFile& file = reported.file;
-    if (!file.error && file.analysis->answered) continue;
-    const Cause cause = file.error ? file.error->cause : Cause::kCannotAnswer;
-    status = cli::WorseStatus(status, ExitStatus(cause));
-  }
-  return status;
+  return file;
 }
 
 Result<Job> JobOf(const AnalyzeWords& words) {
@@ -166,8 +117,11 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   if (!import) return std::unexpected(import.error());
   auto spectrum = SpectrumQuestionOf(words.spectrum);
   if (!spectrum) return std::unexpected(spectrum.error());
-  Job job{std::move(*question), std::move(*import),    ThreadsOf(words),
-          words.plot,           !words.report.empty(), std::move(*spectrum)};
+  Job job{.question = std::move(*question),
+          .import = std::move(*import),
+          .threads = ThreadsOf(words),
+          .spectrum = std::move(*spectrum),
+          .outputs = {.all = words.all, .plot = words.plot, .report = words.report}};
   if (words.floor.empty()) return job;
   auto floor = ReadFloor(words.floor, job.question, job.import, job.threads);
   if (!floor) return std::unexpected(floor.error());
@@ -175,52 +129,50 @@ Result<Job> JobOf(const AnalyzeWords& words) {
   return job;
 }
 
-// one sweep, with its points and its drawing; its status
-Result<int> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job,
-                        nlohmann::ordered_json* trials) {
+// one sweep, and its points into their table
+Result<Section> AnswerSweep(const std::string& path, const AnalyzeWords& words, const Job& job) {
   const auto opened = trial::OpenRows(path, job.import, job.threads);
   if (!opened) return std::unexpected(opened.error());
   dsp::SweepQuestion question{job.question.band.lower_hz, job.question.band.upper_hz, {}};
   question.resolution_hz = job.spectrum.resolution_hz;
   const auto answer = dsp::AnalyzeSweep(*opened->rows, question);
   if (!answer) return std::unexpected(answer.error());
-  if (trials == nullptr) PrintSweep(path, *answer);
-  if (trials != nullptr) trials->push_back(SweepJson(path, *answer));
   if (!words.response.empty()) {
     auto written = cli::WriteOutput(words.response, cli::kSpectrumOutput, words.spectrum.overwrite,
-                                    SweepCsv(*answer));
+                                    SweepCsv(*answer, job.provenance()));
     if (!written) return std::unexpected(written.error());
   }
-  if (!words.plot.empty() && !answer->points.empty()) {
-    if (auto drawn = plot::DrawPanels(words.plot, SweepPanels(*answer)); !drawn) {
-      return std::unexpected(drawn.error());
-    }
-  }
-  return answer->answered ? 0 : ExitStatus(Cause::kCannotAnswer);
+  Section section = SweepSection(path, *answer, words.files.size() == 1);
+  AddSources(trial::SourcesOf(opened->rows->head().metadata, opened->report), section);
+  return section;
 }
 
-int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, bool json) {
-  nlohmann::ordered_json trials = nlohmann::ordered_json::array();
+// an error of one file does not keep the others from their answer; the worst status of all
+int AnalyzeSweeps(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
   int status = 0;
   for (const std::string& path : words.files) {
-    const auto answered = AnswerSweep(path, words, job, json ? &trials : nullptr);
+    auto answered = AnswerSweep(path, words, job);
     if (answered) {
-      status = cli::WorseStatus(status, *answered);
+      shown.Add(*std::move(answered));
       continue;
     }
     Error error = answered.error();
     if (error.where.empty()) error.where = path;
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
-  if (json) cli::Print(cli::JsonText({{"trials", std::move(trials)}}));
-  return status;
+  return cli::WorseStatus(status, shown.Finish({}));
 }
 
-Result<void> WritePage(const std::string& path, const std::vector<ReportedFile>& files,
-                       const std::string& command) {
-  const auto page = AnalysisReport(files, command);
-  if (!page) return std::unexpected(page.error());
-  return report::WriteReport(path, *page);
+int AnalyzeTrials(const AnalyzeWords& words, const Job& job, document::Presenter& shown) {
+  int status = 0;
+  bool has_numbers = false;
+  for (const std::string& path : words.files) {
+    const AnalyzedFile file = Analyze(path, job);
+    if (file.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *file.error));
+    has_numbers = has_numbers || (file.analysis && file.analysis->numbers);
+    shown.Add(TrialSection(file, words.files.size() == 1));
+  }
+  return cli::WorseStatus(status, shown.Finish(ClosingSection(has_numbers)));
 }
 
 }  // namespace
@@ -230,33 +182,13 @@ int RunAnalyze(int argc, const char* const* argv) {
   AnalyzeWords words;
   DeclareAnalyze(&options, &words);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  const auto job = JobOf(words);
+  auto job = JobOf(words);
   if (!job) return cli::ReportError(kVerb, job.error());
-  if (words.sweep) return AnalyzeSweeps(words, *job, options.json());
-
-  // one after the other: an error of one file does not keep the others from their answer
-  std::vector<ReportedFile> files;
-  files.reserve(words.files.size());
-  for (const std::string& path : words.files) {
-    files.push_back(Analyze(path, *job));
-    const AnalyzedFile& file = files.back().file;
-    if (file.error) static_cast<void>(cli::ReportError(kVerb, *file.error));
-    if (!options.json()) Print(file, words.all);
-  }
-  if (!options.json() && !words.all) PrintNotIncluded(files);
-  if (options.json()) {
-    std::vector<AnalyzedFile> answers;
-    answers.reserve(files.size());
-    for (const ReportedFile& reported : files) answers.push_back(reported.file);
-    cli::Print(AnalysisJson(answers));
-  }
-  if (!words.report.empty()) {
-    const std::vector<std::string> typed(argv, argv + argc);
-    if (auto written = WritePage(words.report, files, cli::CommandLine(typed)); !written) {
-      return cli::ReportError(kVerb, written.error());
-    }
-  }
-  return StatusOf(files);
+  job->outputs.json = options.json();
+  job->provenance = [&] { return document::ProvenanceOf(kVerb, argc, argv); };
+  document::Presenter shown(AnalysisDocument(words.files.front(), words.files.size()), job->outputs,
+                            argc, argv);
+  return words.sweep ? AnalyzeSweeps(words, *job, shown) : AnalyzeTrials(words, *job, shown);
 }
 
 Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuestion& question,
@@ -275,10 +207,9 @@ Result<dsp::NoiseFloor> ReadFloor(const std::string& path, const dsp::BandQuesti
   if (!analysis) return fail(analysis.error());
   const auto floor = dsp::FloorOf(*analysis, path);
   if (floor) return *floor;
-  return CannotAnswer(
-      path,
-      analysis->reasons.empty() ? "tells no noise floor in the band" : analysis->reasons.front(),
-      "record the sensor at rest, drive off, as long and as fast as the trials");
+  const std::string refusal = document::RefusalOf(analysis->findings);
+  return CannotAnswer(path, refusal.empty() ? "holds no noise floor in the band" : refusal,
+                      "record the sensor at rest, drive off, as long and as fast as the trials");
 }
 
 }  // namespace haptometer::tools

@@ -7,7 +7,9 @@
 #include "base/error.h"
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/analysis/band_question.h"
+#include "tools/document/document.h"
 #include "trial/import/import_options.h"
+#include "trial/trial_reader.h"
 
 namespace haptometer::tools {
 
@@ -23,9 +25,12 @@ namespace haptometer::tools {
 struct AnalyzedFile {
   std::string path;
   std::optional<dsp::BandAnalysis> analysis;
-  std::optional<Error> error;
-  std::string source;                ///< metadata.source; empty: the file does not say
-  std::vector<std::string> remarks;  ///< what was lost of the file
+  std::optional<Error> error;              ///< with an analysis: of a table or a drawing of it
+  std::string source;                      ///< metadata.source; empty: the file does not say
+  std::vector<trial::DataSource> sources;  ///< of its data
+  double step_m = 0;                       ///< of the displacement's source; 0: not known
+  trial::Findings findings;                ///< what is lost of it and what was assumed in reading it
+  std::vector<document::Figure> figures;
 };
 
 }  // namespace haptometer::tools

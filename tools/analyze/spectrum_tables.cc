@@ -118,7 +118,8 @@ plot::Panel PanelOf(const dsp::PowerSpectrum& spectrum, const SpectrumQuestion& 
   return panel;
 }
 
-Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuestion& question,
+                           const std::string& comment) {
   const auto options = OptionsOf(window, question);
   if (!options) return std::unexpected(options.error());
   const auto spectrum = dsp::WelchSpectrum(window.values_m, *options);
@@ -127,10 +128,11 @@ Result<void> WriteSpectrum(const dsp::WindowSamples& window, const SpectrumQuest
     return plot::DrawPanels(question.spectrum, {PanelOf(*spectrum, question)});
   }
   return cli::WriteOutput(question.spectrum, cli::kSpectrumOutput, question.overwrite,
-                          SpectrumCsv(*spectrum, question));
+                          comment + SpectrumCsv(*spectrum, question));
 }
 
-Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQuestion& question,
+                              const std::string& comment) {
   const auto options = OptionsOf(window, question);
   if (!options) return std::unexpected(options.error());
   const auto spectrogram = dsp::MakeSpectrogram(window.values_m, *options);
@@ -139,16 +141,18 @@ Result<void> WriteSpectrogram(const dsp::WindowSamples& window, const SpectrumQu
     return plot::DrawMap(question.spectrogram, SpectrogramMap(*spectrogram, window.start_s));
   }
   return cli::WriteOutput(question.spectrogram, cli::kSpectrogramOutput, question.overwrite,
-                          SpectrogramCsv(*spectrogram, question, window.start_s));
+                          comment + SpectrogramCsv(*spectrogram, question, window.start_s));
 }
 
 }  // namespace
 
-Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuestion& question) {
+Result<void> WriteSpectra(const dsp::WindowSamples& window, const SpectrumQuestion& question,
+                          const std::string& comment) {
   if (!question.spectrum.empty()) {
-    if (auto written = WriteSpectrum(window, question); !written) return written;
+    if (auto written = WriteSpectrum(window, question, comment); !written) return written;
   }
-  return question.spectrogram.empty() ? Result<void>{} : WriteSpectrogram(window, question);
+  return question.spectrogram.empty() ? Result<void>{}
+                                      : WriteSpectrogram(window, question, comment);
 }
 
 Result<plot::Panel> SpectrumPanel(const dsp::WindowSamples& window,

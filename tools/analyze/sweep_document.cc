@@ -5,70 +5,33 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
-#include "base/text.h"
-#include "tools/cli/json.h"
-#include "tools/cli/terminal.h"
-#include "tools/cli/uncertain_number.h"
+#include "tools/document/findings_dsp.h"
+#include "tools/document/render.h"
 
 namespace haptometer::tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using document::Item;
+using document::Key;
+using document::Section;
+using document::Unit;
+using document::Value;
+
+// keys of more than one place
+constexpr Key kFrequency{"frequency_hz", "frequency", document::kHertz};
 
 constexpr double kUm = 1e-6;  // in metres
+constexpr Unit kMetrePerAmpere{"_m_per_a", "m/A", {{{1e6, "um/A"}, {1e3, "mm/A"}}}};
+constexpr Unit kMetrePerUnit{
+    "_m_per_unit", "m per unit", {{{1e6, "um per unit"}, {1e3, "mm per unit"}}}};
 
-void Line(std::string_view label, std::string_view text) {
-  cli::Print(fmt::format("  {:<17}{}\n", label, Printable(text)));
-}
-
-// "um/V" of "m/V"
-std::string ShownUnit(const dsp::SweepAnswer& answer) { return "u" + answer.amplitude_unit; }
-
-// "amplitude_m_per_v"
-std::string AmplitudeColumn(const dsp::SweepAnswer& answer) {
-  if (answer.amplitude_unit == "m/V") return "amplitude_m_per_v";
-  if (answer.amplitude_unit == "m/A") return "amplitude_m_per_a";
-  return answer.drive.empty() ? "amplitude_m" : "amplitude_m_per_unit";
-}
-
-// "12.3 (95 % interval 12.1 to 12.5)"
-std::string WithInterval(double value, const dsp::Interval& interval, std::string_view unit) {
-  const double uncertainty = (interval.upper - interval.lower) / 4;
-  return fmt::format("{}{} (95 % interval {} to {}{})", cli::ToThePlaceOf(uncertainty, value), unit,
-                     cli::ToThePlaceOf(uncertainty, interval.lower),
-                     cli::ToThePlaceOf(uncertainty, interval.upper), unit);
-}
-
-const dsp::SweepPoint& Highest(const dsp::SweepAnswer& answer) {
-  return *std::ranges::max_element(answer.points, {}, &dsp::SweepPoint::amplitude);
-}
-
-Json ResonanceJson(const dsp::SweepAnswer& answer) {
-  if (!answer.resonance) return nullptr;
-  const dsp::SweepResonance& r = *answer.resonance;
-  return {{"frequency_hz", r.fit.frequency_hz},
-          {"frequency_interval_95_hz", {r.frequency_hz.lower, r.frequency_hz.upper}},
-          {"quality_factor", r.fit.quality_factor},
-          {"quality_factor_interval_95", {r.quality_factor.lower, r.quality_factor.upper}},
-          {"gain", cli::NumberOrNull(r.fit.gain)},
-          {"residual_share", cli::NumberOrNull(r.fit.residual_share)},
-          {"degrees_of_freedom", r.fit.degrees_of_freedom}};
-}
-
-Json PointsJson(const dsp::SweepAnswer& answer) {
-  Json points = Json::array();
-  for (const dsp::SweepPoint& point : answer.points) {
-    points.push_back({{"frequency_hz", point.frequency_hz},
-                      {"amplitude", point.amplitude},
-                      {"phase_rad", cli::NumberOrNull(point.phase_rad)},
-                      {"coherence", cli::NumberOrNull(point.coherence)}});
-  }
-  return points;
+Unit AmplitudeUnit(const dsp::SweepAnswer& answer) {
+  if (answer.amplitude_unit == "m/V") return document::kMetrePerVolt;
+  if (answer.amplitude_unit == "m/A") return kMetrePerAmpere;
+  return answer.drive.empty() ? document::kMetre : kMetrePerUnit;
 }
 
 // the fitted curve's magnitude, in the points' unit
@@ -93,7 +56,7 @@ plot::Series SeriesOf(const dsp::SweepAnswer& answer, std::string title, plot::S
 plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
   plot::Panel panel{"amplitude over frequency",
                     "frequency / Hz",
-                    "amplitude / " + ShownUnit(answer),
+                    fmt::format("amplitude / u{}", answer.amplitude_unit),
                     {},
                     plot::LogAxes::kY};
   panel.series.push_back(
@@ -109,66 +72,7 @@ plot::Panel AmplitudePanel(const dsp::SweepAnswer& answer) {
   return panel;
 }
 
-}  // namespace
-
-void PrintSweep(const std::string& path, const dsp::SweepAnswer& answer) {
-  cli::Print(Printable(path) + "\n");
-  if (answer.answered) {
-    Line("sweep", fmt::format("{:.4g} Hz to {:.4g} Hz, {} points, resolution {:.3g} Hz",
-                              answer.points.front().frequency_hz, answer.points.back().frequency_hz,
-                              answer.points.size(), answer.resolution_hz));
-    Line("drive", answer.drive.empty() ? "not recorded" : answer.drive);
-    const dsp::SweepPoint& highest = Highest(answer);
-    Line("largest", fmt::format("{:.4g} {} amplitude at {:.5g} Hz", highest.amplitude / kUm,
-                                ShownUnit(answer), highest.frequency_hz));
-  }
-  if (answer.resonance) {
-    const dsp::SweepResonance& found = *answer.resonance;
-    Line("f0", WithInterval(found.fit.frequency_hz, found.frequency_hz, " Hz"));
-    Line("Q", WithInterval(found.fit.quality_factor, found.quality_factor, ""));
-  }
-  for (const std::string& remark : answer.remarks) Line("remark", remark);
-  for (const std::string& reason : answer.reasons) Line("not determined", reason);
-}
-
-Json SweepJson(const std::string& path, const dsp::SweepAnswer& answer) {
-  const bool measured = answer.rate_hz > 0;
-  return {{"file", path},
-          {"answered", answer.answered},
-          {"reasons", answer.reasons},
-          {"remarks", answer.remarks},
-          {"drive_channel", cli::TextOrNull(answer.drive)},
-          {"amplitude_unit", answer.amplitude_unit},
-          {"window_s", measured ? Json{answer.window.begin_s, answer.window.end_s} : Json(nullptr)},
-          {"sample_rate_hz", measured ? Json(answer.rate_hz) : Json(nullptr)},
-          {"resolution_hz", answer.answered ? Json(answer.resolution_hz) : Json(nullptr)},
-          {"sensor_averaging", measured ? Json(Describe(answer.sensor)) : Json(nullptr)},
-          {"amplitude_verified", answer.amplitude_verified},
-          {"resonance", ResonanceJson(answer)},
-          {"points", PointsJson(answer)}};
-}
-
-std::string SweepCsv(const dsp::SweepAnswer& answer) {
-  std::string text = fmt::format("# resolution_hz = {:.9g}\n", answer.resolution_hz);
-  if (answer.resonance) {
-    fmt::format_to(std::back_inserter(text), "# f0_hz = {:.9g}\n# quality_factor = {:.9g}\n",
-                   answer.resonance->fit.frequency_hz, answer.resonance->fit.quality_factor);
-  }
-  fmt::format_to(std::back_inserter(text), "frequency_hz,{},phase_rad,coherence\n",
-                 AmplitudeColumn(answer));
-  const auto text_or_nothing = [](const std::optional<double>& number) {
-    return number ? fmt::format("{:.9g}", *number) : std::string{};
-  };
-  for (const dsp::SweepPoint& point : answer.points) {
-    fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g},{},{}\n", point.frequency_hz,
-                   point.amplitude, text_or_nothing(point.phase_rad),
-                   text_or_nothing(point.coherence));
-  }
-  return text;
-}
-
-std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer) {
-  if (answer.points.empty()) return {};
+std::vector<plot::Panel> PanelsOf(const dsp::SweepAnswer& answer) {
   std::vector<plot::Panel> panels{AmplitudePanel(answer)};
   if (answer.drive.empty()) return panels;
   panels.push_back({"phase",
@@ -183,6 +87,102 @@ std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer) {
                               [](const dsp::SweepPoint& p) { return p.coherence.value_or(0); })}});
   panels.back().y_from_zero = true;
   return panels;
+}
+
+// an estimate with its interval, of which text shows the digits
+void AddEstimate(Section& section, const Key& key, const Key& interval_key, double value,
+                 const dsp::Interval& interval) {
+  Item& item = section.Add(key, value, (interval.upper - interval.lower) / 4);
+  item.interval = {interval.lower, interval.upper};
+  section.Add(interval_key, document::Range{interval.lower, interval.upper});
+}
+
+Section ResonanceSection(const dsp::SweepAnswer& answer) {
+  const dsp::SweepResonance found = answer.resonance.value_or(dsp::SweepResonance{});
+  Section section{.name = "resonance", .is_known = answer.resonance.has_value()};
+  AddEstimate(section, {kFrequency.name, "natural frequency", document::kHertz},
+              {"frequency_interval_95_hz"}, found.fit.frequency_hz, found.frequency_hz);
+  AddEstimate(section, {"quality_factor", "quality factor"}, {"quality_factor_interval_95"},
+              found.fit.quality_factor, found.quality_factor);
+  section.Add({"gain"}, found.fit.gain);
+  section.Add({"residual_share"}, found.fit.residual_share);
+  section.Add({"degrees_of_freedom"}, found.fit.degrees_of_freedom);
+  return section;
+}
+
+// the amplitude stands under `amplitude`
+Section PointsTable(const dsp::SweepAnswer& answer, std::string_view amplitude) {
+  Section table{.name = "points",
+                .heading = "points",
+                .shape = Section::Shape::kTable,
+                .detail = document::Detail::kAll};
+  for (const dsp::SweepPoint& point : answer.points) {
+    Section& row = table.sections.emplace_back();
+    row.Add(kFrequency, point.frequency_hz);
+    row.Add({amplitude, "amplitude", AmplitudeUnit(answer)}, point.amplitude);
+    row.Add({"phase_rad", "phase", document::kRadian}, point.phase_rad);
+    row.Add({"coherence", "coherence"}, point.coherence);
+  }
+  return table;
+}
+
+// what was swept, and the largest amplitude
+Section SweptSection(const dsp::SweepAnswer& answer) {
+  Section section{.is_known = answer.answered};
+  section.Add({"resolution_hz", "resolution", document::kHertz}, answer.resolution_hz);
+  if (answer.points.empty()) return section;
+  section
+      .Add({"", "swept", document::kHertz},
+           document::Range{answer.points.front().frequency_hz, answer.points.back().frequency_hz})
+      .note = fmt::format("{} points", answer.points.size());
+  section.Add({"", "drive"}, answer.drive.empty() ? "not recorded" : answer.drive);
+  const auto highest = std::ranges::max_element(answer.points, {}, &dsp::SweepPoint::amplitude);
+  section.Add({"", "largest amplitude", AmplitudeUnit(answer)}, highest->amplitude).note =
+      fmt::format("at {:.5g} Hz", highest->frequency_hz);
+  return section;
+}
+
+}  // namespace
+
+Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bool is_alone) {
+  const bool is_measured = answer.rate_hz > 0;
+  Section trial{.heading = is_alone ? "" : path};
+  trial.Add({"file"}, path);
+  trial.Add({"answered"}, answer.answered);
+  trial.Add({"reasons"}, document::RefusalsOf(answer.findings));
+  trial.Add({"drive_channel"}, answer.drive.empty() ? Value() : Value(answer.drive));
+  trial.Add({"amplitude_unit"}, answer.amplitude_unit);
+  trial.Add({"window_s"}, is_measured
+                              ? Value(document::Range{answer.window.begin_s, answer.window.end_s})
+                              : Value());
+  trial.Add({"sample_rate_hz"}, is_measured ? Value(answer.rate_hz) : Value());
+  trial.Add({"sensor_averaging"}, is_measured ? Value(Describe(answer.sensor)) : Value());
+  trial.Add({"amplitude_verified"}, answer.amplitude_verified);
+  trial.sections = {ResonanceSection(answer), SweptSection(answer),
+                    PointsTable(answer, "amplitude")};
+  if (!answer.points.empty()) {
+    trial.figures = {{.caption = "amplitude over frequency", .panels = PanelsOf(answer)}};
+  }
+  document::AddFindings(trial, answer.findings);
+  for (document::Finding& finding : trial.findings) {
+    if (!is_alone) finding.subject = path;
+  }
+  return trial;
+}
+
+std::string SweepCsv(const dsp::SweepAnswer& answer, const document::Provenance& provenance) {
+  std::string text = fmt::format("# resolution_hz = {:.9g}\n", answer.resolution_hz);
+  if (answer.resonance) {
+    text += fmt::format("# f0_hz = {:.9g}\n# quality_factor = {:.9g}\n",
+                        answer.resonance->fit.frequency_hz, answer.resonance->fit.quality_factor);
+  }
+  const std::string amplitude = fmt::format("amplitude{}", AmplitudeUnit(answer).ending);
+  if (!answer.points.empty()) return text + CsvOf(PointsTable(answer, amplitude), provenance);
+  // of no points the heading alone
+  dsp::SweepAnswer one = answer;
+  one.points.resize(1);
+  text += CsvOf(PointsTable(one, amplitude), provenance);
+  return text.substr(0, text.rfind('\n', text.size() - 2) + 1);
 }
 
 }  // namespace haptometer::tools

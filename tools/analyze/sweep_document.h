@@ -1,29 +1,21 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
-#include "base/error.h"
 #include "dsp/analysis/sweep_analysis.h"
-#include "tools/plot/gnuplot.h"
+#include "tools/document/document.h"
 
 namespace haptometer::tools {
 
-/// Prints what people write down on stdout: f0, Q, the largest amplitude, what is not determined.
-void PrintSweep(const std::string& path, const dsp::SweepAnswer& answer);
+/// What is known of one trial of `analyze --sweep` (docs/reference/analyze.md). Its figure is
+/// amplitude over frequency with the fitted curve, and with a drive channel phase and coherence;
+/// none where there are no points. `is_alone`: the document has no other trial.
+[[nodiscard]] document::Section SweepSection(const std::string& path,
+                                             const dsp::SweepAnswer& answer, bool is_alone);
 
-/// The object of `analyze --sweep --json` (docs/reference/analyze.md): one trial. Unknown values
-/// are null.
-[[nodiscard]] nlohmann::ordered_json SweepJson(const std::string& path,
-                                               const dsp::SweepAnswer& answer);
-
-/// `frequency_hz,amplitude_m_per_v,phase_rad,coherence` (or `_m_per_a`, `_m`) below `# key = value`
-/// lines; what is not determined is empty.
-[[nodiscard]] std::string SweepCsv(const dsp::SweepAnswer& answer);
-
-/// Amplitude over frequency with the fitted curve, and with a drive channel phase and coherence;
-/// none where there are no points.
-[[nodiscard]] std::vector<plot::Panel> SweepPanels(const dsp::SweepAnswer& answer);
+/// The points as a table of frequency_hz, amplitude_m_per_v (or _m_per_a, _m), phase_rad and
+/// coherence, below the provenance and `# key = value` lines.
+[[nodiscard]] std::string SweepCsv(const dsp::SweepAnswer& answer,
+                                   const document::Provenance& provenance);
 
 }  // namespace haptometer::tools

@@ -48,6 +48,7 @@ std::optional<std::string> Replacement(std::string_view place,
   const double number = count ? static_cast<double>(*count) : std::get<double>(found->value);
   if (!std::isfinite(number)) return std::nullopt;
   if (how == "s") return number == 1 ? "" : "s";
+  if (how == "SI") return NumberText(number, 0, 0);
   if (count && how.empty()) return fmt::format("{}", *count);
   return QuantityText(number, how == "%" ? kShare : UnitOfName(name), 4);
 }

@@ -17,6 +17,10 @@
 #include "tools/plot/gnuplot.h"
 #include "trial/findings.h"
 
+namespace haptometer::dsp {
+enum class FindingKind : std::uint8_t;
+}  // namespace haptometer::dsp
+
 /// What a verb answers with: one Document, which text, JSON, HTML and CSV are made of
 /// (tools/document/render.h).
 ///
@@ -158,6 +162,7 @@ struct Sentence {
   ///              or a count as it is
   /// {drops s}    the plural's ending: nothing where the number is 1, or else "s"
   /// {leak %}     the number in percent
+  /// {from_s SI}  the number in the SI unit, to six digits and without it: for options
   /// [...]        a part that is left out where a number in it is not there
   ///
   /// Elsewhere a number that is not there, or not finite, is "(not known)".
@@ -166,6 +171,8 @@ struct Sentence {
 
 [[nodiscard]] Sentence SentenceOf(acquire::FindingKind kind);  ///< findings_acquire.cc
 [[nodiscard]] Sentence SentenceOf(trial::FindingKind kind);    ///< findings_trial.cc
+/// In tools/document/findings_dsp.cc.
+[[nodiscard]] Sentence SentenceOf(dsp::FindingKind kind);
 
 /// The sentence with the numbers in their places.
 [[nodiscard]] std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers);

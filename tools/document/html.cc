@@ -40,7 +40,7 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
   }
   // refusals and doubts stand out
   for (const Finding& finding : section.findings) {
-    const std::string text = FindingText(finding);
+    const std::string text = FindingText(finding, section.heading);
     finding.severity == Severity::kNote ? page.Paragraph(text) : page.Warning(text);
   }
   AddItems(section, page);

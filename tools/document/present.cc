@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
+#include <vector>
 
+#include "base/text.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/render.h"
@@ -11,15 +14,6 @@
 namespace haptometer::document {
 namespace {
 
-std::vector<std::string> CommandOf(const Document& document, int argc, const char* const* argv) {
-  // "trial info" is two words
-  std::vector<std::string> words{"haptometer"};
-  std::istringstream verb(document.verb);
-  for (std::string word; verb >> word;) words.push_back(word);
-  for (int k = 1; k < argc; ++k) words.emplace_back(argv[k]);
-  return words;
-}
-
 Result<void> DrawFigures(const std::string& path, const Document& document) {
   std::vector<plot::Panel> panels;
   for (const Section* section : AllSections(document.root)) {
@@ -27,7 +21,8 @@ Result<void> DrawFigures(const std::string& path, const Document& document) {
       panels.insert(panels.end(), figure.panels.begin(), figure.panels.end());
     }
   }
-  return plot::DrawPanels(path, panels);
+  // what is refused may have none
+  return panels.empty() ? Result<void>{} : plot::DrawPanels(path, panels);
 }
 
 Result<void> WritePage(const std::string& path, const Document& document) {
@@ -45,6 +40,25 @@ int StatusOf(const Document& document) {
              : 0;
 }
 
+// collected where it is shown
+void AddProvenance(Document& document, const Outputs& outputs, int argc, const char* const* argv) {
+  if (!outputs.json && !outputs.all && outputs.report.empty()) return;
+  document.provenance = ProvenanceOf(document.verb, argc, argv);
+}
+
+// picture and page; the exit status
+int WriteFiles(const Document& document, const Outputs& outputs) {
+  int status = StatusOf(document);
+  const auto note = [&](const Result<void>& done) {
+    if (!done) status = cli::WorseStatus(status, cli::ReportError(document.verb, done.error()));
+  };
+  if (!outputs.plot.empty()) note(DrawFigures(outputs.plot, document));
+  if (!outputs.report.empty()) note(WritePage(outputs.report, document));
+  return status;
+}
+
+Detail DetailOf(const Outputs& outputs) { return outputs.all ? Detail::kAll : Detail::kShort; }
+
 }  // namespace
 
 Result<void> CheckOutputs(const Outputs& outputs) {
@@ -54,19 +68,48 @@ Result<void> CheckOutputs(const Outputs& outputs) {
   return outputs.report.empty() ? Result<void>{} : report::CheckReportPath(outputs.report);
 }
 
+Provenance ProvenanceOf(std::string_view verb, int argc, const char* const* argv) {
+  // "trial info" is two words
+  std::vector<std::string> words{"haptometer"};
+  std::istringstream of_verb{std::string(verb)};
+  for (std::string word; of_verb >> word;) words.push_back(word);
+  for (int k = 1; k < argc; ++k) words.emplace_back(argv[k]);
+  return CollectProvenance(words);
+}
+
 int Present(Document document, const Outputs& outputs, int argc, const char* const* argv) {
-  if (outputs.json || outputs.all || !outputs.report.empty()) {
-    document.provenance = CollectProvenance(CommandOf(document, argc, argv));
-  }
-  cli::Print(outputs.json ? JsonOf(document)
-                          : TextOf(document, outputs.all ? Detail::kAll : Detail::kShort));
-  int status = StatusOf(document);
-  const auto note = [&](const Result<void>& done) {
-    if (!done) status = cli::WorseStatus(status, cli::ReportError(document.verb, done.error()));
-  };
-  if (!outputs.plot.empty()) note(DrawFigures(outputs.plot, document));
-  if (!outputs.report.empty()) note(WritePage(outputs.report, document));
-  return status;
+  AddProvenance(document, outputs, argc, argv);
+  cli::Print(outputs.json ? JsonOf(document) : TextOf(document, DetailOf(outputs)));
+  return WriteFiles(document, outputs);
+}
+
+Presenter::Presenter(Document document, Outputs outputs, int argc, const char* const* argv)
+    : document_(std::move(document)), outputs_(std::move(outputs)), argc_(argc), argv_(argv) {
+  HAPTOMETER_CHECK(!document_.root.sections.empty(), "{} has no section for its parts",
+                   document_.verb);
+}
+
+void Presenter::PrintText(const Section& section) {
+  if (outputs_.json) return;
+  const std::string text = TextOf(section, DetailOf(outputs_));
+  if (text.empty()) return;
+  if (!has_title_) cli::Print(Printable(document_.title) + "\n");
+  has_title_ = true;
+  cli::Print(text);
+}
+
+void Presenter::Add(Section part) {
+  PrintText(part);
+  document_.root.sections.back().sections.push_back(std::move(part));
+}
+
+int Presenter::Finish(Section last) {
+  PrintText(last);
+  document_.root.sections.push_back(std::move(last));
+  AddProvenance(document_, outputs_, argc_, argv_);
+  if (outputs_.json) cli::Print(JsonOf(document_));
+  if (outputs_.all && !outputs_.json) cli::Print(CommentOf(document_.provenance, "  "));
+  return WriteFiles(document_, outputs_);
 }
 
 }  // namespace haptometer::document

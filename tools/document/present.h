@@ -1,7 +1,7 @@
 #pragma once
 
 #include <string>
-#include <vector>
+#include <string_view>
 
 #include "base/error.h"
 #include "tools/document/document.h"
@@ -24,11 +24,36 @@ struct Outputs {
 /// plot::CheckPlotPath and report::CheckReportPath.
 [[nodiscard]] Result<void> CheckOutputs(const Outputs& outputs);
 
+/// The provenance of what a verb answers now. `argv` is the verb's own: its first word is not
+/// looked at.
+[[nodiscard]] Provenance ProvenanceOf(std::string_view verb, int argc, const char* const* argv);
+
 /// Prints the document and writes picture and page. Returns the exit status: 3 where a refusal is
-/// among the findings, that of an error where one occurs, or else 0. `argv` is the verb's own:
-/// its first word is not looked at. The provenance is collected where it is shown, so the
-/// document's own is overwritten.
+/// among the findings, that of an error where one occurs, or else 0. The provenance is collected
+/// where it is shown, so the document's own is overwritten.
 [[nodiscard]] int Present(Document document, const Outputs& outputs, int argc,
                           const char* const* argv);
+
+/// Present() for an answer that comes in parts, as of one file after the other: the text of each is
+/// printed as soon as it is there. The title stands before the first part that has a text.
+class Presenter {
+ public:
+  /// The parts become those of the last section of `document`. `argv` must outlive this.
+  Presenter(Document document, Outputs outputs, int argc, const char* const* argv);
+
+  /// Adds a part, and prints its text.
+  void Add(Section part);
+  /// Ends the document with a last section, and does what is left of Present().
+  [[nodiscard]] int Finish(Section last);
+
+ private:
+  void PrintText(const Section& section);
+
+  Document document_;
+  Outputs outputs_;
+  int argc_;
+  const char* const* argv_;
+  bool has_title_ = false;  // printed
+};
 
 }  // namespace haptometer::document

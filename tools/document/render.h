@@ -12,6 +12,8 @@ namespace haptometer::document {
 /// below the section that they are of. kAll shows the sections of that detail too, and the
 /// provenance.
 [[nodiscard]] std::string TextOf(const Document& document, Detail detail);
+/// A part of that text.
+[[nodiscard]] std::string TextOf(const Section& section, Detail detail);
 
 /// One JSON object, indented, with a line end, printable (base/text.h). Numbers are
 /// round-trip doubles in SI units; what is not known is null. `findings` and `provenance` stand
@@ -43,8 +45,9 @@ struct Column {
 /// One for each labelled item of a row and of the sections within it.
 [[nodiscard]] std::vector<Column> ColumnsOf(const Section& table);
 
-/// "doubt: SUBJECT: TEXT"; a refusal is "not answered".
-[[nodiscard]] std::string FindingText(const Finding& finding);
+/// "doubt: SUBJECT: TEXT"; a refusal is "not answered". Without the subject below a heading that
+/// says it.
+[[nodiscard]] std::string FindingText(const Finding& finding, std::string_view heading);
 
 /// The sources with commas between.
 [[nodiscard]] std::string SourcesText(const std::vector<DataSource>& sources);

@@ -80,7 +80,9 @@ std::size_t WidthOf(std::string_view text) {
 // of the labels that stand in one column: those of inner sections without a heading too
 std::size_t LabelWidth(const Section& section) {
   std::size_t width = 0;
-  for (const Item& item : section.items) width = std::max(width, WidthOf(item.label));
+  for (const Item& item : section.items) {
+    if (item.value.IsKnown() || item.at_most) width = std::max(width, WidthOf(item.label));
+  }
   for (const Section& inner : section.sections) {
     if (inner.heading.empty() && IsShown(inner)) width = std::max(width, LabelWidth(inner));
   }
@@ -108,7 +110,9 @@ struct TextWriter {
     AddItems(section, indent, width);
     if (section.shape == Section::Shape::kTable) return AddTable(section, indent);
     for (const Section& inner : section.sections) AddSection(inner, indent, width);
-    for (const Finding& finding : section.findings) AddLine(indent, FindingText(finding));
+    for (const Finding& finding : section.findings) {
+      AddLine(indent, FindingText(finding, section.heading));
+    }
   }
 
   // label and value, the values of a section one below the other
@@ -152,8 +156,12 @@ std::string ItemText(const Item& item) {
   if (!item.value.IsKnown()) {
     text += " (95 %)";
   } else if (item.interval) {
-    const CellVisitor visitor{item, unit};
-    text += fmt::format("; 95 %: {}{}", visitor(*item.interval), symbol);
+    // of ends that look alike none is shown
+    const std::string range = CellVisitor{item, unit}(*item.interval);
+    const std::size_t middle = range.find(" to ");
+    if (range.substr(0, middle) != range.substr(middle + 4)) {
+      text += fmt::format("; 95 %: {}{}", range, symbol);
+    }
   }
   return item.note.empty() ? text : text + ", " + item.note;
 }
@@ -177,11 +185,12 @@ std::vector<Column> ColumnsOf(const Section& table) {
   return columns;
 }
 
-std::string FindingText(const Finding& finding) {
+std::string FindingText(const Finding& finding, std::string_view heading) {
   const std::string_view what =
       finding.severity == Severity::kRefusal ? "not answered" : NameOf(finding.severity);
-  return fmt::format("{}: {}{}{}", what, finding.subject, finding.subject.empty() ? "" : ": ",
-                     finding.text);
+  const bool is_said = finding.subject.empty() || finding.subject == heading;
+  return is_said ? fmt::format("{}: {}", what, finding.text)
+                 : fmt::format("{}: {}: {}", what, finding.subject, finding.text);
 }
 
 std::string SourcesText(const std::vector<DataSource>& sources) {
@@ -191,12 +200,18 @@ std::string SourcesText(const std::vector<DataSource>& sources) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+std::string TextOf(const Section& section, Detail detail) {
+  TextWriter writer{.detail = detail};
+  writer.AddSection(section, kIndent, LabelWidth(section));
+  return std::move(writer.text);
+}
+
 std::string TextOf(const Document& document, Detail detail) {
   TextWriter writer{.detail = detail};
   writer.AddLine(0, document.title);
-  writer.AddSection(document.root, kIndent, LabelWidth(document.root));
-  if (detail == Detail::kAll) writer.text += CommentOf(document.provenance, "  ");
-  return std::move(writer.text);
+  std::string text = std::move(writer.text) + TextOf(document.root, detail);
+  if (detail == Detail::kAll) text += CommentOf(document.provenance, "  ");
+  return text;
 }
 
 }  // namespace haptometer::document

@@ -12,6 +12,7 @@
 #include "sim/linear/steady_state.h"
 #include "sim/linear/time_response.h"
 #include "sim/sensor_model.h"
+#include "tools/document/findings_dsp.h"
 #include "tools/reproduce/study_rows.h"
 #include "tools/simulate/simulated_trial.h"
 #include "trial/import/read_recording.h"
@@ -98,7 +99,7 @@ ChainRow RowOf(const ChainSensor& sensor, const ChainScene& scene, std::string_v
 void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer,
             dsp::Interval interval) {
   if (!analysis.answered) {
-    if (!analysis.reasons.empty()) row.remark = analysis.reasons.front();
+    row.remark = document::RefusalOf(analysis.findings);
     return;
   }
   row.answer = answer;
@@ -183,7 +184,7 @@ Result<ChainRow> FactoryRow(const ThesisModel& model) {
   if (!analysis) return std::unexpected(analysis.error());
   ChainRow row = RowOf(sensor, scene, "rms", "RMS: none can be given", "m");
   if (analysis->answered && analysis->numbers) row.answer = analysis->numbers->rms.rms_m;
-  if (!analysis->reasons.empty()) row.remark = analysis->reasons.front();
+  row.remark = document::RefusalOf(analysis->findings);
   return row;
 }
 

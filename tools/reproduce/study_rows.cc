@@ -19,6 +19,7 @@
 #include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
 #include "tools/cli/shared_options.h"
+#include "tools/document/findings_dsp.h"
 #include "tools/simulate/simulated_trial.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_table.h"
@@ -270,8 +271,9 @@ Result<double> RmsWithFloor(const sim::Scene& scene) {
   const auto analysis = dsp::AnalyzeBand(sim::SimulateRecord(scene, kDurationS), question);
   if (!analysis) return std::unexpected(analysis.error());
   if (!analysis->answered || !analysis->numbers) {
+    const std::string refusal = document::RefusalOf(analysis->findings);
     return CannotAnswer(fmt::format("{:g} V", scene.drive.amplitude_v),
-                        analysis->reasons.empty() ? "has no RMS" : analysis->reasons.front());
+                        refusal.empty() ? "has no RMS" : refusal);
   }
   const dsp::RmsEstimate& rms = analysis->numbers->rms;
   return rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));

@@ -11,6 +11,7 @@
 #include "tools/cli/csv_cell.h"
 #include "tools/cli/json.h"
 #include "tools/cli/uncertain_number.h"
+#include "tools/document/findings_dsp.h"
 #include "tools/study/study_result.h"
 
 namespace haptometer::tools {
@@ -323,8 +324,8 @@ void AppendQuality(const StudyResult& study, std::string& text) {
   }
   for (const Deviation& deviation : FindDeviations(study.table)) {
     Append(text, "differs", Describe(deviation));
-    if (deviation.what == dsp::kAmplitudeNotVerified) {
-      Append(text, "", std::string(dsp::kAveragingRemedy));
+    if (deviation.what == document::kAmplitudeNotVerified) {
+      Append(text, "", std::string(document::kAveragingRemedy));
     }
   }
   for (const MissingTrials& missing : study.missing) {

@@ -20,6 +20,7 @@
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/progress.h"
+#include "tools/document/findings_dsp.h"
 #include "tools/study/study_document.h"
 #include "trial/import/read_recording.h"
 
@@ -179,7 +180,7 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
         rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
   }
   trial.answered = analysis.answered && analysis.numbers && !analysis.numbers->rms.below_floor;
-  trial.reasons = analysis.reasons;
+  trial.reasons = document::RefusalsOf(analysis.findings);
   if (!trial.answered) {
     if (analysis.answered)
       trial.reasons.emplace_back("its vibration does not exceed the noise floor");
@@ -194,11 +195,11 @@ void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& qu
     trial.deviations.emplace_back("its frequency moves, so its RMS is that of a sweep");
   }
   if (!analysis.numbers->floor) trial.deviations.emplace_back("no noise floor taken off");
-  for (std::string& doubt : dsp::FloorDoubts(*analysis.numbers, analysis.record.rate_hz)) {
-    trial.deviations.push_back(std::move(doubt));
+  for (const dsp::Finding& doubt : dsp::FloorDoubts(*analysis.numbers, analysis.record.rate_hz)) {
+    trial.deviations.push_back(document::TextOf(doubt));
   }
   if (!analysis.numbers->sensor.amplitude_verified) {
-    trial.deviations.emplace_back(dsp::kAmplitudeNotVerified);
+    trial.deviations.emplace_back(document::kAmplitudeNotVerified);
   }
 }
 

@@ -11,6 +11,7 @@
 
 #include "dsp/statistics/moments.h"
 #include "tests/dsp/analysis/answered.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/repetitions.h"
@@ -117,14 +118,17 @@ TEST(BandAnalysis, TooSlowARecordIsNotAnswered) {
   record.timing = trial::Timing::kPolled;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
-  ASSERT_EQ(analysis.reasons.size(), 2U);
-  EXPECT_EQ(analysis.reasons[0],
-            "48 new readings/s show vibration up to 18.75 Hz; 20-500 Hz needs 1280/s: use a "
-            "free-running output, or the analog output and a DAQ");
-  EXPECT_EQ(
-      analysis.reasons[1],
-      "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use "
-      "a sensor that samples on a clock of its own");
+  ASSERT_THAT(RefusalsIn(analysis.findings),
+              ::testing::ElementsAre(FindingKind::kTooFewReadings, FindingKind::kTimesUncertain));
+  const Finding rate = FirstOf(analysis.findings, FindingKind::kTooFewReadings);
+  EXPECT_EQ(NumberOf(rate, "new_readings_per_s"), 48);
+  EXPECT_EQ(NumberOf(rate, "observable_hz"), 18.75);
+  EXPECT_EQ(NumberOf(rate, "lower_hz"), 20);
+  EXPECT_EQ(NumberOf(rate, "upper_hz"), 500);
+  EXPECT_EQ(NumberOf(rate, "needed_per_s"), 1280);
+  const Finding times = FirstOf(analysis.findings, FindingKind::kTimesUncertain);
+  EXPECT_EQ(NumberOf(times, "time_uncertainty_s"), 8e-3);
+  EXPECT_EQ(NumberOf(times, "limit_s"), 0.1 / 500);
   EXPECT_FALSE(analysis.numbers);
   EXPECT_ABS(analysis.record.offset_m, 0.03, 1e-5, "tremor's part period");
   EXPECT_GT(analysis.record.peak_to_peak_m, 0.9e-3);
@@ -140,7 +144,8 @@ TEST(BandAnalysis, ReadingsHandedOutTwiceDoNotCountAsRate) {
   EXPECT_FALSE(analysis.answered);
   EXPECT_EQ(analysis.record.rate_hz, 2e3);
   EXPECT_EQ(analysis.record.fresh_rate_hz, 1e3);
-  EXPECT_EQ(analysis.remarks[0], "3000 of 6000 readings were handed out a second time");
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kRepeated, "repeated"), 3000);
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kRepeated, "readings"), 6000);
 }
 
 TEST(BandAnalysis, TimesOfUnknownAgeGiveNoBandEither) {
@@ -164,10 +169,11 @@ TEST(BandAnalysis, StrongTremorOnAFifthOfASecondIsNotAnswered) {
   const std::vector<double> in = Samples(kRateHz, 2'000, 0.03, {{1e-6, 100}, {5e-4, 8.3, 0.7}});
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
   EXPECT_FALSE(analysis.answered);
-  ASSERT_EQ(analysis.reasons.size(), 1U);
-  EXPECT_EQ(analysis.reasons[0],
-            "only 0.000 s of it have settled in a filter of order 6; 0.1 s are needed: record at "
-            "least 2.0 s without a gap");
+  ASSERT_THAT(RefusalsIn(analysis.findings), ::testing::ElementsAre(FindingKind::kTooShort));
+  const Finding refusal = FirstOf(analysis.findings, FindingKind::kTooShort);
+  EXPECT_ABS(NumberOf(refusal, "settled_s"), 0, 5e-4, "the third decimal");
+  EXPECT_EQ(NumberOf(refusal, "needed_s"), 0.1);
+  EXPECT_ABS(NumberOf(refusal, "record_s"), 2.0, 0.05, "the first decimal");
   EXPECT_FALSE(analysis.numbers);
   EXPECT_EQ(analysis.band.order, 6);
 }
@@ -188,7 +194,10 @@ TEST(BandAnalysis, HolesAreLeftOutBridgedOrSplitAt) {
   ASSERT_TRUE(analysis.answered);
   EXPECT_EQ(analysis.record.segments, 2U);
   EXPECT_EQ(analysis.record.bridged, 30U);
-  EXPECT_EQ(analysis.remarks[0], "left out: 130 of 40000 readings (over 30, late 100)");
+  const Finding excluded = FirstOf(analysis.findings, FindingKind::kExcluded);
+  EXPECT_EQ(NumberOf(excluded, "excluded"), 130);
+  EXPECT_EQ(NumberOf(excluded, "readings"), 40'000);
+  EXPECT_EQ(TextOf(excluded, "statuses"), "over 30, late 100");
   EXPECT_LT(analysis.numbers->part.window.end_s, 3.05);
   EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 3e-5, "settled window, bridged samples");
   EXPECT_GT(analysis.numbers->bridged_rms_m, 0);
@@ -206,9 +215,9 @@ TEST(BandAnalysis, SaysWhatTheSensorsAveragingPasses) {
   EXPECT_REL(*averaged.numbers->sensor.gain_at_tone, trial::AveragingGain(90, 1e-3, 7), 1e-9,
              "tone's fit");
   EXPECT_FALSE(averaged.answered);
-  EXPECT_EQ(averaged.reasons[0],
-            "the sensor (7 averages at 1 ms) passes 0.47 of 90 Hz, below 0.5: set it to 6 averages "
-            "or fewer");
+  const Finding refusal = FirstOf(averaged.findings, FindingKind::kGainTooLow);
+  EXPECT_EQ(NumberOf(refusal, "gain"), *averaged.numbers->sensor.gain_at_tone);
+  EXPECT_EQ(NumberOf(refusal, "averages"), 6);
   EXPECT_REL(averaged.numbers->tone->amplitude_m, 1e-6 / trial::AveragingGain(90, 1e-3, 7), 1e-6,
              "an estimate beside the reason");
   record.metadata.averages = 6;
@@ -262,8 +271,11 @@ TEST(BandAnalysis, KnownUnevenTimesArePutOnAGrid) {
   ASSERT_TRUE(analysis.answered);
   EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 1e-4, "settled; the grid's bound");
   EXPECT_ABS(analysis.numbers->tone->fit.frequency_hz, 225, 1e-4, "the grid's slope");
-  EXPECT_THAT(analysis.remarks.back(), ::testing::StartsWith("times scatter by 0.0005"));
-  EXPECT_THAT(analysis.remarks.back(), ::testing::HasSubstr("29997 readings put on it, 3 missing"));
+  const Finding grid = analysis.findings.list().back();
+  EXPECT_EQ(grid.kind, FindingKind::kRegularGrid);
+  EXPECT_ABS(NumberOf(grid, "jitter_s"), 5.5e-7, 0.5e-7, "0.0005 ms to 0.0006 ms");
+  EXPECT_EQ(NumberOf(grid, "readings"), 29'997);
+  EXPECT_EQ(NumberOf(grid, "missing"), 3);
   // rows are the record's
   EXPECT_EQ(analysis.record.rows, record.rows);
   EXPECT_EQ(analysis.filtered_m.size(), record.rows);
@@ -280,8 +292,7 @@ TEST(BandAnalysis, KnownTimesTooUnevenAreAReason) {
   record.times_are_known = true;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
-  ASSERT_FALSE(analysis.reasons.empty());
-  EXPECT_THAT(analysis.reasons[0],
+  EXPECT_THAT(TextOf(FirstOf(analysis.findings, FindingKind::kNoRegularGrid), "error"),
               ::testing::HasSubstr("dropped readings cannot be told from late ones"));
 }
 

@@ -1,22 +1,18 @@
 #include "dsp/analysis/record_doubts.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
+#include "tests/residual.h"
 
 namespace haptometer::dsp {
 namespace {
-
-using ::testing::Contains;
-using ::testing::Each;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr double kRateHz = 5000;
 constexpr std::size_t kRows = 10'000;
@@ -35,7 +31,7 @@ TEST(RecordDoubts, AFewOtherReadingsDoNotMakeAStuckSensorVibrate) {
   const BandAnalysis analysis = Answer(RecordOf(values, kRateHz));
   EXPECT_FALSE(analysis.answered);
   EXPECT_FALSE(analysis.numbers);
-  EXPECT_THAT(analysis.reasons, Contains(HasSubstr("a stuck sensor, held readings")));
+  EXPECT_TRUE(analysis.findings.Has(FindingKind::kStuckInWindow));
 }
 
 TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {
@@ -49,38 +45,45 @@ TEST(RecordDoubts, AShortBurstOnCoarseStepsIsNoStuckSensor) {
 }
 
 TEST(RecordDoubts, LengthsOffByAThousandAreDoubted) {
-  EXPECT_THAT(Answer(Tone(1)).remarks, Each(Not(HasSubstr("is the column in"))));
-  EXPECT_THAT(Answer(Tone(1e3)).remarks, Contains(HasSubstr("readings reach 30 m, farther than")));
+  using enum FindingKind;
+  const Findings plain = Answer(Tone(1)).findings;
+  for (const FindingKind kind : {kFarReadings, kRmsTooLarge, kRmsTooSmall}) {
+    EXPECT_FALSE(plain.Has(kind)) << static_cast<int>(kind);
+  }
+  EXPECT_REL(NumberOf(Answer(Tone(1e3)).findings, kFarReadings, "farthest_m"), 30.0, 1e-2,
+             "30.02 m: 30 m and the tone");
   trial::Record tared = RecordOf(Samples(kRateHz, kRows, 0, {{20e-3, 225}}), kRateHz);
-  EXPECT_THAT(Answer(tared).remarks, Contains(HasSubstr("14.1 mm RMS is more than any tactile")));
-  EXPECT_THAT(Answer(Tone(1e-6)).remarks, Contains(HasSubstr("0.014 nm RMS is less than any")));
+  EXPECT_REL(NumberOf(Answer(tared).findings, kRmsTooLarge, "rms_m"), 14.14e-3, 1e-3, "the filter");
+  EXPECT_REL(NumberOf(Answer(Tone(1e-6)).findings, kRmsTooSmall, "rms_m"), 14.14e-12, 1e-3,
+             "the filter");
 }
 
 TEST(RecordDoubts, MoreReadingsThanTheSamplingPeriodAllowsAreNamed) {
   trial::Record record = Tone(1);
   record.metadata.averages = 4;
   record.metadata.sampling_s = 1 / kRateHz;
-  EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("one of them is wrong"))));
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kSamplingContradicted));
   record.metadata.sampling_s = 1e-3;
-  EXPECT_THAT(Answer(record).remarks,
-              Contains(HasSubstr("every 1 ms, 1000 times a second, but 5000 new readings")));
+  const Finding doubt = FirstOf(Answer(record).findings, FindingKind::kSamplingContradicted);
+  EXPECT_EQ(NumberOf(doubt, "sampling_s"), 1e-3);
+  EXPECT_EQ(NumberOf(doubt, "new_readings_per_s"), kRateHz);
 }
 
 TEST(RecordDoubts, MillisecondsReadAsSecondsAreGuessed) {
   trial::Record record = Tone(1);
   record.metadata.source = "imported";
-  EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("read as time_"))));
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kTimesInOtherUnit));
   record.stretches.front().rate_hz = kRateHz / 1000;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
-  EXPECT_THAT(analysis.remarks,
-              Contains(AllOf(HasSubstr("read as time_ms, the times would be 5000 readings"),
-                             Not(HasSubstr("displacement_")))));
+  const Finding guess = FirstOf(analysis.findings, FindingKind::kTimesInOtherUnit);
+  EXPECT_EQ(TextOf(guess, "column"), "time_ms");
+  EXPECT_REL(NumberOf(guess, "readings_per_s"), kRateHz, 1e-12, "rounding");
   record.metadata.nominal_rate_hz = kRateHz / 1000;  // somebody said so
-  EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("read as time_"))));
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kTimesInOtherUnit));
   record.metadata.nominal_rate_hz.reset();
   record.metadata.sensor = "keyence-il";  // that is a slow one
-  EXPECT_THAT(Answer(record).remarks, Each(Not(HasSubstr("read as time_"))));
+  EXPECT_FALSE(Answer(record).findings.Has(FindingKind::kTimesInOtherUnit));
 }
 
 }  // namespace

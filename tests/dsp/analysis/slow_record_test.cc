@@ -8,6 +8,7 @@
 
 #include "dsp/analysis/band_analysis.h"
 #include "tests/dsp/analysis/answered.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -34,14 +35,15 @@ trial::Record Slow() {
 TEST(SlowRecord, AFreeRunningOneHasItsDrivesTone) {
   const BandAnalysis analysis = Answer(Slow());
   EXPECT_FALSE(analysis.answered) << "no answer for the band";
-  EXPECT_THAT(analysis.reasons[0], ::testing::StartsWith("400 new readings/s show vibration"));
+  EXPECT_EQ(NumberOf(analysis.findings, FindingKind::kTooFewReadings, "new_readings_per_s"), 400);
   ASSERT_TRUE(analysis.known_tone);
   EXPECT_TRUE(analysis.known_tone->aliased) << "225 Hz are seen as 175 Hz";
   const SineFit& fit = analysis.known_tone->fit;
   EXPECT_EQ(fit.frequency_hz, kDriveHz);
   EXPECT_REL(fit.amplitude_uncertainty, 2e-7 * std::sqrt(2.0 / 1200), 0.1, "1200 values of noise");
   EXPECT_ABS(fit.amplitude, 1e-5, 3 * fit.amplitude_uncertainty, "noise");
-  EXPECT_THAT(analysis.remarks.back(), ::testing::HasSubstr("seen as an alias"));
+  EXPECT_EQ(analysis.findings.list().back().kind, FindingKind::kKnownToneAlias);
+  EXPECT_EQ(NumberOf(analysis.findings.list().back(), "amplitude_m"), fit.amplitude);
 }
 
 TEST(SlowRecord, AGatedDriveIsFittedWhereItIsOn) {
@@ -54,8 +56,9 @@ TEST(SlowRecord, AGatedDriveIsFittedWhereItIsOn) {
   ASSERT_TRUE(analysis.known_tone);
   const SineFit& fit = analysis.known_tone->fit;
   EXPECT_ABS(fit.amplitude, 1e-5, 3 * fit.amplitude_uncertainty, "noise; 5 um over all of it");
-  EXPECT_THAT(analysis.remarks,
-              ::testing::Contains(::testing::HasSubstr("Hz pauses: it is fitted")));
+  const Finding pauses = FirstOf(analysis.findings, FindingKind::kKnownTonePauses);
+  EXPECT_ABS(NumberOf(pauses, "from_s"), 0.75, 0.1, "blocks of 18 readings");
+  EXPECT_ABS(NumberOf(pauses, "to_s"), 2.25, 0.1, "blocks of 18 readings");
 }
 
 TEST(SlowRecord, TheQuestionsDriveComesBeforeTheFiles) {
@@ -72,9 +75,7 @@ TEST(SlowRecord, APolledOneIsRefused) {
   record.timing = trial::Timing::kPolled;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.known_tone);
-  EXPECT_THAT(analysis.remarks,
-              ::testing::Contains("its readings are of unknown age, so no tone of known frequency "
-                                  "is fitted either"));
+  EXPECT_TRUE(analysis.findings.Has(FindingKind::kPolledTimes));
 }
 
 TEST(SlowRecord, TimesOfATenthOfAPeriodAreRefused) {
@@ -82,8 +83,9 @@ TEST(SlowRecord, TimesOfATenthOfAPeriodAreRefused) {
   record.stretches[0].time_uncertainty_s = 5e-4;
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.known_tone);
-  EXPECT_THAT(analysis.remarks, ::testing::Contains(::testing::StartsWith(
-                                    "times are uncertain by 0.5 ms; a fit at 225 Hz needs")));
+  const Finding unfit = FirstOf(analysis.findings, FindingKind::kTimesUnfitForTone);
+  EXPECT_EQ(NumberOf(unfit, "time_uncertainty_s"), 5e-4);
+  EXPECT_EQ(NumberOf(unfit, "frequency_hz"), kDriveHz);
 }
 
 TEST(SlowRecord, KnownTimesThatLieOnNoGridAreFittedAsTheyAre) {
@@ -107,7 +109,7 @@ TEST(SlowRecord, ATonePerSampleIsNotToldFromTheOffset) {
   question.drive_frequency_hz = 400;
   const BandAnalysis analysis = Answer(Slow(), question);
   EXPECT_FALSE(analysis.known_tone);
-  EXPECT_THAT(analysis.remarks.back(), ::testing::HasSubstr("cannot be told apart"));
+  EXPECT_EQ(analysis.findings.list().back().kind, FindingKind::kKnownToneAtRate);
 }
 
 }  // namespace

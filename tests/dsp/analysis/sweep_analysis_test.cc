@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
@@ -21,8 +22,7 @@
 namespace haptometer::dsp {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
+using ::testing::ElementsAre;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kRateHz = 2000;
@@ -87,7 +87,9 @@ bool Holds(const Interval& interval, double truth) {
 TEST(AnalyzeSweep, OfADrivenOscillatorIsTheClosedForm) {
   const SweepAnswer answer = Analyzed(Chirp(16, 0, 1, true));
   ASSERT_TRUE(answer.answered);
-  EXPECT_TRUE(answer.reasons.empty());
+  EXPECT_TRUE(std::ranges::all_of(answer.findings.list(), [](const Finding& finding) {
+    return finding.severity == Severity::kNote || finding.kind == FindingKind::kAveragingUnknown;
+  })) << "all is determined";
   EXPECT_EQ(answer.drive, "coil");
   EXPECT_EQ(answer.amplitude_unit, "m/V");
   EXPECT_EQ(answer.resolution_hz, 0.25);
@@ -159,8 +161,8 @@ TEST(AnalyzeSweep, WithoutDriveAnswersAmplitudeOnlyAndSaysSo) {
   ASSERT_TRUE(answer.answered);
   EXPECT_EQ(answer.amplitude_unit, "m");
   EXPECT_EQ(answer.drive, "");
-  EXPECT_THAT(answer.reasons, Contains(HasSubstr("phase, coherence and amplitude per volt")));
-  EXPECT_THAT(answer.remarks, Contains(HasSubstr("constant amplitude")));
+  EXPECT_TRUE(answer.findings.Has(FindingKind::kNoDriveChannel));
+  EXPECT_TRUE(answer.findings.Has(FindingKind::kConstantDriveAssumed));
   double worst = 0;
   for (const SweepPoint& point : answer.points) {
     EXPECT_FALSE(point.phase_rad || point.coherence);
@@ -180,7 +182,7 @@ TEST(AnalyzeSweep, DividesTheSensorsGainOutOrSaysThatItIsUnknown) {
   record.metadata.averages = 4;
   record.metadata.sampling_s = 0.5e-3;
   const SweepAnswer divided = Analyzed(record);
-  EXPECT_THAT(divided.reasons, Contains(HasSubstr("passes less than a half")));
+  EXPECT_TRUE(divided.findings.Has(FindingKind::kSweepSensorLimit));
   ASSERT_GT(plain.points.size(), divided.points.size());
   const SweepPoint& point = divided.points[100];
   // a mean of four samples 0.5 ms apart: sin(4 x) / (4 sin(x)), x = pi f 0.5 ms
@@ -192,31 +194,43 @@ TEST(AnalyzeSweep, DividesTheSensorsGainOutOrSaysThatItIsUnknown) {
   record.metadata.averages.reset();
   const SweepAnswer unknown = Analyzed(record);
   EXPECT_FALSE(unknown.amplitude_verified);
-  EXPECT_THAT(unknown.remarks, Contains(HasSubstr("sensor averaging unknown")));
+  EXPECT_TRUE(unknown.findings.Has(FindingKind::kAveragingUnknown));
 }
 
 TEST(AnalyzeSweep, SaysWhatIsNotDetermined) {
   const SweepAnswer tone =
       Analyzed(RecordOf(Samples(kRateHz, 8000, 1e-3, {{5e-6, 100, 0}}), kRateHz));
   EXPECT_FALSE(tone.answered);
-  EXPECT_THAT(tone.reasons, Contains(HasSubstr("no vibration whose frequency moves")));
+  EXPECT_THAT(RefusalsIn(tone.findings), ElementsAre(FindingKind::kNoSweep));
 
   trial::Record record = Chirp(4, 0, 1, true);
   const SweepAnswer fine = Analyzed(record, {.resolution_hz = 0.3});
   EXPECT_FALSE(fine.answered);
-  EXPECT_THAT(fine.reasons, Contains(HasSubstr("do not hold two segments")));
+  EXPECT_THAT(RefusalsIn(fine.findings), ElementsAre(FindingKind::kSweepTooShort));
   const SweepAnswer above = Analyzed(record, {.lower_hz = 250, .upper_hz = 440});
   EXPECT_TRUE(above.answered);
   EXPECT_FALSE(above.resonance) << "the resonance lies below";
-  EXPECT_THAT(above.reasons, Contains(HasSubstr("f0 and Q: no resonance")));
-  EXPECT_THAT(Analyzed(record, {.upper_hz = 900}).reasons, Contains(HasSubstr("above 781.2 Hz")));
+  EXPECT_THAT(RefusalsIn(above.findings), ElementsAre()) << "there are points";
+  const auto is_resonance = [](const Finding& finding) {
+    return finding.kind >= FindingKind::kResonanceAbove &&
+           finding.kind <= FindingKind::kNoResonance;
+  };
+  EXPECT_EQ(std::ranges::count_if(above.findings.list(), is_resonance), 1);
+  EXPECT_EQ(NumberOf(Analyzed(record, {.upper_hz = 900}).findings, FindingKind::kSweepRateLimit,
+                     "upper_hz"),
+            2000 / 2.56);
+
+  const SweepAnswer none = Analyzed(record, {.lower_hz = 800, .upper_hz = 900});
+  EXPECT_FALSE(none.answered);
+  EXPECT_THAT(RefusalsIn(none.findings), ElementsAre(FindingKind::kSweepRateLimit));
 
   record.channels[1].statuses[1000] = trial::SampleStatus::kOver;
   EXPECT_EQ(Analyzed(record).window.begin_s, 1001 / kRateHz);
   record.channels[1].values.assign(record.rows, 1.0);
-  EXPECT_THAT(Analyzed(record).remarks, Contains(HasSubstr("coil does not move; it is no drive")));
+  EXPECT_EQ(TextOf(FirstOf(Analyzed(record).findings, FindingKind::kDriveConstant), "channel"),
+            "coil");
   record.timing = trial::Timing::kPolled;
-  EXPECT_THAT(Analyzed(record).reasons, Contains(HasSubstr("polled and of unknown age")));
+  EXPECT_THAT(RefusalsIn(Analyzed(record).findings), ElementsAre(FindingKind::kSweepPolled));
   EXPECT_FALSE(AnalyzeSweep(trial::RecordRows(record), {.lower_hz = 500, .upper_hz = 20}));
 }
 

@@ -11,6 +11,7 @@
 #include "dsp/filter/transient.h"
 #include "dsp/filter/zero_phase.h"
 #include "tests/dsp/analysis/answered.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -26,10 +27,11 @@ TEST(TremorBelowTheBand, StrongTremorOnOneSecondIsModelledAndTheOrderKept) {
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz));
   ASSERT_TRUE(analysis.answered);
   EXPECT_EQ(analysis.band.order, 6);
-  EXPECT_EQ(
-      analysis.remarks.back(),
-      "500 um at 8.3 Hz lie below the band; 0.015 um RMS of that leak into it; taken as going "
-      "on before and after the record");
+  const Finding& below = analysis.findings.list().back();
+  EXPECT_EQ(below.kind, FindingKind::kBelowBandModelled);
+  EXPECT_REL(NumberOf(below, "amplitude_m"), 5e-4, 1e-4, "the fourth digit");
+  EXPECT_REL(NumberOf(below, "frequency_hz"), 8.3, 6e-4, "the third digit");
+  EXPECT_REL(NumberOf(below, "leaked_m"), 0.015e-6, 0.034, "the second digit");
   EXPECT_REL(analysis.numbers->rms.rms_m, 1e-6 / kRootTwo, 1e-3, "the bar: leakage of order 6");
   EXPECT_LE(analysis.numbers->rms.lower_m, 1e-6 / kRootTwo);
   EXPECT_GE(analysis.numbers->rms.upper_m, 1e-6 / kRootTwo);
@@ -64,14 +66,17 @@ TEST(TremorBelowTheBand, AnOrderThatWasAskedForIsKept) {
   const BandAnalysis lowered = Answer(RecordOf(in, kRateHz));
   ASSERT_TRUE(lowered.answered);
   EXPECT_LT(lowered.band.order, 6);
-  EXPECT_THAT(lowered.remarks[0], ::testing::StartsWith("filter order lowered from 6 to "));
+  EXPECT_EQ(NumberOf(lowered.findings, FindingKind::kOrderLowered, "asked_order"), 6);
+  EXPECT_EQ(NumberOf(lowered.findings, FindingKind::kOrderLowered, "order"), lowered.band.order);
   BandQuestion fixed;
   fixed.may_lower_order = false;
   const BandAnalysis analysis = Answer(RecordOf(in, kRateHz), fixed);
   ASSERT_FALSE(analysis.answered);
-  EXPECT_THAT(analysis.reasons[0],
-              ::testing::HasSubstr("have settled in a filter of order 6; 0.1 s are needed: record "
-                                   "at least 2.0 s without a gap"));
+  ASSERT_THAT(RefusalsIn(analysis.findings), ::testing::ElementsAre(FindingKind::kTooShort));
+  const Finding refusal = FirstOf(analysis.findings, FindingKind::kTooShort);
+  EXPECT_EQ(NumberOf(refusal, "order"), 6);
+  EXPECT_EQ(NumberOf(refusal, "needed_s"), 0.1);
+  EXPECT_ABS(NumberOf(refusal, "record_s"), 2.0, 0.05, "the first decimal");
 }
 
 TEST(TremorBelowTheBand, TremorThatLeaksIsStated) {

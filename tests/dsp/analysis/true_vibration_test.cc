@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/repetitions.h"
 #include "tests/dsp/signals.h"
@@ -157,11 +158,15 @@ TEST(TrueVibrationOfAPause, AWindowThatIsAskedForIsTaken) {
   given.window = {0, 0.2};
   const auto unsettled = AnalyzeBand(TrialOf(Trial{16e-6, 225, false, false, false}, 1), given);
   ASSERT_FALSE(unsettled->answered);
-  EXPECT_THAT(unsettled->reasons[0], ::testing::HasSubstr("have settled"));
+  EXPECT_THAT(RefusalsIn(unsettled->findings),
+              ::testing::ElementsAre(FindingKind::kWindowNotSettled));
   given.window = {5, 6};
   const auto outside = AnalyzeBand(TrialOf(Trial{16e-6, 225, false, false, false}, 1), given);
   ASSERT_FALSE(outside->answered);
-  EXPECT_THAT(outside->reasons[0], ::testing::HasSubstr("lies outside of the record, 0 s to 3"));
+  EXPECT_THAT(RefusalsIn(outside->findings), ::testing::ElementsAre(FindingKind::kWindowOutside));
+  EXPECT_EQ(NumberOf(outside->findings, FindingKind::kWindowOutside, "record_from_s"), 0);
+  EXPECT_ABS(NumberOf(outside->findings, FindingKind::kWindowOutside, "record_to_s"), 3, 1e-9,
+             "rounding of the rate");
   given.window = {2, 1};
   EXPECT_EQ(AnalyzeBand(TrialOf(Trial{}, 1), given).error().cause, Cause::kUsage);
 }
@@ -187,7 +192,8 @@ TEST(TrueVibrationOfAPause, ADriveOffTrialGivesTheFloor) {
   const auto contradicted = AnalyzeBand(TrialOf(Trial{0, 225, false, false, true}, 10), question);
   ASSERT_TRUE(contradicted);
   EXPECT_FALSE(contradicted->answered);
-  EXPECT_THAT(contradicted->reasons.back(), ::testing::HasSubstr("that were measured: take one"));
+  EXPECT_EQ(RefusalsIn(contradicted->findings).back(), FindingKind::kFloorAboveSignal);
+  EXPECT_EQ(FirstOf(contradicted->findings, FindingKind::kFloorAboveSignal).subject, "on.bin");
 }
 
 }  // namespace

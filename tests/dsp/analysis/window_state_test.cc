@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "dsp/analysis/band_analysis.h"
+#include "tests/dsp/findings.h"
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
 #include "tests/residual.h"
@@ -52,8 +53,11 @@ TEST(WindowState, ADriveThatDidNotSettleHasNoNumbers) {
   const auto analysis = AnalyzeBand(record, {});
   ASSERT_TRUE(analysis);
   EXPECT_FALSE(analysis->answered);
-  EXPECT_THAT(analysis->reasons,
-              testing::ElementsAre(testing::HasSubstr("the drive is on from 0.000 s to 0.30")));
+  EXPECT_THAT(RefusalsIn(analysis->findings),
+              ::testing::ElementsAre(FindingKind::kDriveNotSettled));
+  const Finding refusal = FirstOf(analysis->findings, FindingKind::kDriveNotSettled);
+  EXPECT_ABS(NumberOf(refusal, "from_s"), 0, 5e-4, "the record's begin");
+  EXPECT_ABS(NumberOf(refusal, "to_s"), 0.305, 0.005, "a cell of the channel");
 }
 
 TEST(WindowState, ATonesVelocityAndAcceleration) {
@@ -96,9 +100,7 @@ TEST(WindowState, ElectricalReadingsThatAreNoneAreSaid) {
   const auto analysis = AnalyzeBand(record, {});
   ASSERT_TRUE(analysis && analysis->answered);
   EXPECT_FALSE(analysis->numbers->electrical);
-  EXPECT_THAT(analysis->remarks,
-              ::testing::Contains("electrical state not determined: 2 readings of voltage or "
-                                  "current in the window are no measurements"));
+  EXPECT_EQ(NumberOf(analysis->findings, FindingKind::kElectricalUnmeasured, "readings"), 2);
 }
 
 TEST(WindowState, ASilentCurrentIsSaidAndAnotherUnitIsNoCurrent) {
@@ -107,13 +109,12 @@ TEST(WindowState, ASilentCurrentIsSaidAndAnotherUnitIsNoCurrent) {
   const auto silent = AnalyzeBand(record, {});
   ASSERT_TRUE(silent);
   EXPECT_FALSE(silent->numbers->electrical);
-  EXPECT_THAT(silent->remarks,
-              ::testing::Contains("electrical state not determined: no voltage or no current "
-                                  "stands out at 200 Hz"));
+  EXPECT_REL(NumberOf(silent->findings, FindingKind::kElectricalNoTone, "frequency_hz"), 200.0,
+             1e-6, "the tone's fit");
   record.channels[2].unit = "V";
   const auto shunt = AnalyzeBand(record, {});
   EXPECT_FALSE(shunt->numbers->electrical);
-  EXPECT_EQ(shunt->remarks.size() + 1, silent->remarks.size());
+  EXPECT_EQ(shunt->findings.list().size() + 1, silent->findings.list().size());
 }
 
 }  // namespace

@@ -128,6 +128,11 @@ TEST(Fill, PutsThePluralsEnding) {
   EXPECT_EQ(Fill("{n} run{n s}", {{"n", 2}}), "2 runs");
 }
 
+TEST(Fill, PutsTheSiNumberAlone) {
+  EXPECT_EQ(Fill("{from_s SI}s:{to_s SI}s", {{"from_s", 0.25}, {"to_s", 12.34567}}),
+            "0.25s:12.3457s");
+}
+
 TEST(Fill, PutsPercent) {
   EXPECT_EQ(Fill("{part %} of it", {{"part", 0.25}}), "25 % of it");
   EXPECT_EQ(Fill("{part %} of it", {{"part", 1}}), "100 % of it");

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "base/input_file.h"
 #include "tests/tools/captured.h"
@@ -69,6 +71,44 @@ TEST_F(PresentDocument, ARefusalIsStatus3AndADoubtIsNot) {
   EXPECT_EQ(tools::Captured(Show, "sample", {}).status, 0);
   shown.document.root.sections[0].findings[0].severity = Severity::kRefusal;
   EXPECT_EQ(tools::Captured(Show, "sample", {}).status, 3);
+}
+
+// in parts
+
+Section Part(std::string heading, double rms_m) {
+  Section part{.heading = std::move(heading)};
+  part.Add({"rms_m", "vibration", kMetre}, rms_m);
+  return part;
+}
+
+int ShowParts(int argc, const char* const* argv) {
+  shown.document.root = {};
+  shown.document.root.sections = {{.name = "parts", .shape = Section::Shape::kArray}};
+  Presenter presenter(shown.document, shown.outputs, argc, argv);
+  Section error = Part("error", 0);
+  error.detail = Detail::kAll;
+  presenter.Add(error);
+  if (!shown.outputs.json && !shown.outputs.all) std::printf("here\n");
+  presenter.Add(Part("first", 1e-6));
+  presenter.Add(Part("second", 2e-6));
+  Section last;
+  last.Add({"excludes", "excludes"}, "nothing");
+  return presenter.Finish(last);
+}
+
+TEST_F(PresentDocument, ShowsPartsAsTheyCome) {
+  EXPECT_EQ(tools::Captured(ShowParts, "sample", {}).out,
+            "here\na sample\n  first\n    vibration  1 um\n  second\n    vibration  2 um\n"
+            "  excludes  nothing\n");
+  shown.outputs.all = true;
+  const std::string all = tools::Captured(ShowParts, "sample", {}).out;
+  EXPECT_TRUE(all.starts_with("a sample\n  error\n")) << all;
+  EXPECT_THAT(all, HasSubstr("  command: haptometer sample\n"));
+  shown.outputs.json = true;
+  const auto json = nlohmann::json::parse(tools::Captured(ShowParts, "sample", {}).out);
+  EXPECT_EQ(json.at("parts").size(), 3U);
+  EXPECT_EQ(json.at("parts").at(2).at("rms_m"), 2e-6);
+  EXPECT_EQ(json.at("excludes"), "nothing");
 }
 
 TEST_F(PresentDocument, WritesThePictureAndThePage) {

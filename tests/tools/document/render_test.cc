@@ -103,6 +103,14 @@ TEST(TextOf, WhatIsNotPrintableIsEscaped) {
   EXPECT_EQ(TextOf(document, Detail::kShort), "a\\x1b[2J\n  label  two\\nlines\n");
 }
 
+TEST(TextOf, LabelsStandAsWideAsThoseThatAreShown) {
+  Document document{.verb = "sample", .title = "t"};
+  document.root.Add({"a", "a label of what is not known"}, Value());
+  document.root.Add({"frequency_hz", "tone", kHertz}, 225.0, 1e-9).interval =
+      Range{225 - 2e-9, 225 + 2e-9};
+  EXPECT_EQ(TextOf(document, Detail::kShort), "t\n  tone  225 Hz\n") << "and no interval of it";
+}
+
 TEST(TextOf, ListsOfSectionsStandOneBelowTheOther) {
   Document document{.verb = "sample", .title = "t"};
   document.root.sections.push_back({.name = "trials",

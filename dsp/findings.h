@@ -1,0 +1,118 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/finding.h"
+
+namespace haptometer::dsp {
+
+/// What an analysis finds of a record, without words; behind each kind the names of its numbers.
+/// A channel, a column and the like are texts.
+enum class FindingKind : std::uint8_t {
+  // readings
+  kExcluded,          ///< excluded, readings, statuses
+  kRepeated,          ///< repeated, readings: handed out a second time
+  kInterpolated,      ///< interpolated, rms_m: of what it adds at most
+  kClipped,           ///< count, readings, first_s; the next three size_m as well
+  kHeld,              ///< the same reading again and again, then a jump
+  kSpikes,            ///< readings far from their neighbours
+  kSteps,             ///< the level jumps and stays
+  kStuck,             ///< readings: all are the same
+  kStuckInWindow,     ///< window_s, from_s, changes, readings, lower_hz
+  kNoMeasurement,     ///< none of the readings is one
+  kFarReadings,       ///< farthest_m: farther than any displacement sensor
+  kSegments,          ///< segments: gaps split the record
+  kLongestSegment,    ///< segments: the longest is used
+  kSamplesLimited,    ///< samples, used
+  kSegmentEnds,       ///< first_s, last_s, segment_s: what has not settled of one
+  kAveragingUnknown,  ///< of the sensor: amplitudes are not verified
+  // rate and times
+  kTooFewReadings,        ///< new_readings_per_s, observable_hz, lower_hz, upper_hz, needed_per_s
+  kTimesUncertain,        ///< time_uncertainty_s, upper_hz, limit_s
+  kNoRegularGrid,         ///< error: of OnRegularGrid()
+  kRegularGrid,           ///< jitter_s, largest_jitter_s, readings_per_s, readings, missing,
+                          ///< excluded, error: of a tone, at most
+  kSamplingContradicted,  ///< sampling_s, samples_per_s, new_readings_per_s
+  kTimesInOtherUnit,      ///< column, readings_per_s, duration_s
+  kPolledTimes,           ///< readings of unknown age: no tone is fitted
+  kTimesUnfitForTone,     ///< time_uncertainty_s, frequency_hz, limit_s
+  kKnownTone,             ///< frequency_hz, amplitude_m
+  kKnownToneAlias,        ///< the same, seen as an alias
+  kKnownTonePauses,       ///< frequency_hz, from_s, to_s: where it is on longest
+  kKnownToneAtRate,       ///< frequency_hz: not told apart from the offset
+  // filter
+  kOrderLowered,       ///< asked_order, order, settled_s
+  kTooShort,           ///< settled_s, order, needed_s, record_s; lower_hz where a lower order leaks
+  kBelowBand,          ///< amplitude_m, frequency_hz, leaked_m
+  kBelowBandModelled,  ///< the same, subtracted
+  // drive and window; the first five say how a window was chosen (UsedPart::why)
+  kAllSettled,
+  kWindowAsked,     ///< from_s, to_s
+  kSteadyDrive,     ///< the longest steady part
+  kSettledOfDrive,  ///< of a drive most of which has not
+  kWhereFrequencyMoves,
+  // the course of the drive (DriveParts::why)
+  kTooShortForParts,
+  kNothingStandsOut,  ///< of: "vibration", "drive" or "tone"
+  kOneLevel,          ///< of
+  kStandsOut,         ///< of, ratio, from_s, to_s of the longest; parts where there are several
+  kToneNeverPauses,
+  kOnlyTransients,
+  kSweepIsNoDrive,
+  kDriveOn,             ///< from_s, to_s: by a drive channel
+  kVibrationStandsOut,  ///< frequency_hz, rms_m, from_s, to_s
+  // what goes with them
+  kTransientsExcluded,  ///< parts, ringing_s
+  kLevelChanges,        ///< the tone never pauses
+  kDriveTooShort,      ///< as kDriveOn; settled_s, needed_s; window_from_s, window_to_s of what has
+                       ///< settled, where that is long enough
+  kDriveNotSettled,    ///< the same without needed_s
+  kVibrationTooShort,  ///< as kVibrationStandsOut, and the same
+  kVibrationNotSettled,
+  kWindowMixed,  ///< off_s, window_s
+  kDriveOffInWindow,
+  kDriveUnsteady,     ///< drift
+  kFrequencyMoves,    ///< from_hz, to_hz
+  kWindowOutside,     ///< from_s, to_s, record_from_s, record_to_s
+  kWindowNotSettled,  ///< from_s, to_s, settled_s
+  kWindowShortened,   ///< excluded_s, from_s, to_s
+  kWindowClipped,     ///< share
+  // noise floor; its file is the subject
+  kNoFloor,
+  kFloorOfOtherRate,  ///< floor_per_s, readings_per_s
+  kFloorHasTone,      ///< amplitude_m, frequency_hz
+  kFloorHasTheTone,   ///< the same: the trial's own
+  kFloorAboveSignal,  ///< floor_m, measured_m
+  kBelowFloor,        ///< floor_m, at_most_m
+  // the numbers
+  kRmsTooLarge,           ///< rms_m
+  kRmsTooSmall,           ///< rms_m
+  kGainInBand,            ///< least, greatest
+  kGainTooLow,            ///< gain, frequency_hz, least_gain, averages: that leave it
+  kGainCorrected,         ///< gain
+  kElectricalUnmeasured,  ///< readings
+  kElectricalNoTone,      ///< frequency_hz
+  // sweeps
+  kSweepUneven,
+  kSweepPolled,
+  kSweepRateLimit,    ///< upper_hz, new_readings_per_s, needed_per_s
+  kSweepSensorLimit,  ///< upper_hz
+  kDriveConstant,     ///< channel
+  kDriveGaps,         ///< channel
+  kNoDriveChannel,
+  kConstantDriveAssumed,
+  kSweepTooShort,  ///< length_s, resolution_hz: that it holds
+  kNoResponse,
+  kNoSweep,              ///< lower_hz, upper_hz, resolution_hz, block_s
+  kFrequenciesExcluded,  ///< excluded, frequencies
+  kResonanceAbove,       ///< from_hz, to_hz, highest_hz: of the largest amplitude
+  kResonanceBelow,       ///< the same
+  kPeakTooNarrow,        ///< the same, resolution_hz
+  kNoResonance,          ///< the same
+  kSeveralResonances,    ///< left: share of the response
+};
+
+using Finding = FindingOf<FindingKind>;
+using Findings = haptometer::Findings<FindingKind>;
+
+}  // namespace haptometer::dsp

@@ -1,0 +1,483 @@
+#include "tools/document/findings_dsp.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace haptometer::document {
+namespace {
+
+using namespace std::string_literals;
+using enum dsp::FindingKind;
+
+// what a kind says with all of its numbers
+struct Case {
+  dsp::FindingKind kind;
+  std::vector<FindingNumber> numbers;
+  std::string name;
+  std::string text;
+};
+
+const std::vector<Case> kCases{
+    {kExcluded,
+     {{"excluded", 130}, {"readings", 4000}, {"statuses", "over 30, late 100"s}},
+     "readings-excluded",
+     "130 of 4000 readings are excluded (over 30, late 100)"},
+    {kRepeated,
+     {{"repeated", 20}, {"readings", 4000}},
+     "readings-repeated",
+     "20 of 4000 readings were handed out a second time"},
+    {kInterpolated,
+     {{"interpolated", 1}, {"rms_m", 2.5e-09}},
+     "readings-interpolated",
+     "1 reading interpolated, which adds 0.0025 um RMS at most"},
+    {kClipped,
+     {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}},
+     "clipped",
+     "clipped in 2 places, 4000 readings in all, the first at 1.25 s; not corrected"},
+    {kHeld,
+     {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}, {"size_m", 1.2e-05}},
+     "held",
+     "a held reading in 2 places, 4000 readings in all, the first at 1.25 s (12 um); not "
+     "corrected"},
+    {kSpikes,
+     {{"count", 2}, {"readings", 4000}, {"first_s", 1.25}, {"size_m", 1.2e-05}},
+     "spikes",
+     "2 spikes, 4000 readings in all, the first at 1.25 s (12 um); not corrected"},
+    {kSteps,
+     {{"count", 1}, {"first_s", 1.25}, {"size_m", 1.2e-05}},
+     "steps",
+     "1 step, the first at 1.25 s (12 um); not corrected"},
+    {kStuck,
+     {{"readings", 4000}},
+     "stuck",
+     "all 4000 readings are the same: a stuck sensor, held readings, or steps coarser than the "
+     "motion; check its hold, its target and its range, and record again"},
+    {kStuckInWindow,
+     {{"window_s", 0.4}, {"from_s", 1.5}, {"changes", 3}, {"readings", 4000}, {"lower_hz", 20.0}},
+     "stuck-in-window",
+     "in the 400 ms from 1.5 s on only 3 of 4000 readings differ from the one before, fewer than "
+     "vibration at 20 Hz makes: a stuck sensor, held readings, or steps coarser than the motion; "
+     "check its hold, its target and its range, and record again"},
+    {kNoMeasurement, {}, "no-measurement", "none of its readings is a measurement"},
+    {kFarReadings,
+     {{"farthest_m", 30.0}},
+     "far-readings",
+     "readings reach 30 m, farther than any displacement sensor: is the column in mm, um or V? "
+     "Name it (--columns time_s,displacement_mm) or state what one printed unit is (--scale 1mm)"},
+    {kSegments,
+     {{"segments", 3}},
+     "segments",
+     "gaps split the record into 3 segments; the window is in one of them"},
+    {kLongestSegment,
+     {{"segments", 3}},
+     "longest-segment",
+     "gaps split the record into 3 segments; the longest is used"},
+    {kSamplesLimited,
+     {{"samples", 20000000}, {"used", 16777216}},
+     "samples-limited",
+     "of 20000000 samples the first 16777216 are used"},
+    {kSegmentEnds,
+     {{"first_s", 1.25}, {"last_s", 0.2}, {"segment_s", 3.0}},
+     "segment-ends",
+     "the first 1.25 s and the last 200 ms of a segment of 3 s have not settled"},
+    {kAveragingUnknown,
+     {},
+     "averaging-unknown",
+     "amplitude not verified: sensor averaging unknown; say it in the head of a CSV, as '# "
+     "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv makes "
+     "one of any trial)"},
+    {kTooFewReadings,
+     {{"new_readings_per_s", 48.0},
+      {"observable_hz", 18.75},
+      {"lower_hz", 20.0},
+      {"upper_hz", 500.0},
+      {"needed_per_s", 1280.0}},
+     "too-few-readings",
+     "48 new readings/s show vibration up to 18.75 Hz; 20 Hz to 500 Hz need 1280 readings/s: use a "
+     "free-running output, or the analog output and a DAQ"},
+    {kTimesUncertain,
+     {{"time_uncertainty_s", 0.008}, {"upper_hz", 500.0}, {"limit_s", 0.0002}},
+     "times-uncertain",
+     "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use a "
+     "sensor that samples on a clock of its own"},
+    {kNoRegularGrid,
+     {{"error", "they are uneven: record again"s}},
+     "no-regular-grid",
+     "they are uneven: record again"},
+    {kRegularGrid,
+     {{"jitter_s", 5e-07},
+      {"largest_jitter_s", 2e-06},
+      {"readings_per_s", 10000.0},
+      {"readings", 4000},
+      {"missing", 3},
+      {"excluded", 0},
+      {"error", 0.02}},
+     "regular-grid",
+     "times scatter by 0.0005 ms (0.002 ms at most) about a grid of 10000 readings/s: 4000 "
+     "readings put on it, 3 missing, 0 excluded; this adds 0.02 of a tone at most"},
+    {kSamplingContradicted,
+     {{"sampling_s", 0.001}, {"samples_per_s", 1000.0}, {"new_readings_per_s", 48.0}},
+     "sampling-contradicted",
+     "by the file the sensor samples every 1 ms, 1000 times a second, but 48 new readings/s came: "
+     "one of them is wrong, and the sensor's gain rests on the first"},
+    {kTimesInOtherUnit,
+     {{"column", "time_ms"s}, {"readings_per_s", 10000.0}, {"duration_s", 2.0}},
+     "times-in-other-unit",
+     "read as time_ms, the times would be 10000 readings/s over 2 s; if that is right, name the "
+     "column: --columns time_ms,displacement_m"},
+    {kPolledTimes,
+     {},
+     "polled-times",
+     "its readings are of unknown age, so that no tone of known frequency is fitted either"},
+    {kTimesUnfitForTone,
+     {{"time_uncertainty_s", 0.008}, {"frequency_hz", 225.0}, {"limit_s", 0.0002}},
+     "times-unfit-for-tone",
+     "times are uncertain by 8 ms; a fit at 225 Hz needs less than 0.2 ms"},
+    {kKnownTone,
+     {{"frequency_hz", 225.0}, {"amplitude_m", 1e-05}},
+     "known-tone",
+     "a tone at 225 Hz, if that is what moves, has an amplitude of 10 um; no answer for the band"},
+    {kKnownToneAlias,
+     {{"frequency_hz", 225.0}, {"amplitude_m", 1e-05}},
+     "known-tone-alias",
+     "a tone at 225 Hz, if that is what moves, has an amplitude of 10 um, seen as an alias "
+     "together with all else there; no answer for the band"},
+    {kKnownTonePauses,
+     {{"frequency_hz", 225.0}, {"from_s", 1.5}, {"to_s", 2.25}},
+     "known-tone-pauses",
+     "the tone at 225 Hz pauses: it is fitted where it is on longest, 1.5 s to 2.25 s"},
+    {kKnownToneAtRate,
+     {{"frequency_hz", 225.0}},
+     "known-tone-at-rate",
+     "a tone at 225 Hz cannot be told apart from the offset at this rate"},
+    {kOrderLowered,
+     {{"asked_order", 6}, {"order", 4}, {"settled_s", 0.1}},
+     "order-lowered",
+     "filter order lowered from 6 to 4: of order 6 only 100 ms have settled"},
+    {kTooShort,
+     {{"settled_s", 0.1}, {"order", 4}, {"needed_s", 0.125}, {"lower_hz", 20.0}, {"record_s", 2.0}},
+     "too-short",
+     "only 100 ms of it have settled in a filter of order 4; 125 ms are needed, and a lower order "
+     "passes too much of the motion below 20 Hz: record at least 2 s without a gap"},
+    {kBelowBand,
+     {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}, {"leaked_m", 1.5e-08}},
+     "below-band",
+     "10 um at 225 Hz lie below the band; 0.015 um RMS of that leak into it"},
+    {kBelowBandModelled,
+     {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}, {"leaked_m", 1.5e-08}},
+     "below-band-modelled",
+     "10 um at 225 Hz lie below the band; 0.015 um RMS of that leak into it; modelled as going on "
+     "before and after the record, and subtracted"},
+    {kAllSettled, {}, "all-settled", "all that has settled"},
+    {kWindowAsked, {{"from_s", 1.5}, {"to_s", 2.25}}, "window-asked", "asked for: 1.5 s to 2.25 s"},
+    {kSteadyDrive, {}, "steady-drive", "steady part of the drive"},
+    {kSettledOfDrive, {}, "settled-of-drive", "what has settled of the drive"},
+    {kWhereFrequencyMoves,
+     {},
+     "where-frequency-moves",
+     "where a vibration whose frequency moves stands out"},
+    {kTooShortForParts, {}, "too-short-for-parts", "too short to be split into parts"},
+    {kNothingStandsOut,
+     {{"of", "tone"s}},
+     "nothing-stands-out",
+     "no part of the tone stands out for long enough"},
+    {kOneLevel,
+     {{"of", "tone"s}},
+     "one-level",
+     "the power of the tone keeps one level: the drive is on throughout, or never"},
+    {kStandsOut,
+     {{"of", "tone"s}, {"ratio", 12.5}, {"parts", 2}, {"from_s", 1.5}, {"to_s", 2.25}},
+     "stands-out",
+     "the tone stands out 12.5 times in RMS, in 2 parts, the longest from 1.5 s to 2.25 s"},
+    {kToneNeverPauses,
+     {},
+     "tone-never-pauses",
+     "the tone never pauses: the drive is on throughout"},
+    {kOnlyTransients, {}, "only-transients", "only transients stand out"},
+    {kSweepIsNoDrive,
+     {},
+     "sweep-is-no-drive",
+     "the frequency moves: where it stands out is no drive"},
+    {kDriveOn,
+     {{"from_s", 1.5}, {"to_s", 2.25}},
+     "drive-on",
+     "the drive is on from 1.5 s to 2.25 s"},
+    {kVibrationStandsOut,
+     {{"frequency_hz", 225.0}, {"rms_m", 9e-06}, {"from_s", 1.5}, {"to_s", 2.25}},
+     "vibration-stands-out",
+     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s"},
+    {kTransientsExcluded,
+     {{"parts", 2}, {"ringing_s", 0.35}},
+     "transients-excluded",
+     "2 parts of the record no longer than the filter rings (350 ms), with its rise and fall: "
+     "taken for transients, not for a drive in this band"},
+    {kLevelChanges,
+     {},
+     "level-changes",
+     "the vibration's level changes, but its tone never pauses: all of it is used"},
+    {kDriveTooShort,
+     {{"from_s", 1.5},
+      {"to_s", 2.25},
+      {"settled_s", 0.1},
+      {"needed_s", 0.125},
+      {"window_from_s", 1.55},
+      {"window_to_s", 1.65}},
+     "drive-too-short",
+     "the drive is on from 1.5 s to 2.25 s, of which 100 ms have settled, where 125 ms are needed: "
+     "drive longer, or raise the band's lower corner; --window all takes what has settled beside "
+     "it, --window 1.55s:1.65s what has settled of it"},
+    {kDriveNotSettled,
+     {{"from_s", 1.5},
+      {"to_s", 2.25},
+      {"settled_s", 0.1},
+      {"window_from_s", 1.55},
+      {"window_to_s", 1.65}},
+     "drive-not-settled",
+     "the drive is on from 1.5 s to 2.25 s, of which 100 ms have settled: drive longer, record "
+     "longer before and after it, or take a lower --order; --window all takes what has settled "
+     "beside it, --window 1.55s:1.65s what has settled of it"},
+    {kVibrationTooShort,
+     {{"frequency_hz", 225.0},
+      {"rms_m", 9e-06},
+      {"from_s", 1.5},
+      {"to_s", 2.25},
+      {"settled_s", 0.1},
+      {"needed_s", 0.125},
+      {"window_from_s", 1.55},
+      {"window_to_s", 1.65}},
+     "vibration-too-short",
+     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s, of which 100 ms "
+     "have settled, where 125 ms are needed: drive longer, or raise the band's lower corner; "
+     "--window all takes what has settled beside it, --window 1.55s:1.65s what has settled of it"},
+    {kVibrationNotSettled,
+     {{"frequency_hz", 225.0},
+      {"rms_m", 9e-06},
+      {"from_s", 1.5},
+      {"to_s", 2.25},
+      {"settled_s", 0.1},
+      {"window_from_s", 1.55},
+      {"window_to_s", 1.65}},
+     "vibration-not-settled",
+     "a vibration of 225 Hz and about 9 um RMS stands out from 1.5 s to 2.25 s, of which 100 ms "
+     "have settled: drive longer, record longer before and after it, or take a lower --order; "
+     "--window all takes what has settled beside it, --window 1.55s:1.65s what has settled of it"},
+    {kWindowMixed,
+     {{"off_s", 0.25}, {"window_s", 1.0}},
+     "window-mixed",
+     "in 250 ms of the window's 1 s the drive is off or changes; --window auto takes the steady "
+     "part"},
+    {kDriveOffInWindow, {}, "drive-off-in-window", "the drive is off in the whole window"},
+    {kDriveUnsteady,
+     {{"drift", 0.061}},
+     "drive-unsteady",
+     "the amplitude changes by 6.1 % over the drive"},
+    {kFrequencyMoves,
+     {{"from_hz", 60.0}, {"to_hz", 450.0}},
+     "frequency-moves",
+     "the frequency moves from 60 Hz to 450 Hz: this is a sweep, and the RMS is of all of it; use "
+     "--sweep"},
+    {kWindowOutside,
+     {{"from_s", 1.5}, {"to_s", 2.25}, {"record_from_s", 0.0}, {"record_to_s", 3.0}},
+     "window-outside",
+     "the window 1.5 s to 2.25 s lies outside of the record, 0 ms to 3 s"},
+    {kWindowNotSettled,
+     {{"from_s", 1.5}, {"to_s", 2.25}, {"settled_s", 0.1}},
+     "window-not-settled",
+     "of the window 1.5 s to 2.25 s only 100 ms have settled: ask for a wider one, or record "
+     "longer before and after it"},
+    {kWindowShortened,
+     {{"excluded_s", 0.1}, {"from_s", 1.5}, {"to_s", 2.25}},
+     "window-shortened",
+     "100 ms of the window 1.5 s to 2.25 s have not settled and are excluded"},
+    {kWindowClipped,
+     {{"share", 0.02}},
+     "window-clipped",
+     "2 % of the window is clipped, so that its RMS is a lower limit: move the sensor or choose a "
+     "wider range"},
+    {kNoFloor,
+     {},
+     "no-floor",
+     "noise floor not known, and not subtracted: no settled quiet part of 0.1 s beside the window; "
+     "--floor FILE takes a drive-off trial"},
+    {kFloorOfOtherRate,
+     {{"floor_per_s", 2000.0}, {"readings_per_s", 10000.0}},
+     "floor-of-other-rate",
+     "the floor has 2000 readings/s and this trial 10000: a sensor's noise in the band depends on "
+     "its rate; take one of the same settings"},
+    {kFloorHasTone,
+     {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}},
+     "floor-has-tone",
+     "the floor holds a tone, 10 um at 225 Hz: it is subtracted as noise; was the drive off?"},
+    {kFloorHasTheTone,
+     {{"amplitude_m", 1e-05}, {"frequency_hz", 225.0}},
+     "floor-has-the-tone",
+     "the floor holds a tone, 10 um at 225 Hz, as this trial does: it is subtracted as noise; was "
+     "the drive off?"},
+    {kFloorAboveSignal,
+     {{"floor_m", 2e-06}, {"measured_m", 1e-06}},
+     "floor-above-signal",
+     "the floor of 2 um is above the 1 um that were measured: take one of the same sensor, "
+     "settings and rate, drive off"},
+    {kBelowFloor,
+     {{"floor_m", 2e-06}, {"at_most_m", 3e-06}},
+     "below-floor",
+     "below the noise floor of 2 um: at most 3 um"},
+    {kRmsTooLarge,
+     {{"rms_m", 0.014}},
+     "rms-too-large",
+     "14 mm RMS is more than any tactile actuator moves: is the column in another unit than it "
+     "says? Name it (--columns time_s,displacement_um) or say --scale 1um"},
+    {kRmsTooSmall,
+     {{"rms_m", 1.4e-11}},
+     "rms-too-small",
+     "1.4e-05 um RMS is less than any laser distance sensor resolves: is the column in another "
+     "unit than it says?"},
+    {kGainInBand,
+     {{"least", 0.9}, {"greatest", 0.99}},
+     "gain-in-band",
+     "the sensor passes 0.9 to 0.99 of the band; without a tone this is not corrected for"},
+    {kGainTooLow,
+     {{"gain", 0.47}, {"frequency_hz", 225.0}, {"least_gain", 0.5}, {"averages", 6}},
+     "gain-too-low",
+     "the sensor passes 0.47 of 225 Hz, below 0.5: set it to 6 averages or fewer"},
+    {kGainCorrected,
+     {{"gain", 0.47}},
+     "gain-corrected",
+     "the sensor passes 0.47 of the tone; corrected for"},
+    {kElectricalUnmeasured,
+     {{"readings", 2}},
+     "electrical-unmeasured",
+     "electrical state not determined: 2 readings of voltage or current in the window are no "
+     "measurements"},
+    {kElectricalNoTone,
+     {{"frequency_hz", 225.0}},
+     "electrical-no-tone",
+     "electrical state not determined: no voltage or no current stands out at 225 Hz"},
+    {kSweepUneven,
+     {},
+     "sweep-uneven",
+     "its readings lie at uneven times: a sweep needs a clocked record"},
+    {kSweepPolled,
+     {},
+     "sweep-polled",
+     "its readings are polled and of unknown age: a sweep needs a clocked record"},
+    {kSweepRateLimit,
+     {{"upper_hz", 500.0}, {"new_readings_per_s", 48.0}, {"needed_per_s", 1280.0}},
+     "sweep-rate-limit",
+     "not determined above 500 Hz: 48 new readings/s; record 1280 or more"},
+    {kSweepSensorLimit,
+     {{"upper_hz", 500.0}},
+     "sweep-sensor-limit",
+     "not determined above 500 Hz: there the sensor passes less than a half"},
+    {kDriveConstant,
+     {{"channel", "coil"s}},
+     "drive-constant",
+     "the channel coil does not move; it is no drive"},
+    {kDriveGaps,
+     {{"channel", "coil"s}},
+     "drive-gaps",
+     "the channel coil has gaps; its longest segment is used"},
+    {kNoDriveChannel,
+     {},
+     "no-drive-channel",
+     "phase, coherence and amplitude per volt are not determined: there is no voltage or current "
+     "channel"},
+    {kConstantDriveAssumed,
+     {},
+     "constant-drive-assumed",
+     "f0 and Q hold for a drive of constant amplitude"},
+    {kSweepTooShort,
+     {{"length_s", 4.0}, {"resolution_hz", 0.5}},
+     "sweep-too-short",
+     "4 s do not hold two segments of the response; record longer, or ask for 0.5 Hz"},
+    {kNoResponse, {}, "no-response", "nothing in the displacement follows the drive"},
+    {kNoSweep,
+     {{"lower_hz", 20.0}, {"upper_hz", 500.0}, {"resolution_hz", 0.5}, {"block_s", 2.0}},
+     "no-sweep",
+     "from 20 Hz to 500 Hz no vibration whose frequency moves by a tenth, and by less than 0.5 Hz "
+     "in 2 s; try another --band, a --resolution above the root of the sweep's Hz/s, a slower "
+     "sweep, or record the drive's voltage"},
+    {kFrequenciesExcluded,
+     {{"excluded", 12}, {"frequencies", 400}},
+     "frequencies-excluded",
+     "12 of 400 frequencies excluded: too little drive or too much noise there"},
+    {kResonanceAbove,
+     {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
+     "resonance-above",
+     "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
+     "amplitude lies at the upper end, 449.5 Hz: the resonance may be above it; sweep and look "
+     "further with --band"},
+    {kResonanceBelow,
+     {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
+     "resonance-below",
+     "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
+     "amplitude lies at the lower end, 449.5 Hz: the resonance may be below it; sweep and look "
+     "further with --band"},
+    {kPeakTooNarrow,
+     {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}, {"resolution_hz", 0.5}},
+     "peak-too-narrow",
+     "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the peak at "
+     "449.5 Hz is no wider than the resolution of 0.5 Hz: sweep more slowly, or record the drive's "
+     "voltage, with a smaller --resolution"},
+    {kNoResonance,
+     {{"from_hz", 60.0}, {"to_hz", 450.0}, {"highest_hz", 449.5}},
+     "no-resonance",
+     "f0 and Q: no resonance with one degree of freedom between 60 Hz and 450 Hz; the largest "
+     "amplitude lies at 449.5 Hz: look at it with --plot or --response"},
+    {kSeveralResonances,
+     {{"left", 0.25}},
+     "several-resonances",
+     "one resonance leaves 25 % of the response: it may hold more than one"},
+};
+
+TEST(FindingsOfDsp, SayTheirSentences) {
+  for (const Case& one : kCases) {
+    EXPECT_EQ(SentenceOf(one.kind).kind, one.name);
+    EXPECT_EQ(TextOf(dsp::Finding{.kind = one.kind, .numbers = one.numbers}), one.text);
+  }
+}
+
+TEST(FindingsOfDsp, AreEachTestedUnderANameOfTheirOwn) {
+  std::set<dsp::FindingKind> kinds;
+  std::set<std::string> names;
+  for (const Case& one : kCases) {
+    kinds.insert(one.kind);
+    names.insert(one.name);
+  }
+  EXPECT_EQ(kinds.size(), static_cast<std::size_t>(kSeveralResonances) + 1);
+  EXPECT_EQ(names.size(), kCases.size());
+}
+
+TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
+  const auto text = [](dsp::FindingKind kind, std::vector<FindingNumber> numbers) {
+    return TextOf(dsp::Finding{.kind = kind, .numbers = std::move(numbers)});
+  };
+  EXPECT_THAT(
+      text(kTooShort, {{"settled_s", 0.0}, {"order", 6}, {"needed_s", 0.1}, {"record_s", 2.0}}),
+      ::testing::EndsWith("0.1 s are needed: record at least 2 s without a gap"));
+  EXPECT_EQ(text(kStandsOut, {{"of", "drive"s}, {"ratio", 2.0}, {"from_s", 1.0}, {"to_s", 2.0}}),
+            "the drive stands out 2 times in RMS, from 1 s to 2 s");
+  EXPECT_THAT(text(kDriveNotSettled, {{"from_s", 1.0}, {"to_s", 2.0}, {"settled_s", 0.0}}),
+              ::testing::EndsWith("--window all takes what has settled beside it"));
+}
+
+TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
+  dsp::Findings findings;
+  EXPECT_EQ(RefusalOf(findings), "");
+  findings.Note(kNoFloor);
+  findings.Refuse(kNoMeasurement);
+  findings.Add({.severity = Severity::kRefusal, .kind = kNoResponse, .subject = "a.bin"});
+  EXPECT_THAT(RefusalsOf(findings),
+              ::testing::ElementsAre("none of its readings is a measurement",
+                                     "a.bin: nothing in the displacement follows the drive"));
+  EXPECT_EQ(RefusalOf(findings), "none of its readings is a measurement");
+}
+
+}  // namespace
+}  // namespace haptometer::document

@@ -1,0 +1,353 @@
+#include "tools/document/findings_dsp.h"
+
+#include <algorithm>
+#include <array>
+
+#include "base/error.h"
+
+namespace haptometer::document {
+namespace {
+
+// a namespace of its own: other rooms' kinds have like names
+namespace dsp_sentences {
+
+struct Row {
+  dsp::FindingKind kind;
+  Sentence sentence;
+};
+
+using enum dsp::FindingKind;
+
+constexpr auto kRows = std::to_array<Row>({
+    // readings
+    {kExcluded,
+     {"readings-excluded", "{excluded} of {readings} readings are excluded ({statuses})"}},
+    {kRepeated,
+     {"readings-repeated", "{repeated} of {readings} readings were handed out a second time"}},
+    {kInterpolated,
+     {"readings-interpolated",
+      "{interpolated} reading{interpolated s} interpolated, which adds {rms_m} RMS at most"}},
+    {kClipped,
+     {"clipped",
+      "clipped in {count} place{count s}, {readings} readings in all, the first at {first_s}; "
+      "not corrected"}},
+    {kHeld,
+     {"held",
+      "a held reading in {count} place{count s}, {readings} readings in all, the first at "
+      "{first_s} ({size_m}); not corrected"}},
+    {kSpikes,
+     {"spikes",
+      "{count} spike{count s}, {readings} readings in all, the first at {first_s} ({size_m}); "
+      "not corrected"}},
+    {kSteps, {"steps", "{count} step{count s}, the first at {first_s} ({size_m}); not corrected"}},
+    {kStuck,
+     {"stuck",
+      "all {readings} readings are the same: a stuck sensor, held readings, or steps coarser "
+      "than the motion; check its hold, its target and its range, and record again"}},
+    {kStuckInWindow,
+     {"stuck-in-window",
+      "in the {window_s} from {from_s} on only {changes} of {readings} readings differ from the "
+      "one before, fewer than vibration at {lower_hz} makes: a stuck sensor, held readings, or "
+      "steps coarser than the motion; check its hold, its target and its range, and record again"}},
+    {kNoMeasurement, {"no-measurement", "none of its readings is a measurement"}},
+    {kFarReadings,
+     {"far-readings",
+      "readings reach {farthest_m}, farther than any displacement sensor: is the column in mm, "
+      "um or V? Name it (--columns time_s,displacement_mm) or state what one printed unit is "
+      "(--scale 1mm)"}},
+    {kSegments,
+     {"segments", "gaps split the record into {segments} segments; the window is in one of them"}},
+    {kLongestSegment,
+     {"longest-segment", "gaps split the record into {segments} segments; the longest is used"}},
+    {kSamplesLimited, {"samples-limited", "of {samples} samples the first {used} are used"}},
+    {kSegmentEnds,
+     {"segment-ends",
+      "the first {first_s} and the last {last_s} of a segment of {segment_s} have not settled"}},
+    {kAveragingUnknown,
+     {"averaging-unknown",
+      "amplitude not verified: sensor averaging unknown; say it in the head of a CSV, as '# "
+      "averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o OUT.csv "
+      "makes one of any trial)"}},
+    // rate and times
+    {kTooFewReadings,
+     {"too-few-readings",
+      "{new_readings_per_s SI} new readings/s show vibration up to {observable_hz}; {lower_hz} "
+      "to {upper_hz} need {needed_per_s SI} readings/s: use a free-running output, or the analog "
+      "output and a DAQ"}},
+    {kTimesUncertain,
+     {"times-uncertain",
+      "each reading's time is uncertain by {time_uncertainty_s}; motion at {upper_hz} needs less "
+      "than {limit_s}: use a sensor that samples on a clock of its own"}},
+    {kNoRegularGrid, {"no-regular-grid", "{error}"}},
+    {kRegularGrid,
+     {"regular-grid",
+      "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
+      "SI} readings/s: {readings} readings put on it, {missing} missing, {excluded} excluded; "
+      "this adds {error} of a tone at most"}},
+    {kSamplingContradicted,
+     {"sampling-contradicted",
+      "by the file the sensor samples every {sampling_s}, {samples_per_s SI} times a second, but "
+      "{new_readings_per_s SI} new readings/s came: one of them is wrong, and the sensor's gain "
+      "rests on the first"}},
+    {kTimesInOtherUnit,
+     {"times-in-other-unit",
+      "read as {column}, the times would be {readings_per_s SI} readings/s over {duration_s}; if "
+      "that is right, name the column: --columns {column},displacement_m"}},
+    {kPolledTimes,
+     {"polled-times",
+      "its readings are of unknown age, so that no tone of known frequency is fitted either"}},
+    {kTimesUnfitForTone,
+     {"times-unfit-for-tone",
+      "times are uncertain by {time_uncertainty_s}; a fit at {frequency_hz} needs less than "
+      "{limit_s}"}},
+    {kKnownTone,
+     {"known-tone",
+      "a tone at {frequency_hz}, if that is what moves, has an amplitude of {amplitude_m}; no "
+      "answer for the band"}},
+    {kKnownToneAlias,
+     {"known-tone-alias",
+      "a tone at {frequency_hz}, if that is what moves, has an amplitude of {amplitude_m}, seen "
+      "as an alias together with all else there; no answer for the band"}},
+    {kKnownTonePauses,
+     {"known-tone-pauses",
+      "the tone at {frequency_hz} pauses: it is fitted where it is on longest, {from_s} to "
+      "{to_s}"}},
+    {kKnownToneAtRate,
+     {"known-tone-at-rate",
+      "a tone at {frequency_hz} cannot be told apart from the offset at this rate"}},
+    // filter
+    {kOrderLowered,
+     {"order-lowered",
+      "filter order lowered from {asked_order} to {order}: of order {asked_order} only "
+      "{settled_s} have settled"}},
+    {kTooShort,
+     {"too-short",
+      "only {settled_s} of it have settled in a filter of order {order}; {needed_s} are needed[, "
+      "and a lower order passes too much of the motion below {lower_hz}]: record at least "
+      "{record_s} without a gap"}},
+    {kBelowBand,
+     {"below-band",
+      "{amplitude_m} at {frequency_hz} lie below the band; {leaked_m} RMS of that leak into it"}},
+    {kBelowBandModelled,
+     {"below-band-modelled",
+      "{amplitude_m} at {frequency_hz} lie below the band; {leaked_m} RMS of that leak into it; "
+      "modelled as going on before and after the record, and subtracted"}},
+    // how a window was chosen
+    {kAllSettled, {"all-settled", "all that has settled"}},
+    {kWindowAsked, {"window-asked", "asked for: {from_s} to {to_s}"}},
+    {kSteadyDrive, {"steady-drive", "steady part of the drive"}},
+    {kSettledOfDrive, {"settled-of-drive", "what has settled of the drive"}},
+    {kWhereFrequencyMoves,
+     {"where-frequency-moves", "where a vibration whose frequency moves stands out"}},
+    // the course of the drive
+    {kTooShortForParts, {"too-short-for-parts", "too short to be split into parts"}},
+    {kNothingStandsOut, {"nothing-stands-out", "no part of the {of} stands out for long enough"}},
+    {kOneLevel,
+     {"one-level", "the power of the {of} keeps one level: the drive is on throughout, or never"}},
+    {kStandsOut,
+     {"stands-out",
+      "the {of} stands out {ratio} times in RMS, [in {parts} parts, the longest ]from {from_s} "
+      "to {to_s}"}},
+    {kToneNeverPauses, {"tone-never-pauses", "the tone never pauses: the drive is on throughout"}},
+    {kOnlyTransients, {"only-transients", "only transients stand out"}},
+    {kSweepIsNoDrive,
+     {"sweep-is-no-drive", "the frequency moves: where it stands out is no drive"}},
+    {kDriveOn, {"drive-on", "the drive is on from {from_s} to {to_s}"}},
+    {kVibrationStandsOut,
+     {"vibration-stands-out",
+      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}"}},
+    // what goes with them
+    {kTransientsExcluded,
+     {"transients-excluded",
+      "{parts} part{parts s} of the record no longer than the filter rings ({ringing_s}), with "
+      "its rise and fall: taken for transients, not for a drive in this band"}},
+    {kLevelChanges,
+     {"level-changes",
+      "the vibration's level changes, but its tone never pauses: all of it is used"}},
+    {kDriveTooShort,
+     {"drive-too-short",
+      "the drive is on from {from_s} to {to_s}, of which {settled_s} have settled, where "
+      "{needed_s} are needed: drive longer, or raise the band's lower corner; --window all takes "
+      "what has settled beside it[, --window {window_from_s SI}s:{window_to_s SI}s what has "
+      "settled of it]"}},
+    {kDriveNotSettled,
+     {"drive-not-settled",
+      "the drive is on from {from_s} to {to_s}, of which {settled_s} have settled: drive longer, "
+      "record longer before and after it, or take a lower --order; --window all takes what has "
+      "settled beside it[, --window {window_from_s SI}s:{window_to_s SI}s what has settled of "
+      "it]"}},
+    {kVibrationTooShort,
+     {"vibration-too-short",
+      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}, "
+      "of which {settled_s} have settled, where {needed_s} are needed: drive longer, or raise "
+      "the band's lower corner; --window all takes what has settled beside it[, --window "
+      "{window_from_s SI}s:{window_to_s SI}s what has settled of it]"}},
+    {kVibrationNotSettled,
+     {"vibration-not-settled",
+      "a vibration of {frequency_hz} and about {rms_m} RMS stands out from {from_s} to {to_s}, "
+      "of which {settled_s} have settled: drive longer, record longer before and after it, or "
+      "take a lower --order; --window all takes what has settled beside it[, --window "
+      "{window_from_s SI}s:{window_to_s SI}s what has settled of it]"}},
+    {kWindowMixed,
+     {"window-mixed",
+      "in {off_s} of the window's {window_s} the drive is off or changes; --window auto takes "
+      "the steady part"}},
+    {kDriveOffInWindow, {"drive-off-in-window", "the drive is off in the whole window"}},
+    {kDriveUnsteady, {"drive-unsteady", "the amplitude changes by {drift %} over the drive"}},
+    {kFrequencyMoves,
+     {"frequency-moves",
+      "the frequency moves from {from_hz} to {to_hz}: this is a sweep, and the RMS is of all of "
+      "it; use --sweep"}},
+    {kWindowOutside,
+     {"window-outside",
+      "the window {from_s} to {to_s} lies outside of the record, {record_from_s} to "
+      "{record_to_s}"}},
+    {kWindowNotSettled,
+     {"window-not-settled",
+      "of the window {from_s} to {to_s} only {settled_s} have settled: ask for a wider one, or "
+      "record longer before and after it"}},
+    {kWindowShortened,
+     {"window-shortened",
+      "{excluded_s} of the window {from_s} to {to_s} have not settled and are excluded"}},
+    {kWindowClipped,
+     {"window-clipped",
+      "{share %} of the window is clipped, so that its RMS is a lower limit: move the sensor or "
+      "choose a wider range"}},
+    // noise floor
+    {kNoFloor,
+     {"no-floor",
+      "noise floor not known, and not subtracted: no settled quiet part of 0.1 s beside the "
+      "window; --floor FILE takes a drive-off trial"}},
+    {kFloorOfOtherRate,
+     {"floor-of-other-rate",
+      "the floor has {floor_per_s SI} readings/s and this trial {readings_per_s SI}: a sensor's "
+      "noise in the band depends on its rate; take one of the same settings"}},
+    {kFloorHasTone,
+     {"floor-has-tone",
+      "the floor holds a tone, {amplitude_m} at {frequency_hz}: it is subtracted as noise; was "
+      "the drive off?"}},
+    {kFloorHasTheTone,
+     {"floor-has-the-tone",
+      "the floor holds a tone, {amplitude_m} at {frequency_hz}, as this trial does: it is "
+      "subtracted as noise; was the drive off?"}},
+    {kFloorAboveSignal,
+     {"floor-above-signal",
+      "the floor of {floor_m} is above the {measured_m} that were measured: take one of the same "
+      "sensor, settings and rate, drive off"}},
+    {kBelowFloor, {"below-floor", "below the noise floor of {floor_m}: at most {at_most_m}"}},
+    // the numbers
+    {kRmsTooLarge,
+     {"rms-too-large",
+      "{rms_m} RMS is more than any tactile actuator moves: is the column in another unit than "
+      "it says? Name it (--columns time_s,displacement_um) or say --scale 1um"}},
+    {kRmsTooSmall,
+     {"rms-too-small",
+      "{rms_m} RMS is less than any laser distance sensor resolves: is the column in another "
+      "unit than it says?"}},
+    {kGainInBand,
+     {"gain-in-band",
+      "the sensor passes {least} to {greatest} of the band; without a tone this is not corrected "
+      "for"}},
+    {kGainTooLow,
+     {"gain-too-low",
+      "the sensor passes {gain} of {frequency_hz}, below {least_gain}: set it to {averages} "
+      "average{averages s} or fewer"}},
+    {kGainCorrected, {"gain-corrected", "the sensor passes {gain} of the tone; corrected for"}},
+    {kElectricalUnmeasured,
+     {"electrical-unmeasured",
+      "electrical state not determined: {readings} readings of voltage or current in the window "
+      "are no measurements"}},
+    {kElectricalNoTone,
+     {"electrical-no-tone",
+      "electrical state not determined: no voltage or no current stands out at {frequency_hz}"}},
+    // sweeps
+    {kSweepUneven,
+     {"sweep-uneven", "its readings lie at uneven times: a sweep needs a clocked record"}},
+    {kSweepPolled,
+     {"sweep-polled",
+      "its readings are polled and of unknown age: a sweep needs a clocked record"}},
+    {kSweepRateLimit,
+     {"sweep-rate-limit",
+      "not determined above {upper_hz}: {new_readings_per_s SI} new readings/s; record "
+      "{needed_per_s SI} or more"}},
+    {kSweepSensorLimit,
+     {"sweep-sensor-limit",
+      "not determined above {upper_hz}: there the sensor passes less than a half"}},
+    {kDriveConstant, {"drive-constant", "the channel {channel} does not move; it is no drive"}},
+    {kDriveGaps, {"drive-gaps", "the channel {channel} has gaps; its longest segment is used"}},
+    {kNoDriveChannel,
+     {"no-drive-channel",
+      "phase, coherence and amplitude per volt are not determined: there is no voltage or "
+      "current channel"}},
+    {kConstantDriveAssumed,
+     {"constant-drive-assumed", "f0 and Q hold for a drive of constant amplitude"}},
+    {kSweepTooShort,
+     {"sweep-too-short",
+      "{length_s} do not hold two segments of the response; record longer, or ask for "
+      "{resolution_hz}"}},
+    {kNoResponse, {"no-response", "nothing in the displacement follows the drive"}},
+    {kNoSweep,
+     {"no-sweep",
+      "from {lower_hz} to {upper_hz} no vibration whose frequency moves by a tenth, and by less "
+      "than {resolution_hz} in {block_s}; try another --band, a --resolution above the root of "
+      "the sweep's Hz/s, a slower sweep, or record the drive's voltage"}},
+    {kFrequenciesExcluded,
+     {"frequencies-excluded",
+      "{excluded} of {frequencies} frequencies excluded: too little drive or too much noise "
+      "there"}},
+    {kResonanceAbove,
+     {"resonance-above",
+      "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
+      "largest amplitude lies at the upper end, {highest_hz}: the resonance may be above it; "
+      "sweep and look further with --band"}},
+    {kResonanceBelow,
+     {"resonance-below",
+      "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
+      "largest amplitude lies at the lower end, {highest_hz}: the resonance may be below it; "
+      "sweep and look further with --band"}},
+    {kPeakTooNarrow,
+     {"peak-too-narrow",
+      "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the peak "
+      "at {highest_hz} is no wider than the resolution of {resolution_hz}: sweep more slowly, or "
+      "record the drive's voltage, with a smaller --resolution"}},
+    {kNoResonance,
+     {"no-resonance",
+      "f0 and Q: no resonance with one degree of freedom between {from_hz} and {to_hz}; the "
+      "largest amplitude lies at {highest_hz}: look at it with --plot or --response"}},
+    {kSeveralResonances,
+     {"several-resonances",
+      "one resonance leaves {left %} of the response: it may hold more than one"}},
+});
+
+static_assert(kRows.size() == static_cast<std::size_t>(kSeveralResonances) + 1);
+
+}  // namespace dsp_sentences
+
+}  // namespace
+
+Sentence SentenceOf(dsp::FindingKind kind) {
+  using dsp_sentences::kRows;
+  const auto found = std::ranges::find(kRows, kind, &dsp_sentences::Row::kind);
+  HAPTOMETER_CHECK(found != kRows.end(), "finding {}", static_cast<int>(kind));
+  return found->sentence;
+}
+
+std::string TextOf(const dsp::Finding& finding) {
+  const std::string text = Fill(SentenceOf(finding.kind).text, finding.numbers);
+  return finding.subject.empty() ? text : finding.subject + ": " + text;
+}
+
+std::vector<std::string> RefusalsOf(const dsp::Findings& findings) {
+  std::vector<std::string> texts;
+  for (const dsp::Finding& finding : findings.list()) {
+    if (finding.severity == Severity::kRefusal) texts.push_back(TextOf(finding));
+  }
+  return texts;
+}
+
+std::string RefusalOf(const dsp::Findings& findings) {
+  const std::vector<std::string> texts = RefusalsOf(findings);
+  return texts.empty() ? std::string() : texts.front();
+}
+
+}  // namespace haptometer::document
