@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/finding.h"
+#include "sim/findings.h"
 #include "tools/document/number_text.h"
 #include "tools/document/provenance.h"
 #include "tools/plot/gnuplot.h"
@@ -157,17 +158,24 @@ struct Sentence {
   std::string_view text;
 };
 
+[[nodiscard]] Sentence SentenceOf(sim::FindingKind kind);  ///< findings_sim.cc
+
 /// The sentence with the numbers in their places.
 [[nodiscard]] std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers);
+
+/// The finding in words.
+template <typename Kind>
+[[nodiscard]] std::string WordsOf(const FindingOf<Kind>& found) {
+  return Fill(SentenceOf(found.kind).text, found.numbers);
+}
 
 /// Adds the findings to the section, in words.
 template <typename Kind>
 void AddFindings(Section& section, const Findings<Kind>& findings) {
   for (const FindingOf<Kind>& found : findings.list()) {
-    const Sentence sentence = SentenceOf(found.kind);
-    section.findings.push_back({.kind = sentence.kind,
+    section.findings.push_back({.kind = SentenceOf(found.kind).kind,
                                 .severity = found.severity,
-                                .text = Fill(sentence.text, found.numbers),
+                                .text = WordsOf(found),
                                 .subject = found.subject,
                                 .numbers = found.numbers});
   }

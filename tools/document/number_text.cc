@@ -53,28 +53,13 @@ std::string PlainText(double value, double resolution, int digits) {
 
 Unit UnitOfName(std::string_view name) {
   Unit longest;
-  for (const Unit& unit : {kMetre,
-                           kSquareMetre,
-                           kSecond,
-                           kHertz,
-                           kRadian,
-                           kVolt,
-                           kAmpere,
-                           kOhm,
-                           kHenry,
-                           kWatt,
-                           kVoltAmpere,
-                           kKilogram,
-                           kNewton,
-                           kMetrePerSecond,
-                           kMetrePerSecondSquared,
-                           kMetrePerVolt,
-                           kMetrePerWatt,
-                           kNewtonPerMetre,
-                           kNewtonSecondPerMetre,
-                           kNewtonPerAmpere,
-                           kPerSecond,
-                           kPerSecondSquared}) {
+  for (const Unit& unit :
+       {kMetre,           kSquareMetre,  kSecond,          kHertz,
+        kRadian,          kVolt,         kAmpere,          kOhm,
+        kHenry,           kWatt,         kVoltAmpere,      kKilogram,
+        kKelvin,          kNewton,       kMetrePerSecond,  kMetrePerSecondSquared,
+        kMetrePerVolt,    kMetrePerWatt, kNewtonPerMetre,  kNewtonSecondPerMetre,
+        kNewtonPerAmpere, kPerSecond,    kPerSecondSquared}) {
     if (name.ends_with(unit.ending) && unit.ending.size() > longest.ending.size()) longest = unit;
   }
   return longest;
