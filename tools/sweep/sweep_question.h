@@ -46,6 +46,7 @@ struct SweepWords {
   std::vector<std::vector<std::string>> merge;
   std::string best = "skin_rms_m";
   std::string plot;
+  std::vector<std::string> command;  ///< of the whole command line
 };
 
 void Declare(cli::Options& options, SweepWords& words);
