@@ -35,6 +35,16 @@ enum class FindingKind : std::uint8_t {
   kChaoticWhileWarming,
   kNoHeatLeaves,  ///< the coil
 
+  // what is wrong with the bounds of an adapter
+  kBoundsCross,
+  kBoundNegative,
+  kSkinSideMassNotPositive,
+  kStiffnessNotPositive,
+  kSkinVariationOutside,
+  kTravelNotPositive,
+  kSkinUndamped,
+  kAreaOutside,
+
   // what the numbers of every scene rest on
   kLinearSprings,  ///< springs and dampers, at any travel
   kContactKept,    ///< least_force_n

@@ -150,7 +150,7 @@ class PiecewiseMotion {
   [[nodiscard]] std::int64_t steps() const { return static_cast<std::int64_t>(intervals_); }
   /// When the motion stalled, if it did.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
-  /// Why: "events without end", for instance.
+  /// Why: kEventsWithoutEnd or kBodiesTooFast.
   [[nodiscard]] std::optional<FindingKind> stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_; }
 

@@ -288,7 +288,7 @@ TEST_F(SimulateVerb, FindsThePeriodicMotionUnderStops) {
   EXPECT_TRUE(answer.at("phase_rad").is_null());
   EXPECT_EQ(answer.at("skin_rms_m"), answer.at("run").at("skin_rms_m"));
   EXPECT_GE(answer.at("periodic").at("drive_periods").get<int>(), 1);
-  EXPECT_THAT(Simulate({scene}).out, HasSubstr("periods of the drive until it repeats itself"));
+  EXPECT_THAT(Simulate({scene}).out, HasSubstr("drive periods per repetition"));
 }
 
 // windows of the motion with stops and without are of different length
@@ -337,7 +337,7 @@ TEST_F(SimulateVerb, NumbersAreOfWholePeriodsOfTheMotion) {
   const double of_ten = answer.at("window_rms_m").get<double>();
   EXPECT_GT(std::abs(of_ten / run.at("skin_rms_m").get<double>() - 1), 0.01);
   EXPECT_THAT(Simulate({Path("six.toml"), "--duration", "3s"}).out,
-              HasSubstr("periods of the drive until it repeats itself  6\n"));
+              HasSubstr("drive periods per repetition     6\n"));
 }
 
 // contact that breaks under little preload never repeats itself

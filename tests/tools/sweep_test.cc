@@ -178,8 +178,8 @@ TEST_F(SweepVerb, TellsTheBestRow) {
               HasSubstr("note: no row has a number in the column window_rms_m"));
   const std::string text = Sweep(kGrid, "t.csv", {"--resume"}).out;
   for (const char* line :
-       {"  largest skin_rms_m       200.176 um\n", "  at point                 16\n",
-        "  drive.frequency_hz       225 Hz\n", "  skin.stiffness_n_per_m   600 N/m\n"}) {
+       {"  largest skin_rms_m      200.176 um\n", "  at point                16\n",
+        "  drive.frequency_hz      225 Hz\n", "  skin.stiffness_n_per_m  600 N/m\n"}) {
     EXPECT_THAT(text, HasSubstr(line));
   }
 }

@@ -86,6 +86,24 @@ Sentence SentenceOf(sim::FindingKind kind) {
               "no heat leaves the coil: coil_heating has no thermal_resistance_k_per_w; state it, "
               "or give duration_s"};
 
+    // --- what is wrong with the bounds of an adapter ---
+    case kBoundsCross:
+      return {"bounds-cross", "a lower bound lies above its upper bound"};
+    case kBoundNegative:
+      return {"bound-negative", "a bound is negative"};
+    case kSkinSideMassNotPositive:
+      return {"skin-side-mass-not-positive", "the skin side's mass must be above 0"};
+    case kStiffnessNotPositive:
+      return {"stiffness-not-positive", "the stiffness must be above 0"};
+    case kSkinVariationOutside:
+      return {"skin-variation-outside", "the skin's variation must be from 0 to below 1"};
+    case kTravelNotPositive:
+      return {"travel-not-positive", "the mover's travel must be above 0"};
+    case kSkinUndamped:
+      return {"skin-undamped", "the skin has no damping"};
+    case kAreaOutside:
+      return {"area-outside", "the area must lie between 1 and 100 mm2"};
+
     // --- what the numbers of every scene rest on ---
     case kLinearSprings:
       return {"linear",

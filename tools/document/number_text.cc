@@ -45,6 +45,10 @@ std::string PlainText(double value, double resolution, int digits) {
   const bool is_limited =
       resolution > 0 && PlaceOf(resolution) > PlaceOf(std::abs(value)) - digits + 1;
   if (!is_limited) return fmt::format("{:.{}g}", value, digits);
+  if (PlaceOf(resolution) < -kMostPlaces) {
+    return fmt::format("{:.{}g}", value,
+                       std::max(1, PlaceOf(std::abs(value)) - PlaceOf(resolution) + 1));
+  }
   const std::string text = ToPlace(value, PlaceOf(resolution));
   return text.find_first_of("123456789") == std::string::npos ? "0" : text;
 }

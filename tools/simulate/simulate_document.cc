@@ -23,7 +23,7 @@ using document::Section;
 
 // keys of more than one place
 constexpr Key kWindowS{"window_s", "window", document::kSecond};
-constexpr Key kDrivePeriods{"drive_periods", "periods of the drive until it repeats itself"};
+constexpr Key kDrivePeriods{"drive_periods", "drive periods per repetition"};
 constexpr Key kChange{"change", "change"};
 
 }  // namespace
@@ -250,14 +250,13 @@ Section SteadySection(const SceneAnswer& solved) {
 Section ContactSection(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
   Section contact;
-  Item& least =
-      contact.Add({"contact_force_least_n", "least force on the skin, preload and weight included",
-                   document::kNewton},
-                  answer.numbers.contact_force_least_n);
+  Item& least = contact.Add({"contact_force_least_n", "least force on the skin", document::kNewton},
+                            answer.numbers.contact_force_least_n);
+  least.note = "preload and weight included";
   if (answer.numbers.contact_force_least_n.value_or(0) < 0) {
-    least.note = "the skin would have to pull";
+    least.note += ": the skin would have to pull";
   }
-  contact.Add({"efficiency", "power into the skin over electrical power", document::kShare},
+  contact.Add({"efficiency", "part of the power into the skin", document::kShare},
               answer.numbers.efficiency);
   const auto& tones = solved.tones;
   contact.Add({"period_s", "repeats itself every", document::kSecond},
@@ -330,8 +329,8 @@ Section PeriodicSection(const SceneAnswer& solved) {
   const sim::PeriodicMotion& motion = *solved.effects->periodic;
   section.Add(kDrivePeriods, motion.drive_periods);
   if (motion.multipliers.size() > 0) {
-    section.Add({"", "part of a small deviation left after each"}, std::abs(motion.multipliers(0)))
-        .resolution = 1e-4;
+    section.Add({"", "deviation left after each"}, std::abs(motion.multipliers(0))).resolution =
+        1e-4;
   }
   std::vector<std::vector<double>> multipliers;
   for (const auto& multiplier : motion.multipliers) {
@@ -353,13 +352,12 @@ Section AverageSection(const SceneAnswer& solved) {
   const auto of_rms = [&](double rms, Eigen::Index state) {
     return uncertain.mean_squares(state) / (2 * rms);
   };
-  section.Add({kDrivePeriods.name, "averaged periods of the drive"}, motion.periods);
+  section.Add({kDrivePeriods.name, "drive periods of the averages"}, motion.periods);
   section.Add({"lyapunov_exponent_per_period", "Lyapunov exponent, each period"}, motion.exponent,
               motion.exponent_standard_uncertainty);
   section.Add({"lyapunov_exponent_standard_uncertainty"}, motion.exponent_standard_uncertainty);
   section
-      .Add({"skin_rms_standard_uncertainty_m", "skin displacement, standard uncertainty",
-            document::kMetre},
+      .Add({"skin_rms_standard_uncertainty_m", "skin displacement, uncertainty", document::kMetre},
            of_rms(run.skin_rms_m, skin))
       .resolution = of_rms(run.skin_rms_m, skin) / 10;
   section.Add({"case_rms_standard_uncertainty_m"}, of_rms(run.case_rms_m, sim::LinearModel::kCase));

@@ -42,15 +42,15 @@ struct Explanation {
 
 /// Everything that simulate answers.
 struct SimulateAnswer {
-  std::string scene_path;
-  SceneAnswer solved;
-  MotionNumbers numbers;
-  std::optional<Explanation> explanation;  ///< absent: not asked for
-  std::string trial_path{};                ///< empty: none written
-  std::string waveforms_path{};            ///< empty: none written
-  std::string plot_path{};                 ///< empty: none drawn
-  std::vector<plot::Panel> panels{};       ///< empty: not asked for
-  Findings<SimulateFinding> findings{};    ///< of what was filled in to the question
+  std::string scene_path{};
+  SceneAnswer solved{};
+  MotionNumbers numbers{};
+  std::optional<Explanation> explanation{};  ///< absent: not asked for
+  std::string trial_path{};                  ///< empty: none written
+  std::string waveforms_path{};              ///< empty: none written
+  std::string plot_path{};                   ///< empty: none drawn
+  std::vector<plot::Panel> panels{};         ///< empty: not asked for
+  Findings<SimulateFinding> findings{};      ///< of what was filled in to the question
 };
 
 /// The answer as a document.

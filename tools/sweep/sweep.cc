@@ -115,7 +115,10 @@ int RunSweep(int argc, const char* const* argv) {
     }
     summary->plot = words.plot;
   }
-  return document::Present(SweepDocument(*summary), {.json = options.json()}, argc, argv);
+  document::Outputs outputs;
+  outputs.json = options.json();
+  outputs.all = words.all;
+  return document::Present(SweepDocument(*summary), outputs, argc, argv);
 }
 
 namespace {
@@ -290,10 +293,10 @@ document::Document SweepDocument(const SweepSummary& summary) {
   root.Add({"table"}, summary.table);
   root.Add({"points", "points"}, header.points);
   root.Add({"shard", "shard"}, known(header.shard));
-  root.Add({"rows", "rows"}, summary.rows);
+  root.Add({"rows", header.shard.empty() ? "" : "rows"}, summary.rows);
   root.Add({"answered", "answered"}, summary.answered);
   const auto first = header.columns.begin() + 1;
-  root.Add({"varied", "varied"},
+  root.Add({"varied"},
            std::vector<std::string>(first, first + static_cast<std::ptrdiff_t>(header.varied)));
   root.Add({"plot", "plot"}, known(summary.plot));
   root.sections.push_back(BestSection(summary));

@@ -112,6 +112,7 @@ void Declare(cli::Options& options, SweepWords& words) {
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
   options.Text("--best", &words.best, "COLUMN[:least]",
                "Show the row with its largest number; skin_rms_m");
+  options.Flag("--all", &words.all, "The provenance too");
   options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
                  "Draw that column over one or two varied keys");
 }

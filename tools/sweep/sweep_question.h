@@ -46,7 +46,8 @@ struct SweepWords {
   std::vector<std::vector<std::string>> merge;
   std::string best = "skin_rms_m";
   std::string plot;
-  std::vector<std::string> command;  ///< of the whole command line
+  bool all = false;
+  std::vector<std::string> command;  ///< the whole command line
 };
 
 void Declare(cli::Options& options, SweepWords& words);

@@ -33,13 +33,17 @@ bool IsBegunOnly(const std::string& path, TableHeader header) {
   header.provenance.clear();
   const std::string whole = header.Text();
   std::ifstream file(path, std::ios::binary);
+  std::string text(kMostBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
   std::string begin;
-  std::size_t bytes = 0;
-  for (std::string line; bytes < kMostBytes && std::getline(file, line); bytes += line.size()) {
+  for (std::string_view left = text; !left.empty();) {
+    const std::size_t end = left.find('\n');
+    const std::string_view line = left.substr(0, end == left.npos ? end : end + 1);
+    left.remove_prefix(line.size());
     // the last one may be cut
-    if (line.starts_with(kProvenance) || (file.eof() && kProvenance.starts_with(line))) continue;
-    begin += line;
-    if (!file.eof()) begin += '\n';
+    const bool is_cut = end == std::string_view::npos;
+    if (!line.starts_with(kProvenance) && !(is_cut && kProvenance.starts_with(line))) begin += line;
   }
   return begin.size() < whole.size() && whole.starts_with(begin);
 }
@@ -244,7 +248,6 @@ TableReader::TableReader(const std::string& path) : path_(path), file_(path, std
 Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
-  NoteInput(path);
   TableReader reader(path);
   if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
   return reader;
@@ -336,6 +339,7 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
                      "merge the shards of one sweep");
       }
     }
+    NoteInput(path);
     readers.push_back(*std::move(reader));
   }
   return readers;
