@@ -91,7 +91,7 @@ TEST_F(SimulateVerb, PrintsTravelForceAndAssumptionsForPeople) {
   const Outcome outcome = Simulate({kFixtures + "/lra_adapter.toml"});
   EXPECT_EQ(outcome.status, 0);
   for (const char* line : {"  skin displacement (RMS)   ", " 200.176 um\n", " 826.268 um\n",
-                           " -0.869512 degrees\n", " less than 0.3449 N presses"}) {
+                           " -0.869513 degrees\n", " less than 0.3449 N presses"}) {
     EXPECT_THAT(outcome.out, HasSubstr(line));
   }
   EXPECT_EQ(outcome.err, "");
