@@ -95,7 +95,9 @@ TEST_F(SimulateDrives, PlaysADriveThatEndsUntilItHasRungDown) {
     const Outcome outcome = Simulate({Scene(drive), "--json"});
     ASSERT_EQ(outcome.status, 0) << outcome.err;
     const json answer = json::parse(outcome.out);
-    EXPECT_THAT(answer.at("findings").at(0).at("kind"), "duration-of-drive");
+    EXPECT_TRUE(std::ranges::any_of(answer.at("findings"), [](const json& finding) {
+      return finding.at("kind") == "duration-of-drive";
+    })) << drive;
     EXPECT_GT(answer.at("run").at("window_s").at(1).get<double>(), 0.04);
   }
 }
@@ -202,7 +204,7 @@ TEST_F(SimulateDrives, TellsNoLatencyBeforeTheDrive) {
   const json rise = Answer({Path("slow.toml"), "--duration", "1s"}).at("rise");
   EXPECT_EQ(rise.at("latency_s").get<double>(), 0);
   EXPECT_EQ(rise.at("latency_below_s"), rise.at("standard_uncertainty_s"));
-  EXPECT_THAT(Simulate({Path("slow.toml"), "--duration", "1s"}).out, HasSubstr(" 2.446 ms\n"));
+  EXPECT_THAT(Simulate({Path("slow.toml"), "--duration", "1s"}).out, HasSubstr(" 2.45 ms\n"));
 }
 
 TEST_F(SimulateDrives, TellsTheLeastContactForceAndTheEfficiency) {

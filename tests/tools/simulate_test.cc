@@ -102,7 +102,8 @@ TEST_F(SimulateVerb, OfLessThanTenPeriodsHasNoWindow) {
   EXPECT_EQ(outcome.status, 0);
   const json answer = json::parse(outcome.out);
   EXPECT_TRUE(answer.at("window_rms_m").is_null());
-  EXPECT_EQ(FindingOfKind(answer, "no-window").at("numbers").at("run_s"), 0.044);
+  EXPECT_REL(FindingOfKind(answer, "no-window").at("numbers").at("run_s").get<double>(), 0.044,
+             1e-12, "as stated");
 }
 
 // from rest at 0.1 s the start is still heard; from the steady state it is not
@@ -189,8 +190,8 @@ TEST_F(SimulateVerb, TremorAddsToASteadyMotion) {
     return json::parse(Simulate({scene, "--json"}).out).at("skin_rms_m").get<double>();
   };
   const double both_m = rms_m(Scene(tremor));
-  EXPECT_THAT(json::parse(Simulate({Scene(tremor), "--json"}).out).at("method"),
-              "exact phasors of the linear model, superposed");
+  EXPECT_THAT(json::parse(Simulate({Scene(tremor), "--json"}).out).at("method").get<std::string>(),
+              HasSubstr("linear model, superposed"));
   const double drive_m = rms_m(Scene(""));
   std::ifstream written(Scene(tremor));
   std::string text(std::istreambuf_iterator<char>(written), {});
