@@ -37,7 +37,7 @@ const tools::SweepQuestion& Question() {
 }
 
 std::string Whole() {
-  std::string table = tools::HeaderOf(Question()).Text();
+  std::string table = tools::HeaderOf(Question(), {}).Text();
   for (std::uint64_t point = 0; point < 3; ++point) table += tools::RowOf(Question(), point);
   return table;
 }
@@ -57,9 +57,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   [[maybe_unused]] const auto summary = tools::Summarise(file.path(), {});
   const std::string merged =
       std::filesystem::temp_directory_path() / ("sweep_table_fuzz_" + std::to_string(getpid()));
-  if (tools::MergeTables({file.path()}, merged, true)) std::filesystem::remove(merged);
+  if (tools::MergeTables({file.path()}, merged, true, {"sweep"})) std::filesystem::remove(merged);
   const auto resumed =
-      tools::TableFile::Resume(file.path(), tools::HeaderOf(Question()), Question());
+      tools::TableFile::Resume(file.path(), tools::HeaderOf(Question(), {}), Question());
   if (!resumed) {
     fuzz::Require(!resumed.error().Text().empty());
     return 0;

@@ -1,7 +1,5 @@
 #include "sim/effect_choice.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,9 +27,13 @@ bool Reached(Effect effect, const SceneRun& run) {
   return Happened(run, {"impact up", "impact down", "stop up", "stop down"});
 }
 
-std::string ProblemOf(const SceneRun& run) {
-  if (!run.stalled_at_s) return "its numbers are beyond what a double holds";
-  return fmt::format("{} at {:.9g} s", run.stall_reason, *run.stalled_at_s);
+Finding Refused(FindingKind why, std::vector<FindingNumber> numbers = {}) {
+  return {Severity::kRefusal, why, std::move(numbers)};
+}
+
+Finding WhyNotPlayed(const SceneRun& run) {
+  if (!run.stalled_at_s) return Refused(FindingKind::kBeyondDoubles);
+  return Refused(*run.stall_reason, {{"at_s", *run.stalled_at_s}});
 }
 
 // Decides for one scene.
@@ -44,17 +46,15 @@ class Decision {
     }
   }
 
-  Result<EffectChoice> Decide(const std::string& where) {
+  std::expected<EffectChoice, Finding> Decide() {
     choice_.on = all_;
     PlayedScene everything = Play(all_);
-    if (!everything.answered) {
-      return CannotAnswer(where, everything.problem, RemedyOf(everything));
-    }
+    if (!everything.answered) return std::unexpected(*everything.refusal);
     // an exact motion is known as well as it can be, averages to their standard uncertainty
     const double asked = everything.run.solver ? scene_.tolerance
                                                : std::max(scene_.tolerance, kLargestPredictedError);
     if (!everything.chaotic && !(everything.run.error_estimate <= asked)) {
-      return CannotAnswer(where, TooCoarse(everything.run), RemedyOf(everything.run));
+      return std::unexpected(TooCoarse(everything.run));
     }
     everything_ = everything.run;
     Take(std::move(everything));
@@ -110,36 +110,16 @@ class Decision {
     }
   }
 
-  std::string TooCoarse(const SceneRun& run) const {
+  Finding TooCoarse(const SceneRun& run) const {
     if (!run.solver) {
-      return fmt::format(
-          "small errors grow in this motion until it is beyond prediction: it is known to {:g} "
-          "until {:.6g} s",
-          scene_.tolerance, run.known_until_s.value_or(run.begin_s));
+      return Refused(FindingKind::kBeyondPrediction,
+                     {{"tolerance", scene_.tolerance},
+                      {"known_until_s", run.known_until_s.value_or(run.begin_s)}});
     }
-    return std::isinf(run.error_estimate)
-               ? "the smooth effects' motion is not known: its error grows beyond all bounds"
-               : fmt::format(
-                     "with smooth effects the answer is known to {:.1e}, not to the {:g} "
-                     "asked for",
-                     run.error_estimate, scene_.tolerance);
-  }
-  std::string RemedyOf(const PlayedScene& played) const {
-    if (played.problem.find(kBodiesTooFast) != std::string::npos) {
-      return "leave out what settles so fast (inductance_h = 0 has the current follow at once), or "
-             "the effects that are on";
-    }
-    return scene_.duration_s ? "shorten duration_s, or leave out effects that are on"
-                             : "give a duration, or leave out effects that are on";
-  }
-  static std::string RemedyOf(const SceneRun& run) {
-    if (!run.solver) {
-      return fmt::format("give a duration_s of {:.3g} s or less, or leave out effects that are on",
-                         run.known_until_s.value_or(run.begin_s));
-    }
-    return std::isinf(run.error_estimate)
-               ? "shorten duration_s, or leave out effects that are on"
-               : fmt::format("give tolerance = {:.0e} or more", 2 * run.error_estimate);
+    if (std::isinf(run.error_estimate)) return Refused(FindingKind::kErrorUnbounded);
+    return Refused(FindingKind::kErrorTooLarge, {{"relative_error", run.error_estimate},
+                                                 {"tolerance", scene_.tolerance},
+                                                 {"least_tolerance", 2 * run.error_estimate}});
   }
 
   // without gravity a stop that stays in the scene might be reached, and a spring is softer
@@ -231,14 +211,16 @@ PlayedScene PlayWith(const Scene& scene, EffectSet on) {
   const EffectiveScene effective = WithEffects(scene, on);
   PlayedScene played;
   if (!CanRest(effective)) {
-    played.problem = "nothing holds the bodies where the motion begins";
+    played.refusal = Refused(FindingKind::kNothingHolds);
     return played;
   }
   SteadyRun steady;
   if (!scene.duration_s || StartOf(scene) == Start::kSteady) {
     steady = PlaySteady(effective);
-    played.problem = std::move(steady.tried);
-    if (!steady.run) return played;
+    if (!steady.run) {
+      played.refusal = std::move(steady.refusal);
+      return played;
+    }
   } else {
     steady.start = StartIn(effective);
   }
@@ -256,12 +238,12 @@ PlayedScene PlayWith(const Scene& scene, EffectSet on) {
     played.chaotic = std::move(steady.chaotic);
   }
   played.answered = !played.run.stalled_at_s && played.run.IsFinite();
-  if (!played.answered) played.problem = ProblemOf(played.run);
+  if (!played.answered) played.refusal = WhyNotPlayed(played.run);
   return played;
 }
 
-Result<EffectChoice> ChooseEffects(const Scene& scene, const std::string& where) {
-  return Decision(scene).Decide(where);
+std::expected<EffectChoice, Finding> ChooseEffects(const Scene& scene) {
+  return Decision(scene).Decide();
 }
 
 }  // namespace haptometer::sim

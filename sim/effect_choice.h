@@ -3,10 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <expected>
 #include <optional>
-#include <string>
 
-#include "base/error.h"
+#include "sim/findings.h"
 #include "sim/periodic_motion.h"
 #include "sim/scene/effects.h"
 #include "sim/scene/scene.h"
@@ -58,12 +58,12 @@ struct EffectChoice {
 
 /// A scene played with a set of effects.
 struct PlayedScene {
-  bool answered = false;  ///< false: no steady motion was found, a stall, no number
+  bool answered = false;
   SceneRun run;
   std::optional<PeriodicMotion> periodic;
   std::optional<ChaoticMotion> chaotic;
   std::optional<RunEnd> end;
-  std::string problem;  ///< why there is no answer
+  std::optional<Finding> refusal;  ///< why there is no answer
 };
 
 /// The scene's run, or without a duration the motion that it settles to (steady_run.h).
@@ -81,9 +81,8 @@ struct PlayedScene {
 /// share is superposed phasors (steady_run.h).
 ///
 /// Cost: one run where nothing is "auto" or all is proved; else up to two more for each effect.
-/// Error (Cause::kCannotAnswer, `where` names the scene), with every effect on: a run that stalls,
-/// no steady motion found, smooth effects that cannot be played as exactly as scene.tolerance asks
-/// (the remedy says what can be had).
-[[nodiscard]] Result<EffectChoice> ChooseEffects(const Scene& scene, const std::string& where);
+/// Refusals, with every effect on: a run that stalls, no steady motion found, an exact motion
+/// beyond prediction, smooth effects that cannot be played as exactly as scene.tolerance asks.
+[[nodiscard]] std::expected<EffectChoice, Finding> ChooseEffects(const Scene& scene);
 
 }  // namespace haptometer::sim

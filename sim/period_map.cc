@@ -85,9 +85,8 @@ Eigen::VectorXd PeriodMap::ScaleOf(const PeriodPoint& point) const {
 }
 
 template <typename Motion>
-std::expected<PeriodStep, std::string_view> PeriodMap::Play(Motion& motion, int periods,
-                                                            int outputs, bool with_means,
-                                                            const Visit& visit) const {
+std::expected<PeriodStep, FindingKind> PeriodMap::Play(Motion& motion, int periods, int outputs,
+                                                       bool with_means, const Visit& visit) const {
   const auto here = [&] {
     double theta_k = 0;
     if constexpr (requires { motion.temperature_rise_k(); }) theta_k = motion.temperature_rise_k();
@@ -96,7 +95,7 @@ std::expected<PeriodStep, std::string_view> PeriodMap::Play(Motion& motion, int 
   Eigen::VectorXd largest = motion.Positions().cwiseAbs();
   for (int i = 1; i <= periods * outputs; ++i) {
     motion.Next();
-    if (motion.stalled_at_s()) return std::unexpected(motion.stall_reason());
+    if (motion.stalled_at_s()) return std::unexpected(*motion.stall_reason());
     if (visit && i % outputs == 0) visit(here());
     if (with_means) largest = largest.cwiseMax(motion.Positions().cwiseAbs());
   }
@@ -116,9 +115,8 @@ std::expected<PeriodStep, std::string_view> PeriodMap::Play(Motion& motion, int 
   return step;
 }
 
-std::expected<PeriodStep, std::string_view> PeriodMap::After(const PeriodPoint& point, int periods,
-                                                             bool with_means,
-                                                             const Visit& visit) const {
+std::expected<PeriodStep, FindingKind> PeriodMap::After(const PeriodPoint& point, int periods,
+                                                        bool with_means, const Visit& visit) const {
   const int outputs = with_means ? kOutputsPerPeriod : 1;
   const double rate_hz = outputs * drive_.frequency_hz;
   if (!settings_) {

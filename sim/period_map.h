@@ -7,8 +7,8 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <string_view>
 
+#include "sim/findings.h"
 #include "sim/linear/mode.h"
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/scene/scene.h"
@@ -53,10 +53,9 @@ class PeriodMap {
   using Visit = std::function<void(const PeriodPoint&)>;
 
   /// Matrices of the exact motion are kept from one call to the next.
-  [[nodiscard]] std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point,
-                                                                  int periods,
-                                                                  bool with_means = false,
-                                                                  const Visit& visit = {}) const;
+  [[nodiscard]] std::expected<PeriodStep, FindingKind> After(const PeriodPoint& point, int periods,
+                                                             bool with_means = false,
+                                                             const Visit& visit = {}) const;
   /// A state at phase 0 in a mode's coordinates as a point.
   [[nodiscard]] PeriodPoint PointOf(std::size_t mode, const Eigen::VectorXd& x,
                                     double temperature_rise_k = 0) const;
@@ -72,9 +71,9 @@ class PeriodMap {
 
  private:
   template <typename Motion>
-  [[nodiscard]] std::expected<PeriodStep, std::string_view> Play(Motion& motion, int periods,
-                                                                 int outputs, bool with_means,
-                                                                 const Visit& visit) const;
+  [[nodiscard]] std::expected<PeriodStep, FindingKind> Play(Motion& motion, int periods,
+                                                            int outputs, bool with_means,
+                                                            const Visit& visit) const;
 
   SmoothSystem system_;
   SineDrive drive_;

@@ -47,10 +47,10 @@ class CountedMap {
       : map_(map), most_steps_(most_steps), search_(search) {}
 
   bool IsSpent() const { return search_.steps > most_steps_; }
-  std::expected<PeriodStep, std::string_view> After(const PeriodPoint& point, int periods,
-                                                    bool with_means = false,
-                                                    const PeriodMap::Visit& visit = {}) {
-    if (IsSpent()) return std::unexpected("the search needs too many steps");
+  std::expected<PeriodStep, FindingKind> After(const PeriodPoint& point, int periods,
+                                               bool with_means = false,
+                                               const PeriodMap::Visit& visit = {}) {
+    if (IsSpent()) return std::unexpected(FindingKind::kTooManySteps);
     auto step = map_.After(point, periods, with_means, visit);
     search_.periods_played += periods;
     if (step) search_.steps += step->steps;
@@ -273,11 +273,11 @@ class Search {
     Remember(start);
     for (int until = settings_.transient_periods;; until *= 2) {
       if (!Advance(until - transient_)) break;
-      if (Look() || !tried_stall_.empty()) break;
+      if (Look() || stall_) break;
       if (2 * until > settings_.most_periods || map_.IsSpent()) break;
     }
-    if (!search_.found && tried_stall_.empty() && !map_.IsSpent()) JudgeWhatIsLeft();
-    if (!search_.found) search_.tried = Tried();
+    if (!search_.found && !stall_ && !map_.IsSpent()) JudgeWhatIsLeft();
+    if (!search_.found && !search_.chaotic) search_.refusal = Refusal();
     return std::move(search_);
   }
 
@@ -298,7 +298,7 @@ class Search {
       const auto step = map_.After(from, now, false, [&](const PeriodPoint& p) { Remember(p); });
       transient_ += now;
       if (step) continue;
-      tried_stall_ = map_.IsSpent() ? "" : step.error();
+      if (!map_.IsSpent()) stall_ = step.error();
       return false;
     }
     return true;
@@ -500,25 +500,22 @@ class Search {
     if (are_alike) search_.chaotic = std::move(chaotic);
   }
 
-  std::string Tried() const {
-    if (!tried_stall_.empty()) {
-      return fmt::format("the motion stalls within {} periods: {}", transient_, tried_stall_);
-    }
-    std::string tried = fmt::format("{} periods of transient", transient_);
+  Finding Refusal() const {
+    if (stall_) return {Severity::kRefusal, *stall_, {{"periods", transient_}}};
+    Finding none{Severity::kRefusal,
+                 FindingKind::kNoPeriodicMotion,
+                 {{"most_periods", kMostDrivePeriods},
+                  {"transient_periods", transient_},
+                  {"periods", search_.periods_played},
+                  {"steps", search_.steps}}};
     if (is_measured_) {
-      tried += fmt::format(", deviations grow by {:.2g} +- {:.1g} (standard uncertainty) a period",
-                           exponent_, exponent_uncertainty_);
+      none.numbers.emplace_back("growth", exponent_);
+      none.numbers.emplace_back("growth_uncertainty", exponent_uncertainty_);
     }
-    if (is_rare_) {
-      tried += fmt::format(", averages over {} periods hang on one part of them",
-                           kBatches * kMeanPeriodsPerBatch);
-    }
-    if (std::isfinite(nearest_)) {
-      tried += fmt::format(", nearest recurrence {:.1g} of the motion's size", nearest_);
-    }
-    tried += fmt::format("; {} periods and {} steps in all", search_.periods_played, search_.steps);
-    if (map_.IsSpent()) tried += ", which are all that is tried";
-    return tried;
+    if (is_rare_) none.numbers.emplace_back("averaged_periods", kBatches * kMeanPeriodsPerBatch);
+    if (std::isfinite(nearest_)) none.numbers.emplace_back("nearest_recurrence", nearest_);
+    if (map_.IsSpent()) none.numbers.emplace_back("most_steps", settings_.most_steps);
+    return none;
   }
 
   PeriodicSettings settings_;
@@ -526,7 +523,7 @@ class Search {
   CountedMap map_;
   std::deque<PeriodPoint> points_;  // of the last 33 periods
   int transient_ = 0;
-  std::string tried_stall_;
+  std::optional<FindingKind> stall_;
   double nearest_ = std::numeric_limits<double>::infinity();
   double exponent_ = 0, exponent_uncertainty_ = 0;
   bool is_measured_ = false;

@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <string>
 
+#include "sim/findings.h"
 #include "sim/period_map.h"
 
 namespace haptometer::sim {
@@ -47,7 +47,7 @@ inline constexpr int kMostDrivePeriods = 32;
 struct PeriodicSearch {
   std::optional<PeriodicMotion> found;   ///< stable
   std::optional<ChaoticMotion> chaotic;  ///< where none was found and the exponent is positive
-  std::string tried;                     ///< in words, for the answer "none found"
+  std::optional<Finding> refusal;        ///< why there is neither
   std::int64_t periods_played = 0;       ///< periods of the drive that were computed
   std::int64_t steps = 0;                ///< what that took (PeriodStep::steps)
 };
@@ -87,7 +87,7 @@ struct PeriodicSettings {
 /// uncertainty from 32 batches. If it is positive by four of these, averages over 4096 periods
 /// more are the answer, unless one of their 32 batches holds more than half of the variance: it
 /// then saw something rare, as a long flight, that the others did not. Else (quasi-periodic motion,
-/// a longer period, no end of the transient in the bounded work) there is none, and `tried` says
+/// a longer period, no end of the transient in the bounded work) there is none, and `refusal` has
 /// what was seen and what it cost.
 ///
 /// Cost: the transient, and 2 n k periods for each Newton step.

@@ -263,7 +263,7 @@ class Playing {
 
   SceneRun GiveUp() {
     run_.stalled_at_s = motion_.events().back().time_s;
-    run_.stall_reason = "too many events";
+    run_.stall_reason = FindingKind::kTooManyEvents;
     CountEvents();
     return std::move(run_);
   }
@@ -271,7 +271,7 @@ class Playing {
   void Finish() {
     TakePeaks();
     run_.stalled_at_s = motion_.stalled_at_s();
-    if (run_.stalled_at_s) run_.stall_reason = motion_.stall_reason();
+    run_.stall_reason = motion_.stall_reason();
     run_.temperature_rise_k = RiseOf(motion_);
     run_.ledger = motion_.Ledger();
     const double length_s = run_.end_s - run_.begin_s;
@@ -333,7 +333,7 @@ SceneRun RunExactly(const EffectiveScene& scene, double duration_s, PiecewiseSta
   if (!CanLookForEvents(system, grid)) {
     SceneRun run;
     run.stalled_at_s = 0;
-    run.stall_reason = kBodiesTooFast;
+    run.stall_reason = FindingKind::kBodiesTooFast;
     return run;
   }
   auto motion = std::make_unique<PiecewiseMotion>(std::move(system),
@@ -350,7 +350,7 @@ SceneRun RunAsAsked(const EffectiveScene& scene, double duration_s, const Piecew
   SolverLadder ladder(scene.scene.tolerance);
   SceneRun coarse = play(ladder.before());
   // with less tolerance it takes more
-  if (coarse.stall_reason == kTooManySteps) return coarse;
+  if (coarse.stall_reason == FindingKind::kTooManySteps) return coarse;
   OdeWork work = coarse.work;
   for (;; ladder.Refine()) {
     SceneRun run = play(ladder.tolerance());

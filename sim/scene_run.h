@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sim/effective_scene.h"
+#include "sim/findings.h"
 #include "sim/piecewise/energy_ledger.h"
 #include "sim/piecewise/piecewise_motion.h"
 #include "sim/smooth/ode_solver.h"
@@ -46,12 +47,12 @@ struct SceneRun {
   EnergyLedger ledger;               ///< of the whole run
   std::vector<EventCount> events{};  ///< of the whole run, in the order in which they first came
   std::optional<double> stalled_at_s{};  ///< nothing behind it is known
-  std::string_view stall_reason{};       ///< "events without end", "the solver cannot go on"
-  double temperature_rise_k = 0;         ///< of the coil that heats, at the end of the run
-  double temperature_peak_k = 0;         ///< the largest in the run
-  std::optional<OdeMethod> solver{};     ///< of smooth effects; absent: exact
-  double solver_tolerance = 0;           ///< SmoothMotion::tolerance(); 0: exact
-  OdeWork work{};                        ///< of the solver, over all runs that led to this one
+  std::optional<FindingKind> stall_reason{};
+  double temperature_rise_k = 0;      ///< of the coil that heats, at the end of the run
+  double temperature_peak_k = 0;      ///< the largest in the run
+  std::optional<OdeMethod> solver{};  ///< of smooth effects; absent: exact
+  double solver_tolerance = 0;        ///< SmoothMotion::tolerance(); 0: exact
+  OdeWork work{};                     ///< of the solver, over all runs that led to this one
   /// A bound of the relative error of every number here (the least force apart) and of the
   /// waveform over its peak; infinite where it is not known. Of an exact motion what rounding,
   /// events and bounces that are not played come to, carried through all modes and events

@@ -1,7 +1,5 @@
 #include "sim/steady_run.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -39,9 +37,10 @@ PiecewiseStart AtRest(const EffectiveScene& scene) {
   return StartIn(resting);
 }
 
-std::string NoneFound(const PeriodicSearch& search) {
-  return fmt::format("no motion was found that repeats itself every 1 to {} periods ({})",
-                     kMostDrivePeriods, search.tried);
+SteadyRun NoRun(FindingKind why, std::vector<FindingNumber> numbers = {}) {
+  SteadyRun none;
+  none.refusal = Finding{Severity::kRefusal, why, std::move(numbers)};
+  return none;
 }
 
 SteadyRun PlayLinear(const EffectiveScene& scene) {
@@ -80,14 +79,9 @@ SteadyRun PlaySuperposed(const EffectiveScene& scene) {
   SteadyRun steady;
   const Superposition motion = Superpose(scene.scene);
   if (!(motion.error_estimate < 1)) {
-    steady.tried = "the tremor meets an undamped resonance";
-    return steady;
+    return NoRun(FindingKind::kTremorAtResonance);
   }
-  if (!SteadyMotionIsFree(scene, motion)) {
-    steady.tried =
-        "tremor and drive have no common period in which a limited motion repeats itself";
-    return steady;
-  }
+  if (!SteadyMotionIsFree(scene, motion)) return NoRun(FindingKind::kTremorWithLimits);
   EffectiveScene linear = scene;
   linear.piecewise = {};
   steady.start.x = motion.state;
@@ -141,7 +135,7 @@ SteadyRun PlayLimited(const EffectiveScene& scene) {
   const PeriodMap map(AssemblePiecewise(scene.scene, scene.piecewise), scene.scene.drive);
   const PiecewiseStart start = AtRest(scene);
   PeriodicSearch search = FindPeriodicMotion(map, map.PointOf(start.mode, start.x));
-  steady.tried = NoneFound(search);
+  steady.refusal = search.refusal;
   if (search.chaotic) {
     const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
     PlayChaotic(scene, std::move(search), in_it, steady);
@@ -197,12 +191,9 @@ class SmoothSearch {
     PeriodicSearch search = FindPeriodicMotion(map, from);
     spent_.steps = search.steps;
     spent_.periods_played = search.periods_played;
-    steady.tried = NoneFound(search);
+    steady.refusal = search.refusal;
     if (search.chaotic) {
-      if (scene_.smooth.heating) {
-        steady.tried = "the motion is chaotic while the coil warms";
-        return steady;
-      }
+      if (scene_.smooth.heating) return NoRun(FindingKind::kChaoticWhileWarming);
       const PiecewiseStart in_it = map.StartOf(search.chaotic->point);
       PlayChaotic(scene_, std::move(search), in_it, steady);
     } else if (search.found) {
@@ -212,16 +203,14 @@ class SmoothSearch {
   }
 
   SteadyRun Refined(const PeriodMap& map, const PeriodicMotion& coarse, double tolerance) {
-    SteadyRun steady;
     auto found = RefinePeriodicMotion(map, coarse, {}, spent_);
-    if (found) {
-      Play(map, std::move(*found), tolerance, steady);
-    } else {
-      steady.tried = fmt::format(
-          "the motion that repeats itself every {} periods is not found again with a tolerance of "
-          "{:.0e}; {} steps in all",
-          coarse.drive_periods, tolerance, spent_.steps);
+    if (!found) {
+      return NoRun(FindingKind::kNotFoundAgain, {{"drive_periods", coarse.drive_periods},
+                                                 {"tolerance", tolerance},
+                                                 {"steps", spent_.steps}});
     }
+    SteadyRun steady;
+    Play(map, std::move(*found), tolerance, steady);
     return steady;
   }
 
@@ -244,14 +233,9 @@ class SmoothSearch {
 };
 
 SteadyRun PlaySmooth(const EffectiveScene& scene) {
-  SteadyRun steady;
-  if (!scene.scene.finger.tones.empty()) {
-    steady.tried = "tremor and drive have no common period in which a bent motion repeats itself";
-    return steady;
-  }
+  if (!scene.scene.finger.tones.empty()) return NoRun(FindingKind::kTremorWithBentSprings);
   if (scene.smooth.heating && std::isinf(scene.smooth.heating->thermal_resistance_k_per_w)) {
-    steady.tried = "no heat leaves the coil: [coil_heating] has no thermal_resistance_k_per_w";
-    return steady;
+    return NoRun(FindingKind::kNoHeatLeaves);
   }
   return SmoothSearch(scene).Find();
 }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "sim/effective_scene.h"
+#include "sim/findings.h"
 #include "sim/periodic_motion.h"
 #include "sim/scene_run.h"
 
@@ -19,9 +19,9 @@ struct SteadyRun {
   /// ChaoticMotion::periods and the mover's peak the largest in kChaosRunPeriods, of which the run
   /// also is; error_estimate is the largest of the averages' relative standard uncertainties.
   std::optional<ChaoticMotion> chaotic{};
-  PiecewiseStart start;           ///< at phase 0 of the drive, where there is a run
-  double temperature_rise_k = 0;  ///< of the coil there
-  std::string tried;              ///< in words, why there is no run
+  PiecewiseStart start;            ///< at phase 0 of the drive, where there is a run
+  double temperature_rise_k = 0;   ///< of the coil there
+  std::optional<Finding> refusal;  ///< why there is no run
 };
 
 /// Periods of the drive in the run of a chaotic motion.

@@ -61,7 +61,7 @@ void PiecewiseMotion::Restart(PiecewiseStart start) {
   crowded_events_ = 0;
   last_event_tick_ = 0;
   stalled_at_s_.reset();
-  stall_reason_ = {};
+  stall_reason_.reset();
   BeginPiece(0);
   ForgetRanges();
 }
@@ -386,16 +386,18 @@ void PiecewiseMotion::NoticeStall() {
   const std::uint64_t tick = index_ * kTicks + now_.tick;  // may wrap: differences are what counts
   crowded_events_ = tick - last_event_tick_ < kCrowdedTicks ? crowded_events_ + 1 : 0;
   last_event_tick_ = tick;
-  if (crowded_events_ >= kMostCrowdedEvents) Stall(events_.back().time_s, "events without end");
+  if (crowded_events_ >= kMostCrowdedEvents) {
+    Stall(events_.back().time_s, FindingKind::kEventsWithoutEnd);
+  }
 }
 
 void PiecewiseMotion::NoticeWork() {
   if (static_cast<double>(++intervals_) > MostSteps(index_)) {
-    Stall(static_cast<double>(TimeAt(now_.tick)), kBodiesTooFast);
+    Stall(static_cast<double>(TimeAt(now_.tick)), FindingKind::kBodiesTooFast);
   }
 }
 
-void PiecewiseMotion::Stall(double time_s, std::string_view reason) {
+void PiecewiseMotion::Stall(double time_s, FindingKind reason) {
   stalled_at_s_ = time_s;
   stall_reason_ = reason;
 }

@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "sim/findings.h"
 #include "sim/linear/driven_step.h"
 #include "sim/linear/excitation.h"
 #include "sim/linear/mode.h"
@@ -20,10 +20,6 @@
 #include "sim/scene/scene.h"
 
 namespace haptometer::sim {
-
-/// The reason for a stall where the intervals that have to be judged are too many.
-inline constexpr std::string_view kBodiesTooFast =
-    "bodies too fast against the drive to look for events";
 
 /// A guard fell below zero.
 struct Event {
@@ -69,7 +65,7 @@ struct OutputGrid {
 /// the speed of crossing and A the size of the motion; a graze, where v vanishes, is decided by g
 /// at its minimum to 1e-13 A and timed to sqrt(1e-13 A/|g''|).
 ///
-/// **Accumulation** of bounces: see PiecewiseLinearSystem. **A stall** ends the motion and is said:
+/// **Accumulation** of bounces: see PiecewiseLinearSystem. **A stall** ends the motion:
 /// a hundred events with less than 2^-40 of an output step from each to the next, or more than
 /// 2e6 intervals judged, and 10 more for each output so far (some 2 s, and 10 us an output), as
 /// happens where a body or a current settles a million times faster than the rest moves.
@@ -154,8 +150,8 @@ class PiecewiseMotion {
   [[nodiscard]] std::int64_t steps() const { return static_cast<std::int64_t>(intervals_); }
   /// When the motion stalled, if it did.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
-  /// Why: "events without end", for instance.
-  [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
+  /// Why: kEventsWithoutEnd or kBodiesTooFast.
+  [[nodiscard]] std::optional<FindingKind> stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_; }
 
  private:
@@ -225,7 +221,7 @@ class PiecewiseMotion {
   [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition, double gap_error);
   void NoticeStall();
   void NoticeWork();
-  void Stall(double time_s, std::string_view reason);
+  void Stall(double time_s, FindingKind reason);
   void Forget();
   void Reanchor();
   [[nodiscard]] double StoredNow() const;
@@ -254,7 +250,7 @@ class PiecewiseMotion {
   int crowded_events_ = 0;
   std::uint64_t last_event_tick_ = 0;
   std::optional<double> stalled_at_s_;
-  std::string_view stall_reason_;
+  std::optional<FindingKind> stall_reason_;
   double initial_j_ = 0;
   Flow flow_;
 };

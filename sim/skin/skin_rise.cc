@@ -45,4 +45,16 @@ std::optional<SkinRise> RiseOf(std::span<const double> skin_m, double rate_hz, d
                   .uncertainty_s = std::max(edge->time_uncertainty_s, edge->rise_uncertainty_s)};
 }
 
+FindingKind VerdictOf(const SkinRise& rise) {
+  constexpr double kCostsErrorsS = 0.025;
+  constexpr double kPerceivedS = 0.050;
+  const auto of = [](double latency_s) {
+    if (latency_s < kCostsErrorsS) return FindingKind::kLatencyUnnoticed;
+    return latency_s < kPerceivedS ? FindingKind::kLatencyCostsErrors
+                                   : FindingKind::kLatencyPerceived;
+  };
+  const FindingKind most = of(rise.LatencyAtMostS());
+  return most == of(rise.latency_s - rise.uncertainty_s) ? most : FindingKind::kLatencyUndecided;
+}
+
 }  // namespace haptometer::sim

@@ -3,6 +3,8 @@
 #include <optional>
 #include <span>
 
+#include "sim/findings.h"
+
 namespace haptometer::sim {
 
 /// How the skin's vibration comes up, as `analyze` tells it (dsp/spectrum/envelope.h).
@@ -19,6 +21,11 @@ struct SkinRise {
   /// Whether the latency stands out of its uncertainty; else only what it is at most is known.
   [[nodiscard]] bool TellsLatency() const { return latency_s > uncertainty_s; }
 };
+
+/// What a latency means, its standard uncertainty added and subtracted: kLatencyUnnoticed below
+/// 25 ms, from which on it costs errors; kLatencyCostsErrors; kLatencyPerceived from 50 ms on;
+/// kLatencyUndecided where the uncertainty holds one of the two.
+[[nodiscard]] FindingKind VerdictOf(const SkinRise& rise);
 
 /// The part of a drive in which its amplitude stands still.
 struct SteadyPart {

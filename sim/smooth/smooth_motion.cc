@@ -206,7 +206,7 @@ void SmoothMotion::Next() {
       TakeOutput(tau_s);
       break;
     } else if (++steps_ > settings_.most_steps) {
-      Stall(kTooManySteps);
+      Stall(FindingKind::kTooManySteps);
     } else {
       Advance();
     }
@@ -258,7 +258,7 @@ void SmoothMotion::Advance() {
   Watch(Run().solver.end_s());
   terms_.resize(0, 0);
   if (!Run().solver.Step()) {
-    Stall("the solver cannot go on");
+    Stall(FindingKind::kSolverStopped);
     return;
   }
   LookForFall();
@@ -357,7 +357,7 @@ void SmoothMotion::Fire(const Fall& fall) {
     after = Follow(transition.bounce->rest_via, after, time_s + *rest_s, 0);
   }
   Enter(std::move(after));
-  if (crowded_events_ >= kMostCrowdedEvents) Stall("events without end");
+  if (crowded_events_ >= kMostCrowdedEvents) Stall(FindingKind::kEventsWithoutEnd);
 }
 
 Eigen::VectorXd SmoothMotion::Follow(std::size_t transition, const Eigen::VectorXd& y,
@@ -398,7 +398,7 @@ std::optional<double> SmoothMotion::TimeToRest(const Transition& transition,
   return low && steady ? std::optional(rest_s) : std::nullopt;
 }
 
-void SmoothMotion::Stall(std::string_view reason) {
+void SmoothMotion::Stall(FindingKind reason) {
   stalled_at_s_ = static_cast<double>(origin_s_ + static_cast<long double>(Run().solver.end_s()));
   stall_reason_ = reason;
   // in the coordinates of the mode that it ended in

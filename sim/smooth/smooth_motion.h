@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "sim/findings.h"
 #include "sim/linear/excitation.h"
 #include "sim/piecewise/energy_ledger.h"
 #include "sim/piecewise/piecewise_motion.h"
@@ -18,9 +18,6 @@
 #include "sim/smooth/smooth_system.h"
 
 namespace haptometer::sim {
-
-/// The reason for a stall where SmoothSettings::most_steps are not enough.
-inline constexpr std::string_view kTooManySteps = "the solver needs too many steps";
 
 /// How a smooth motion is computed.
 struct SmoothSettings {
@@ -59,8 +56,8 @@ struct SmoothSettings {
 /// **Error.** The tolerance steers each step's error, not what becomes of it; `with_error` measures
 /// that. Below some 1e-11 rounding wins; a chaotic motion has no error that stays small.
 ///
-/// **A stall** is said: a hundred events within 2^-40 of an output step, a solver that cannot go on
-/// or needs more steps than it may take.
+/// **A stall** ends the motion: a hundred events within 2^-40 of an output step, a solver that
+/// cannot go on or needs more steps than it may take.
 class SmoothMotion {
  public:
   SmoothMotion(SmoothSystem system, const SineDrive& drive, PiecewiseStart start, double rate_hz,
@@ -113,7 +110,7 @@ class SmoothMotion {
   [[nodiscard]] double CurrentSquareIntegral() const { return IntegralsHere().back(); }
   /// When the motion stalled, if it did, and why.
   [[nodiscard]] std::optional<double> stalled_at_s() const { return stalled_at_s_; }
-  [[nodiscard]] std::string_view stall_reason() const { return stall_reason_; }
+  [[nodiscard]] std::optional<FindingKind> stall_reason() const { return stall_reason_; }
   [[nodiscard]] const PiecewiseLinearSystem& system() const { return system_.linear; }
   [[nodiscard]] OdeMethod method() const { return method_; }
   /// What it is integrated with: the tolerance that was asked for, or the least that rounding lets
@@ -163,7 +160,7 @@ class SmoothMotion {
                                        double time_s, double guard_rate);
   [[nodiscard]] std::optional<double> TimeToRest(const Transition& transition,
                                                  const Eigen::VectorXd& y);
-  void Stall(std::string_view reason);
+  void Stall(FindingKind reason);
   void TakeOutput(double tau_s);
   void Watch(double tau_s);
   [[nodiscard]] const Eigen::MatrixXd& StepTerms();
@@ -198,7 +195,7 @@ class SmoothMotion {
   int crowded_events_ = 0;
   std::int64_t steps_ = 0;
   std::optional<double> stalled_at_s_;
-  std::string_view stall_reason_;
+  std::optional<FindingKind> stall_reason_;
   double initial_j_ = 0;
   Flow flow_;
   std::unique_ptr<Companion> companion_;

@@ -40,26 +40,26 @@ double AreaAt(const Range& contact_area_m2, double part) {
   return root * root * root;
 }
 
-std::optional<const char*> Fault(const TuningProblem& problem) {
+std::optional<FindingKind> Fault(const TuningProblem& problem) {
+  using enum FindingKind;
   const AdapterBounds& bounds = problem.bounds;
   for (const Range& range : {bounds.motor_side_mass_kg, bounds.skin_side_mass_kg,
                              bounds.stiffness_n_per_m, bounds.damping_n_s_per_m}) {
-    if (!(range.lower <= range.upper)) return "a lower bound lies above its upper bound";
-    if (range.lower < 0) return "a bound is negative";
+    if (!(range.lower <= range.upper)) return kBoundsCross;
+    if (range.lower < 0) return kBoundNegative;
   }
-  if (!(bounds.skin_side_mass_kg.lower > 0)) return "the skin side's mass must be above 0";
-  if (!(bounds.stiffness_n_per_m.lower > 0)) return "the stiffness must be above 0";
+  if (!(bounds.skin_side_mass_kg.lower > 0)) return kSkinSideMassNotPositive;
+  if (!(bounds.stiffness_n_per_m.lower > 0)) return kStiffnessNotPositive;
   if (!(problem.skin_variation >= 0 && problem.skin_variation < 1)) {
-    return "the skin's variation must be from 0 to below 1";
+    return kSkinVariationOutside;
   }
-  if (!(problem.mover_limit_m > 0)) return "the mover's travel must be above 0";
+  if (!(problem.mover_limit_m > 0)) return kTravelNotPositive;
   if (problem.fixed_skin) {
-    return problem.fixed_skin->damping_n_s_per_m > 0 ? std::nullopt
-                                                     : std::optional("the skin has no damping");
+    return problem.fixed_skin->damping_n_s_per_m > 0 ? std::nullopt : std::optional(kSkinUndamped);
   }
   const Range& area = bounds.contact_area_m2;
   const bool within = area.lower >= kSkinAreaMinM2 && area.upper <= kSkinAreaMaxM2;
-  if (!(area.lower <= area.upper) || !within) return "the area must lie between 1 and 100 mm2";
+  if (!(area.lower <= area.upper) || !within) return kAreaOutside;
   return std::nullopt;
 }
 

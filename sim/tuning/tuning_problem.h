@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "sim/findings.h"
 #include "sim/scene/scene.h"
 #include "sim/skin/skin.h"
 
@@ -73,7 +74,7 @@ struct AdapterPoint {
                                                double contact_area_m2);
 
 /// What is wrong with the bounds, or nothing.
-[[nodiscard]] std::optional<const char*> Fault(const TuningProblem& problem);
+[[nodiscard]] std::optional<FindingKind> Fault(const TuningProblem& problem);
 
 /// Ma1, Ka, Ba, the area by AreaAt() and Ma2, each as its part of the way between its bounds; Ka
 /// and Ba by their logarithms where their bounds are wide.

@@ -27,16 +27,15 @@ EffectSet Everything(const Scene& scene) {
 struct Tally {
   int refused_by_reader = 0, refused = 0, answered = 0, active = 0, smooth = 0;
   int idle = 0, idle_dropped = 0;
-  std::map<std::string, int> reasons{};
+  std::map<int, int> reasons{};  // by the refusal's kind
 };
 
 void CheckScene(const Scene& scene, const std::string& text, const std::string& name,
                 Tally& tally) {
-  const Result<EffectChoice> choice = ChooseEffects(scene, "scene");
+  const auto choice = ChooseEffects(scene);
   if (!choice) {
     ++tally.refused;
-    const std::string reason = choice.error().what;
-    ++tally.reasons[reason.substr(0, reason.find_first_of("0123456789"))];
+    ++tally.reasons[static_cast<int>(choice.error().kind)];
     return;
   }
   ++tally.answered;

@@ -30,6 +30,14 @@ Outcome Simulate(const std::vector<std::string>& words) {
   return Captured(RunSimulate, "simulate", words);
 }
 
+// the finding of a kind; null where there is none
+json FindingOfKind(const json& answer, const std::string& kind) {
+  for (const json& finding : answer.at("findings")) {
+    if (finding.at("kind") == kind) return finding;
+  }
+  return nullptr;
+}
+
 class SimulateVerb : public ::testing::Test {
  protected:
   void SetUp() override { fs::create_directories(directory_); }
@@ -71,7 +79,10 @@ TEST_F(SimulateVerb, HasTheKeysThatScriptsRelyOn) {
     EXPECT_TRUE(answer.at(key).is_number()) << key;
   }
   EXPECT_TRUE(answer.at("method").is_string());
-  EXPECT_EQ(answer.at("assumptions").size(), 3U);
+  for (const char* kind : {"linear", "contact-kept", "source-holds-voltage"}) {
+    EXPECT_EQ(FindingOfKind(answer, kind).at("severity"), "note") << kind;
+  }
+  EXPECT_EQ(answer.at("provenance").at("inputs").at(0).at("path"), kFixtures + "/lra_adapter.toml");
   EXPECT_ABS(answer.at("window_rms_m").get<double>(), 0.1912e-3, 0.00005e-3, "the bar, 3 digits");
   EXPECT_REL(answer.at("window_s").at(0).get<double>(), 0.1 - 10 / 225.0, 1e-12, "last 10 periods");
 }
@@ -79,18 +90,20 @@ TEST_F(SimulateVerb, HasTheKeysThatScriptsRelyOn) {
 TEST_F(SimulateVerb, PrintsTravelForceAndAssumptionsForPeople) {
   const Outcome outcome = Simulate({kFixtures + "/lra_adapter.toml"});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_THAT(outcome.out, HasSubstr("200.17621 um RMS"));
-  EXPECT_THAT(outcome.out, HasSubstr("826.26845 um in its case"));
-  EXPECT_THAT(outcome.out, HasSubstr("-0.86951 degrees"));
-  EXPECT_THAT(outcome.out, HasSubstr("less than 0.345 N presses"));
+  for (const char* line : {"  skin displacement (RMS)   ", " 200.176 um\n", " 826.268 um\n",
+                           " -0.869513 degrees\n", " less than 0.3449 N presses"}) {
+    EXPECT_THAT(outcome.out, HasSubstr(line));
+  }
   EXPECT_EQ(outcome.err, "");
 }
 
 TEST_F(SimulateVerb, OfLessThanTenPeriodsHasNoWindow) {
   const Outcome outcome = Simulate({kFixtures + "/lra_cone.toml", "--duration", "44ms", "--json"});
   EXPECT_EQ(outcome.status, 0);
-  EXPECT_TRUE(json::parse(outcome.out).at("window_rms_m").is_null());
-  EXPECT_THAT(outcome.err, HasSubstr("0.044 s are less than ten periods"));
+  const json answer = json::parse(outcome.out);
+  EXPECT_TRUE(answer.at("window_rms_m").is_null());
+  EXPECT_REL(FindingOfKind(answer, "no-window").at("numbers").at("run_s").get<double>(), 0.044,
+             1e-12, "as stated");
 }
 
 // from rest at 0.1 s the start is still heard; from the steady state it is not
@@ -105,9 +118,10 @@ TEST_F(SimulateVerb, WritesWhatAnIdealSensorSees) {
   const Outcome outcome =
       Simulate({kFixtures + "/lra_adapter.toml", "-o", Path("t.bin"), "--json"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("an ideal one on the skin at 10 kHz is assumed"));
-  EXPECT_THAT(outcome.err, HasSubstr("no duration: the trial lasts 1 s"));
-  EXPECT_EQ(json::parse(outcome.out).at("trial"), Path("t.bin"));
+  const json answer = json::parse(outcome.out);
+  EXPECT_EQ(FindingOfKind(answer, "ideal-sensor").at("numbers").at("rate_hz"), 1e4);
+  EXPECT_EQ(FindingOfKind(answer, "duration-assumed").at("numbers").at("duration_s"), 1);
+  EXPECT_EQ(answer.at("trial"), Path("t.bin"));
   const auto recording = trial::ReadRecord(Path("t.bin"));
   ASSERT_TRUE(recording) << recording.error().Text();
   const trial::Record& record = recording->record;
@@ -143,16 +157,29 @@ TEST_F(SimulateVerb, WritesAQuantisedSensorInWholeSteps) {
   EXPECT_GT(beyond, 200U);
 }
 
-TEST_F(SimulateVerb, GivesTheSameBytesTwice) {
+TEST_F(SimulateVerb, GivesTheSameTrialTwiceButForItsProvenance) {
   const std::string scene = Scene("[sensor]\nkind = 'il-030'\nseed = 3\n");
+  std::vector<std::string> exported;
   for (const char* name : {"a.bin", "b.bin"}) {
     ASSERT_EQ(Simulate({scene, "--duration", "0.2s", "-o", Path(name)}).status, 0);
+    auto recording = trial::ReadRecord(Path(name));
+    ASSERT_TRUE(recording) << recording.error().Text();
+    trial::Metadata& metadata = recording->record.metadata;
+    EXPECT_THAT(metadata.command_line, AllOf(HasSubstr("haptometer simulate "), HasSubstr(name)));
+    EXPECT_THAT(metadata.fields.at("version"), HasSubstr("haptometer "));
+    EXPECT_THAT(metadata.fields.at("input_1"), HasSubstr("scene.toml, "));
+    EXPECT_THAT(metadata.fields.at("input_1"), HasSubstr("SHA-256 "));
+    metadata.command_line.clear();
+    EXPECT_EQ(metadata.fields.erase("simulated_utc"), 1U);
+    const trial::Channel& channel = recording->record.channels.at(0);
+    std::string& bytes = exported.emplace_back();
+    bytes.append(reinterpret_cast<const char*>(channel.values.data()),
+                 channel.values.size() * sizeof(double));
+    bytes.append(reinterpret_cast<const char*>(channel.statuses.data()), channel.statuses.size());
+    for (const auto& [key, value] : metadata.fields) bytes += key + "=" + value + "\n";
   }
-  const auto content = [&](const char* name) {
-    std::ifstream file(Path(name), std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {});
-  };
-  EXPECT_EQ(content("a.bin"), content("b.bin"));
+  EXPECT_GT(exported[0].size(), 1000U);
+  EXPECT_EQ(exported[0], exported[1]);
 }
 
 // frequencies of their own: over a long time their powers add
@@ -163,8 +190,8 @@ TEST_F(SimulateVerb, TremorAddsToASteadyMotion) {
     return json::parse(Simulate({scene, "--json"}).out).at("skin_rms_m").get<double>();
   };
   const double both_m = rms_m(Scene(tremor));
-  EXPECT_THAT(Simulate({Scene(tremor)}).out,
-              AllOf(HasSubstr("over a long time: skin"), HasSubstr("linear model, superposed")));
+  EXPECT_THAT(json::parse(Simulate({Scene(tremor), "--json"}).out).at("method").get<std::string>(),
+              HasSubstr("linear model, superposed"));
   const double drive_m = rms_m(Scene(""));
   std::ifstream written(Scene(tremor));
   std::string text(std::istreambuf_iterator<char>(written), {});
@@ -233,13 +260,22 @@ TEST_F(SimulateVerb, PlaysASceneWithStops) {
 TEST_F(SimulateVerb, ExplainsEachEffect) {
   const Outcome outcome = Simulate({kFixtures + "/lra_stops.toml", "--explain"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("(tolerance 0.001; runs to decide: 5)"));
-  EXPECT_THAT(outcome.out, HasSubstr("off: never reached, proved between samples too"));
-  EXPECT_THAT(outcome.out, HasSubstr("on: without it the answer changes by 0.0055"));
+  EXPECT_THAT(outcome.out, HasSubstr("effects, by skin_rms_m to 0.001 (5 runs)"));
+  EXPECT_THAT(outcome.out, HasSubstr("no, never reached, proved between samples too"));
+  EXPECT_THAT(outcome.out, HasSubstr("yes, without it the answer changes by 0.0055"));
+  const json stops =
+      json::parse(Simulate({kFixtures + "/lra_stops.toml", "--explain", "--json"}).out);
+  EXPECT_EQ(stops.at("effects").at("contact_loss").at("ground"), "never reached");
+  EXPECT_EQ(stops.at("explained").at(0).at("effect"), "inductance");
+  EXPECT_GT(stops.at("explained").at(0).at("with_s").get<double>(), 0);
   // of a scene that names no effect as well
-  const Outcome linear = Simulate({kFixtures + "/lra_adapter.toml", "--explain"});
-  EXPECT_THAT(linear.out, HasSubstr("no travel limit is given: this may be impossible"));
-  EXPECT_THAT(linear.out, HasSubstr("inductance      6.6e-05"));
+  const json linear =
+      json::parse(Simulate({kFixtures + "/lra_adapter.toml", "--explain", "--json"}).out);
+  EXPECT_THAT(FindingOfKind(linear, "linear").at("text").get<std::string>(),
+              HasSubstr("compare the mover's travel with its stops"));
+  EXPECT_EQ(linear.at("effects").at("inductance").at("ground"), "named");
+  EXPECT_ABS(linear.at("explained").at(0).at("change").get<double>(), 6.6e-5, 0.05e-5,
+             "two digits of what was shown before");
 }
 
 // without a duration: what the scene settles to
@@ -253,7 +289,7 @@ TEST_F(SimulateVerb, FindsThePeriodicMotionUnderStops) {
   EXPECT_TRUE(answer.at("phase_rad").is_null());
   EXPECT_EQ(answer.at("skin_rms_m"), answer.at("run").at("skin_rms_m"));
   EXPECT_GE(answer.at("periodic").at("drive_periods").get<int>(), 1);
-  EXPECT_THAT(Simulate({scene}).out, HasSubstr("settles to a motion that repeats itself every"));
+  EXPECT_THAT(Simulate({scene}).out, HasSubstr("drive periods per repetition"));
 }
 
 // windows of the motion with stops and without are of different length
@@ -302,7 +338,7 @@ TEST_F(SimulateVerb, NumbersAreOfWholePeriodsOfTheMotion) {
   const double of_ten = answer.at("window_rms_m").get<double>();
   EXPECT_GT(std::abs(of_ten / run.at("skin_rms_m").get<double>() - 1), 0.01);
   EXPECT_THAT(Simulate({Path("six.toml"), "--duration", "3s"}).out,
-              HasSubstr("ends in a motion that repeats itself every 6 periods"));
+              HasSubstr("drive periods per repetition     6\n"));
 }
 
 // contact that breaks under little preload never repeats itself
@@ -325,12 +361,23 @@ TEST_F(SimulateVerb, AChaoticMotionIsAnsweredByAverages) {
   const double uncertainty_m = average.at("skin_rms_standard_uncertainty_m").get<double>();
   EXPECT_GT(uncertainty_m, 1e-6 * rms_m);
   EXPECT_GE(answer.at("error_estimate").get<double>(), uncertainty_m / rms_m * (1 - 1e-9));
-  const Outcome shown = Simulate({Path("chaotic.toml")});
-  EXPECT_THAT(shown.out, HasSubstr("settles to a chaotic motion"));
+  EXPECT_EQ(FindingOfKind(answer, "chaotic").at("numbers").at("periods"),
+            average.at("drive_periods"));
   // a long run of it has lost its digits
   const Outcome run = Simulate({Path("chaotic.toml"), "--duration", "2s"});
   EXPECT_EQ(run.status, 3);
   EXPECT_THAT(run.err, HasSubstr("beyond prediction"));
+}
+
+TEST_F(SimulateVerb, WritesAPage) {
+  const Outcome outcome = Simulate(
+      {kFixtures + "/lra_adapter.toml", "--duration", "0.1s", "--report", Path("page.html")});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  std::ifstream file(Path("page.html"));
+  const std::string page{std::istreambuf_iterator<char>(file), {}};
+  for (const char* part : {"skin displacement (RMS)", "<svg", "SHA-256", "contact is kept"}) {
+    EXPECT_THAT(page, HasSubstr(part));
+  }
 }
 
 // a sensor over the scene sees what the run has
@@ -348,10 +395,10 @@ TEST_F(SimulateVerb, SaysWhatItCannotDoWithEffects) {
   const std::string limited =
       Scene("[effects]\ntravel_stops = true\n[travel_stops]\ngap_m = '50um'\nrestitution = 0\n");
   EXPECT_EQ(Simulate({limited, "--tolerance", "2"}).status, 2);
-  EXPECT_EQ(Simulate({limited, "--explain", "--json"}).status, 2);
-  const Outcome idle = Simulate({Scene("[travel_stops]\ngap_m = '50um'\nrestitution = 0\n")});
+  const Outcome idle =
+      Simulate({Scene("[travel_stops]\ngap_m = '50um'\nrestitution = 0\n"), "--json"});
   EXPECT_EQ(idle.status, 0);
-  EXPECT_THAT(idle.err, HasSubstr("[travel_stops] are stated and off"));
+  EXPECT_FALSE(FindingOfKind(json::parse(idle.out), "stops-off").is_null());
   // what the scene does not call for is not forced on where it is impossible
   const Outcome impossible =
       Simulate({Scene("[effects]\ngravity = true\n[travel_stops]\ngap_m = '4um'\n"

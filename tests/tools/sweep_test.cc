@@ -18,6 +18,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   const std::vector<Row> rows = RowsOf(Table(kGrid, "t.csv"));
@@ -33,7 +34,7 @@ TEST_F(SweepVerb, HasARowForEveryPointWithTheAnswersOfSimulate) {
   EXPECT_EQ(row.at("skin.stiffness_n_per_m"), "600");
   const json answer = json::parse(Captured(RunSimulate, "simulate", {kAdapter, "--json"}).out);
   for (const AnswerColumn& column : AnswerColumns()) {
-    const std::string name(column.name);
+    const std::string& name = column.name;
     if (name.starts_with("run_") || name == "window_rms_m") {
       EXPECT_EQ(row.at(name), "") << name;
     } else {
@@ -66,7 +67,7 @@ TEST_F(SweepVerb, AnswersScenesWithEffects) {
   double events = 0;
   for (const json& event : answer.at("run").at("events")) events += event.at("count").get<double>();
   for (const AnswerColumn& column : AnswerColumns()) {
-    const std::string name(column.name);
+    const std::string& name = column.name;
     if (!name.starts_with("run_")) continue;
     EXPECT_EQ(std::stod(rows[0].at(name)),
               name == "run_events" ? events : answer.at("run").at(name.substr(4)).get<double>())
@@ -99,6 +100,25 @@ TEST_F(SweepVerb, NamesItsQuestion) {
   }
 }
 
+TEST_F(SweepVerb, HasItsProvenanceInTheTable) {
+  (void)Table(kGrid, "t.csv");
+  const std::string table = TemporaryFiles::Content("t.csv");
+  for (const std::string& line :
+       {std::string("\n# provenance: haptometer "),
+        "\n# provenance: command: haptometer sweep " + kAdapter + " --vary ",
+        "\n# provenance: input: " + kAdapter + ", "}) {
+    EXPECT_THAT(table, HasSubstr(line));
+  }
+  // of the command that merges, with the tables of the shards as its inputs
+  (void)Table(kGrid, "1.csv", {"--shard", "1/2"});
+  (void)Table(kGrid, "2.csv", {"--shard", "2/2"});
+  (void)Table({"--merge", Path("1.csv"), Path("2.csv")}, "whole.csv");
+  const std::string merged = TemporaryFiles::Content("whole.csv");
+  EXPECT_THAT(merged, HasSubstr("command: haptometer sweep --merge "));
+  EXPECT_THAT(merged, HasSubstr("\n# provenance: input: " + Path("2.csv")));
+  EXPECT_THAT(merged, Not(HasSubstr(" --vary ")));
+}
+
 TEST_F(SweepVerb, SamplesEachPartOfAKeyOnce) {
   const std::vector<Row> rows = RowsOf(Table(kSampled, "t.csv"));
   std::set<int> parts;
@@ -122,12 +142,13 @@ TEST_F(SweepVerb, KeepsTheRowOfAPointWithoutAnAnswer) {
                                        "sensor.sampling_s=100us,200us"};
   const Outcome outcome = Sweep(words, "t.csv");
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.err, HasSubstr("1 of 4 points are not answered, the first: point 2: "));
+  EXPECT_THAT(outcome.out,
+              HasSubstr("doubt: 1 of 4 points are not answered, the first: point 2: "));
   const std::vector<Row> rows = RowsOf(Content("t.csv"));
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_THAT(rows[1].at("remark"), HasSubstr("[sensor]: rate_hz: is not 1/sampling_s"));
   for (const AnswerColumn& column : AnswerColumns()) {
-    EXPECT_EQ(rows[1].at(std::string(column.name)), "");
+    EXPECT_EQ(rows[1].at(column.name), "");
   }
   EXPECT_NE(rows[2].at("skin_rms_m"), "");
 }
@@ -154,16 +175,19 @@ TEST_F(SweepVerb, TellsTheBestRow) {
       json::parse(Sweep(kGrid, "t.csv", {"--resume", "--json", "--best", "window_rms_m"}).out);
   EXPECT_TRUE(none.at("best").is_null());
   EXPECT_THAT(Sweep(kGrid, "t.csv", {"--resume", "--best", "window_rms_m"}).out,
-              HasSubstr("largest window_rms_m: no row has one"));
-  EXPECT_THAT(Sweep(kGrid, "t.csv", {"--resume"}).out,
-              HasSubstr("largest skin_rms_m: 0.000200176 at point 16, drive.frequency_hz = 225, "
-                        "skin.stiffness_n_per_m = 600"));
+              HasSubstr("note: no row has a number in the column window_rms_m"));
+  const std::string text = Sweep(kGrid, "t.csv", {"--resume"}).out;
+  for (const char* line :
+       {"  largest skin_rms_m      200.176 um\n", "  at point                16\n",
+        "  drive.frequency_hz      225 Hz\n", "  skin.stiffness_n_per_m  600 N/m\n"}) {
+    EXPECT_THAT(text, HasSubstr(line));
+  }
 }
 
 TEST_F(SweepVerb, SaysWhichRowsTheBestWasComparedWith) {
   const Outcome outcome =
       Sweep({kAdapter, "--vary", "run.duration_s=10ms,0.1s"}, "t.csv", {"--best", "window_rms_m"});
-  EXPECT_THAT(outcome.out, HasSubstr("(compared: 1 of 2 rows, the others have none)"));
+  EXPECT_THAT(outcome.out, HasSubstr("note: 1 of 2 rows have a number in the column window_rms_m"));
 }
 
 TEST_F(SweepVerb, DrawsOneOrTwoKeys) {

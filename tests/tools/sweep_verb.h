@@ -44,6 +44,18 @@ class SweepVerb : public tests::TemporaryFiles {
     return Captured(RunSweep, "sweep", words);
   }
 
+  // without the provenance, the only part of a table that differs from command to command
+  [[nodiscard]] std::string Content(const std::string& name) const {
+    std::istringstream lines(TemporaryFiles::Content(name));
+    std::string kept;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with(kProvenance)) continue;
+      kept += line;
+      if (!lines.eof()) kept += '\n';
+    }
+    return kept;
+  }
+
   // what a sweep writes that must succeed
   [[nodiscard]] std::string Table(const std::vector<std::string>& words, const std::string& name,
                                   const std::vector<std::string>& more = {}) const {

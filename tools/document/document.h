@@ -12,14 +12,12 @@
 
 #include "acquire/findings.h"
 #include "base/finding.h"
+#include "dsp/findings.h"
+#include "sim/findings.h"
 #include "tools/document/number_text.h"
 #include "tools/document/provenance.h"
 #include "tools/plot/gnuplot.h"
 #include "trial/findings.h"
-
-namespace haptometer::dsp {
-enum class FindingKind : std::uint8_t;
-}  // namespace haptometer::dsp
 
 /// What a verb answers with: one Document, which text, JSON, HTML and CSV are made of
 /// (tools/document/render.h).
@@ -169,10 +167,10 @@ struct Sentence {
   std::string_view text;
 };
 
-[[nodiscard]] Sentence SentenceOf(acquire::FindingKind kind);  ///< findings_acquire.cc
 [[nodiscard]] Sentence SentenceOf(trial::FindingKind kind);    ///< findings_trial.cc
-/// In tools/document/findings_dsp.cc.
-[[nodiscard]] Sentence SentenceOf(dsp::FindingKind kind);
+[[nodiscard]] Sentence SentenceOf(acquire::FindingKind kind);  ///< findings_acquire.cc
+[[nodiscard]] Sentence SentenceOf(dsp::FindingKind kind);      ///< findings_dsp.cc
+[[nodiscard]] Sentence SentenceOf(sim::FindingKind kind);      ///< findings_sim.cc
 
 /// The sentence with the numbers in their places.
 [[nodiscard]] std::string Fill(std::string_view text, const std::vector<FindingNumber>& numbers);

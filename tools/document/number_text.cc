@@ -50,6 +50,10 @@ std::string PlainText(double value, double resolution, int digits) {
     return ToPlace(value, place);
   }
   if (!is_limited) return fmt::format("{:.{}g}", value, digits);
+  if (PlaceOf(resolution) < -kMostPlaces) {
+    return fmt::format("{:.{}g}", value,
+                       std::max(1, PlaceOf(std::abs(value)) - PlaceOf(resolution) + 1));
+  }
   const std::string text = ToPlace(value, PlaceOf(resolution));
   return text.find_first_of("123456789") == std::string::npos ? "0" : text;
 }
@@ -58,28 +62,13 @@ std::string PlainText(double value, double resolution, int digits) {
 
 Unit UnitOfName(std::string_view name) {
   Unit longest;
-  for (const Unit& unit : {kMetre,
-                           kSquareMetre,
-                           kSecond,
-                           kHertz,
-                           kRadian,
-                           kVolt,
-                           kAmpere,
-                           kOhm,
-                           kHenry,
-                           kWatt,
-                           kVoltAmpere,
-                           kKilogram,
-                           kNewton,
-                           kMetrePerSecond,
-                           kMetrePerSecondSquared,
-                           kMetrePerVolt,
-                           kMetrePerWatt,
-                           kNewtonPerMetre,
-                           kNewtonSecondPerMetre,
-                           kNewtonPerAmpere,
-                           kPerSecond,
-                           kPerSecondSquared}) {
+  for (const Unit& unit :
+       {kMetre,           kSquareMetre,  kSecond,          kHertz,
+        kRadian,          kVolt,         kAmpere,          kOhm,
+        kHenry,           kWatt,         kVoltAmpere,      kKilogram,
+        kKelvin,          kNewton,       kMetrePerSecond,  kMetrePerSecondSquared,
+        kMetrePerVolt,    kMetrePerWatt, kNewtonPerMetre,  kNewtonSecondPerMetre,
+        kNewtonPerAmpere, kPerSecond,    kPerSecondSquared}) {
     if (name.ends_with(unit.ending) && unit.ending.size() > longest.ending.size()) longest = unit;
   }
   return longest;

@@ -44,6 +44,7 @@ inline constexpr Unit kHenry{"_h", "H", {{{1e6, "uH"}, {1e3, "mH"}, {1, "H"}}}};
 inline constexpr Unit kWatt{"_w", "W", {{{1e3, "mW"}, {1, "W"}}}};
 inline constexpr Unit kVoltAmpere{"_va", "VA", {{{1e3, "mVA"}, {1, "VA"}}}};
 inline constexpr Unit kKilogram{"_kg", "kg", {{{1e3, "g"}}}};
+inline constexpr Unit kKelvin{"_k", "K", {{{1, "K"}}}};
 inline constexpr Unit kNewton{"_n", "N", {{{1, "N"}}}};
 inline constexpr Unit kMetrePerSecond{
     "_m_per_s", "m/s", {{{1e6, "um/s"}, {1e3, "mm/s"}, {1, "m/s"}}}};

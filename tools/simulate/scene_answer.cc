@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <complex>
@@ -21,12 +22,15 @@
 #include "sim/period_map.h"
 #include "sim/piecewise/piecewise_scene.h"
 #include "sim/scene_run.h"
+#include "tools/document/keys.h"
 #include "tools/simulate/simulate_document.h"
 
 namespace haptometer::tools {
 namespace {
 
 constexpr double kWindowPeriods = 10;
+constexpr document::Key kCaseRms{"case_rms_m", "case displacement (RMS)", document::kMetre};
+constexpr document::Key kCurrentRms{"current_rms_a", "current (RMS)", document::kAmpere};
 
 // The last ten periods of the run, where it has as many.
 std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
@@ -159,7 +163,9 @@ Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene, const std::stri
                         "searched for",
                         "write start = \"rest\" in [run], and a longer duration_s");
   }
-  return sim::ChooseEffects(scene, where);
+  auto choice = sim::ChooseEffects(scene);
+  if (!choice) return CannotAnswer(where, document::WordsOf(choice.error()));
+  return *std::move(choice);
 }
 
 Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where) {
@@ -233,22 +239,26 @@ std::optional<sim::SteadyPart> SteadyPartOf(const sim::Scene& scene, double dura
                          .end_s = std::min(full_s + drive.hold_s, duration_s)};
 }
 
+sim::Finding NoRise(sim::FindingKind why, FindingNumber number) {
+  return {Severity::kNote, why, {std::move(number)}};
+}
+
 // Adds the rise, or why there is none.
 void AddRise(const sim::Scene& scene, const sim::Waveforms& played, MotionNumbers& numbers) {
   const double duration_s = static_cast<double>(played.rows() - 1) / played.rate_hz;
   const auto part = SteadyPartOf(scene, duration_s);
   if (!part) {
-    numbers.no_rise = fmt::format("under {} no amplitude stands still", KindText(scene.drive.kind));
+    numbers.no_rise = NoRise(sim::FindingKind::kDriveVaries, {"drive", KindText(scene.drive.kind)});
     return;
   }
   if (!sim::LastsForARise(*part, scene.drive.frequency_hz)) {
     numbers.no_rise =
-        fmt::format("the drive is on for less than {:g} periods", sim::kLeastRisePeriods);
+        NoRise(sim::FindingKind::kDriveShort, {"least_periods", sim::kLeastRisePeriods});
     return;
   }
   numbers.rise = sim::RiseOf({played.skin_m.data(), static_cast<std::size_t>(played.rows())},
                              played.rate_hz, scene.drive.frequency_hz, *part);
-  if (!numbers.rise) numbers.no_rise = "its amplitude does not pass from 10 % to 90 %";
+  if (!numbers.rise) numbers.no_rise = NoRise(sim::FindingKind::kNoRise, {"run_s", duration_s});
 }
 
 }  // namespace
@@ -278,7 +288,7 @@ MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played)
   const bool rises = answer.scene.duration_s && sim::StartOf(answer.scene) == sim::Start::kRest;
   if (!rises) return numbers;
   if (played == nullptr) {
-    numbers.no_rise = "the run is too long to be looked at";
+    numbers.no_rise = NoRise(sim::FindingKind::kRunTooLong, {"run_s", *answer.scene.duration_s});
   } else {
     AddRise(answer.scene, *played, numbers);
   }
@@ -287,9 +297,71 @@ MotionNumbers NumbersOf(const SceneAnswer& answer, const sim::Waveforms* played)
 
 namespace {
 
-constexpr int kTimedRuns = 3;
+using Number = std::optional<double>;
 
-std::string_view NameOf(sim::Effect effect) { return sim::kEffectNames[sim::PlaceOf(effect)]; }
+// of the steady motion, where that is known
+template <double sim::SteadyState::* kMember>
+Number Steady(const SceneAnswer& answer) {
+  return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
+}
+
+// the same, also of tones
+template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones>
+Number SteadyOrTones(const SceneAnswer& answer) {
+  return answer.tones ? Number((*answer.tones).*kOfTones) : Steady<kMember>(answer);
+}
+
+// the same, or of the motion that a limited scene settles to
+template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones,
+          double sim::SceneRun::* kSettled>
+Number Settled(const SceneAnswer& answer) {
+  const sim::SceneRun* settled = SettledRun(answer);
+  return settled != nullptr ? Number(settled->*kSettled) : SteadyOrTones<kMember, kOfTones>(answer);
+}
+
+// of the run of a scene with effects, or under a drive that is no sine
+template <double sim::SceneRun::* kMember>
+Number OfRun(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  return run != nullptr ? Number(run->*kMember) : std::nullopt;
+}
+
+constexpr auto kSteadyNumbers = std::to_array<AnswerNumber>({
+    {document::kSkinRms, Settled<&sim::SteadyState::skin_rms_m, &sim::SteadyTones::skin_rms_m,
+                                 &sim::SceneRun::skin_rms_m>},
+    {document::kMoverPeak, Settled<&sim::SteadyState::mover_peak_m, &sim::SteadyTones::mover_peak_m,
+                                   &sim::SceneRun::mover_peak_m>},
+    {kCaseRms, Settled<&sim::SteadyState::case_rms_m, &sim::SteadyTones::case_rms_m,
+                       &sim::SceneRun::case_rms_m>},
+    {kCurrentRms, Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
+                          &sim::SceneRun::current_rms_a>},
+    {document::kPower,
+     Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
+    {{"phase_rad", "phase of the current", document::kRadian},
+     Steady<&sim::SteadyState::phase_rad>},
+    {document::kSkinForcePeak,
+     SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
+});
+
+constexpr auto kRunNumbers = std::to_array<AnswerNumber>({
+    {document::kSkinRms, OfRun<&sim::SceneRun::skin_rms_m>},
+    {kCaseRms, OfRun<&sim::SceneRun::case_rms_m>},
+    {kCurrentRms, OfRun<&sim::SceneRun::current_rms_a>},
+    {document::kPower, OfRun<&sim::SceneRun::power_w>},
+    {document::kMoverPeak, OfRun<&sim::SceneRun::mover_peak_m>},
+    {{"mover_peak_of_run_m", "mover travel in the whole run", document::kMetre},
+     OfRun<&sim::SceneRun::mover_peak_of_run_m>},
+});
+
+}  // namespace
+
+std::span<const AnswerNumber> SteadyNumbers() { return kSteadyNumbers; }
+
+std::span<const AnswerNumber> RunNumbers() { return kRunNumbers; }
+
+namespace {
+
+constexpr int kTimedRuns = 3;
 
 bool HasConstants(const sim::Scene& scene, sim::Effect effect) {
   switch (effect) {
@@ -327,11 +399,6 @@ TimedRun BestRun(const sim::Scene& scene, sim::EffectSet on) {
   return timed;
 }
 
-std::string ChangeText(double change) {
-  if (std::isinf(change)) return "unknown";
-  return change == 0 ? "none" : fmt::format("{:.2g}", change);
-}
-
 }  // namespace
 
 std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectChoice& choice) {
@@ -354,53 +421,6 @@ std::vector<EffectTrial> TryEffects(const sim::Scene& scene, const sim::EffectCh
          .without_s = without.seconds});
   }
   return trials;
-}
-
-std::string VerdictText(const sim::EffectVerdict& verdict) {
-  switch (verdict.ground) {
-    case sim::Ground::kNotNamed:
-      return "off: the scene does not call for it";
-    case sim::Ground::kNamed:
-      return "on: the scene calls for it";
-    case sim::Ground::kNeverReached:
-      return "off: never reached, proved between samples too; the same motion without it";
-    case sim::Ground::kSuperposed:
-      return "off: nothing limits or bends the motion, so weight moves its centre alone";
-    case sim::Ground::kCompared:
-      if (verdict.change == 0) return "off: without it the answer is the same";
-      return fmt::format("{}: without it the answer changes by {}", verdict.on ? "on" : "off",
-                         ChangeText(verdict.change));
-  }
-  return {};
-}
-
-std::vector<std::string> EffectLines(const sim::Scene& scene, const sim::EffectChoice& choice) {
-  std::vector<std::string> lines;
-  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
-    const bool told = scene.effects.wishes[k] != sim::Effects{}.wishes[k];
-    if (!told) continue;
-    lines.push_back(fmt::format("{} {}", sim::kEffectNames[k], VerdictText(choice.verdicts[k])));
-  }
-  return lines;
-}
-
-std::string ExplainText(const sim::Scene& scene, const sim::EffectChoice& choice,
-                        const std::vector<EffectTrial>& trials) {
-  std::string text = fmt::format(
-      "  effects, by what they do to {} (tolerance {:g}; runs to decide: {}):\n"
-      "  {:<13} {:>9} {:>12} {:>12}  {}\n",
-      sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)], scene.tolerance,
-      choice.runs, "effect", "change", "with", "without", "decision");
-  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
-    const auto trial = std::ranges::find(trials, static_cast<sim::Effect>(k), &EffectTrial::effect);
-    const bool tried = trial != trials.end();
-    fmt::format_to(std::back_inserter(text), "  {:<13} {:>9} {:>9} us {:>9} us  {}\n",
-                   NameOf(static_cast<sim::Effect>(k)), tried ? ChangeText(trial->change) : "-",
-                   tried ? fmt::format("{:.0f}", trial->with_s * 1e6) : "-",
-                   tried ? fmt::format("{:.0f}", trial->without_s * 1e6) : "-",
-                   VerdictText(choice.verdicts[k]));
-  }
-  return text;
 }
 
 }  // namespace haptometer::tools

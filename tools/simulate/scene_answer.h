@@ -1,15 +1,18 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/error.h"
 #include "sim/effect_choice.h"
+#include "sim/findings.h"
 #include "sim/linear/steady_state.h"
 #include "sim/scene/scene.h"
 #include "sim/skin/skin_rise.h"
 #include "sim/waveforms.h"
+#include "tools/document/document.h"
 
 namespace haptometer::tools {
 
@@ -47,8 +50,8 @@ struct SceneAnswer {
 [[nodiscard]] bool IsSuperposed(const SceneAnswer& answer);
 
 /// Decides the scene's effects; `where` names it in errors.
-/// Errors (Cause::kCannotAnswer): ChooseEffects's; a run too long to play; a drive other than a
-/// sine without a duration or from a steady start.
+/// Errors (Cause::kCannotAnswer): ChooseEffects's refusals in words; a run too long to play; a
+/// drive other than a sine without a duration or from a steady start.
 [[nodiscard]] Result<sim::EffectChoice> DecideEffects(const sim::Scene& scene,
                                                       const std::string& where);
 
@@ -61,14 +64,35 @@ struct SceneAnswer {
 /// nothing that was found.
 [[nodiscard]] Result<SceneAnswer> AnswerScene(const sim::Scene& scene, const std::string& where);
 
-/// What an answer tells of its motion beyond RMS and peaks.
+/// A number of an answer under its key, as `simulate` and `sweep` have it.
+struct AnswerNumber {
+  document::Key key;
+  std::optional<double> (*of)(const SceneAnswer& answer);  ///< empty: not in this answer
+};
+
+/// Of the steady motion, or of what a limited scene settles to: RMS values, peak, power, phase and
+/// force.
+[[nodiscard]] std::span<const AnswerNumber> SteadyNumbers();
+
+/// Of the run that was played, which `simulate --json` has under `run`.
+[[nodiscard]] std::span<const AnswerNumber> RunNumbers();
+
+// further keys of simulate and sweep
+inline constexpr document::Key kWindowRms{"window_rms_m", "RMS over the last ten periods",
+                                          document::kMetre};
+inline constexpr document::Key kErrorEstimate{"error_estimate", "relative error, at most"};
+inline constexpr document::Key kEvents{"events", "events"};
+inline constexpr document::Key kEnergyImbalance{"energy_imbalance",
+                                                "remainder of the energy balance"};
+
+/// The numbers of an answer that are neither RMS values nor peaks.
 struct MotionNumbers {
   /// Least force between contactor and skin, a stated preload and weight in it; without either,
   /// what preload keeps contact, with a minus.
   std::optional<double> contact_force_least_n;
   std::optional<double> efficiency;  ///< power into the skin's damper over electrical power in
   std::optional<sim::SkinRise> rise;
-  std::string no_rise;  ///< why not; empty where nothing was asked
+  std::optional<sim::Finding> no_rise;  ///< why not; nothing where no rise was asked for
 };
 
 /// The answer's scene as it was solved: under the effects that were kept.
@@ -97,16 +121,5 @@ struct EffectTrial {
 /// Cost: six runs for each of them.
 [[nodiscard]] std::vector<EffectTrial> TryEffects(const sim::Scene& scene,
                                                   const sim::EffectChoice& choice);
-
-/// "off: never reached, proved between samples too".
-[[nodiscard]] std::string VerdictText(const sim::EffectVerdict& verdict);
-
-/// A line for each effect that the scene names.
-[[nodiscard]] std::vector<std::string> EffectLines(const sim::Scene& scene,
-                                                   const sim::EffectChoice& choice);
-
-/// The table of `simulate --explain`.
-[[nodiscard]] std::string ExplainText(const sim::Scene& scene, const sim::EffectChoice& choice,
-                                      const std::vector<EffectTrial>& trials);
 
 }  // namespace haptometer::tools

@@ -15,7 +15,7 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
-#include "tools/plot/gnuplot.h"
+#include "tools/document/present.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/simulate/simulate_document.h"
 #include "tools/simulate/simulated_trial.h"
@@ -26,7 +26,7 @@ namespace haptometer::tools {
 namespace {
 
 constexpr std::string_view kVerb = "simulate";
-constexpr double kDefaultTrialS = 1;
+constexpr double kDefaultFileS = 1;
 constexpr double kMostRows = 5e7;  // of a simulated trial: half a gigabyte in memory
 
 constexpr cli::VerbText kText{
@@ -46,7 +46,8 @@ struct SimulateOptions {
   bool explain = false;
   std::string waveforms;
   std::optional<Quantity> rate_hz;
-  std::string plot;
+  document::Outputs outputs;
+  std::vector<std::string> command;
 };
 
 void Declare(cli::Options& options, SimulateOptions& wanted) {
@@ -54,7 +55,7 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
   options.Number("--duration", &wanted.duration_s, Dimension::kTime,
                  "Length of the run; beats [run] duration_s");
   options.Flag("--explain", &wanted.explain,
-               "Tell of each effect whether it is on, why, and what it changes and costs");
+               "For each effect: whether it is on, why, what it changes and costs");
   options.Number("--tolerance", &wanted.tolerance, Dimension::kNone,
                  "Relative change that effects = \"auto\" may neglect; beats [run] tolerance");
   options.Choice("--quantity", &wanted.quantity,
@@ -65,25 +66,30 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
   options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
                  "Rows a second of --waveforms; 64 in the shortest period");
-  options.Output("--plot", &wanted.plot, "FILE", "Draw waveforms and spectrum, .svg, .png or .pdf");
+  options.Flag("--all", &wanted.outputs.all, "The whole run and the method too");
+  options.Output("--plot", &wanted.outputs.plot, "FILE",
+                 "Draw waveforms and spectrum, .svg, .png or .pdf");
+  options.Output("--report", &wanted.outputs.report, "FILE.html",
+                 "Write one page with figures, numbers and assumptions");
   options.Flag("--overwrite", &wanted.overwrite, "Replace FILE where it exists");
 }
 
-// How long files last; of a scene without a duration that is said.
-double LengthOfFiles(const sim::Scene& scene, std::string_view what) {
-  if (!scene.duration_s) {
-    cli::Remark(kVerb, fmt::format("no duration: {} {:g} s", what, kDefaultTrialS));
+// How long files last; of a scene without a duration that is noted.
+double LengthOfFiles(const sim::Scene& scene, Findings<SimulateFinding>& findings) {
+  if (!scene.duration_s && !findings.Has(SimulateFinding::kDurationAssumed)) {
+    findings.Note(SimulateFinding::kDurationAssumed, {{"duration_s", kDefaultFileS}});
   }
-  return scene.duration_s.value_or(kDefaultTrialS);
+  return scene.duration_s.value_or(kDefaultFileS);
 }
 
-// Fills in what a trial needs and the scene does not say, and says so.
-Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
+// Fills in what a trial needs and the scene does not have, and notes it.
+Result<void> Record(const SimulateOptions& wanted, sim::Scene scene,
+                    Findings<SimulateFinding>& findings) {
   if (!scene.sensor) {
     scene.sensor = sim::IdealSensor();
-    cli::Remark(kVerb, "no [sensor]: an ideal one on the skin at 10 kHz is assumed");
+    findings.Note(SimulateFinding::kIdealSensor, {{"rate_hz", scene.sensor->rate_hz}});
   }
-  const double duration_s = LengthOfFiles(scene, "the trial lasts");
+  const double duration_s = LengthOfFiles(scene, findings);
   const double rows = duration_s * scene.sensor->rate_hz;
   if (rows < 1 || rows > kMostRows) {
     return Usage(wanted.output,
@@ -93,11 +99,13 @@ Result<void> Record(const SimulateOptions& wanted, sim::Scene scene) {
   }
   trial::Record record = sim::SimulateRecord(scene, duration_s);
   record.metadata.fields["scene"] = Printable(wanted.scene_path);
+  AddProvenance(document::CollectProvenance(wanted.command), record.metadata);
   return WriteSimulatedTrial(wanted.output, record, wanted.overwrite);
 }
 
 // A drive that ends is played until its motion has rung down.
-Result<void> AddDuration(const std::string& where, sim::Scene& scene) {
+Result<void> AddDuration(const std::string& where, sim::Scene& scene,
+                         Findings<SimulateFinding>& findings) {
   if (scene.duration_s || sim::IsLasting(scene.drive)) return {};
   const auto ring_down_s = sim::RingDownS(scene);
   if (!ring_down_s) {
@@ -108,9 +116,9 @@ Result<void> AddDuration(const std::string& where, sim::Scene& scene) {
   // whole milliseconds, where many drives' pieces and outputs meet
   const double rung_down_s = std::ceil((end_s + *ring_down_s) * 1e3) / 1e3;
   scene.duration_s = std::min(rung_down_s, sim::kLongestRunS);
-  cli::Remark(kVerb, fmt::format("no duration: {:g} s, the drive's {:.4g} s and {:.4g} s in which "
-                                 "the slowest motion falls to a thousandth",
-                                 *scene.duration_s, end_s, *ring_down_s));
+  findings.Note(
+      SimulateFinding::kDurationOfDrive,
+      {{"duration_s", *scene.duration_s}, {"drive_s", end_s}, {"ring_down_s", *ring_down_s}});
   return {};
 }
 
@@ -142,60 +150,59 @@ Result<sim::Scene> ReadScene(const SimulateOptions& wanted) {
 }
 
 // also of a scene that names no effects
-Result<std::string> Explanation(const SceneAnswer& solved, const std::string& where) {
-  const sim::Scene& scene = solved.scene;
-  Result<sim::EffectChoice> choice = sim::EffectChoice{};
-  if (solved.effects) {
-    choice = *solved.effects;
-  } else {
-    choice = DecideEffects(scene, where);
-  }
+Result<Explanation> Explained(const SceneAnswer& solved, const std::string& where) {
+  Result<sim::EffectChoice> choice = solved.effects ? Result<sim::EffectChoice>(*solved.effects)
+                                                    : DecideEffects(solved.scene, where);
   if (!choice) return std::unexpected(choice.error());
-  return ExplainText(scene, *choice, TryEffects(scene, *choice));
+  std::vector<EffectTrial> trials = TryEffects(solved.scene, *choice);
+  return Explanation{.choice = *std::move(choice), .trials = std::move(trials)};
 }
 
 // constants of effects that the scene does not call for are no mistake, but may be one
-void RemarkIdleConstants(const sim::Scene& scene) {
+void NoteIdleConstants(const sim::Scene& scene, Findings<SimulateFinding>& findings) {
   const sim::Effects& effects = scene.effects;
   if (effects.travel_stops && effects[sim::Effect::kTravelStops] == sim::Wish::kOff) {
-    cli::Remark(kVerb, "[travel_stops] are stated and off: travel_stops = true in [effects]");
+    findings.Note(SimulateFinding::kStopsOff);
   }
   if (effects.contact_loss && effects[sim::Effect::kContactLoss] == sim::Wish::kOff) {
-    cli::Remark(kVerb, "preload_n is stated and contact cannot break: contact = \"unilateral\"");
+    findings.Note(SimulateFinding::kPreloadOff);
   }
 }
 
-// The motion as a file and a picture want it, where they do.
-Result<void> DrawAndWrite(const SimulateOptions& wanted, SimulateAnswer& answer) {
-  if (wanted.waveforms.empty() && wanted.plot.empty()) return {};
+// The motion as a file and figures need it, where they are asked for.
+Result<void> AddWaveforms(const SimulateOptions& wanted, SimulateAnswer& answer) {
+  const bool has_figures = wanted.outputs.HasFigures();
+  if (wanted.waveforms.empty() && !has_figures) return {};
   const sim::EffectiveScene effective = EffectiveOf(answer.solved);
   const double own_hz = effective.RateHz();
   const double rate_hz = wanted.rate_hz ? wanted.rate_hz->value : own_hz;
-  const double duration_s = LengthOfFiles(answer.solved.scene, "waveforms last");
-  const double rows = duration_s * std::max(rate_hz, wanted.plot.empty() ? 0 : own_hz);
+  const double duration_s = LengthOfFiles(answer.solved.scene, answer.findings);
+  const double rows = duration_s * std::max(rate_hz, has_figures ? own_hz : 0);
   if (!(rows >= 1 && rows <= kMostWaveformRows)) {
-    return Usage(wanted.waveforms.empty() ? "--plot" : "--waveforms",
+    const std::string figures = wanted.outputs.plot.empty() ? "--report" : "--plot";
+    return Usage(wanted.waveforms.empty() ? figures : "--waveforms",
                  fmt::format("{:g} s at {:g} Hz are {:.3g} rows", duration_s, rate_hz, rows),
                  fmt::format("give a --duration or --rate for 1 to {:g}", kMostWaveformRows));
   }
   const sim::Beginning start = StartOf(answer.solved, effective);
   const sim::Waveforms waves = sim::PlayWaveforms(effective, start, duration_s, rate_hz);
   if (waves.stalled_at_s) {
-    cli::Remark(kVerb,
-                fmt::format("waveforms end at {:.9g} s: events without end", *waves.stalled_at_s));
+    answer.findings.Doubt(SimulateFinding::kWaveformsStalled, {{"at_s", *waves.stalled_at_s}});
   }
   if (!wanted.waveforms.empty()) {
-    const trial::Record record = RecordOf(waves, answer.solved.scene, wanted.scene_path);
+    trial::Record record = RecordOf(waves, answer.solved.scene, wanted.scene_path);
+    AddProvenance(document::CollectProvenance(wanted.command), record.metadata);
     if (auto done = WriteWaveforms(wanted.waveforms, record, wanted.overwrite); !done) return done;
     answer.waveforms_path = wanted.waveforms;
   }
-  if (wanted.plot.empty()) return {};
+  if (!has_figures) return {};
   const bool is_own = rate_hz == own_hz;
-  const auto panels = WaveformPanels(
+  auto panels = WaveformPanels(
       is_own ? waves : sim::PlayWaveforms(effective, start, duration_s, own_hz), effective.scene);
   if (!panels) return std::unexpected(panels.error());
-  answer.plot_path = wanted.plot;
-  return plot::DrawPanels(wanted.plot, *panels);
+  answer.panels = *std::move(panels);
+  answer.plot_path = wanted.outputs.plot;
+  return {};
 }
 
 // The motion over the scene's duration, or over some periods of what it settles to; nothing where
@@ -215,9 +222,7 @@ std::optional<sim::Waveforms> Played(const SceneAnswer& solved) {
 
 // what is asked for must be possible before the work
 Result<void> CheckFiles(const SimulateOptions& wanted) {
-  if (!wanted.plot.empty()) {
-    if (auto check = plot::CheckPlotPath(wanted.plot); !check) return check;
-  }
+  if (auto check = document::CheckOutputs(wanted.outputs); !check) return check;
   if (!wanted.output.empty()) {
     auto check = cli::CheckOutput(wanted.output, cli::kTrialOutput, wanted.overwrite);
     if (!check) return check;
@@ -233,41 +238,38 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   return CheckWaveformPath(wanted.waveforms, wanted.overwrite);
 }
 
+Result<SceneAnswer> Solve(const sim::Scene& scene, const std::string& where) {
+  cli::WorkProgress progress(kVerb, scene.duration_s ? "a shorter --duration takes less"
+                                                     : "--duration 0.1s plays a run instead");
+  const WatchedWork watched(
+      [&](std::string_view what, double share) { progress.Update(what, share); });
+  return AnswerScene(scene, where);
+}
+
 Result<SimulateAnswer> Answer(const SimulateOptions& wanted) {
   if (auto check = CheckFiles(wanted); !check) return std::unexpected(check.error());
   auto scene = ReadScene(wanted);
   if (!scene) return std::unexpected(scene.error());
-  RemarkIdleConstants(*scene);
-  if (auto added = AddDuration(wanted.scene_path, *scene); !added) {
+  SimulateAnswer answer{.scene_path = wanted.scene_path};
+  NoteIdleConstants(*scene, answer.findings);
+  if (auto added = AddDuration(wanted.scene_path, *scene, answer.findings); !added) {
     return std::unexpected(added.error());
   }
-  const auto solved = [&] {
-    cli::WorkProgress progress(kVerb, scene->duration_s ? "a shorter --duration takes less"
-                                                        : "--duration 0.1s plays a run instead");
-    const WatchedWork watched(
-        [&](std::string_view what, double share) { progress.Update(what, share); });
-    return AnswerScene(*scene, wanted.scene_path);
-  }();
+  auto solved = Solve(*scene, wanted.scene_path);
   if (!solved) return std::unexpected(solved.error());
-  const bool is_sine = scene->drive.kind == sim::DriveKind::kSine;
-  if (is_sine && scene->duration_s && !solved->window) {
-    cli::Remark(kVerb, fmt::format("{:g} s are less than ten periods, so there is no window RMS",
-                                   *scene->duration_s));
-  }
-  const auto played = Played(*solved);
-  SimulateAnswer answer{.scene_path = wanted.scene_path,
-                        .solved = *solved,
-                        .numbers = NumbersOf(*solved, played ? &*played : nullptr),
-                        .trial_path = {},
-                        .explanation = {}};
+  answer.solved = *std::move(solved);
+  const auto played = Played(answer.solved);
+  answer.numbers = NumbersOf(answer.solved, played ? &*played : nullptr);
   if (wanted.explain) {
-    auto explanation = Explanation(*solved, wanted.scene_path);
+    auto explanation = Explained(answer.solved, wanted.scene_path);
     if (!explanation) return std::unexpected(explanation.error());
-    answer.explanation = std::move(*explanation);
+    answer.explanation = *std::move(explanation);
   }
-  if (auto done = DrawAndWrite(wanted, answer); !done) return std::unexpected(done.error());
+  if (auto done = AddWaveforms(wanted, answer); !done) return std::unexpected(done.error());
   if (wanted.output.empty()) return answer;
-  if (auto written = Record(wanted, *scene); !written) return std::unexpected(written.error());
+  if (auto written = Record(wanted, *scene, answer.findings); !written) {
+    return std::unexpected(written.error());
+  }
   answer.trial_path = wanted.output;
   return answer;
 }
@@ -279,15 +281,12 @@ int RunSimulate(int argc, const char* const* argv) {
   SimulateOptions wanted;
   Declare(options, wanted);
   if (const auto status = options.Parse(argc, argv)) return *status;
-  if (wanted.explain && options.json()) {
-    const auto refusal = Usage("--explain", "prints a table for people",
-                               "--json alone has each effect's decision and its ground");
-    return cli::ReportError(kVerb, refusal.error());
-  }
+  wanted.command = {"haptometer", std::string(kVerb)};
+  wanted.command.insert(wanted.command.end(), argv + std::min(argc, 1), argv + argc);
   const auto answer = Answer(wanted);
   if (!answer) return cli::ReportError(kVerb, answer.error());
-  cli::Print(options.json() ? SimulateJson(*answer) : SimulateText(*answer));
-  return 0;
+  wanted.outputs.json = options.json();
+  return document::Present(SimulateDocument(*answer), wanted.outputs, argc, argv);
 }
 
 }  // namespace haptometer::tools

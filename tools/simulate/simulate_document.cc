@@ -1,32 +1,192 @@
 #include "tools/simulate/simulate_document.h"
 
 #include <fmt/core.h>
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <nlohmann/json.hpp>
-#include <numbers>
+#include <utility>
 
 #include "base/text.h"
 #include "sim/linear/linear_model.h"
-#include "tools/analyze/analysis_document.h"
-#include "tools/cli/json.h"
+#include "tools/document/keys.h"
 #include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
 namespace {
 
-using nlohmann::ordered_json;
+using document::Detail;
+using document::Item;
+using document::Key;
+using document::Section;
 
-std::string StartName(const sim::Scene& scene) {
-  if (scene.initial.Any()) return "the stated start";
-  return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "steady state";
+// keys of more than one place
+constexpr Key kWindowS{"window_s", "window", document::kSecond};
+constexpr Key kDrivePeriods{"drive_periods", "drive periods per repetition"};
+constexpr Key kChange{"change", "change"};
+
+}  // namespace
+
+// --- findings ---
+
+document::Sentence SentenceOf(SimulateFinding kind) {
+  switch (kind) {
+    case SimulateFinding::kOtherSpringsLinear:
+      return {"other-springs-linear",
+              "springs and dampers without an effect of their own are linear at any travel"};
+    case SimulateFinding::kMoverPreload:
+      return {"mover-preload",
+              "{preload_n} act on the mover, towards the skin positive; positions count from "
+              "static equilibrium, where the force holds it {displacement_m} from where its spring "
+              "is unloaded[, beyond the {stop} on which it therefore rests]"};
+    case SimulateFinding::kSourceHoldsVoltage:
+      return {"source-holds-voltage",
+              "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+              "phase include], and the coil keeps its resistance"};
+    case SimulateFinding::kOnlyCoilWarms:
+      return {"only-coil-warms",
+              "the source holds its voltage[ ahead of its {source_resistance_ohm}, which power and "
+              "phase include], and only the coil warms"};
+    case SimulateFinding::kStopsOff:
+      return {"stops-off",
+              "travel_stops are stated and off: write travel_stops = true in the table effects to "
+              "include them"};
+    case SimulateFinding::kPreloadOff:
+      return {"preload-off",
+              "preload_n is stated and contact cannot break: write contact = \"unilateral\" to let "
+              "it break"};
+    case SimulateFinding::kSteadyNotLinear:
+      return {"steady-not-linear",
+              "the steady motion is not the linear one and is not known; leave out --duration to "
+              "have it searched for"};
+    case SimulateFinding::kPeaksAreSums:
+      return {"peaks-are-sums",
+              "travel and force on the skin are upper limits, the sums of the tones' amplitudes: "
+              "the tones have no short common period"};
+    case SimulateFinding::kNoWindow:
+      return {"no-window", "{run_s} are less than ten periods, so there is no window_rms_m"};
+    case SimulateFinding::kChaotic:
+      return {"chaotic",
+              "the motion is chaotic: small deviations grow by {growth} +-{growth_uncertainty} "
+              "(logarithm, each period of the drive); RMS values and power are averages over "
+              "{periods} periods"};
+    case SimulateFinding::kEndVaries:
+      return {"end-varies",
+              "the run's end does not repeat itself: the RMS over its window has a relative "
+              "standard uncertainty of {relative_uncertainty} (standard deviation from window to "
+              "window)"};
+    case SimulateFinding::kEndNotKnown:
+      return {"end-not-known",
+              "the run's end does not repeat itself, and the run is too short to state what the "
+              "uncertainty of its window is"};
+    case SimulateFinding::kKnownUntil:
+      return {"known-until",
+              "the motion is known to {tolerance} until {known_until_s}: small errors grow in it"};
+    case SimulateFinding::kDurationOfDrive:
+      return {"duration-of-drive",
+              "no duration is given: the run lasts {duration_s}, the drive's {drive_s} and "
+              "{ring_down_s} in which the slowest motion falls to a thousandth"};
+    case SimulateFinding::kDurationAssumed:
+      return {"duration-assumed", "no duration is given: files last {duration_s}"};
+    case SimulateFinding::kIdealSensor:
+      return {
+          "ideal-sensor",
+          "the scene has no sensor: the trial is that of an ideal one on the skin at {rate_hz}"};
+    case SimulateFinding::kWaveformsStalled:
+      break;
+  }
+  return {"waveforms-stalled",
+          "waveforms end at {at_s}, where events follow each other without end"};
 }
 
+namespace {
+
+bool IsNamed(const SceneAnswer& solved, sim::Effect effect) {
+  return solved.scene.effects[effect] != sim::Wish::kOff;
+}
+
+// springs, stops and contact
+void NoteBodies(const SceneAnswer& solved, sim::Findings& of_sim,
+                Findings<SimulateFinding>& findings) {
+  if (IsNamed(solved, sim::Effect::kStiffening) || IsNamed(solved, sim::Effect::kTravelStops)) {
+    findings.Note(SimulateFinding::kOtherSpringsLinear);
+  } else {
+    of_sim.Note(sim::FindingKind::kLinearSprings);
+  }
+  if (!IsNamed(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
+    const double peak_n =
+        solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n;
+    of_sim.Note(sim::FindingKind::kContactKept, {{"least_force_n", peak_n}});
+  }
+  const double preload_n = solved.scene.mover_preload_n;
+  if (preload_n == 0) return;
+  const sim::EffectiveScene effective = EffectiveOf(solved);
+  FindingOf<SimulateFinding> preload{
+      Severity::kNote,
+      SimulateFinding::kMoverPreload,
+      {{"preload_n", preload_n},
+       {"displacement_m", sim::MoverSag(solved.scene, IsNamed(solved, sim::Effect::kGravity),
+                                        effective.smooth.spring.has_value())}}};
+  if (sim::RestsOnStop(effective)) preload.numbers.emplace_back("stop", std::string("stop"));
+  findings.Add(std::move(preload));
+}
+
+void NoteSource(const SceneAnswer& solved, Findings<SimulateFinding>& findings) {
+  const double source_ohm = solved.scene.drive.source_resistance_ohm;
+  const auto kind = IsNamed(solved, sim::Effect::kCoilHeating)
+                        ? SimulateFinding::kOnlyCoilWarms
+                        : SimulateFinding::kSourceHoldsVoltage;
+  FindingOf<SimulateFinding> source{Severity::kNote, kind};
+  if (source_ohm > 0) source.numbers = {{"source_resistance_ohm", source_ohm}};
+  findings.Add(std::move(source));
+}
+
+// of a motion that something limits: how it ends, and how far it is known
+void NoteMotion(const SceneAnswer& solved, Findings<SimulateFinding>& findings) {
+  const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
+  if (is_sine && solved.scene.duration_s && !solved.steady) {
+    findings.Note(SimulateFinding::kSteadyNotLinear);
+  }
+  if (solved.tones && !(solved.tones->period_s > 0)) findings.Note(SimulateFinding::kPeaksAreSums);
+  if (is_sine && solved.scene.duration_s && !solved.window) {
+    findings.Note(SimulateFinding::kNoWindow, {{"run_s", *solved.scene.duration_s}});
+  }
+  const sim::SceneRun* run = RunOf(solved);
+  if (run != nullptr && run->known_until_s) {
+    findings.Doubt(SimulateFinding::kKnownUntil,
+                   {{"tolerance", solved.scene.tolerance}, {"known_until_s", *run->known_until_s}});
+  }
+  if (!solved.effects) return;
+  if (const auto& chaotic = solved.effects->chaotic) {
+    findings.Note(SimulateFinding::kChaotic,
+                  {{"growth", chaotic->exponent},
+                   {"growth_uncertainty", chaotic->exponent_standard_uncertainty},
+                   {"periods", chaotic->periods}});
+  }
+  if (!solved.effects->end || solved.effects->end->drive_periods) return;
+  if (const auto uncertainty = solved.effects->end->window_uncertainty) {
+    findings.Doubt(SimulateFinding::kEndVaries, {{"relative_uncertainty", *uncertainty}});
+  } else {
+    findings.Doubt(SimulateFinding::kEndNotKnown);
+  }
+}
+
+void AddAllFindings(const SimulateAnswer& answer, Section& root) {
+  sim::Findings of_sim;
+  Findings<SimulateFinding> findings = answer.findings;
+  NoteMotion(answer.solved, findings);
+  NoteBodies(answer.solved, of_sim, findings);
+  NoteSource(answer.solved, findings);
+  if (answer.numbers.no_rise) of_sim.Add(*answer.numbers.no_rise);
+  document::AddFindings(root, findings);
+  document::AddFindings(root, of_sim);
+}
+
+// --- the motion ---
+
 std::string Method(const SceneAnswer& solved) {
-  std::vector<std::string> methods;
+  std::vector<std::string_view> methods;
   if (solved.steady) methods.emplace_back("exact phasor of the linear model");
   if (solved.tones || IsSuperposed(solved)) {
     methods.emplace_back("exact phasors of the linear model, superposed");
@@ -47,169 +207,8 @@ std::string Method(const SceneAnswer& solved) {
   return fmt::format("{}", fmt::join(methods, "; "));
 }
 
-std::string Bodies(const sim::Scene& scene) {
-  return scene.adapter ? "actuator, adapter, skin (7 states)" : "actuator on the skin (5 states)";
-}
-
-std::string SourceAssumption(const sim::Drive& drive, bool warms) {
-  const std::string_view coil =
-      warms ? ", and only the coil warms" : ", and the coil keeps its resistance";
-  if (drive.source_resistance_ohm == 0) return fmt::format("the source holds its voltage{}", coil);
-  return fmt::format(
-      "the source holds its voltage ahead of its {:g} ohm, which power and phase include{}",
-      drive.source_resistance_ohm, coil);
-}
-
-// what the effects leave to be assumed
-bool Limited(const SceneAnswer& solved, sim::Effect effect) {
-  return solved.scene.effects[effect] != sim::Wish::kOff;
-}
-
-std::string SteadyText(const SceneAnswer& solved) {
-  const sim::SteadyState& steady = *solved.steady;
-  std::string text = fmt::format("  skin displacement  {:12.5f} um RMS\n", steady.skin_rms_m * 1e6);
-  if (solved.skin_rms_relative_uncertainty > 0) {
-    const double half_um = 1.96e6 * solved.skin_rms_relative_uncertainty * steady.skin_rms_m;
-    text += fmt::format("                  +- {:12.5f} um (95 %, from the actuator's constants)\n",
-                        half_um);
-  }
-  text += fmt::format("  mover travel    +- {:12.5f} um in its case\n", steady.mover_peak_m * 1e6);
-  text += fmt::format("  case displacement  {:12.5f} um RMS\n", steady.case_rms_m * 1e6);
-  text += fmt::format("  current            {:12.5f} mA RMS\n", steady.current_rms_a * 1e3);
-  text += fmt::format("  phase of current   {:12.5f} degrees to the voltage\n",
-                      steady.phase_rad * 180 / std::numbers::pi);
-  text += fmt::format("  electrical power   {:12.5f} mW\n", steady.power_w * 1e3);
-  text += fmt::format("  skin force      +- {:12.5f} N\n", steady.skin_force_peak_n);
-  if (solved.scene.drive.offset_v == 0) return text;
-  return text +
-         fmt::format("  of it constant: skin {:.5f} um, mover {:.5f} um in its case, {:.5f} mA\n",
-                     steady.mean(sim::AssembleModel(solved.scene).skin()) * 1e6,
-                     steady.mean_travel_m * 1e6, steady.mean_current_a * 1e3);
-}
-
-std::string TonesText(const sim::SteadyTones& tones) {
-  std::string text = fmt::format("  skin displacement  {:12.5f} um RMS\n", tones.skin_rms_m * 1e6);
-  text += fmt::format("  mover travel    +- {:12.5f} um in its case\n", tones.mover_peak_m * 1e6);
-  text += fmt::format("  case displacement  {:12.5f} um RMS\n", tones.case_rms_m * 1e6);
-  text += fmt::format("  current            {:12.5f} mA RMS\n", tones.current_rms_a * 1e3);
-  text += fmt::format("  electrical power   {:12.5f} mW\n", tones.power_w * 1e3);
-  text += fmt::format("  skin force      +- {:12.5f} N\n", tones.skin_force_peak_n);
-  text += tones.period_s > 0
-              ? fmt::format("  repeats itself every {:.6g} s, over which travel and force peak\n",
-                            tones.period_s)
-              : std::string(
-                    "  travel and force: at most that, the sums of the tones' amplitudes, "
-                    "which have no short common period\n");
-  return text;
-}
-
-std::string RiseText(const MotionNumbers& numbers) {
-  if (!numbers.no_rise.empty()) return fmt::format("  rise: none told, {}\n", numbers.no_rise);
-  if (!numbers.rise) return {};
-  const sim::SkinRise& rise = *numbers.rise;
-  std::string text = "  rise of the skin   ";
-  if (rise.rise_s) {
-    text += fmt::format("{:12.2f} ms from 10 % to 90 %", *rise.rise_s * 1e3);
-  } else if (rise.rise_at_most_s) {
-    text += fmt::format("at most {:.2f} ms from 10 % to 90 %", *rise.rise_at_most_s * 1e3);
-  } else {
-    text += "not determined";
-  }
-  text += fmt::format(", to {:.2g} ms\n  latency to 10 %    {}: {}\n", rise.uncertainty_s * 1e3,
-                      LatencyText(rise), LatencyVerdict(rise));
-  return text;
-}
-
-// what presses on the skin, where that is not said by a steady amplitude
-std::string NumbersText(const SimulateAnswer& answer) {
-  const MotionNumbers& numbers = answer.numbers;
-  std::string text;
-  if (numbers.contact_force_least_n) {
-    text += fmt::format("  least contact force{:12.5f} N, preload and weight included{}\n",
-                        *numbers.contact_force_least_n,
-                        *numbers.contact_force_least_n < 0 ? ": the skin would have to pull" : "");
-  }
-  if (numbers.efficiency) {
-    text += fmt::format("  into the skin      {:12.5f} % of the electrical power\n",
-                        *numbers.efficiency * 100);
-  }
-  return text + RiseText(numbers);
-}
-
-// what is known of a motion that never repeats itself
-std::string ChaoticText(const sim::ChaoticMotion& motion) {
-  return fmt::format(
-      "  settles to a chaotic motion: small deviations grow by {:.3g} +- {:.1g} (logarithm, each "
-      "period of the drive); RMS values and power are averages over {} periods\n",
-      motion.exponent, motion.exponent_standard_uncertainty, motion.periods);
-}
-
-// how the end of a run with a duration repeats itself
-std::string EndText(const SceneAnswer& solved) {
-  if (!solved.effects->end) return {};
-  const sim::RunEnd& end = *solved.effects->end;
-  if (end.drive_periods) {
-    return fmt::format("  the run ends in a motion that repeats itself every {} period{}\n",
-                       *end.drive_periods, *end.drive_periods == 1 ? "" : "s");
-  }
-  if (!end.window_uncertainty) {
-    return "  the run's end does not repeat itself, and the run is too short to tell what its "
-           "window is uncertain by\n";
-  }
-  return fmt::format(
-      "  the run's end does not repeat itself: its window's RMS is uncertain by {:.2g} of itself "
-      "(standard deviation from window to window)\n",
-      *end.window_uncertainty);
-}
-
-// how the motion repeats itself that a limited scene settles to
-std::string PeriodicText(const SceneAnswer& solved) {
-  if (!solved.effects) return {};
-  if (solved.effects->chaotic) return ChaoticText(*solved.effects->chaotic);
-  if (!solved.effects->periodic) return EndText(solved);
-  const sim::PeriodicMotion& motion = *solved.effects->periodic;
-  std::string text =
-      fmt::format("  settles to a motion that repeats itself every {} period{} of the drive",
-                  motion.drive_periods, motion.drive_periods == 1 ? "" : "s");
-  if (motion.multipliers.size() > 0) {
-    text += fmt::format("; a small deviation shrinks to {:.2g} of itself each time",
-                        std::abs(motion.multipliers(0)));
-  }
-  return text + "\n";
-}
-
-// the run that was played
-std::string RunText(const SceneAnswer& solved) {
-  const sim::SceneRun& run = *RunOf(solved);
-  std::string text = PeriodicText(solved);
-  const std::string when =
-      IsSuperposed(solved) ? "over a long time"
-                           : fmt::format("in the run, {:.6g} to {:.6g} s", run.begin_s, run.end_s);
-  text += fmt::format(
-      "  {}: skin {:.5f} um RMS, case {:.5f} um RMS, mover +- {:.5f} um{}, {:.5f} mA RMS, {:.5f} "
-      "mW\n",
-      when, run.skin_rms_m * 1e6, run.case_rms_m * 1e6, run.mover_peak_m * 1e6,
-      run.begin_s > 0 ? fmt::format(" (whole run {:.5f})", run.mover_peak_of_run_m * 1e6) : "",
-      run.current_rms_a * 1e3, run.power_w * 1e3);
-  for (const sim::EventCount& event : run.events) {
-    text += fmt::format("  event: {}, {} times, first at {:.9g} s\n", event.name, event.count,
-                        event.first_s);
-  }
-  if (solved.effects && solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)]) {
-    text += fmt::format("  coil {:.4f} K warmer at the end, at most {:.4f} K in the run\n",
-                        run.temperature_rise_k, run.temperature_peak_k);
-  }
-  if (run.solver) text += fmt::format("  solver: {} steps\n", run.work.steps);
-  if (run.known_until_s) {
-    text += fmt::format("  known to {:g} until {:.6g} s: small errors grow in this motion\n",
-                        solved.scene.tolerance, *run.known_until_s);
-  }
-  text += fmt::format("  energy of the run closes to {:.1e}\n", run.ledger.Imbalance());
-  return text;
-}
-
 // of all that is answered
-double ErrorEstimate(const SceneAnswer& solved) {
+double ErrorOfAll(const SceneAnswer& solved) {
   double largest = 0;
   if (solved.steady) largest = solved.steady->error_estimate;
   if (solved.tones) largest = std::max(largest, solved.tones->error_estimate);
@@ -217,218 +216,306 @@ double ErrorEstimate(const SceneAnswer& solved) {
   return largest;
 }
 
-ordered_json EffectsJson(const SceneAnswer& solved) {
-  if (!solved.effects) return nullptr;
-  const sim::EffectChoice& choice = *solved.effects;
-  ordered_json effects = ordered_json::object();
-  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
-    const sim::EffectVerdict& verdict = choice.verdicts[k];
-    const bool asked =
-        verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
-    effects[std::string(sim::kEffectNames[k])] = {
-        {"on", verdict.on},
-        {"why", VerdictText(verdict)},
-        {"change", asked ? cli::NumberOrNull(verdict.change) : ordered_json(nullptr)}};
+// nothing is shown below the error of the number
+void AddNumbers(std::span<const AnswerNumber> numbers, const SceneAnswer& solved, double error,
+                Section& section) {
+  for (const AnswerNumber& number : numbers) {
+    const std::optional<double> value = number.of(solved);
+    section.Add(number.key, value).resolution = std::abs(value.value_or(0)) * error;
   }
-  return effects;
 }
 
-ordered_json PeriodicJson(const SceneAnswer& solved) {
-  if (!solved.effects || !solved.effects->periodic) return nullptr;
+Section SteadySection(const SceneAnswer& solved) {
+  Section steady;
+  AddNumbers(SteadyNumbers(), solved, ErrorOfAll(solved), steady);
+  Item& skin = steady.items.front();
+  skin.form = document::Form::kUncertain;
+  if (solved.skin_rms_relative_uncertainty > 0 && solved.steady) {
+    skin.standard_uncertainty = solved.skin_rms_relative_uncertainty * solved.steady->skin_rms_m;
+    skin.note = "standard uncertainty from the actuator's constants";
+  }
+  // of a constant voltage
+  Section mean{.is_known = solved.steady && solved.scene.drive.offset_v != 0};
+  const double skin_m =
+      mean.is_known ? solved.steady->mean(sim::AssembleModel(solved.scene).skin()) : 0;
+  mean.Add({"skin_mean_m", "skin displacement, constant part", document::kMetre}, skin_m);
+  mean.Add({"mover_mean_m", "mover displacement in its case, constant part", document::kMetre},
+           mean.is_known ? solved.steady->mean_travel_m : 0);
+  mean.Add({"current_mean_a", "current, constant part", document::kAmpere},
+           mean.is_known ? solved.steady->mean_current_a : 0);
+  steady.sections.push_back(std::move(mean));
+  return steady;
+}
+
+Section ContactSection(const SimulateAnswer& answer) {
+  const SceneAnswer& solved = answer.solved;
+  Section contact;
+  Item& least = contact.Add({"contact_force_least_n", "least force on the skin", document::kNewton},
+                            answer.numbers.contact_force_least_n);
+  least.note = "preload and weight included";
+  if (answer.numbers.contact_force_least_n.value_or(0) < 0) {
+    least.note += ": the skin would have to pull";
+  }
+  contact.Add({"efficiency", "part of the power into the skin", document::kShare},
+              answer.numbers.efficiency);
+  const auto& tones = solved.tones;
+  contact.Add({"period_s", "repeats itself every", document::kSecond},
+              tones && tones->period_s > 0 ? std::optional(tones->period_s) : std::nullopt);
+  return contact;
+}
+
+std::string_view StartName(const sim::Scene& scene) {
+  if (scene.initial.Any()) return "the stated start";
+  return sim::StartOf(scene) == sim::Start::kRest ? "rest" : "the steady state";
+}
+
+Section WindowSection(const SceneAnswer& solved) {
+  Section section{.is_known = solved.window.has_value()};
+  const WindowAnswer window = solved.window.value_or(WindowAnswer{});
+  section.Add(kWindowRms, window.skin_rms_m).note = fmt::format(
+      "{:.6g} to {:.6g} s, from {}", window.begin_s, window.end_s, StartName(solved.scene));
+  section.Add({kWindowS.name}, document::Range{window.begin_s, window.end_s});
+  return section;
+}
+
+// --- the run ---
+
+Section EventsTable(const sim::SceneRun& run) {
+  Section events{.name = std::string(kEvents.name),
+                 .heading = run.events.empty() ? "" : std::string(kEvents.label),
+                 .shape = Section::Shape::kTable};
+  for (const sim::EventCount& event : run.events) {
+    Section& row = events.sections.emplace_back();
+    row.Add({"name", "event"}, event.name);
+    row.Add({"count", "times"}, event.count);
+    row.Add({"first_s", "first at", document::kSecond}, event.first_s);
+  }
+  return events;
+}
+
+Section RunSection(const SceneAnswer& solved) {
+  const sim::SceneRun* played = RunOf(solved);
+  Section section{.name = "run", .heading = "run", .is_known = played != nullptr};
+  if (played == nullptr) return section;
+  const sim::SceneRun& run = *played;
+  // numbers of what a scene settles to stand above
+  if (SettledRun(solved) != nullptr || solved.steady) section.detail = Detail::kAll;
+  section.Add(kWindowS, document::Range{run.begin_s, run.end_s});
+  AddNumbers(RunNumbers(), solved, run.error_estimate, section);
+  const sim::RunEnd end =
+      solved.effects ? solved.effects->end.value_or(sim::RunEnd{}) : sim::RunEnd{};
+  section.Add(kDrivePeriods, end.drive_periods);
+  section.Add({"window_relative_uncertainty"}, end.window_uncertainty);
+  const bool warms = solved.effects && solved.effects->on[sim::PlaceOf(sim::Effect::kCoilHeating)];
+  section.Add({"temperature_rise_k", warms ? "temperature rise of the coil at the end" : "",
+               document::kKelvin},
+              run.temperature_rise_k);
+  section.Add({"temperature_peak_k", warms ? "largest temperature rise of the coil" : "",
+               document::kKelvin},
+              run.temperature_peak_k);
+  section.Add({kErrorEstimate.name}, run.error_estimate);
+  section.Add({"known_until_s"}, run.known_until_s);
+  section.Add({"solver_steps", run.solver ? "steps of the solver" : ""}, run.work.steps);
+  section.Add(kEnergyImbalance, run.ledger.Imbalance()).resolution =
+      std::abs(run.ledger.Imbalance()) / 10;
+  section.sections.push_back(EventsTable(run));
+  return section;
+}
+
+Section PeriodicSection(const SceneAnswer& solved) {
+  const bool is_known = solved.effects && solved.effects->periodic;
+  Section section{.name = "periodic", .is_known = is_known};
+  if (!is_known) return section;
   const sim::PeriodicMotion& motion = *solved.effects->periodic;
-  ordered_json multipliers = ordered_json::array();
+  section.Add(kDrivePeriods, motion.drive_periods);
+  if (motion.multipliers.size() > 0) {
+    section.Add({"", "deviation left after each"}, std::abs(motion.multipliers(0))).resolution =
+        1e-4;
+  }
+  std::vector<std::vector<double>> multipliers;
   for (const auto& multiplier : motion.multipliers) {
     multipliers.push_back({multiplier.real(), multiplier.imag()});
   }
-  return {{"drive_periods", motion.drive_periods},
-          {"floquet_multipliers", multipliers},
-          {"residual", motion.residual}};
+  section.Add({"floquet_multipliers"}, std::move(multipliers));
+  section.Add({"residual"}, motion.residual);
+  return section;
 }
 
-ordered_json AverageJson(const SceneAnswer& solved) {
-  if (!solved.effects || !solved.effects->chaotic) return nullptr;
+Section AverageSection(const SceneAnswer& solved) {
+  const bool is_known = solved.effects && solved.effects->chaotic;
+  Section section{.name = "average", .is_known = is_known};
+  if (!is_known) return section;
   const sim::ChaoticMotion& motion = *solved.effects->chaotic;
   const sim::SceneRun& run = solved.effects->run;
   const Eigen::Index skin = sim::AssembleModel(EffectiveOf(solved).scene).skin();
   const sim::PeriodMeans& uncertain = motion.standard_uncertainties;
   const auto of_rms = [&](double rms, Eigen::Index state) {
-    return cli::NumberOrNull(uncertain.mean_squares(state) / (2 * rms));
+    return uncertain.mean_squares(state) / (2 * rms);
   };
-  return {{"drive_periods", motion.periods},
-          {"lyapunov_exponent_per_period", motion.exponent},
-          {"lyapunov_exponent_standard_uncertainty", motion.exponent_standard_uncertainty},
-          {"skin_rms_standard_uncertainty_m", of_rms(run.skin_rms_m, skin)},
-          {"case_rms_standard_uncertainty_m", of_rms(run.case_rms_m, sim::LinearModel::kCase)},
-          {"power_standard_uncertainty_w", uncertain.power_w}};
+  section.Add({kDrivePeriods.name, "drive periods of the averages"}, motion.periods);
+  section.Add({"lyapunov_exponent_per_period", "Lyapunov exponent, each period"}, motion.exponent,
+              motion.exponent_standard_uncertainty);
+  section.Add({"lyapunov_exponent_standard_uncertainty"}, motion.exponent_standard_uncertainty);
+  section
+      .Add({"skin_rms_standard_uncertainty_m", "skin displacement, uncertainty", document::kMetre},
+           of_rms(run.skin_rms_m, skin))
+      .resolution = of_rms(run.skin_rms_m, skin) / 10;
+  section.Add({"case_rms_standard_uncertainty_m"}, of_rms(run.case_rms_m, sim::LinearModel::kCase));
+  section.Add({"power_standard_uncertainty_w"}, uncertain.power_w);
+  return section;
 }
 
-ordered_json RiseJson(const MotionNumbers& numbers) {
-  if (!numbers.rise) return nullptr;
-  const sim::SkinRise& rise = *numbers.rise;
-  return {{"rise_s", cli::NumberOrNull(rise.rise_s)},
-          {"rise_at_most_s", cli::NumberOrNull(rise.rise_at_most_s)},
-          {"latency_s", rise.latency_s},
-          {"latency_below_s", cli::NumberOrNull(LatencyBelowS(rise))},
-          {"standard_uncertainty_s", rise.uncertainty_s},
-          {"verdict", LatencyVerdict(rise)}};
+// --- effects ---
+
+std::string_view NameOf(sim::Ground ground) {
+  switch (ground) {
+    case sim::Ground::kNotNamed:
+      return "not named";
+    case sim::Ground::kNamed:
+      return "named";
+    case sim::Ground::kNeverReached:
+      return "never reached";
+    case sim::Ground::kSuperposed:
+      return "superposed";
+    case sim::Ground::kCompared:
+      break;
+  }
+  return "compared";
 }
 
-ordered_json RunJson(const SceneAnswer& solved) {
-  if (RunOf(solved) == nullptr) return nullptr;
-  const sim::SceneRun& run = *RunOf(solved);
-  ordered_json events = ordered_json::array();
-  for (const sim::EventCount& event : run.events) {
-    events.push_back({{"name", event.name}, {"count", event.count}, {"first_s", event.first_s}});
+std::string GroundText(const sim::EffectVerdict& verdict) {
+  switch (verdict.ground) {
+    case sim::Ground::kNotNamed:
+      return "not named in the scene";
+    case sim::Ground::kNamed:
+      return "named in the scene";
+    case sim::Ground::kNeverReached:
+      return "never reached, proved between samples too: the motion is the same without it";
+    case sim::Ground::kSuperposed:
+      return "nothing limits or bends the motion, so weight moves its centre alone";
+    case sim::Ground::kCompared:
+      break;
   }
-  // how its end repeats itself, or what its window is uncertain by
-  ordered_json repeats = nullptr, uncertain = nullptr;
-  if (solved.effects && solved.effects->end) {
-    const sim::RunEnd& end = *solved.effects->end;
-    if (end.drive_periods) repeats = *end.drive_periods;
-    if (end.window_uncertainty) uncertain = cli::NumberOrNull(*end.window_uncertainty);
+  if (verdict.change == 0) return "without it the answer is the same";
+  if (std::isinf(verdict.change)) return "without it the answer is not known";
+  return fmt::format("without it the answer changes by {:.2g}", verdict.change);
+}
+
+// an object for each effect; in the text a line for those that the scene names, or for all
+Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanation>& explanation) {
+  const sim::EffectChoice* choice = nullptr;
+  if (solved.effects) choice = &*solved.effects;
+  if (explanation) choice = &explanation->choice;
+  const sim::Scene& scene = solved.scene;
+  Section effects{.name = "effects", .is_known = choice != nullptr};
+  if (choice == nullptr) return effects;
+  effects.heading = fmt::format("effects, by {} to {:g} ({} runs)",
+                                sim::kAskedQuantityNames[static_cast<std::size_t>(scene.quantity)],
+                                scene.tolerance, choice->runs);
+  for (std::size_t k = 0; k < sim::kEffectNames.size(); ++k) {
+    const sim::EffectVerdict& verdict = choice->verdicts[k];
+    const bool is_shown = explanation || scene.effects.wishes[k] != sim::Effects{}.wishes[k];
+    const bool is_asked =
+        verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
+    Section& effect = effects.sections.emplace_back();
+    effect.name = sim::kEffectNames[k];
+    effect.Add({"on", is_shown ? sim::kEffectNames[k] : ""}, verdict.on).note = GroundText(verdict);
+    effect.Add({"ground"}, NameOf(verdict.ground));
+    effect.Add({kChange.name}, is_asked ? std::optional(verdict.change) : std::nullopt);
   }
-  return {{"window_s", {run.begin_s, run.end_s}},
-          {"drive_periods", repeats},
-          {"window_relative_uncertainty", uncertain},
-          {"skin_rms_m", run.skin_rms_m},
-          {"case_rms_m", run.case_rms_m},
-          {"current_rms_a", run.current_rms_a},
-          {"power_w", run.power_w},
-          {"mover_peak_m", run.mover_peak_m},
-          {"mover_peak_of_run_m", run.mover_peak_of_run_m},
-          {"temperature_rise_k", run.temperature_rise_k},
-          {"temperature_peak_k", run.temperature_peak_k},
-          {"error_estimate", run.error_estimate},
-          {"known_until_s", cli::NumberOrNull(run.known_until_s)},
-          {"solver_steps", run.work.steps},
-          {"events", events},
-          {"energy_imbalance", run.ledger.Imbalance()}};
+  return effects;
+}
+
+Section ExplainedTable(const std::optional<Explanation>& explanation) {
+  Section table{.name = "explained",
+                .heading = "each effect forced on and left out, best time of three runs",
+                .shape = Section::Shape::kTable,
+                .is_known = explanation.has_value()};
+  if (!explanation) return table;
+  for (const EffectTrial& trial : explanation->trials) {
+    Section& row = table.sections.emplace_back();
+    row.Add({"effect", "effect"}, sim::kEffectNames[sim::PlaceOf(trial.effect)]);
+    row.Add(kChange, trial.change).resolution = trial.change / 10;
+    row.Add({"with_s", "with it", document::kSecond}, trial.with_s).resolution = 1e-6;
+    row.Add({"without_s", "without it", document::kSecond}, trial.without_s).resolution = 1e-6;
+  }
+  return table;
+}
+
+// --- method and files ---
+
+Section MethodSection(const SimulateAnswer& answer) {
+  const double error = ErrorOfAll(answer.solved);
+  Section section;
+  section.Add({"method", "method"}, Method(answer.solved));
+  section.Add(kErrorEstimate, error).resolution = error / 10;
+  const auto add = [&section](const Key& key, const std::string& path) {
+    using Text = std::optional<std::string>;
+    section.Add(key, path.empty() ? Text() : Text(path));
+  };
+  add({"trial", "trial"}, answer.trial_path);
+  add({"waveforms", "waveforms"}, answer.waveforms_path);
+  add({"plot", "plot"}, answer.plot_path);
+  return section;
+}
+
+std::string TitleOf(const SimulateAnswer& answer) {
+  const sim::Scene& scene = answer.solved.scene;
+  return fmt::format(
+      "{}: {}, {}", Printable(answer.scene_path),
+      scene.adapter ? "actuator, adapter, skin (7 states)" : "actuator on the skin (5 states)",
+      DriveText(scene.drive));
 }
 
 }  // namespace
 
-std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer) {
-  const SceneAnswer& solved = answer.solved;
-  const std::string springs = Limited(solved, sim::Effect::kStiffening)
-                                  ? "dampers and the other springs are linear at any travel"
-                                  : "springs and dampers are linear at any travel";
-  std::vector<std::string> assumptions{
-      Limited(solved, sim::Effect::kTravelStops)
-          ? springs
-          : springs +
-                ", and no travel limit is given: this may be impossible; check the mover's "
-                "travel against its stops"};
-  if (!Limited(solved, sim::Effect::kContactLoss) && (solved.steady || solved.tones)) {
-    assumptions.push_back(fmt::format(
-        "contact is kept whatever the force: it is lost where less than {:.3g} N presses actuator "
-        "and skin together",
-        solved.steady ? solved.steady->skin_force_peak_n : solved.tones->skin_force_peak_n));
-  }
-  if (const double preload_n = solved.scene.mover_preload_n; preload_n != 0) {
-    const sim::EffectiveScene effective = EffectiveOf(solved);
-    const double sag_m = sim::MoverSag(solved.scene, Limited(solved, sim::Effect::kGravity),
-                                       effective.smooth.spring.has_value());
-    assumptions.push_back(fmt::format(
-        "{:g} N act on the mover, towards the skin positive; positions count from static "
-        "equilibrium, where they hold it {:.5f} um from where its spring is at ease{}",
-        preload_n, sag_m * 1e6,
-        sim::RestsOnStop(effective) ? ", beyond the stop that it therefore rests on" : ""));
-  }
-  assumptions.push_back(
-      SourceAssumption(solved.scene.drive, Limited(solved, sim::Effect::kCoilHeating)));
-  return assumptions;
+document::Section RiseSection(const std::optional<sim::SkinRise>& known) {
+  const sim::SkinRise rise = known.value_or(sim::SkinRise{});
+  Section section{.name = "rise", .is_known = known.has_value()};
+  section.Add(document::kRise, rise.rise_s, rise.uncertainty_s);
+  section
+      .Add({"rise_at_most_s", "rise from 10 % to 90 %, at most", document::kSecond},
+           rise.rise_at_most_s)
+      .resolution = rise.uncertainty_s / 10;
+  // a latency that is not above its uncertainty is a limit alone
+  const bool is_limit = !rise.TellsLatency();
+  section.Add(
+      {document::kLatency.name, is_limit ? "" : document::kLatency.label, document::kLatency.unit},
+      rise.latency_s, rise.uncertainty_s);
+  section
+      .Add({"latency_below_s", "latency to 10 %, at most", document::kSecond},
+           is_limit ? std::optional(rise.LatencyAtMostS()) : std::nullopt)
+      .resolution = rise.uncertainty_s / 100;
+  section.Add({"standard_uncertainty_s"}, rise.uncertainty_s);
+  const sim::Finding verdict{
+      Severity::kNote,
+      sim::VerdictOf(rise),
+      {{"latency_s", rise.latency_s}, {"standard_uncertainty_s", rise.uncertainty_s}}};
+  section.Add({"verdict"}, document::SentenceOf(verdict.kind).kind);
+  sim::Findings findings;
+  if (known) findings.Add(verdict);
+  document::AddFindings(section, findings);
+  return section;
 }
 
-std::string SimulateText(const SimulateAnswer& answer) {
+document::Document SimulateDocument(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
-  std::string text = fmt::format("{}: {}, {}\n", Printable(answer.scene_path), Bodies(solved.scene),
-                                 DriveText(solved.scene.drive));
-  const bool is_sine = solved.scene.drive.kind == sim::DriveKind::kSine;
-  if (solved.steady) {
-    text += SteadyText(solved);
-  } else if (solved.tones) {
-    text += TonesText(*solved.tones);
-  } else if (is_sine && solved.scene.duration_s) {
-    text += "  steady state: not the linear one; searched for without a duration\n";
-  }
-  if (solved.window) {
-    text += fmt::format("  from {}, {:.6g} to {:.6g} s (10 periods): skin {:.5f} um RMS\n",
-                        StartName(solved.scene), solved.window->begin_s, solved.window->end_s,
-                        solved.window->skin_rms_m * 1e6);
-  }
-  if (RunOf(solved) != nullptr) text += RunText(solved);
-  text += NumbersText(answer);
-  // the explanation has them too
-  if (solved.effects && answer.explanation.empty()) {
-    for (const std::string& line : EffectLines(solved.scene, *solved.effects)) {
-      text += fmt::format("  effect: {}\n", line);
-    }
-  }
-  text += fmt::format("  method: {}", Method(solved));
-  text += fmt::format("; relative error of all numbers below {:.1e}", ErrorEstimate(solved));
-  text += "\n" + answer.explanation;
-  for (const std::string& assumption : SimulateAssumptions(answer)) {
-    text += fmt::format("  assumed: {}\n", assumption);
-  }
-  for (const std::string& path : {answer.trial_path, answer.waveforms_path, answer.plot_path}) {
-    if (!path.empty()) text += fmt::format("  written: {}\n", Printable(path));
-  }
-  return text;
-}
-
-std::string SimulateJson(const SimulateAnswer& answer) {
-  const SceneAnswer& solved = answer.solved;
-  const std::optional<sim::SteadyState>& steady = solved.steady;
-  const std::optional<sim::SteadyTones>& tones = solved.tones;
-  const auto number = [&](double sim::SteadyState::* field,
-                          double sim::SteadyTones::* of_tones) -> ordered_json {
-    if (tones) return cli::NumberOrNull((*tones).*of_tones);
-    return steady ? cli::NumberOrNull((*steady).*field) : ordered_json(nullptr);
-  };
-  // what a limited scene settles to has these numbers too
-  const auto settled = [&](double sim::SteadyState::* linear, double sim::SteadyTones::* of_tones,
-                           double sim::SceneRun::* limited) -> ordered_json {
-    const sim::SceneRun* run = SettledRun(solved);
-    return run != nullptr ? cli::NumberOrNull(run->*limited) : number(linear, of_tones);
-  };
-  using State = sim::SteadyState;
-  using Tones = sim::SteadyTones;
-  using Run = sim::SceneRun;
-  const double relative = solved.skin_rms_relative_uncertainty;
-  ordered_json document{
-      {"scene", answer.scene_path},
-      {"skin_rms_m", settled(&State::skin_rms_m, &Tones::skin_rms_m, &Run::skin_rms_m)},
-      {"skin_rms_standard_uncertainty_m", relative > 0 && steady
-                                              ? cli::NumberOrNull(relative * steady->skin_rms_m)
-                                              : ordered_json(nullptr)},
-      {"mover_peak_m", settled(&State::mover_peak_m, &Tones::mover_peak_m, &Run::mover_peak_m)},
-      {"case_rms_m", settled(&State::case_rms_m, &Tones::case_rms_m, &Run::case_rms_m)},
-      {"current_rms_a", settled(&State::current_rms_a, &Tones::current_rms_a, &Run::current_rms_a)},
-      {"power_w", settled(&State::power_w, &Tones::power_w, &Run::power_w)},
-      {"phase_rad", steady ? cli::NumberOrNull(steady->phase_rad) : ordered_json(nullptr)},
-      {"skin_force_peak_n", number(&State::skin_force_peak_n, &Tones::skin_force_peak_n)},
-      {"contact_force_least_n", cli::NumberOrNull(answer.numbers.contact_force_least_n)},
-      {"efficiency", cli::NumberOrNull(answer.numbers.efficiency)},
-      {"rise", RiseJson(answer.numbers)},
-      {"period_s",
-       tones && tones->period_s > 0 ? cli::NumberOrNull(tones->period_s) : ordered_json(nullptr)},
-      {"method", Method(solved)},
-      {"error_estimate", cli::NumberOrNull(ErrorEstimate(solved))},
-      {"window_rms_m", nullptr},
-      {"window_s", nullptr},
-      {"effects", EffectsJson(solved)},
-      {"run", RunJson(solved)},
-      {"periodic", PeriodicJson(solved)},
-      {"average", AverageJson(solved)},
-      {"assumptions", SimulateAssumptions(answer)},
-      {"trial", cli::TextOrNull(answer.trial_path)},
-      {"waveforms", cli::TextOrNull(answer.waveforms_path)},
-      {"plot", cli::TextOrNull(answer.plot_path)}};
-  if (solved.window) {
-    document["window_rms_m"] = solved.window->skin_rms_m;
-    document["window_s"] = {solved.window->begin_s, solved.window->end_s};
-  }
-  return cli::JsonText(document);
+  document::Document document{.verb = "simulate", .title = TitleOf(answer)};
+  Section& root = document.root;
+  root.Add({"scene"}, answer.scene_path);
+  root.sections = {SteadySection(solved),
+                   ContactSection(answer),
+                   WindowSection(solved),
+                   PeriodicSection(solved),
+                   AverageSection(solved),
+                   RiseSection(answer.numbers.rise),
+                   RunSection(solved),
+                   EffectsSection(solved, answer.explanation),
+                   ExplainedTable(answer.explanation),
+                   MethodSection(answer)};
+  if (!answer.panels.empty()) root.figures = {{.caption = "motion", .panels = answer.panels}};
+  AddAllFindings(answer, root);
+  return document;
 }
 
 namespace {

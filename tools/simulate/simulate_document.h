@@ -1,32 +1,63 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "sim/scene/scene.h"
+#include "tools/document/document.h"
 #include "tools/simulate/scene_answer.h"
 
 namespace haptometer::tools {
 
-/// Everything that simulate answers.
-struct SimulateAnswer {
-  std::string scene_path;
-  SceneAnswer solved;
-  MotionNumbers numbers;
-  std::string trial_path;        ///< empty: none written
-  std::string explanation;       ///< the table of --explain; empty: not asked for
-  std::string waveforms_path{};  ///< empty: none written
-  std::string plot_path{};       ///< empty: none drawn
+/// What simulate notes besides sim's findings.
+enum class SimulateFinding : std::uint8_t {
+  kOtherSpringsLinear,  ///< beside stops or a stiffening spring
+  kMoverPreload,        ///< preload_n, displacement_m; stop where it rests on one
+  kSourceHoldsVoltage,  ///< source_resistance_ohm where it has one
+  kOnlyCoilWarms,       ///< the same
+  kStopsOff,            ///< stated, not called for
+  kPreloadOff,          ///< stated, and contact cannot break
+  kSteadyNotLinear,
+  kPeaksAreSums,      ///< of the amplitudes of tones
+  kNoWindow,          ///< run_s
+  kChaotic,           ///< growth, growth_uncertainty, periods
+  kEndVaries,         ///< relative_uncertainty of the window's RMS
+  kEndNotKnown,       ///< the run is too short for that
+  kKnownUntil,        ///< tolerance, known_until_s
+  kDurationOfDrive,   ///< duration_s, drive_s, ring_down_s
+  kDurationAssumed,   ///< duration_s: of a trial or of waveforms
+  kIdealSensor,       ///< rate_hz
+  kWaveformsStalled,  ///< at_s
 };
 
-/// What the numbers rest on, one sentence each.
-[[nodiscard]] std::vector<std::string> SimulateAssumptions(const SimulateAnswer& answer);
+[[nodiscard]] document::Sentence SentenceOf(SimulateFinding kind);
 
-/// The answer for people, in um, mA, mW and degrees.
-[[nodiscard]] std::string SimulateText(const SimulateAnswer& answer);
+/// The effects of a scene as --explain has them.
+struct Explanation {
+  sim::EffectChoice choice;
+  std::vector<EffectTrial> trials;
+};
 
-/// The answer as one JSON document in SI units; what is not known is null.
-[[nodiscard]] std::string SimulateJson(const SimulateAnswer& answer);
+/// Everything that simulate answers.
+struct SimulateAnswer {
+  std::string scene_path{};
+  SceneAnswer solved{};
+  MotionNumbers numbers{};
+  std::optional<Explanation> explanation{};  ///< absent: not asked for
+  std::string trial_path{};                  ///< empty: none written
+  std::string waveforms_path{};              ///< empty: none written
+  std::string plot_path{};                   ///< empty: none drawn
+  std::vector<plot::Panel> panels{};         ///< empty: not asked for
+  Findings<SimulateFinding> findings{};      ///< of what was filled in to the question
+};
+
+/// The answer as a document.
+[[nodiscard]] document::Document SimulateDocument(const SimulateAnswer& answer);
+
+/// Rise and latency of the skin with their verdict, as `rise`.
+[[nodiscard]] document::Section RiseSection(const std::optional<sim::SkinRise>& known);
 
 /// "5 V at 225 Hz", "tones of 1 V at 40 Hz and 2 V at 225 Hz", "a burst of 5 V at 225 Hz from 0 to
 /// 0.03 s", with the source's resistance where there is one.

@@ -1,5 +1,7 @@
 #include "tools/simulate/simulated_trial.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,6 +10,7 @@
 #include <vector>
 
 #include "base/clock.h"
+#include "base/text.h"
 #include "sim/linear/steady_state.h"
 #include "sim/scene/scene_file.h"
 #include "tools/cli/output_file.h"
@@ -102,6 +105,17 @@ trial::RawValue RawOf(const trial::ChannelFormat& format, double value) {
   if (format.encoding == trial::Encoding::kF64) return trial::RawValue::F64(value);
   if (std::isnan(value)) return trial::RawValue::Counts(0);
   return trial::RawValue::Counts(static_cast<std::int32_t>(std::lround(value / format.scale)));
+}
+
+void AddProvenance(const document::Provenance& provenance, trial::Metadata& metadata) {
+  metadata.command_line = provenance.command;
+  metadata.fields["version"] = "haptometer " + provenance.version;
+  metadata.fields["simulated_utc"] = provenance.utc;
+  for (std::size_t k = 0; k < provenance.inputs.size(); ++k) {
+    const document::InputFile& input = provenance.inputs[k];
+    metadata.fields[fmt::format("input_{}", k + 1)] =
+        fmt::format("{}, {} bytes, SHA-256 {}", Printable(input.path), input.bytes, input.sha256);
+  }
 }
 
 Result<sim::Scene> ReadPlayedScene(const std::string& path) {

@@ -5,6 +5,7 @@
 
 #include "base/error.h"
 #include "sim/scene/scene.h"
+#include "tools/document/provenance.h"
 #include "trial/byte_io.h"
 #include "trial/record.h"
 #include "trial/trial_format.h"
@@ -27,6 +28,9 @@ namespace haptometer::tools {
 
 /// `value` (in the channel's unit) as `format` keeps it; 0 counts for NaN, which is no measurement.
 [[nodiscard]] trial::RawValue RawOf(const trial::ChannelFormat& format, double value);
+
+/// Adds the program's version and command, and the input's SHA-256 and the time as fields.
+void AddProvenance(const document::Provenance& provenance, trial::Metadata& metadata);
 
 /// A scene that can be played as a motion. Errors: those of sim::ReadSceneFile;
 /// Cause::kCannotAnswer for a steady state that does not exist.

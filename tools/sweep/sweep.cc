@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
-#include "tools/cli/json.h"
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/present.h"
 #include "tools/sweep/sweep_picture.h"
 #include "tools/sweep/sweep_question.h"
 #include "tools/sweep/sweep_table.h"
@@ -54,47 +53,31 @@ Result<std::uint64_t> MakeRows(const SweepQuestion& question, int threads, Table
   return made;
 }
 
-// what was found in a table that is gone on with
-void TellOldRows(const TableFile& file, const std::string& table) {
-  if (file.mended_rows() == 0) return;
-  const bool is_one = file.mended_rows() == 1;
-  cli::Remark(kVerb, fmt::format("{}: {} row{} did not match {} checksum and {} computed again",
-                                 table, file.mended_rows(), is_one ? "" : "s",
-                                 is_one ? "its" : "their", is_one ? "was" : "were"));
-}
+// What a table is made of in this run.
+struct Made {
+  bool is_whole = true;      // or a signal stopped it
+  std::uint64_t mended = 0;  // rows that did not match their checksums
+};
 
-// The table, drawn where that is asked for, and what it comes to.
-Result<SweepSummary> Conclude(const SweepWords& words, const BestWish& wish) {
-  auto summary = Summarise(words.output, wish);
-  if (!summary || words.plot.empty()) return summary;
-  if (auto drawn = DrawSweep(words.plot, words.output, wish.column); !drawn) {
-    return std::unexpected(drawn.error());
-  }
-  summary->plot = words.plot;
-  return summary;
-}
-
-// Computes the table; false where a signal stopped it, which is said.
-Result<bool> Compute(const SweepWords& words) {
+Result<Made> Compute(const SweepWords& words) {
   const auto question = ReadQuestion(words);
   if (!question) return std::unexpected(question.error());
-  const TableHeader header = HeaderOf(*question);
+  const TableHeader header = HeaderOf(*question, document::CollectProvenance(words.command));
   if (auto fit = CheckPicture(words.plot, header); !fit) return std::unexpected(fit.error());
   auto file = words.resume ? TableFile::Resume(words.output, header, *question)
                            : TableFile::Begin(words.output, header, words.overwrite);
   if (!file) return std::unexpected(file.error());
-  TellOldRows(*file, words.output);
   cli::CatchInterrupts();
   const auto made = MakeRows(*question, ThreadsOf(words), *file, words.output);
   if (!made) return std::unexpected(made.error());
   const std::uint64_t rows = question->shard.RowsOf(question->points.size());
-  if (*made == rows) return true;
+  if (*made == rows) return Made{.mended = file->mended_rows()};
   cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; go on with --resume",
                                  words.output, *made, rows));
-  return false;
+  return Made{.is_whole = false};
 }
 
-Result<bool> Merge(const SweepWords& words) {
+Result<Made> Merge(const SweepWords& words) {
   const auto tables = ReadMerge(words);
   if (!tables) return std::unexpected(tables.error());
   auto first = TableReader::Open(tables->front());
@@ -102,26 +85,10 @@ Result<bool> Merge(const SweepWords& words) {
   TableHeader whole = first->header();
   whole.shard.clear();
   if (auto fit = CheckPicture(words.plot, whole); !fit) return std::unexpected(fit.error());
-  if (auto done = MergeTables(*tables, words.output, words.overwrite); !done) {
+  if (auto done = MergeTables(*tables, words.output, words.overwrite, words.command); !done) {
     return std::unexpected(done.error());
   }
-  return true;
-}
-
-// Of points that are not answered; the exit status.
-int TellUnanswered(const SweepSummary& summary) {
-  if (summary.answered == summary.rows) return 0;
-  if (summary.answered == 0) {
-    return cli::ReportError(kVerb,
-                            Error{Cause::kCannotAnswer,
-                                  summary.table,
-                                  fmt::format("no point is answered; {}", summary.first_remark),
-                                  {}});
-  }
-  cli::Remark(kVerb,
-              fmt::format("{} of {} points are not answered, the first: {}",
-                          summary.rows - summary.answered, summary.rows, summary.first_remark));
-  return 0;
+  return Made{};
 }
 
 }  // namespace
@@ -133,18 +100,30 @@ int RunSweep(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   const auto wish = ReadBestWish(words.best);
   if (!wish) return cli::ReportError(kVerb, wish.error());
-  const auto whole = words.merge.empty() ? Compute(words) : Merge(words);
-  if (!whole) return cli::ReportError(kVerb, whole.error());
-  if (!*whole) return cli::InterruptedStatus(1);
-  const auto summary = Conclude(words, *wish);
+  words.command = {"haptometer", std::string(kVerb)};
+  words.command.insert(words.command.end(), argv + std::min(argc, 1), argv + argc);
+  const auto made = words.merge.empty() ? Compute(words) : Merge(words);
+  if (!made) return cli::ReportError(kVerb, made.error());
+  if (!made->is_whole) return cli::InterruptedStatus(1);
+  auto summary = Summarise(words.output, *wish);
   if (!summary) return cli::ReportError(kVerb, summary.error());
-  cli::Print(options.json() ? SummaryJson(*summary) : SummaryText(*summary));
-  return TellUnanswered(*summary);
+  summary->mended = made->mended;
+  // a map is no panel: the picture is not one of the document's
+  if (!words.plot.empty()) {
+    if (auto drawn = DrawSweep(words.plot, words.output, wish->column); !drawn) {
+      return cli::ReportError(kVerb, drawn.error());
+    }
+    summary->plot = words.plot;
+  }
+  document::Outputs outputs;
+  outputs.json = options.json();
+  outputs.all = words.all;
+  return document::Present(SweepDocument(*summary), outputs, argc, argv);
 }
 
 namespace {
 
-using nlohmann::ordered_json;
+using document::Section;
 
 constexpr std::string_view kLeast = ":least";
 
@@ -184,10 +163,6 @@ void TakeRow(SweepSummary& summary, const std::vector<std::string>& cells, std::
   }
 }
 
-std::string BestName(const BestWish& wish) {
-  return fmt::format("{} {}", wish.least ? "least" : "largest", wish.column);
-}
-
 }  // namespace
 
 Result<BestWish> ReadBestWish(const std::string& word) {
@@ -195,7 +170,7 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   wish.least = word.ends_with(kLeast);
   wish.column = wish.least ? word.substr(0, word.size() - kLeast.size()) : word;
   std::vector<std::string> names;
-  for (const AnswerColumn& column : AnswerColumns()) names.emplace_back(column.name);
+  for (const AnswerColumn& column : AnswerColumns()) names.push_back(column.name);
   if (std::ranges::find(names, wish.column) != names.end()) return wish;
   const std::string nearest = Nearest(wish.column, names);
   std::string all;
@@ -227,54 +202,106 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   return summary;
 }
 
-std::string SummaryText(const SweepSummary& summary) {
-  const std::string shard =
-      summary.header.shard.empty() ? "" : fmt::format(" (shard {})", summary.header.shard);
-  std::string text = fmt::format("{}: {} of {} points{}, {} answered\n", summary.table,
-                                 summary.rows, summary.header.points, shard, summary.answered);
-  if (summary.best) {
-    text += fmt::format("  {}: {:.6g} at point {}", BestName(summary.wish), summary.best->value,
-                        summary.best->point);
-    for (std::size_t k = 0; k < summary.best->values.size(); ++k) {
-      text += fmt::format(", {} = {}", summary.header.columns[k + 1], summary.best->values[k]);
-    }
-    if (summary.compared < summary.answered) {
-      text += fmt::format(" (compared: {} of {} rows, the others have none)", summary.compared,
-                          summary.answered);
-    }
-    text += '\n';
-  } else if (summary.answered > 0) {
-    text += fmt::format("  {}: no row has one\n", BestName(summary.wish));
+namespace {
+
+enum class SweepFinding : std::uint8_t {
+  kNothingAnswered,
+  kNotAnswered,
+  kNoNumber,
+  kSomeCompared,
+  kMended,
+};
+
+document::Sentence SentenceOf(SweepFinding kind) {
+  switch (kind) {
+    case SweepFinding::kNothingAnswered:
+      return {"nothing-answered", "no point is answered; {first}"};
+    case SweepFinding::kNotAnswered:
+      return {"points-not-answered",
+              "{points_not_answered} of {points} points are not answered, the first: {first}"};
+    case SweepFinding::kNoNumber:
+      return {"no-number", "no row has a number in the column {column}"};
+    case SweepFinding::kSomeCompared:
+      return {
+          "some-compared",
+          "{compared} of {answered} rows have a number in the column {column} and are compared"};
+    case SweepFinding::kMended:
+      break;
   }
-  if (!summary.plot.empty()) text += fmt::format("  drawn: {}\n", summary.plot);
-  return text;
+  return {"rows-computed-again",
+          "{mended} row{mended s} did not match the row checksum and had to be computed again"};
 }
 
-std::string SummaryJson(const SweepSummary& summary) {
-  ordered_json document{{"table", summary.table},
-                        {"points", summary.header.points},
-                        {"shard", cli::TextOrNull(summary.header.shard)},
-                        {"rows", summary.rows},
-                        {"answered", summary.answered},
-                        {"varied", ordered_json::array()},
-                        {"best", nullptr},
-                        {"plot", cli::TextOrNull(summary.plot)}};
-  for (std::size_t k = 0; k < summary.header.varied; ++k) {
-    document["varied"].push_back(summary.header.columns[k + 1]);
+Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
+  Findings<SweepFinding> findings;
+  if (summary.mended > 0) findings.Doubt(SweepFinding::kMended, {{"mended", summary.mended}});
+  if (summary.answered == 0) {
+    findings.Refuse(SweepFinding::kNothingAnswered, {{"first", summary.first_remark}});
+    return findings;
   }
-  if (summary.best) {
-    ordered_json values;
-    for (std::size_t k = 0; k < summary.best->values.size(); ++k) {
-      const std::string& text = summary.best->values[k];
-      const auto number = NumberOf(text);
-      values[summary.header.columns[k + 1]] = number ? ordered_json(*number) : ordered_json(text);
-    }
-    document["best"] = {
-        {"column", summary.wish.column}, {"direction", summary.wish.least ? "least" : "largest"},
-        {"value", summary.best->value},  {"rows_compared", summary.compared},
-        {"point", summary.best->point},  {"values", values}};
+  if (summary.answered < summary.rows) {
+    findings.Doubt(SweepFinding::kNotAnswered,
+                   {{"points_not_answered", summary.rows - summary.answered},
+                    {"points", summary.rows},
+                    {"first", summary.first_remark}});
   }
-  return cli::JsonText(document);
+  if (!summary.best) {
+    findings.Note(SweepFinding::kNoNumber, {{"column", summary.wish.column}});
+  } else if (summary.compared < summary.answered) {
+    findings.Note(SweepFinding::kSomeCompared, {{"compared", summary.compared},
+                                                {"answered", summary.answered},
+                                                {"column", summary.wish.column}});
+  }
+  return findings;
+}
+
+// numbers in the unit that their name ends with
+document::Value CellValue(const std::string& cell) {
+  const auto number = NumberOf(cell);
+  return number ? document::Value(*number) : document::Value(cell);
+}
+
+Section BestSection(const SweepSummary& summary) {
+  const BestWish& wish = summary.wish;
+  Section best{.name = "best", .is_known = summary.best.has_value()};
+  if (!summary.best) return best;
+  const std::string direction = wish.least ? "least" : "largest";
+  const std::string label = fmt::format("{} {}", direction, wish.column);
+  best.Add({"column"}, wish.column);
+  best.Add({"direction"}, direction);
+  best.Add({"value", label, document::UnitOfName(wish.column)}, summary.best->value);
+  best.Add({"rows_compared"}, summary.compared);
+  best.Add({kPointColumn, "at point"}, summary.best->point);
+  Section& values = best.sections.emplace_back();
+  values.name = "values";
+  for (std::size_t k = 0; k < summary.best->values.size(); ++k) {
+    const std::string& name = summary.header.columns[k + 1];
+    values.Add({name, name, document::UnitOfName(name)}, CellValue(summary.best->values[k]));
+  }
+  return best;
+}
+
+}  // namespace
+
+document::Document SweepDocument(const SweepSummary& summary) {
+  const TableHeader& header = summary.header;
+  const auto known = [](const std::string& text) {
+    return text.empty() ? document::Value() : document::Value(text);
+  };
+  document::Document document{.verb = std::string(kVerb), .title = Printable(summary.table)};
+  Section& root = document.root;
+  root.Add({"table"}, summary.table);
+  root.Add({"points", "points"}, header.points);
+  root.Add({"shard", "shard"}, known(header.shard));
+  root.Add({"rows", header.shard.empty() ? "" : "rows"}, summary.rows);
+  root.Add({"answered", "answered"}, summary.answered);
+  const auto first = header.columns.begin() + 1;
+  root.Add({"varied"},
+           std::vector<std::string>(first, first + static_cast<std::ptrdiff_t>(header.varied)));
+  root.Add({"plot", "plot"}, known(summary.plot));
+  root.sections.push_back(BestSection(summary));
+  document::AddFindings(root, FindingsOf(summary));
+  return document;
 }
 
 }  // namespace haptometer::tools

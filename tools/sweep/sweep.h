@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "tools/document/document.h"
 #include "tools/sweep/table_file.h"
 
 namespace haptometer::tools {
@@ -36,14 +37,14 @@ struct SweepSummary {
   std::uint64_t compared = 0;   ///< rows with a number in the wished column
   std::string first_remark;     ///< of a row that is not answered, with its point
   std::optional<BestRow> best;  ///< the first of equals; nothing where the column is empty
+  std::uint64_t mended = 0;     ///< rows that did not match their checksums
   std::string plot;             ///< path; empty: none
 };
 
 /// Reads the table again, row by row. Errors: as TableReader.
 [[nodiscard]] Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish);
 
-/// For people and for programs (docs/reference/sweep.md).
-[[nodiscard]] std::string SummaryText(const SweepSummary& summary);
-[[nodiscard]] std::string SummaryJson(const SweepSummary& summary);
+/// The summary as a document; a refusal where no point is answered.
+[[nodiscard]] document::Document SweepDocument(const SweepSummary& summary);
 
 }  // namespace haptometer::tools

@@ -110,7 +110,9 @@ void Declare(cli::Options& options, SweepWords& words) {
                 "Default: as many as there are cores; no number depends on it");
   options.Text("--shard", &words.shard, "I/N", "Only every N-th point, from the I-th on");
   options.Groups("--merge", &words.merge, "TABLES", "Join the shards' tables into one");
-  options.Text("--best", &words.best, "COLUMN[:least]", "Tell its largest row; skin_rms_m");
+  options.Text("--best", &words.best, "COLUMN[:least]",
+               "Show the row with its largest number; skin_rms_m");
+  options.Flag("--all", &words.all, "The provenance too");
   options.Output("--plot", &words.plot, "FILE.svg|png|pdf",
                  "Draw that column over one or two varied keys");
 }

@@ -46,6 +46,8 @@ struct SweepWords {
   std::vector<std::vector<std::string>> merge;
   std::string best = "skin_rms_m";
   std::string plot;
+  bool all = false;
+  std::vector<std::string> command;  ///< the whole command line
 };
 
 void Declare(cli::Options& options, SweepWords& words);

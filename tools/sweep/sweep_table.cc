@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
@@ -49,7 +48,7 @@ std::vector<std::string> TextsOf(const std::vector<sim::SweepAxis>& axes) {
 // the numbers of an answer and its remark
 void AppendAnswer(std::string& row, const Result<SceneAnswer>& answer, std::string_view scene) {
   for (const AnswerColumn& column : AnswerColumns()) {
-    const auto number = answer ? column.value(*answer) : std::nullopt;
+    const auto number = answer ? column.of(*answer) : std::nullopt;
     if (number && std::isfinite(*number)) fmt::format_to(std::back_inserter(row), "{}", *number);
     row += ',';
   }
@@ -68,20 +67,21 @@ Result<SceneAnswer> AnswerOf(const SweepQuestion& question,
 std::string TableHeader::Text() const {
   std::string text = fmt::format("{}\n", fmt::join(question, "\n"));
   if (!shard.empty()) text += fmt::format("# shard = {}\n", shard);
+  text += provenance;
   std::vector<std::string> cells;
   cells.reserve(columns.size());
   for (const std::string& column : columns) cells.push_back(cli::CellOf(column));
   return text + fmt::format("{}\n", fmt::join(cells, ","));
 }
 
-TableHeader HeaderOf(const SweepQuestion& question) {
+TableHeader HeaderOf(const SweepQuestion& question, const document::Provenance& provenance) {
   const std::vector<sim::SweepAxis>& axes = question.points.axes();
   const std::string name = std::filesystem::path(question.scene.path()).filename().string();
   const std::uint32_t digest = question.scene.Digest(TextsOf(axes));
   TableHeader header;
   header.question = {fmt::format("# haptometer sweep {}", HAPTOMETER_VERSION),
                      fmt::format("# scene = {}", Printable(name))};
-  header.columns = {"point"};
+  header.columns = {std::string(kPointColumn)};
   for (const sim::SweepAxis& axis : axes) {
     header.question.push_back(fmt::format("# vary = {}={}", axis.key, sim::WordOf(axis)));
     header.columns.push_back(axis.key);
@@ -90,9 +90,10 @@ TableHeader HeaderOf(const SweepQuestion& question) {
   header.question.push_back(fmt::format("# points = {}", question.points.size()));
   // last: another one also follows from keys that differ, and those are to be told first
   header.question.push_back(fmt::format("# scene_digest = {:08x}", digest));
-  for (const AnswerColumn& column : AnswerColumns()) header.columns.emplace_back(column.name);
+  for (const AnswerColumn& column : AnswerColumns()) header.columns.push_back(column.name);
   header.columns.emplace_back("remark");
   header.columns.emplace_back(kChecksumColumn);
+  header.provenance = document::CommentOf(provenance, kProvenance);
   header.varied = axes.size();
   header.points = question.points.size();
   if (question.shard.count > 1) {
@@ -140,36 +141,7 @@ bool MatchesChecksum(std::string_view row) {
 
 namespace {
 
-using Number = std::optional<double>;
-
-// of the steady motion, where that is known
-template <double sim::SteadyState::* kMember>
-Number Steady(const SceneAnswer& answer) {
-  return answer.steady ? Number((*answer.steady).*kMember) : std::nullopt;
-}
-
-// the same, also of tones
-template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones>
-Number SteadyOrTones(const SceneAnswer& answer) {
-  return answer.tones ? Number((*answer.tones).*kOfTones) : Steady<kMember>(answer);
-}
-
-// the same, or of the motion that a limited scene settles to
-template <double sim::SteadyState::* kMember, double sim::SteadyTones::* kOfTones,
-          double sim::SceneRun::* kSettled>
-Number Settled(const SceneAnswer& answer) {
-  const sim::SceneRun* settled = SettledRun(answer);
-  return settled != nullptr ? Number(settled->*kSettled) : SteadyOrTones<kMember, kOfTones>(answer);
-}
-
-// of the run of a scene with effects, or under a drive that is no sine
-template <double sim::SceneRun::* kMember>
-Number OfRun(const SceneAnswer& answer) {
-  const sim::SceneRun* run = RunOf(answer);
-  return run != nullptr ? Number(run->*kMember) : std::nullopt;
-}
-
-Number EventsOf(const SceneAnswer& answer) {
+std::optional<double> Events(const SceneAnswer& answer) {
   const sim::SceneRun* run = RunOf(answer);
   if (run == nullptr) return std::nullopt;
   std::size_t events = 0;
@@ -177,41 +149,41 @@ Number EventsOf(const SceneAnswer& answer) {
   return static_cast<double>(events);
 }
 
-constexpr auto kColumns = std::to_array<AnswerColumn>({
-    {"skin_rms_m", Settled<&sim::SteadyState::skin_rms_m, &sim::SteadyTones::skin_rms_m,
-                           &sim::SceneRun::skin_rms_m>},
-    {"mover_peak_m", Settled<&sim::SteadyState::mover_peak_m, &sim::SteadyTones::mover_peak_m,
-                             &sim::SceneRun::mover_peak_m>},
-    {"case_rms_m", Settled<&sim::SteadyState::case_rms_m, &sim::SteadyTones::case_rms_m,
-                           &sim::SceneRun::case_rms_m>},
-    {"current_rms_a", Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
-                              &sim::SceneRun::current_rms_a>},
-    {"power_w",
-     Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
-    {"phase_rad", Steady<&sim::SteadyState::phase_rad>},
-    {"skin_force_peak_n",
-     SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
-    {"window_rms_m",
-     [](const SceneAnswer& a) { return a.window ? Number(a.window->skin_rms_m) : std::nullopt; }},
-    {"error_estimate",
-     SteadyOrTones<&sim::SteadyState::error_estimate, &sim::SteadyTones::error_estimate>},
-    {"run_skin_rms_m", OfRun<&sim::SceneRun::skin_rms_m>},
-    {"run_case_rms_m", OfRun<&sim::SceneRun::case_rms_m>},
-    {"run_current_rms_a", OfRun<&sim::SceneRun::current_rms_a>},
-    {"run_power_w", OfRun<&sim::SceneRun::power_w>},
-    {"run_mover_peak_m", OfRun<&sim::SceneRun::mover_peak_m>},
-    {"run_mover_peak_of_run_m", OfRun<&sim::SceneRun::mover_peak_of_run_m>},
-    {"run_events", EventsOf},
-    {"run_energy_imbalance",
-     [](const SceneAnswer& a) {
-       const sim::SceneRun* run = RunOf(a);
-       return run != nullptr ? Number(run->ledger.Imbalance()) : std::nullopt;
-     }},
-});
+std::optional<double> Imbalance(const SceneAnswer& answer) {
+  const sim::SceneRun* run = RunOf(answer);
+  return run != nullptr ? std::optional(run->ledger.Imbalance()) : std::nullopt;
+}
+
+std::optional<double> WindowRms(const SceneAnswer& answer) {
+  return answer.window ? std::optional(answer.window->skin_rms_m) : std::nullopt;
+}
+
+// of the steady motion alone
+std::optional<double> SteadyError(const SceneAnswer& answer) {
+  if (answer.tones) return answer.tones->error_estimate;
+  return answer.steady ? std::optional(answer.steady->error_estimate) : std::nullopt;
+}
+
+std::vector<AnswerColumn> MakeColumns() {
+  std::vector<AnswerColumn> columns;
+  const auto add = [&columns](std::string_view before, const AnswerNumber& number) {
+    columns.push_back({fmt::format("{}{}", before, number.key.name), number.of});
+  };
+  for (const AnswerNumber& number : SteadyNumbers()) add("", number);
+  add("", {kWindowRms, WindowRms});
+  add("", {kErrorEstimate, SteadyError});
+  for (const AnswerNumber& number : RunNumbers()) add(kOfRun, number);
+  add(kOfRun, {kEvents, Events});
+  add(kOfRun, {kEnergyImbalance, Imbalance});
+  return columns;
+}
 
 }  // namespace
 
-std::span<const AnswerColumn> AnswerColumns() { return kColumns; }
+const std::vector<AnswerColumn>& AnswerColumns() {
+  static const std::vector<AnswerColumn> columns = MakeColumns();
+  return columns;
+}
 
 std::string AnswerRemark(const SceneAnswer& answer) {
   if (answer.tones) return "";

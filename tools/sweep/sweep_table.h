@@ -4,25 +4,33 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/error.h"
+#include "tools/document/provenance.h"
 #include "tools/simulate/scene_answer.h"
 #include "tools/sweep/sweep_question.h"
 
 namespace haptometer::tools {
 
+/// The first column: the point's number, from 1.
+inline constexpr std::string_view kPointColumn = "point";
+
 /// The last column: CRC-32 of what stands before it in its row, without the comma between.
 inline constexpr std::string_view kChecksumColumn = "row_crc32";
 
-/// What stands above a table's rows: `# key = value` lines that name the question, and a line of
-/// column names: point (from 1), the varied keys, the answer's numbers, remark, row_crc32.
+/// What each line with the table's provenance begins with.
+inline constexpr std::string_view kProvenance = "# provenance: ";
+
+/// What stands above a table's rows: `# key = value` lines that name the question, lines with the
+/// provenance, and a line of column names: point (from 1), the varied keys, the answer's numbers,
+/// remark, row_crc32.
 struct TableHeader {
   std::vector<std::string> question;  ///< the lines without the shard's, in order
   std::string shard;                  ///< "2/7"; empty: the whole
+  std::string provenance;             ///< whole lines; no part of the question
   std::vector<std::string> columns;
   std::size_t varied = 0;    ///< columns of keys, behind the first
   std::uint64_t points = 0;  ///< of the whole sweep
@@ -30,9 +38,10 @@ struct TableHeader {
   [[nodiscard]] std::string Text() const;
 };
 
-/// The header of the table that answers `question`. Equal for equal questions, whatever the
-/// directory, the number of threads and the order of lines in the scene.
-[[nodiscard]] TableHeader HeaderOf(const SweepQuestion& question);
+/// The header of the table that answers `question`. Apart from the provenance equal for equal
+/// questions, whatever the directory, the number of threads and the order of lines in the scene.
+[[nodiscard]] TableHeader HeaderOf(const SweepQuestion& question,
+                                   const document::Provenance& provenance);
 
 /// Where two headers part: "vary = a=1:2:3, not a=1:2:4"; empty: they ask the same, in whichever
 /// shard.
@@ -48,15 +57,17 @@ struct TableHeader {
 /// Whether the last cell of a row, without its line end, is the checksum of what stands before it.
 [[nodiscard]] bool MatchesChecksum(std::string_view row);
 
+/// What stands before the names of columns that `simulate --json` has under `run`.
+inline constexpr std::string_view kOfRun = "run_";
+
 /// A number of a scene's answer as a column of a sweep's table.
 struct AnswerColumn {
-  /// as `simulate --json` has it, with "run_" before what stands under `run`
-  std::string_view name;
-  std::optional<double> (*value)(const SceneAnswer& answer);  ///< empty: not in this answer
+  std::string name;                                        ///< the key, behind kOfRun of a run
+  std::optional<double> (*of)(const SceneAnswer& answer);  ///< empty: not in this answer
 };
 
-/// All columns of answers, in the order of the table: the one place that lists them.
-[[nodiscard]] std::span<const AnswerColumn> AnswerColumns();
+/// All columns of answers, in the order of the table.
+[[nodiscard]] const std::vector<AnswerColumn>& AnswerColumns();
 
 /// What a row says although its point is answered; empty: nothing.
 [[nodiscard]] std::string AnswerRemark(const SceneAnswer& answer);

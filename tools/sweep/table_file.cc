@@ -26,13 +26,26 @@ namespace {
 
 constexpr MonotonicNs kSyncNs = kNsPerS;
 
-// Whether the file ends within its header: then nothing was computed yet.
-bool IsBegunOnly(const std::string& path, const std::string& header) {
+// Whether the file ends within its header, in whichever command wrote it: then nothing was computed
+// yet.
+bool IsBegunOnly(const std::string& path, TableHeader header) {
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20;
+  header.provenance.clear();
+  const std::string whole = header.Text();
   std::ifstream file(path, std::ios::binary);
-  std::string begin(header.size(), '\0');
-  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
-  begin.resize(static_cast<std::size_t>(file.gcount()));
-  return begin.size() < header.size() && header.starts_with(begin);
+  std::string text(kMostBytes, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  std::string begin;
+  for (std::string_view left = text; !left.empty();) {
+    const std::size_t end = left.find('\n');
+    const std::string_view line = left.substr(0, end == left.npos ? end : end + 1);
+    left.remove_prefix(line.size());
+    // the last one may be cut
+    const bool is_cut = end == std::string_view::npos;
+    if (!line.starts_with(kProvenance) && !(is_cut && kProvenance.starts_with(line))) begin += line;
+  }
+  return begin.size() < whole.size() && whole.starts_with(begin);
 }
 
 Result<void> CheckQuestion(const TableReader& reader, const TableHeader& header) {
@@ -157,7 +170,7 @@ Result<TableFile> TableFile::Begin(const std::string& path, const TableHeader& h
 
 Result<TableFile> TableFile::Resume(const std::string& path, const TableHeader& header,
                                     const SweepQuestion& question) {
-  if (IsBegunOnly(path, header.Text())) return Begin(path, header, true);
+  if (IsBegunOnly(path, header)) return Begin(path, header, true);
   auto file = Open(path);  // locked before it is read
   if (!file) return file;
   auto reader = TableReader::Open(path);
@@ -235,7 +248,6 @@ TableReader::TableReader(const std::string& path) : path_(path), file_(path, std
 Result<TableReader> TableReader::Open(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(path, none)) return CannotAnswer(path, "no such file");
-  NoteInput(path);
   TableReader reader(path);
   if (auto read = reader.ReadHeader(); !read) return std::unexpected(read.error());
   return reader;
@@ -248,6 +260,10 @@ Result<void> TableReader::ReadHeader() {
   auto line = Next();
   if (!line || !line->starts_with(kTitle)) return unknown();
   for (; line && line->starts_with('#'); line = Next()) {
+    if (line->starts_with(kProvenance)) {
+      header_.provenance += *line + '\n';
+      continue;
+    }
     if (line->starts_with(kShard)) {
       header_.shard = line->substr(kShard.size());
       continue;
@@ -262,7 +278,7 @@ Result<void> TableReader::ReadHeader() {
   header_.columns = cli::CellsOf(*line);
   const std::size_t columns = header_.columns.size();
   const bool is_known =
-      header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == "point";
+      header_.points > 0 && columns > header_.varied + 2 && header_.columns.front() == kPointColumn;
   if (is_known && header_.columns.back() == "remark") {
     return CannotAnswer(path_, "was made by an older version, without checksums of its rows",
                         "make it again");
@@ -323,6 +339,7 @@ Result<std::vector<TableReader>> OpenAll(const std::vector<std::string>& tables)
                      "merge the shards of one sweep");
       }
     }
+    NoteInput(path);
     readers.push_back(*std::move(reader));
   }
   return readers;
@@ -388,13 +405,14 @@ Result<void> WriteRows(std::vector<TableReader>& readers, cli::OutputFile& whole
 }  // namespace
 
 Result<void> MergeTables(const std::vector<std::string>& tables, const std::string& output,
-                         bool replace) {
+                         bool replace, const std::vector<std::string>& command) {
   auto readers = OpenAll(tables);
   if (!readers) return std::unexpected(readers.error());
   auto file = cli::OutputFile::Begin(output, cli::kSweepTableOutput, replace);
   if (!file) return std::unexpected(file.error());
   TableHeader header = readers->front().header();
   header.shard.clear();
+  header.provenance = document::CommentOf(document::CollectProvenance(command), kProvenance);
   if (auto written = file->Write(header.Text()); !written) return written;
   if (auto written = WriteRows(*readers, *file); !written) return written;
   return file->Finish();

@@ -10,7 +10,8 @@
 #include <string_view>
 
 #include "sim/tuning/latency_limit.h"
-#include "tools/analyze/analysis_document.h"
+#include "tools/document/keys.h"
+#include "tools/simulate/simulate_document.h"
 
 namespace haptometer::tools {
 namespace {
@@ -22,10 +23,6 @@ using document::Section;
 using document::Unit;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// keys of more than one place
-constexpr Key kSkinRms{"skin_rms_m", "skin displacement (RMS)", document::kMetre};
-constexpr Key kMoverPeak{"mover_peak_m", "mover travel to either side", document::kMetre};
 
 Unit ObjectiveUnit(sim::Objective objective) {
   switch (objective) {
@@ -44,28 +41,16 @@ Unit ObjectiveUnit(sim::Objective objective) {
 // --- findings ---
 
 enum class TuneFinding : std::uint8_t {
-  kLinear,
-  kContactKept,
   kSkinGiven,
   kSkinOfArea,
   kLatencyProved,
   kLatencySearched,
   kLeftOut,
   kStopsLeftOut,
-  kRunTooLong,
-  kNoRise,
 };
 
 document::Sentence SentenceOf(TuneFinding kind) {
   switch (kind) {
-    case TuneFinding::kLinear:
-      return {"linear",
-              "springs and dampers are linear at any travel: compare the mover's travel with its "
-              "stops"};
-    case TuneFinding::kContactKept:
-      return {"contact-kept",
-              "contact is kept whatever the force: it is lost where less than {least_force_n} "
-              "presses actuator and skin together"};
     case TuneFinding::kSkinGiven:
       return {"skin-given", "the skin is the scene's whatever the contact's area"};
     case TuneFinding::kSkinOfArea:
@@ -87,24 +72,16 @@ document::Sentence SentenceOf(TuneFinding kind) {
               "the numbers are without these effects of the scene: {effects}; check the adapter by "
               "simulate"};
     case TuneFinding::kStopsLeftOut:
-      return {"stops-left-out", "the stops are left out: --mover-travel keeps off them"};
-    case TuneFinding::kRunTooLong:
-      return {"run-too-long",
-              "the latency is not known: a run of {run_s} has too many outputs to be looked at"};
-    case TuneFinding::kNoRise:
       break;
   }
-  return {"no-rise",
-          "the latency is not known: in a run of {run_s} its amplitude does not pass from 10 % to "
-          "90 %"};
+  return {"stops-left-out", "the stops are left out: --mover-travel keeps off them"};
 }
 
-FindingOf<TuneFinding> NoLatency(const sim::TuningProblem& problem,
-                                 const sim::AdapterPoint& point) {
-  return {
-      .severity = Severity::kDoubt,
-      .kind = sim::RunIsTooLong(problem, point) ? TuneFinding::kRunTooLong : TuneFinding::kNoRise,
-      .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
+sim::Finding NoLatency(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
+  using enum sim::FindingKind;
+  return {.severity = Severity::kDoubt,
+          .kind = sim::RunIsTooLong(problem, point) ? kRunTooLong : kNoRise,
+          .numbers = {{"run_s", sim::LatencyRunS(problem)}}};
 }
 
 // what the numbers rest on
@@ -112,19 +89,26 @@ Findings<TuneFinding> FindingsOf(const TuneAnswer& answer) {
   using enum TuneFinding;
   const TuneQuestion& question = answer.question;
   Findings<TuneFinding> findings;
-  findings.Note(kLinear);
-  findings.Note(kContactKept, {{"least_force_n", answer.steady.skin_force_peak_n}});
   findings.Note(question.problem.fixed_skin ? kSkinGiven : kSkinOfArea);
   if (answer.latency && answer.latency->proved) findings.Note(kLatencyProved);
   if (answer.latency && !answer.latency->proved) {
     findings.Note(kLatencySearched, {{"runs", answer.latency->runs}});
   }
-  if (!answer.rise) findings.Add(NoLatency(question.problem, answer.optimum.point));
   if (question.left_out.empty()) return findings;
   findings.Note(kLeftOut, {{"effects", fmt::format("{}", fmt::join(question.left_out, ", "))}});
   if (question.has_stops && std::isinf(question.problem.mover_limit_m)) {
     findings.Note(kStopsLeftOut);
   }
+  return findings;
+}
+
+// of every scene, and of the rise
+sim::Findings SimFindingsOf(const TuneAnswer& answer) {
+  sim::Findings findings;
+  findings.Note(sim::FindingKind::kLinearSprings);
+  findings.Note(sim::FindingKind::kContactKept,
+                {{"least_force_n", answer.steady.skin_force_peak_n}});
+  if (!answer.rise) findings.Add(NoLatency(answer.question.problem, answer.optimum.point));
   return findings;
 }
 
@@ -214,12 +198,12 @@ Section MotionSection(const TuneAnswer& answer) {
   const bool is_bound =
       question.objective == sim::Objective::kSkinRms && question.problem.skin_variation == 0;
   Section motion;
-  motion.Add(kSkinRms, steady.skin_rms_m);
+  motion.Add(document::kSkinRms, steady.skin_rms_m);
   motion.Add({"upper_bound_m"}, is_bound ? answer.optimum.upper_bound : kNaN);
-  motion.Add(kMoverPeak, steady.mover_peak_m).note = "in its case";
+  motion.Add(document::kMoverPeak, steady.mover_peak_m).note = "in its case";
   motion.Add({"mover_limit_m", "allowed", document::kMetre}, limit_m);
-  motion.Add({"skin_force_peak_n"}, steady.skin_force_peak_n);
-  motion.Add({"power_w", "electrical power", document::kWatt}, steady.power_w);
+  motion.Add({document::kSkinForcePeak.name}, steady.skin_force_peak_n);
+  motion.Add(document::kPower, steady.power_w);
   motion.Add({"skin_power_w", "of which into the skin", document::kWatt}, answer.skin_power_w);
   motion.Add({"stimulus_m", "stimulus", ObjectiveUnit(sim::Objective::kStimulus)},
              answer.stimulus_m);
@@ -227,26 +211,10 @@ Section MotionSection(const TuneAnswer& answer) {
 }
 
 // as simulate has it of the adapter in a run of that length
-Section RiseSection(const TuneAnswer& answer) {
-  const sim::SkinRise known = answer.rise.value_or(sim::SkinRise{});
-  const double run_s = sim::LatencyRunS(answer.question.problem);
-  const std::string verdict(LatencyVerdict(known));
-  const std::string note = fmt::format("{} (a run of {:g} s from rest)", verdict, run_s);
-  Section rise{.name = "rise", .is_known = answer.rise.has_value()};
-  rise.Add({"run_s"}, run_s);
-  rise.Add({"rise_s", "rise from 10 % to 90 %", document::kSecond}, known.rise_s,
-           known.uncertainty_s);
-  rise.Add({"rise_at_most_s", "rise at most", document::kSecond}, known.rise_at_most_s);
-  const bool is_told = known.TellsLatency();
-  rise.Add({"latency_s", is_told ? "latency to 10 %" : "", document::kSecond}, known.latency_s,
-           known.uncertainty_s)
-      .note = note;
-  Item& below = rise.Add({"latency_below_s", "latency to 10 % below", document::kSecond},
-                         LatencyBelowS(known));
-  below.note = note;
-  below.resolution = 1e-5;
-  rise.Add({"standard_uncertainty_s"}, known.uncertainty_s);
-  rise.Add({"verdict"}, verdict);
+Section RiseOfRun(const TuneAnswer& answer) {
+  Section rise = RiseSection(answer.rise);
+  rise.Add({"run_s", "in a run from rest of", document::kSecond},
+           sim::LatencyRunS(answer.question.problem));
   return rise;
 }
 
@@ -269,7 +237,7 @@ Section GridSection(const TuneAnswer& answer) {
                .is_known = answer.grid.has_value()};
   grid.Add({"values_per_axis", "values an axis"}, answer.question.grid_values);
   grid.Add({"points", "points"}, best.points);
-  grid.Add(kSkinRms, best.skin_rms_m);
+  grid.Add(document::kSkinRms, best.skin_rms_m);
   grid.sections.push_back(AdapterSection(best.point, answer.question.problem));
   return grid;
 }
@@ -308,7 +276,7 @@ Section WrongSprings(const TuneAnswer& answer) {
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
     row.Add({"value_with_new_skin_side_mass", "skin's mass chosen anew", unit},
             spring.rebalanced > 0 ? spring.rebalanced : kNaN);
-    row.Add(kMoverPeak, mover_peak_m);
+    row.Add(document::kMoverPeak, mover_peak_m);
     row.Add({"keeps_mover_limit", "keeps to the travel"}, mover_peak_m <= limit_m);
   }
   return list;
@@ -468,8 +436,7 @@ std::string TitleOf(const TuneQuestion& question) {
 }  // namespace
 
 std::string NoLatencyText(const sim::TuningProblem& problem, const sim::AdapterPoint& point) {
-  const FindingOf<TuneFinding> finding = NoLatency(problem, point);
-  return document::Fill(SentenceOf(finding.kind).text, finding.numbers);
+  return document::WordsOf(NoLatency(problem, point));
 }
 
 document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
@@ -481,7 +448,7 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
       AdapterSection(answer.optimum.point, question.problem),
       ObjectiveSection(answer),
       MotionSection(answer),
-      RiseSection(answer),
+      RiseOfRun(answer),
       SearchSection(answer),
       PointList(answer, answer.listed, "springs", "the best with each spring", Detail::kShort),
       GridSection(answer),
@@ -489,6 +456,7 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
                 "the ridge: best with a given mass on the motor's side", Detail::kAll),
       WrongSprings(answer)};
   if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
+  document::AddFindings(root, SimFindingsOf(answer));
   document::AddFindings(root, FindingsOf(answer));
   return document;
 }

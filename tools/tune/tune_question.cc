@@ -331,7 +331,8 @@ Result<TuneQuestion> ReadQuestion(const TuneWords& words) {
     return std::unexpected(read.error());
   }
   if (const auto fault = sim::Fault(problem)) {
-    return Usage(question.name, *fault, "give bounds as LOW:HIGH, such as --stiffness 2000:12000");
+    return Usage(question.name, std::string(document::SentenceOf(*fault).text),
+                 "give bounds as LOW:HIGH, such as --stiffness 2000:12000");
   }
   question.objective = sim::ObjectiveOf(words.objective).value_or(sim::Objective::kSkinRms);
   if (auto fit = CheckObjective(question); !fit) return std::unexpected(fit.error());

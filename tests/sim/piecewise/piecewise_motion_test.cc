@@ -218,7 +218,7 @@ TEST(PiecewiseMotion, AnEndlessToAndFroIsSaidToStall) {
   RunTo(motion, 100);
   ASSERT_TRUE(motion.stalled_at_s().has_value());
   EXPECT_REL(*motion.stalled_at_s(), std::asin(0.5), 1e-14, "where the first event was");
-  EXPECT_EQ(motion.stall_reason(), "events without end");
+  EXPECT_EQ(motion.stall_reason(), FindingKind::kEventsWithoutEnd);
 }
 
 TEST(PiecewiseMotion, WhatIsTooFastForItsOutputsIsSaidToStall) {
@@ -228,7 +228,7 @@ TEST(PiecewiseMotion, WhatIsTooFastForItsOutputsIsSaidToStall) {
   PiecewiseMotion motion(Swing(omega, {wall}), kNoDrive, {.x = State({0, 1})}, 1);
   RunTo(motion, 2);
   ASSERT_TRUE(motion.stalled_at_s().has_value());
-  EXPECT_EQ(motion.stall_reason(), kBodiesTooFast);
+  EXPECT_EQ(motion.stall_reason(), FindingKind::kBodiesTooFast);
   EXPECT_GT(*motion.stalled_at_s(), 0);
   EXPECT_LT(*motion.stalled_at_s(), 1);
   EXPECT_TRUE(motion.events().empty());

@@ -36,6 +36,7 @@ TEST(NumberText, ShowsSixDigitsWithoutAnUncertainty) {
   }
   EXPECT_EQ(NumberText(9300, 0, 0), "9300");
   EXPECT_EQ(NumberText(0.25, 0, 0, 4), "0.25");
+  EXPECT_EQ(NumberText(2.2564e-14, 0, 2.2564e-15), "2.3e-14");
   EXPECT_EQ(NumberText(201.88526, 0, 0, 4), "201.9");
   EXPECT_EQ(NumberText(10240, 0, 0, 4), "10240") << "no power of ten";
   EXPECT_EQ(NumberText(-123456.7, 0, 0, 4), "-123500");
