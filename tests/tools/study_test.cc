@@ -344,7 +344,7 @@ TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
   const std::string untold = Trial("u.csv", 8);
   const Outcome trials = Study({"linearity", told, untold, "--json"});
   EXPECT_EQ(trials.status, 3);
-  EXPECT_THAT(trials.err, HasSubstr("u.csv: does not say its drive_amplitude_v"));
+  EXPECT_THAT(trials.err, HasSubstr("u.csv: does not state its drive_amplitude_v"));
   const Json line = Json::parse(trials.out)["lines"].at(0);
   EXPECT_EQ(line["readings"], 1);
   EXPECT_TRUE(line["slope_m_per_v"].is_null());

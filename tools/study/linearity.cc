@@ -55,7 +55,7 @@ Result<DriveReading> ReadingOf(const StudyTrial& trial) {
     return CannotAnswer(trial.file, reasons.empty() ? "has no RMS" : reasons.front(), "");
   }
   if (!trial.drive_v || !(*trial.drive_v >= 0)) {
-    return CannotAnswer(trial.file, "does not say its drive_amplitude_v",
+    return CannotAnswer(trial.file, "does not state its drive_amplitude_v",
                         "give a table with drive_v,rms_m");
   }
   return DriveReading{trial.subject, trial.condition, *trial.drive_v, *trial.rms_with_floor_m};

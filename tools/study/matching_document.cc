@@ -20,16 +20,13 @@ using document::Value;
 
 StudyFindings FindingsOf(const MatchingResult& result) {
   StudyFindings findings;
-  const auto test = [&](const std::string& name, const dsp::OneSample& sample) {
-    if (sample.test) return;
-    findings.Add({Severity::kRefusal, StudyFinding::kNotTested, {{"subjects", sample.n}}, name});
-  };
   for (const MatchedCondition& condition : result.conditions) {
-    test(condition.name, condition.overall.log_ratio);
+    RefuseUntested(condition.name, condition.overall.log_ratio, findings);
   }
   for (const MatchedContrast& contrast : result.contrasts) {
-    test(NameOf(contrast.planned),
-         contrast.overall ? contrast.overall->log_ratio : dsp::OneSample{});
+    const auto& overall = contrast.overall;
+    RefuseUntested(NameOf(contrast.planned), overall ? overall->log_ratio : dsp::OneSample{},
+                   findings);
   }
   for (const MissingSetting& missing : result.missing) {
     FindingOf<StudyFinding> finding{
@@ -100,7 +97,7 @@ Section StartSection(const std::optional<dsp::OneSample>& log_ratio) {
   return section;
 }
 
-Section ConditionSection(const MatchedCondition& condition) {
+Section MatchedConditionSection(const MatchedCondition& condition) {
   Section levels = LevelsSection();
   for (const MatchedLevel& level : condition.levels) {
     Section& row = levels.sections.emplace_back();
@@ -118,7 +115,7 @@ Section ConditionSection(const MatchedCondition& condition) {
   return section;
 }
 
-Section ContrastSection(const MatchedContrast& contrast) {
+Section MatchedContrastSection(const MatchedContrast& contrast) {
   Section levels = LevelsSection();
   for (const MatchedRatio& level : contrast.levels) {
     AddRatioItems(levels.sections.emplace_back(), level);
@@ -149,9 +146,9 @@ document::Document MatchingDocument(const MatchingResult& result, bool has_figur
   root.Add({kSubjects.name}, result.subjects);
   root.Add(kContrastsPlanned, result.planned);
   root.sections = {ListOf({.name = kConditionsName, .shape = Section::Shape::kArray},
-                          result.conditions, ConditionSection),
+                          result.conditions, MatchedConditionSection),
                    ListOf({.name = kContrastsName, .shape = Section::Shape::kArray},
-                          result.contrasts, ContrastSection)};
+                          result.contrasts, MatchedContrastSection)};
   if (has_figures) {
     root.figures = {
         {.caption = "matched against reference voltage", .panels = MatchingPanels(result)}};

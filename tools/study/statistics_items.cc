@@ -56,6 +56,16 @@ double ResolutionBy(std::optional<double> standard_uncertainty) {
   return known > 0 ? std::pow(10, std::floor(std::log10(known)) - 1) : 0;
 }
 
+void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
+                    StudyFindings& findings) {
+  if (sample.test) return;
+  const bool is_few = sample.n < 2;
+  findings.Add({Severity::kRefusal,
+                is_few ? StudyFinding::kTooFewSubjects : StudyFinding::kNoSpread,
+                {{"subjects", sample.n}},
+                subject});
+}
+
 Item& AddMean(Section& section, const Key& key, const dsp::OneSample& sample) {
   Item& item =
       section.Add(key, sample.n > 0 ? Value(sample.mean) : Value(), StandardUncertaintyOf(sample));

@@ -6,6 +6,7 @@
 
 #include "dsp/statistics/moments.h"
 #include "tools/document/document.h"
+#include "tools/study/study_findings.h"
 
 /// How the numbers of statistics stand in the documents of study, and the keys that they share.
 namespace haptometer::tools {
@@ -54,6 +55,10 @@ void AddRounded(document::Section& section, const document::Key& key, document::
 /// The decimal place to which a number beside one of this standard uncertainty is shown: that of
 /// the second digit. 0 (no limit) where it is not known.
 [[nodiscard]] double ResolutionBy(std::optional<double> standard_uncertainty);
+
+/// Refuses a test that `sample` has not, as it is of too few subjects or without spread.
+void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
+                    StudyFindings& findings);
 
 /// A mean with its standard uncertainty and interval; not known of no values.
 document::Item& AddMean(document::Section& section, const document::Key& key,

@@ -384,7 +384,7 @@ constexpr std::string_view kLinearity = "study linearity";
 
 constexpr cli::VerbText kLinearityText{
     .name = kLinearity,
-    .summary = "Whether the RMS goes in a line with the drive's amplitude.",
+    .summary = "Whether the RMS is linear in the drive's amplitude.",
     .examples = {"haptometer study linearity sweep/*.bin",
                  "haptometer study linearity sweep.csv --floor 0.8um --plot linearity.svg",
                  "haptometer study linearity sweep/*.bin --json"}};
@@ -397,7 +397,7 @@ int RunStudyLinearity(int argc, const char* const* argv) {
   cli::BandWords band;
   cli::ImportWords words;
   options.Positionals("files", &files,
-                      "Trials that say their drive_amplitude_v, or CSV with drive_v,rms_m");
+                      "Trials that state their drive_amplitude_v, or CSV with drive_v,rms_m");
   options.Number(
       "--floor", &floor_m, Dimension::kLength,
       "RMS with the drive off, subtracted in mean square (default: the readings at 0 V)");

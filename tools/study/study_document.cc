@@ -39,17 +39,6 @@ Value RangeOf(const std::optional<dsp::Interval>& interval) {
 
 // --- findings ---
 
-// a finding of several trials, with how many they are, and which unless it is all
-FindingOf<StudyFinding> FindingOfTrials(const Deviation& deviation, std::size_t answered) {
-  FindingOf<StudyFinding> finding = deviation.finding;
-  finding.numbers.emplace_back("trials", deviation.files.size());
-  finding.numbers.emplace_back("of_trials", answered);
-  if (deviation.files.size() < answered) {
-    finding.subject = fmt::format("{}", fmt::join(deviation.files, ", "));
-  }
-  return finding;
-}
-
 // why trials have no value: where they are errors of files, or else
 StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
   StudyFindings findings;
@@ -68,23 +57,14 @@ StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
   return findings;
 }
 
-void AddContrastFindings(const StudyResult& study, StudyFindings& findings) {
+StudyFindings FindingsOf(const StudyResult& study) {
+  StudyFindings findings = RefusalsOf(study, false);
   if (!study.planned && !study.contrasts.empty()) {
     findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});
   }
   for (const Contrast& contrast : study.contrasts) {
-    if (contrast.difference.test) continue;
-    const std::size_t subjects = contrast.difference.n;
-    findings.Add({Severity::kRefusal,
-                  subjects < 2 ? StudyFinding::kTooFewPairs : StudyFinding::kNoSpread,
-                  {{"subjects", subjects}},
-                  NameOf(contrast.planned)});
+    RefuseUntested(NameOf(contrast.planned), contrast.difference, findings);
   }
-}
-
-StudyFindings FindingsOf(const StudyResult& study) {
-  StudyFindings findings = RefusalsOf(study, false);
-  AddContrastFindings(study, findings);
   const StudyFindings exceptions = ExceptionsOf(study);
   for (const FindingOf<StudyFinding>& finding : exceptions.list()) findings.Add(finding);
   for (const std::string& table : study.ignored) {
@@ -341,8 +321,15 @@ std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
 StudyFindings ExceptionsOf(const StudyResult& study) {
   StudyFindings findings;
   const std::size_t answered = study.CountAnswered([](const StudyTrial&) { return true; });
-  for (const Deviation& deviation : FindDeviations(study.table)) {
-    findings.Add(FindingOfTrials(deviation, answered));
+  for (Deviation& deviation : FindDeviations(study.table)) {
+    // with how many trials it is of, and which unless it is all
+    FindingOf<StudyFinding>& finding = deviation.finding;
+    finding.numbers.emplace_back("trials", deviation.files.size());
+    finding.numbers.emplace_back("of_trials", answered);
+    if (deviation.files.size() < answered) {
+      finding.subject = fmt::format("{}", fmt::join(deviation.files, ", "));
+    }
+    findings.Add(std::move(finding));
   }
   const auto cell = [](const auto& of) {
     return fmt::format("subject {} in {}", of.subject, of.condition);
@@ -395,8 +382,7 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
                    ListOf({.name = "missing"}, study.missing, MissingRow),
                    ListOf({.name = std::string(kOutlyingName)}, study.outlying, OutlyingRow),
                    TrialsSection(study)};
-  if (has_figures)
-    root.figures = {{.caption = "means of the conditions", .panels = StudyPanels(study)}};
+  if (has_figures) root.figures = {{.caption = "conditions", .panels = StudyPanels(study)}};
   document::AddFindings(root, FindingsOf(study));
   return document;
 }

@@ -25,11 +25,10 @@ enum class StudyFinding : std::uint8_t {
   kOutlyingTrial,          ///< times, robust_z
   kOutlyingCell,           ///< times, robust_z
   kContrastsNotPlanned,    ///< control
-  kTooFewPairs,            ///< subjects
+  kTooFewSubjects,         ///< subjects
   kNoSpread,               ///< subjects
   kAnovaNotDetermined,     ///< subjects
   kCalibrationExcluded,    ///< of all uncertainties
-  kNotTested,              ///< subjects
   kNoSetting,              ///< of a subject at a level
   kOneStart,               ///< missing: "high" or "low"
   kPowerByVoltage,         ///< what power savings rest on

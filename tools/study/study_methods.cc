@@ -14,15 +14,11 @@
 namespace haptometer::tools {
 namespace {
 
-constexpr auto kAll = [](const StudyTrial&) { return true; };
-
-std::string TrialCount(std::size_t count) { return Counted(count, "trial"); }
-
 // "simulated (14 trials), imported (2 trials)"; nothing where there is none
 std::string CountsText(const std::map<std::string, std::size_t>& counts) {
   std::string text;
   for (const auto& [name, count] : counts) {
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", name, TrialCount(count));
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", name, Counted(count, "trial"));
   }
   return text;
 }
@@ -45,35 +41,30 @@ std::string DataText(const StudyResult& study) {
 
 std::string FilterText(const StudyResult& study) {
   const dsp::BandPass& band = study.question.band;
-  std::string text = fmt::format(
+  const std::size_t below = study.CountAnswered(&StudyTrial::below_band_removed);
+  return fmt::format(
       "Displacement was band-pass filtered from {:g} to {:g} Hz (Butterworth, order {}, forward "
-      "and "
-      "backward with zero phase, -3 dB at the corners of {}). ",
+      "and backward with zero phase, -3 dB at the corners of {}). {}",
       band.lower_hz, band.upper_hz, band.order,
-      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass");
-  const std::size_t below =
-      study.CountAnswered([](const StudyTrial& trial) { return trial.below_band_removed; });
-  if (below == 0) return text;
-  return text + fmt::format(
-                    "Motion below the band was modelled and subtracted before the filter in "
-                    "{}. ",
-                    TrialCount(below));
+      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
+      below == 0 ? ""
+                 : fmt::format("Motion below the band was modelled and subtracted before the "
+                               "filter in {}. ",
+                               Counted(below, "trial")));
 }
 
-std::string WindowText(const StudyResult& study) {
-  const std::size_t all = study.CountAnswered(kAll);
-  const std::size_t drive =
-      study.CountAnswered([](const StudyTrial& trial) { return trial.is_of_drive; });
+// `all`: trials with a value
+std::string WindowText(const StudyResult& study, std::size_t all) {
+  const std::size_t drive = study.CountAnswered(&StudyTrial::is_of_drive);
   const std::string rest = "everything that was free of filter transients";
-  const std::string window =
-      drive == all ? "the longest steady part of the drive"
-      : drive == 0 ? rest
-                   : fmt::format("the longest steady part of the drive ({}) or {} ({})",
-                                 TrialCount(drive), rest, TrialCount(all - drive));
+  std::string window = drive == 0 ? rest : "the longest steady part of the drive";
+  if (drive > 0 && drive < all) {
+    window += fmt::format(" ({}) or {} ({})", Counted(drive, "trial"), rest,
+                          Counted(all - drive, "trial"));
+  }
   return fmt::format(
-      "The root-mean-square (RMS) was computed over {}, shortened to whole periods of the "
-      "strongest "
-      "tone. ",
+      "The root-mean-square (RMS) was computed over {}, shortened to whole periods "
+      "of the strongest tone. ",
       window);
 }
 
@@ -82,28 +73,23 @@ std::string CorrectionsText(const StudyResult& study) {
   const std::size_t noise = study.CountAnswered([](const StudyTrial& trial) {
     return !trial.findings.Has(StudyFinding::kNoNoiseCorrection);
   });
-  const std::size_t gain =
-      study.CountAnswered([](const StudyTrial& trial) { return trial.gain_corrected; });
-  const std::string of_noise =
-      floor ? fmt::format(
-                  "The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
-                  "{})",
-                  std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source)
-            : "The noise of the trial's own quiet part";
   return fmt::format(
       "{} was subtracted in mean square in {}. The sensor's gain at the tone was corrected for in "
       "{}. Uncertainties exclude the sensor's calibration and linearity. ",
-      of_noise, TrialCount(noise), TrialCount(gain));
+      floor
+          ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
+                        "{})",
+                        std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source)
+          : "The noise of the trial's own quiet part",
+      Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"));
 }
 
-std::string SubjectsText(const StudyResult& study) {
+std::string SubjectsText(const StudyResult& study, std::size_t all) {
   const StudyTable& table = study.table;
   return fmt::format(
-      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the "
-      "subject: {}. ",
-      study.CountAnswered(kAll), TrialCount(table.trials.size()),
-      Counted(table.subjects.size(), "subject"), Counted(table.conditions.size(), "condition"),
-      fmt::join(table.conditions, ", "),
+      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ", all,
+      Counted(table.trials.size(), "trial"), Counted(table.subjects.size(), "subject"),
+      Counted(table.conditions.size(), "condition"), fmt::join(table.conditions, ", "),
       table.repeats > 1
           ? fmt::format("up to {} trials of a subject in a condition were averaged first",
                         table.repeats)
@@ -113,17 +99,14 @@ std::string SubjectsText(const StudyResult& study) {
 std::string ContrastsText(const StudyResult& study) {
   if (study.contrasts.empty()) return {};
   std::vector<std::string> names;
-  names.reserve(study.contrasts.size());
-  for (const Contrast& contrast : study.contrasts) {
-    names.push_back(NameOf(contrast.planned));
-  }
+  for (const Contrast& contrast : study.contrasts) names.push_back(NameOf(contrast.planned));
   const bool is_one = names.size() == 1;
   return fmt::format(
       "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "
       "corrected by Holm's method over {} test{}. Mean differences are given with 95 % confidence "
       "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
-      "geometric "
-      "means, with intervals from the paired t on logarithms; effect sizes are d_z and Hedges' g "
+      "geometric means, with intervals from the paired t on logarithms; effect sizes are d_z and "
+      "Hedges' g "
       "(exact correction) with intervals of the population's effect from the noncentral t "
       "distribution. ",
       study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
@@ -133,14 +116,14 @@ std::string ContrastsText(const StudyResult& study) {
 std::string OutliersText() {
   return fmt::format(
       "Trials farther than {:g} robust standard deviations from the median of their cell, and "
-      "cells "
-      "as far from the additive prediction of subject and condition, were named and retained (a "
+      "cells as far from the additive prediction of subject and condition, were named and retained "
+      "(a "
       "standard deviation counted for no less than {:g} % and no less than the stated "
       "uncertainty). ",
       kOutlyingScore, 100 * kLeastScatter);
 }
 
-// what differs from the paragraph, an item each: all findings of the document
+// what differs from the paragraph, an item each
 std::string ExceptionsText(const StudyResult& study) {
   std::string list;
   for (const StudyTrial& trial : study.table.trials) {
@@ -161,10 +144,11 @@ std::string ExceptionsText(const StudyResult& study) {
 }  // namespace
 
 std::string MethodsText(const StudyResult& study, const document::Provenance& provenance) {
+  const std::size_t all = study.CountAnswered([](const StudyTrial& /*any*/) { return true; });
   return fmt::format(
       "## Methods\n\n{}{}{}{}{}{}{}Computed with haptometer {}.\n\n{}\nProvenance:\n\n{}",
-      DataText(study), FilterText(study), WindowText(study), CorrectionsText(study),
-      SubjectsText(study), ContrastsText(study), OutliersText(), provenance.version,
+      DataText(study), FilterText(study), WindowText(study, all), CorrectionsText(study),
+      SubjectsText(study, all), ContrastsText(study), OutliersText(), provenance.version,
       ExceptionsText(study), document::CommentOf(provenance, "- "));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -74,7 +75,8 @@ struct StudyResult {
   template <typename Predicate>
   [[nodiscard]] std::size_t CountAnswered(const Predicate& is_so) const {
     return static_cast<std::size_t>(std::ranges::count_if(
-        table.trials, [&](const StudyTrial& trial) { return trial.answered && is_so(trial); }));
+        table.trials,
+        [&](const StudyTrial& trial) { return trial.answered && std::invoke(is_so, trial); }));
   }
 };
 
