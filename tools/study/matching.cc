@@ -108,6 +108,7 @@ LogRatios Differences(const LogRatios& treatment, const LogRatios& control) {
 template <typename Function>
 dsp::OneSample TestLevel(const std::map<std::string, double>& subjects, const Function& value) {
   std::vector<double> values;
+  values.reserve(subjects.size());
   for (const auto& [subject, log] : subjects) values.push_back(value(log));
   return dsp::TestMean(values);
 }
@@ -124,11 +125,12 @@ void CorrectByHolm(const std::vector<MatchedRatio*>& ratios) {
 // with Holm's correction over the levels
 std::vector<MatchedRatio> LevelsOf(const LogRatios& logs) {
   std::vector<MatchedRatio> levels;
-  std::vector<MatchedRatio*> all;
+  levels.reserve(logs.size());
   for (const auto& [level, subjects] : logs) {
     levels.push_back({level, TestLevel(subjects, std::identity())});
   }
-  for (MatchedRatio& level : levels) all.push_back(&level);
+  std::vector<MatchedRatio*> all(levels.size());
+  std::ranges::transform(levels, all.begin(), [](MatchedRatio& level) { return &level; });
   CorrectByHolm(all);
   return levels;
 }
@@ -140,6 +142,7 @@ dsp::OneSample TestSubjects(const LogRatios& logs) {
     for (const auto& [subject, log] : subjects) by_subject[subject].push_back(log);
   }
   std::vector<double> means;
+  means.reserve(by_subject.size());
   for (const auto& [subject, of_levels] : by_subject) means.push_back(dsp::Mean(of_levels));
   return means.empty() ? dsp::OneSample{} : dsp::TestMean(means);
 }

@@ -99,6 +99,7 @@ std::string SubjectsText(const StudyResult& study, std::size_t all) {
 std::string ContrastsText(const StudyResult& study) {
   if (study.contrasts.empty()) return {};
   std::vector<std::string> names;
+  names.reserve(study.contrasts.size());
   for (const Contrast& contrast : study.contrasts) names.push_back(NameOf(contrast.planned));
   const bool is_one = names.size() == 1;
   return fmt::format(
