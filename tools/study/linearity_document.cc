@@ -53,13 +53,13 @@ Section FitSection(const DriveLine& line) {
             fit.intercept, fit.intercept_interval, df)
       .resolution = resolution_m;
   section.Add({"r_squared", "R^2"}, fit.r_squared);
-  section
-      .Add({"residual_deviation_m", "residual standard deviation", document::kMetre},
-           fit.residual_deviation)
-      .resolution = resolution_m;
+  const double deviation_resolution_m =
+      std::max(resolution_m, ResolutionBy(fit.residual_deviation));
+  AddRounded(section, {"residual_deviation_m", "residual standard deviation", document::kMetre},
+             fit.residual_deviation, deviation_resolution_m);
   Item& largest = section.Add({"largest_deviation_m", "largest deviation", document::kMetre},
                               fit.largest_deviation);
-  largest.resolution = resolution_m;
+  largest.resolution = deviation_resolution_m;
   const double of_full_scale = fit.largest_deviation / std::abs(line.full_scale_m);
   largest.note = fmt::format("{:.2g} % of full scale", 100 * of_full_scale);
   section.Add({"largest_deviation_of_full_scale"}, of_full_scale);
