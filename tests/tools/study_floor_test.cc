@@ -20,6 +20,7 @@ namespace haptometer::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using Json = nlohmann::json;
@@ -89,13 +90,14 @@ TEST_F(StudyFloor, IsSaidInTextAndMethodsWithWhatIsDoubtful) {
   const fs::path methods = directory_ / "methods.md";
   const Outcome outcome = Study(Words({"--floor", floor, "--methods", methods}));
   ASSERT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("noise floor of 2.12 um RMS (" + floor + ") taken off"));
+  EXPECT_THAT(outcome.out, ContainsRegex("noise correction  2.12[(0-9.)]* um, RMS of " + floor +
+                                         ", subtracted in mean square"));
   EXPECT_THAT(outcome.out, HasSubstr("holds a tone, 3 um at 110 Hz"));
-  EXPECT_THAT(outcome.out, Not(HasSubstr("no noise floor taken off")));
+  EXPECT_THAT(outcome.out, Not(HasSubstr("not corrected for noise")));
   std::ifstream file(methods);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   EXPECT_THAT(text, HasSubstr("The noise of a drive-off trial (2.12 um RMS in the band"));
-  EXPECT_THAT(text, HasSubstr("calibration and linearity are in no stated uncertainty"));
+  EXPECT_THAT(text, HasSubstr("Uncertainties exclude the sensor's calibration and linearity"));
 }
 
 TEST_F(StudyFloor, MayStandInTheManifestAndTheOptionBeatsIt) {

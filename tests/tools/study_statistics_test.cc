@@ -11,17 +11,20 @@
 #include <vector>
 
 #include "tests/residual.h"
-#include "tools/study/linearity.h"
-#include "tools/study/matching.h"
-#include "tools/study/study_result.h"
-#include "tools/study/study_table.h"
+#include "tools/document/render.h"
+#include "tools/study/study_document.h"
 
 namespace haptometer::tools {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+std::string TextOf(const document::Document& document) {
+  return document::TextOf(document, document::Detail::kAll);
+}
 
 StudyTrial Answered(int subject, const std::string& condition, int repeat, double rms_m) {
   StudyTrial trial;
@@ -126,12 +129,23 @@ TEST(FindOutlying, AFewPercentAreNoNewsHoweverCloselyRepeatsAgree) {
 TEST(FindDeviations, NamesEachOnceWithItsTrials) {
   std::vector<StudyTrial> trials = FullStudy();
   trials.resize(3);
-  for (StudyTrial& trial : trials) trial.deviations = {"no noise floor taken off"};
-  trials[1].deviations.emplace_back("filter of order 4");
-  const auto deviations = FindDeviations(MakeStudyTable(trials, {}));
-  ASSERT_EQ(deviations.size(), 2U);
-  EXPECT_EQ(Describe(deviations[0]), "no noise floor taken off: all 3 trials");
-  EXPECT_EQ(Describe(deviations[1]), "filter of order 4: 0_a_2");
+  for (StudyTrial& trial : trials) trial.findings.Note(StudyFinding::kNoNoiseCorrection);
+  trials[1].findings.Note(StudyFinding::kOrderLowered, {{"order", 4}});
+  trials[2].findings.Note(StudyFinding::kOrderLowered, {{"order", 2}});
+  StudyResult study;
+  study.table = MakeStudyTable(trials, {});
+  const auto deviations = FindDeviations(study.table);
+  ASSERT_EQ(deviations.size(), 3U) << "another order is another deviation";
+  EXPECT_EQ(deviations[0].finding.kind, StudyFinding::kNoNoiseCorrection);
+  EXPECT_EQ(deviations[0].files.size(), 3U);
+  EXPECT_THAT(deviations[1].files, ElementsAre("0_a_2"));
+  const auto exceptions = ExceptionsOf(study);
+  EXPECT_EQ(exceptions.list()[0].subject, "") << "all of them";
+  EXPECT_EQ(exceptions.list()[1].subject, "0_a_2");
+  const std::string text =
+      document::Fill(SentenceOf(StudyFinding::kOrderLowered).text, exceptions.list()[1].numbers);
+  EXPECT_THAT(text, HasSubstr("filter of order 4"));
+  EXPECT_THAT(text, HasSubstr(", 1 of 3 trials"));
 }
 
 TEST(DescribeFurther, FindsATrendOverRepeatsOrStarts) {
@@ -198,10 +212,15 @@ TEST(AnalyzeMatching, AveragesTheStartsAndNamesMissingHalves) {
   // p over both levels: sqrt(0.6 x 0.5)
   EXPECT_REL(ia.overall.ratio(), std::sqrt(std::sqrt(0.6 * 0.5) * 0.75), 1e-15, "rounding");
   EXPECT_FALSE(ia.levels.at(1).ratio.log_ratio.test);
-  EXPECT_THAT(result->missing,
-              ElementsAre("subject q, ia at 2 V: none started low; the other counts by itself",
-                          "subject q, ia at 4 V: no setting"));
-  EXPECT_THAT(MatchingText(*result), HasSubstr("not tested"));
+  ASSERT_EQ(result->missing.size(), 2U);
+  EXPECT_EQ(result->missing[0].subject, "q");
+  EXPECT_EQ(result->missing[0].reference_v, 2);
+  EXPECT_EQ(result->missing[0].started, "low");
+  EXPECT_EQ(result->missing[1].reference_v, 4);
+  EXPECT_EQ(result->missing[1].started, "") << "no setting at all";
+  const std::string text = TextOf(MatchingDocument(*result, false));
+  EXPECT_THAT(text, HasSubstr("note: subject q, ia at 2 V: no setting started low"));
+  EXPECT_THAT(text, HasSubstr("note: subject q, ia at 4 V: no setting\n"));
 }
 
 TEST(AnalyzeMatching, RefusesImpossibleLines) {
@@ -231,11 +250,13 @@ TEST(AnalyzeMatching, ContrastsWithinSubjectsWhereBothHaveALevel) {
   EXPECT_REL(contrast.levels[0].ratio(), std::sqrt(0.5 * 0.8), 1e-15, "rounding");
   EXPECT_REL(contrast.overall->ratio(), std::sqrt(0.5 * 0.8), 1e-15, "rounding");
   EXPECT_EQ(contrast.overall->p_holm, contrast.overall->log_ratio.test->p) << "one contrast";
-  EXPECT_THAT(MatchingText(*result), HasSubstr("ia against stock: their matched voltages"));
+  EXPECT_THAT(TextOf(MatchingDocument(*result, false)),
+              HasSubstr("ia against stock: their matched voltages"));
 
   const auto unplanned = AnalyzeMatching(table, {});
-  EXPECT_THAT(MatchingText(*unplanned),
-              HasSubstr("no contrast was planned: every condition against stock"));
+  EXPECT_THAT(
+      TextOf(MatchingDocument(*unplanned, false)),
+      HasSubstr("no contrast is planned, so every condition is compared with the first, stock"));
   EXPECT_THAT(AnalyzeMatching(table, {{"ib", "stock"}}).error().Text(),
               HasSubstr("did you mean ia?"));
 }
@@ -244,8 +265,10 @@ TEST(AnalyzeMatching, ContrastOfNobodyHasNoNumbers) {
   const auto result = AnalyzeMatching(
       MatchingTable({{"1", "a", "p", "1", "low"}, {"1", "b", "q", "1", "low"}}), {{"b", "a"}});
   EXPECT_FALSE(result->contrasts.at(0).overall);
-  EXPECT_THAT(MatchingJson(*result), HasSubstr("\"overall\": null"));
-  EXPECT_THAT(MatchingText(*result), HasSubstr("without       subject p, q: no level in both"));
+  const document::Document document = MatchingDocument(*result, false);
+  EXPECT_THAT(document::JsonOf(document), HasSubstr("\"overall\": null"));
+  EXPECT_THAT(TextOf(document), HasSubstr("without subject  p, q, no level in both"));
+  EXPECT_THAT(TextOf(document), HasSubstr("not answered: b against a: not tested: 0 subjects"));
 }
 
 TEST(AnalyzeMatching, CoversReductionAndPowerSaving) {
@@ -286,9 +309,12 @@ TEST(AnalyzeLinearity, FindsThatSubjectsBendAlike) {
   EXPECT_EQ(over.n, 4U);
   EXPECT_REL(over.mean, -1e-7, 1e-9, "rounding of 40 um over a bend of 2 um");
   EXPECT_LT(over.test->p, 1e-3);
-  EXPECT_THAT(LinearityText(result), HasSubstr("mean curvature -0.1 um/V^2 (95 % CI"));
-  EXPECT_THAT(LinearityText(result), HasSubstr("curvature     not determined"));
-  EXPECT_THAT(LinearityJson(result), HasSubstr("\"curvature_p\": null"));
+  const document::Document document = LinearityDocument(result, false);
+  // the standard deviation of the bends is 0.1 / 15 sqrt(5/3) um/V^2, over sqrt(4)
+  EXPECT_THAT(TextOf(document),
+              HasSubstr("curvature  -0.1000(43) um/V^2; 95 %: -0.1137 to -0.0863"));
+  EXPECT_THAT(TextOf(document), HasSubstr("note: b, subject 9: curvature not determined"));
+  EXPECT_THAT(document::JsonOf(document), HasSubstr("\"curvature_p\": null"));
 }
 
 TEST(AnalyzeLinearity, SubtractsTheFloorInPower) {
@@ -304,8 +330,11 @@ TEST(AnalyzeLinearity, SubtractsTheFloorInPower) {
   // without the floor's removal the same readings bend
   const LinearityResult bent = AnalyzeLinearity(readings, 0.0);
   EXPECT_GT(bent.lines.at(0).line->largest_deviation, 1e-7);
-  EXPECT_THAT(LinearityText(own), HasSubstr("floor         3 um, subtracted in power"));
-  EXPECT_THAT(LinearityText(own), Not(HasSubstr("nan")));
+  const std::string text = TextOf(LinearityDocument(own, false));
+  EXPECT_THAT(text, HasSubstr("noise correction             3 um, RMS, subtracted in mean square"));
+  EXPECT_THAT(text, HasSubstr("1 reading below the noise floor: excluded"));
+  EXPECT_THAT(text, ContainsRegex("RMS at 0 V +0[.0]*(\\(1\\))? um;")) << "rounding";
+  EXPECT_THAT(text, Not(HasSubstr("nan")));
 }
 
 }  // namespace

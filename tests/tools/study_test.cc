@@ -22,7 +22,10 @@ namespace haptometer::tools {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::ContainsRegex;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using Json = nlohmann::json;
 
 Outcome Study(const std::vector<std::string>& words) { return Captured(RunStudy, "study", words); }
@@ -79,14 +82,16 @@ TEST_F(StudyVerb, ComparesConditionsNamedByAPattern) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(outcome.out, HasSubstr("6 trials, 3 subjects, 2 conditions"));
-  EXPECT_THAT(outcome.out, HasSubstr("b against a, n = 3 subjects"));
-  // (2 x 2.1 x 2.2)^(1/3)
-  EXPECT_THAT(outcome.out, HasSubstr("ratio           2.098 (95 % CI"));
+  EXPECT_THAT(outcome.out, HasSubstr("data: imported\n"));
+  EXPECT_THAT(outcome.out, ContainsRegex("b against a\n +subjects +3\n"));
+  // (2 x 2.1 x 2.2)^(1/3) with ln 1.1 / sqrt(12) of it
+  EXPECT_THAT(outcome.out, ContainsRegex(" ratio +2.098\\(58\\); 95 %: 1.864 to 2.362, of geom"));
   EXPECT_THAT(outcome.out, HasSubstr("t(2) ="));
   // 10, 12.1, 14.4 um
-  EXPECT_THAT(outcome.out, HasSubstr("difference      12.17 um (95 % CI"));
-  EXPECT_THAT(outcome.out, HasSubstr("sign flips      p = 0.25"));
+  EXPECT_THAT(outcome.out, ContainsRegex("mean difference +12.2\\(13\\) um; 95 %: 6.7 to 17.6 um"));
+  EXPECT_THAT(outcome.out, ContainsRegex("sign flips +p = 0.25"));
   EXPECT_THAT(outcome.out, HasSubstr("F(1, 2) ="));
+  EXPECT_THAT(outcome.out, HasSubstr("  command: haptometer study "));
 }
 
 TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
@@ -105,7 +110,13 @@ TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
   EXPECT_REL(contrast["ratio"].get<double>(), std::cbrt(2 * 2.1 * 2.2), 1e-5, "printed digits");
   EXPECT_REL(contrast["mean_difference_m"].get<double>(), 36.5e-6 / 3, 1e-5, "printed digits");
   EXPECT_TRUE(document["trials"].at(0)["reasons"].empty());
+  EXPECT_EQ(document["trials"].at(0)["deviations"],
+            Json({"no-noise-correction", "averaging-unknown"}));
+  EXPECT_EQ(document["trials"].at(0)["data_source"], Json({"imported"}));
   EXPECT_TRUE(document["conditions"].at(0)["icc"].is_null()) << "one repeat";
+  ASSERT_EQ(document["provenance"]["inputs"].size(), 6U);
+  EXPECT_THAT(document["provenance"]["inputs"].at(0)["path"].get<std::string>(),
+              HasSubstr("s10_a.csv"));
 
   std::vector<std::string> verify = words;
   verify.insert(verify.end(), {"--verify", Write("r.json", outcome.out)});
@@ -115,11 +126,16 @@ TEST_F(StudyVerb, JsonKeepsItsNamesAndVerifiesItself) {
   Json changed = document;
   changed["contrasts"][0]["ratio"] = 2.5;
   changed["trials"][2]["gone"] = 1;
+  changed["findings"] = Json::array();
+  // as earlier versions called it
+  changed["contrasts"][0]["ratio_interval"] = Json({1, 2});
   Write("r.json", changed.dump());
   const Outcome differs = Study(verify);
   EXPECT_EQ(differs.status, 1);
   EXPECT_THAT(differs.err, HasSubstr("/contrasts/0/ratio was 2.5, is 2.0"));
   EXPECT_THAT(differs.err, HasSubstr("/trials/2/gone is gone"));
+  EXPECT_THAT(differs.err, HasSubstr("/contrasts/0/ratio_interval/0 was 1, is 1.86"));
+  EXPECT_THAT(differs.err, HasSubstr("4 differences"));
   Write("r.json", "{");
   EXPECT_THAT(Study(verify).err, HasSubstr("is no JSON document"));
 }
@@ -133,10 +149,11 @@ TEST_F(StudyVerb, NamesWhatIsMissingAndAnswersTheRest) {
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("other.csv: has a name that does not fit the pattern"));
   EXPECT_THAT(outcome.err, HasSubstr("s9_a.csv: "));
-  EXPECT_THAT(outcome.out, HasSubstr("b against a, n = 2 subjects"));
-  EXPECT_THAT(outcome.out, HasSubstr("without         subject 9: one of the two is missing"));
-  EXPECT_THAT(outcome.out, HasSubstr("subject 9 in a: 0 of 1 trial\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("no contrast was planned: every condition against a"));
+  EXPECT_THAT(outcome.out, ContainsRegex("b against a\n +subjects +2\n"));
+  EXPECT_THAT(outcome.out,
+              ContainsRegex("without subject +9, one of the two conditions is missing"));
+  EXPECT_THAT(outcome.out, HasSubstr("note: subject 9 in a: 0 of 1 trial with a value\n"));
+  EXPECT_THAT(outcome.out, HasSubstr("no contrast is planned, so every condition is compared"));
 }
 
 TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
@@ -145,7 +162,7 @@ TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   const Outcome outcome = Study({directory()});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; say haptometer trial label"));
-  EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subject, 1 condition;"));
+  EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subject, 1 condition\n"));
 }
 
 TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
@@ -162,10 +179,15 @@ TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
   EXPECT_THAT(ContentOf(directory_ / "long.csv"), HasSubstr("\n9,b,7,1.9999"));
   EXPECT_THAT(ContentOf(directory_ / "wide.csv"),
               HasSubstr("subject,b_mean_m,b_trials,a_mean_m,a_trials\n9,"));
+  for (const char* file : {"long.csv", "wide.csv"}) {
+    EXPECT_THAT(ContentOf(directory_ / file), StartsWith("# haptometer ")) << file;
+  }
   const std::string methods = ContentOf(directory_ / "methods.md");
   EXPECT_THAT(methods, HasSubstr("from 30 to 600 Hz"));
   EXPECT_THAT(methods, HasSubstr("Planned contrasts (b against a)"));
   EXPECT_THAT(methods, HasSubstr("The unit of analysis was the subject"));
+  EXPECT_THAT(methods, HasSubstr("Source of the data: imported (6 trials). Sensor: not stated (6"));
+  EXPECT_THAT(methods, HasSubstr("\n- command: haptometer study "));
   const Outcome again = Study(words);
   EXPECT_EQ(again.status, 2);
   EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or say --overwrite"));
@@ -179,10 +201,50 @@ TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {
   Write("s12_a.csv", stuck.str());
   const Outcome outcome = Study({directory(), "--pattern", "s{subject}_{condition}"});
   EXPECT_EQ(outcome.status, 3);
+  EXPECT_THAT(outcome.out, ContainsRegex("\n  note: not corrected for noise: .*, 6 of 6 trials\n"));
   EXPECT_THAT(outcome.out,
-              HasSubstr("    differs         no noise floor taken off: all 6 trials\n"));
-  EXPECT_THAT(outcome.out, HasSubstr("s12_a.csv: all 2400 readings are the same"));
-  EXPECT_THAT(outcome.out, HasSubstr("subject 12 in a: 0 of 1 trial\n"));
+              ContainsRegex("not answered: .*s12_a.csv: all 2400 readings are the same"));
+  EXPECT_THAT(outcome.out, HasSubstr("subject 12 in a: 0 of 1 trial with a value\n"));
+}
+
+// tables of results that lie among the trials, its own too
+TEST_F(StudyVerb, IgnoresTablesOfResults) {
+  WriteNamedTrials();
+  Write("sweep.csv", "# a comment\ndrive_v,rms_m\n1,8e-6\n2,16e-6\n");
+  std::vector<std::string> words{
+      directory(),   "--pattern", "s{subject}_{condition}", "--table", directory_ / "long.csv",
+      "--overwrite", "--json"};
+  ASSERT_EQ(Study(words).status, 0);
+  const Outcome outcome = Study(words);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Json document = Json::parse(outcome.out);
+  EXPECT_EQ(document["trials"].size(), 6U);
+  std::vector<std::string> ignored;
+  for (const Json& finding : document["findings"]) {
+    if (finding["kind"] == "table-ignored") ignored.push_back(finding["subject"]);
+  }
+  EXPECT_THAT(ignored, ElementsAre(directory_ / "long.csv", directory_ / "sweep.csv"));
+  for (int s = 0; s < 3; ++s) {
+    for (const char* name : {"s{}_a.csv", "s{}_b.csv"}) {
+      fs::remove(directory_ / fmt::format(fmt::runtime(name), s + 9));
+    }
+  }
+  EXPECT_THAT(Study({directory()}).err, HasSubstr("holds no recording"));
+}
+
+TEST_F(StudyVerb, SaysWhereTheDataComeFrom) {
+  WriteNamedTrials();
+  Trial("s9_a.csv", 10, "# source = simulated: exact motion\n");
+  Trial("s9_b.csv", 20, "# source = emulated device: virtual terminal\n");
+  const fs::path methods = directory_ / "methods.md";
+  const fs::path page = directory_ / "page.html";
+  const Outcome outcome = Study(
+      {directory(), "--pattern", "s{subject}_{condition}", "--methods", methods, "--report", page});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("data: emulated, simulated, imported\n"));
+  EXPECT_THAT(ContentOf(methods),
+              HasSubstr("emulated (1 trial), imported (4 trials), simulated (1 trial)"));
+  EXPECT_THAT(ContentOf(page), HasSubstr("<td>emulated</td>"));
 }
 
 TEST_F(StudyVerb, ShowsAnIntervalHoweverNarrow) {
@@ -191,19 +253,19 @@ TEST_F(StudyVerb, ShowsAnIntervalHoweverNarrow) {
     static_cast<void>(Trial(fmt::format("s{}_b.csv", s), (10 + s) * (2 + 1e-4 * s)));
   }
   const std::string text = Study({directory(), "--pattern", "s{subject}_{condition}", "--all"}).out;
-  static const std::regex interval(R"(95 % CI ([-+0-9.e]+) to ([-+0-9.e]+))");
+  static const std::regex interval(R"(95 %: ([-+0-9.e]+) to ([-+0-9.e]+))");
   int seen = 0;
   for (std::sregex_iterator at(text.begin(), text.end(), interval), end; at != end; ++at, ++seen) {
     EXPECT_NE((*at)[1], (*at)[2]) << at->str();
   }
   EXPECT_GE(seen, 3) << text;
-  EXPECT_THAT(text, HasSubstr("ratio           2.0001 (95 % CI 1.9998"));
+  EXPECT_THAT(text, ContainsRegex(" ratio +2.000100\\(58\\); 95 %: 1.999852 to"));
 }
 
 TEST_F(StudyVerb, SaysWhatItsEffectSizesIntervalIsOf) {
   WriteNamedTrials();
   EXPECT_THAT(Study({directory(), "--pattern", "s{subject}_{condition}"}).out,
-              HasSubstr("the interval is of the population's mean difference / sd"));
+              HasSubstr("of the population's mean difference / sd"));
 }
 
 TEST_F(StudyVerb, SaysHowAnAveragingBecomesKnown) {
@@ -276,13 +338,13 @@ TEST_F(StudyVerb, ReadsSweepsFromTablesAndTrials) {
       Write("sweep.csv", "drive_v,rms_m\n1,8e-6\n2,16e-6\n3,24.3e-6\n4,32e-6\n");
   const Outcome outcome = Study({"linearity", table, "--plot", directory_ / "l.svg"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("floor         not known"));
+  EXPECT_THAT(outcome.out, HasSubstr("not corrected for noise: neither a reading at 0 V"));
   EXPECT_TRUE(fs::exists(directory_ / "l.svg"));
   const std::string told = Trial("t.csv", 8, "# drive_amplitude_v = 1\n");
   const std::string untold = Trial("u.csv", 8);
   const Outcome trials = Study({"linearity", told, untold, "--json"});
   EXPECT_EQ(trials.status, 3);
-  EXPECT_THAT(trials.err, HasSubstr("u.csv: does not say its drive_amplitude_v"));
+  EXPECT_THAT(trials.err, HasSubstr("u.csv: does not state its drive_amplitude_v"));
   const Json line = Json::parse(trials.out)["lines"].at(0);
   EXPECT_EQ(line["readings"], 1);
   EXPECT_TRUE(line["slope_m_per_v"].is_null());

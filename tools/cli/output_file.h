@@ -33,7 +33,8 @@ inline constexpr OutputKind kSpectrogramOutput{
     .name = "a spectrogram's table", .begin = "time_s,frequency_hz,", .has_comments = true};
 inline constexpr OutputKind kSweepTableOutput{.name = "a sweep's table",
                                               .begin = "# haptometer sweep "};
-inline constexpr OutputKind kStudyTableOutput{.name = "a study's table", .begin = "subject,"};
+inline constexpr OutputKind kStudyTableOutput{
+    .name = "a study's table", .begin = "subject,", .has_comments = true};
 inline constexpr OutputKind kMethodsOutput{.name = "a methods paragraph", .begin = "## Methods\n"};
 inline constexpr OutputKind kActuatorOutput{.name = "an actuator written by --save",
                                             .begin = "# written by haptometer fit-lra"};

@@ -5,9 +5,11 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/analysis/band_question.h"
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/regression.h"
-#include "tools/plot/gnuplot.h"
+#include "tools/document/provenance.h"
+#include "trial/import/import_options.h"
 
 namespace haptometer::tools {
 
@@ -18,6 +20,19 @@ struct DriveReading {
   double drive_v = 0;     ///< 0: the drive was off, the reading is the floor
   double rms_m = 0;
 };
+
+/// The readings of files, where their data come from, and the errors of the files that gave none.
+struct DriveReadings {
+  std::vector<DriveReading> readings;
+  std::vector<document::DataSource> sources;
+  std::vector<Error> errors;
+};
+
+/// Reads tables with drive_v and rms_m (and subject, condition), and analyses trials that state
+/// their drive_amplitude_v, without a correction for noise.
+[[nodiscard]] DriveReadings ReadDriveReadings(const std::vector<std::string>& files,
+                                              const dsp::BandQuestion& question,
+                                              const trial::ImportOptions& import);
 
 /// The line of one subject in one condition.
 struct DriveLine {
@@ -41,6 +56,7 @@ struct SlopeOverSubjects {
 };
 
 struct LinearityResult {
+  std::vector<document::DataSource> sources;  ///< of the readings
   std::vector<DriveLine> lines;
   std::vector<SlopeOverSubjects> slopes;  ///< conditions with 2 subjects or more
 };
@@ -52,10 +68,5 @@ struct LinearityResult {
 /// by the quadratic term of a parabola.
 [[nodiscard]] LinearityResult AnalyzeLinearity(const std::vector<DriveReading>& readings,
                                                const std::optional<double>& floor_m);
-
-[[nodiscard]] std::string LinearityText(const LinearityResult& result);
-[[nodiscard]] std::string LinearityJson(const LinearityResult& result);
-/// RMS against drive with the fitted lines, one panel.
-[[nodiscard]] std::vector<plot::Panel> LinearityPanels(const LinearityResult& result);
 
 }  // namespace haptometer::tools

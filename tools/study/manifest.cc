@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <regex>
 #include <set>
 #include <string_view>
@@ -14,6 +15,7 @@
 
 #include "base/text.h"
 #include "base/toml.h"
+#include "tools/cli/csv_cell.h"
 
 namespace haptometer::tools {
 namespace {
@@ -62,6 +64,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMostHeaderBytes = std::size_t{1} << 16U;
+
 constexpr std::array<std::string_view, 3> kLabels{"subject", "condition", "repeat"};
 
 bool IsRecording(const fs::path& path) {
@@ -93,6 +97,24 @@ Compiled Compile(const std::string& pattern) {
   return compiled;
 }
 
+// Whether a CSV holds results and no recording, by the names in its header.
+bool IsTableOfResults(const std::string& path) {
+  if (fs::path(path).extension() != ".csv") return false;
+  std::ifstream file(path, std::ios::binary);
+  std::string beginning(kMostHeaderBytes, '\0');
+  file.read(beginning.data(), static_cast<std::streamsize>(beginning.size()));
+  beginning.resize(static_cast<std::size_t>(file.gcount()));
+  // the first line that is no comment
+  std::string_view rest = beginning;
+  while (rest.starts_with('#') && rest.find('\n') != std::string_view::npos) {
+    rest.remove_prefix(rest.find('\n') + 1);
+  }
+  const auto names = cli::CellsOf(rest.substr(0, rest.find_first_of("\r\n")));
+  const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
+  return has("subject") || has("rms_m") || has("band_rms_m") || has("matched_v") ||
+         (has("frequency_hz") && !has("time_s"));
+}
+
 TrialFile Labelled(const std::string& path, const std::string& pattern) {
   TrialFile file{.path = path, .labels = {}, .error = {}};
   if (pattern.empty()) return file;
@@ -113,7 +135,7 @@ Result<std::vector<std::string>> Expand(const std::string& pattern) {
   if (failure == 0) paths.assign(found.gl_pathv, found.gl_pathv + found.gl_pathc);
   ::globfree(&found);
   std::erase_if(paths, [](const std::string& path) { return fs::is_directory(path); });
-  if (paths.empty()) return CannotAnswer(pattern, "finds no file", "mend files in the manifest");
+  if (paths.empty()) return CannotAnswer(pattern, "finds no file", "correct files in the manifest");
   return paths;
 }
 
@@ -160,13 +182,17 @@ Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
     std::error_code ignored;
     if (at->is_regular_file(ignored) && IsRecording(at->path())) paths.push_back(at->path());
   }
-  if (paths.empty()) {
-    return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");
-  }
   std::ranges::sort(paths);
   std::vector<TrialFile> files;
   files.reserve(paths.size());
-  for (const std::string& path : paths) files.push_back(Labelled(path, pattern));
+  for (const std::string& path : paths) {
+    const bool is_table = IsTableOfResults(path);
+    files.push_back(is_table ? TrialFile{.path = path, .labels = {}, .error = {}, .is_table = true}
+                             : Labelled(path, pattern));
+  }
+  if (std::ranges::all_of(files, &TrialFile::is_table)) {
+    return CannotAnswer(folder, "holds no recording", "recordings end in .bin, .csv or .lvm");
+  }
   return files;
 }
 
@@ -192,6 +218,10 @@ Result<std::vector<TrialFile>> FilesOfManifest(const std::string& path, const Ma
     }
   }
   return files;
+}
+
+std::string NameOf(const PlannedContrast& contrast) {
+  return fmt::format("{} against {}", contrast.treatment, contrast.control);
 }
 
 Result<PlannedContrast> ParseContrast(const std::string& word) {

@@ -15,6 +15,9 @@ struct PlannedContrast {
   std::string control;
 };
 
+/// "ia1 against stock".
+[[nodiscard]] std::string NameOf(const PlannedContrast& contrast);
+
 /// "ia1:stock". Errors (Cause::kUsage): no pair of two names.
 [[nodiscard]] Result<PlannedContrast> ParseContrast(const std::string& word);
 
@@ -60,6 +63,8 @@ struct TrialFile {
   std::string path;
   std::map<std::string, std::string> labels;  ///< of subject, condition, repeat
   std::optional<Error> error;                 ///< its name does not fit the pattern
+  /// A table of results among recordings (FilesInFolder), to be ignored: no trial.
+  bool is_table = false;
 };
 
 /// Labels in a file's name: "{subject}_{condition}_{repeat}" against the name without its ending,
@@ -72,8 +77,9 @@ struct TrialFile {
 /// (Cause::kUsage).
 [[nodiscard]] Result<void> CheckPattern(const std::string& pattern);
 
-/// All recordings (.bin, .csv, .lvm) in a folder and the folders in it, by name. Errors
-/// (Cause::kCannotAnswer): there is none.
+/// All recordings (.bin, .csv, .lvm) in a folder and the folders in it, by name, and the tables of
+/// results among them: CSV files whose header names band RMS, matched voltages, subjects, or
+/// frequencies without a time. Errors (Cause::kCannotAnswer): there is no recording.
 [[nodiscard]] Result<std::vector<TrialFile>> FilesInFolder(const std::string& folder,
                                                            const std::string& pattern);
 

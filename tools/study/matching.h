@@ -6,7 +6,6 @@
 
 #include "base/error.h"
 #include "dsp/statistics/moments.h"
-#include "tools/plot/gnuplot.h"
 #include "tools/study/manifest.h"
 #include "tools/study/text_table.h"
 
@@ -48,6 +47,14 @@ struct MatchedContrast {
       overall;  ///< of the subjects' means over the levels they have in both
 };
 
+/// A subject at a level of a condition, of whom a setting is missing.
+struct MissingSetting {
+  std::string subject;
+  std::string condition;
+  double reference_v = 0;
+  std::string started;  ///< which start is missing: "high" or "low"; empty: both
+};
+
 struct MatchingResult {
   std::string source;
   std::size_t settings = 0;  ///< rows
@@ -55,14 +62,14 @@ struct MatchingResult {
   std::vector<MatchedCondition> conditions;
   bool planned = false;  ///< the contrasts were asked for
   std::vector<MatchedContrast> contrasts;
-  std::vector<std::string> missing;  ///< a sentence each: halves, levels
+  std::vector<MissingSetting> missing;
 };
 
 /// Works out a table with the columns reference_v, condition, subject, matched_v, started (high or
 /// low).
 ///
 /// Settings that started high and low are averaged apart, then with each other, as logarithms; a
-/// missing half is named, and the other one counts by itself. Each subject gives one value a level,
+/// missing half is named, and the other one counts alone. Each subject gives one value a level,
 /// and one over all levels: the mean of its levels. A contrast takes the differences of these
 /// logarithms, treatment less control, in each subject. Where none is planned, every condition is
 /// compared with the first.
@@ -70,11 +77,5 @@ struct MatchingResult {
 /// Cause::kUsage for a contrast with a condition that the table lacks.
 [[nodiscard]] Result<MatchingResult> AnalyzeMatching(const TextTable& table,
                                                      const std::vector<PlannedContrast>& planned);
-
-[[nodiscard]] std::string MatchingText(const MatchingResult& result);
-[[nodiscard]] std::string MatchingJson(const MatchingResult& result);
-/// Matched against reference voltage, mean and standard deviation over subjects, a panel a
-/// condition.
-[[nodiscard]] std::vector<plot::Panel> MatchingPanels(const MatchingResult& result);
 
 }  // namespace haptometer::tools

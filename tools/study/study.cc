@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -17,11 +18,13 @@
 #include "tools/cli/output_file.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
-#include "tools/study/study_result.h"
-#include "tools/study/text_table.h"
+#include "tools/document/present.h"
+#include "tools/document/render.h"
+#include "tools/study/study_document.h"
 #include "tools/verbs.h"
 
-// study DIR|MANIFEST.toml: trials x subjects x conditions.
+// study DIR|MANIFEST.toml: trials x subjects x conditions; `study matching` and `study linearity`
+// are what is no table of trials.
 
 namespace haptometer::tools {
 namespace {
@@ -45,15 +48,22 @@ struct Wanted {
   std::string pattern;
   cli::BandWords band;
   std::string floor;
-  bool all = false;
+  document::Outputs outputs;
   std::string table;
   std::string wide;
   std::string methods;
   std::string verify;
-  std::string plot;
   bool overwrite = false;
   cli::ImportWords import;
 };
+
+// what all three have
+void DeclareOutputs(cli::Options& options, document::Outputs& outputs, std::string_view all,
+                    std::string_view plot) {
+  options.Flag("--all", &outputs.all, all);
+  options.Output("--plot", &outputs.plot, "FILE.svg|png|pdf", plot);
+  options.Output("--report", &outputs.report, "FILE.html", "Write a page with everything");
+}
 
 void Declare(cli::Options& options, Wanted& wanted) {
   options.Positional("source", &wanted.source,
@@ -64,18 +74,19 @@ void Declare(cli::Options& options, Wanted& wanted) {
   options.Text("--pattern", &wanted.pattern, "PATTERN",
                "Labels in the files' names: '{subject}_{condition}_{repeat}'");
   cli::DeclareBand(&options, &wanted.band, cli::Shown::kHelpAll);
-  options.Text("--floor", &wanted.floor, "FILE",
-               "A drive-off trial: its noise in the band is taken off in power (default: the "
-               "manifest's, else each trial's own quiet part)");
-  options.Flag("--all", &wanted.all,
-               "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend");
+  options.Text(
+      "--floor", &wanted.floor, "FILE",
+      "A drive-off trial: its noise in the band is subtracted in mean square (default: the "
+      "manifest's, else each trial's own quiet part)");
+  DeclareOutputs(options, wanted.outputs,
+                 "Print everything: ANOVA, sign flips, ratio of means, error bars, repeats, trend, "
+                 "trials, provenance",
+                 "Draw means, spread and subjects, a panel a contrast");
   options.Output("--table", &wanted.table, "LONG.csv", "Write a row a trial");
   options.Output("--wide", &wanted.wide, "WIDE.csv", "Write a row a subject");
   options.Output("--methods", &wanted.methods, "METHODS.md", "Write the paragraph for the paper");
   options.Text("--verify", &wanted.verify, "RESULTS.json",
                "Compare with what --json printed earlier; status 1 where something differs");
-  options.Output("--plot", &wanted.plot, "FILE.svg|png|pdf",
-                 "Draw means, spread and subjects, a panel a contrast");
   options.Flag("--overwrite", &wanted.overwrite, "Replace existing tables and paragraphs");
   cli::DeclareImport(&options, &wanted.import);
 }
@@ -83,6 +94,7 @@ void Declare(cli::Options& options, Wanted& wanted) {
 // what is asked, from command line and manifest: the command line counts
 struct Task {
   std::vector<TrialFile> files;
+  std::vector<std::string> ignored;  // tables of results among them
   Manifest manifest;
   dsp::BandQuestion question;
   trial::ImportOptions import;
@@ -110,7 +122,13 @@ Result<void> FindFiles(const Wanted& wanted, Task& task) {
   auto files = is_folder ? FilesInFolder(wanted.source, task.manifest.pattern)
                          : FilesOfManifest(wanted.source, task.manifest);
   if (!files) return std::unexpected(files.error());
-  task.files = *std::move(files);
+  for (TrialFile& file : *files) {
+    if (file.is_table) {
+      task.ignored.push_back(Printable(file.path));
+    } else {
+      task.files.push_back(std::move(file));
+    }
+  }
   return {};
 }
 
@@ -147,10 +165,8 @@ Result<void> TakeContrasts(const Wanted& wanted, Task& task) {
 }
 
 Result<Task> TaskOf(const Wanted& wanted) {
-  if (!wanted.plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(wanted.plot); !drawable) {
-      return std::unexpected(drawable.error());
-    }
+  if (auto good = document::CheckOutputs(wanted.outputs); !good) {
+    return std::unexpected(good.error());
   }
   for (const auto& [path, kind] : {std::pair(&wanted.table, cli::kStudyTableOutput),
                                    std::pair(&wanted.wide, cli::kStudyTableOutput),
@@ -180,6 +196,7 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   StudyResult study;
   study.source = Printable(wanted.source);
   study.question = task.question;
+  study.ignored = task.ignored;
   study.table = MakeStudyTable(AnalyzeTrials(task.files, task.question, task.import),
                                task.manifest.conditions);
   study.planned = !task.manifest.contrasts.empty();
@@ -194,53 +211,102 @@ Result<StudyResult> Answer(const Wanted& wanted, const Task& task) {
   return study;
 }
 
-// the worst of its trials and contrasts: not answered where one has no number or no test
-int StatusOf(const StudyResult& study) {
-  int status = 0;
-  for (const StudyTrial& trial : study.table.trials) {
-    if (trial.answered) continue;
-    const Cause cause = trial.error ? trial.error->cause : Cause::kCannotAnswer;
-    status = cli::WorseStatus(status, ExitStatus(cause));
-  }
-  for (const Contrast& contrast : study.contrasts) {
-    if (contrast.difference.test) continue;
-    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
-  }
-  return status;
-}
-
-Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study) {
-  const auto write = [&](const std::string& path, const cli::OutputKind& kind, auto&& text_of) {
-    return path.empty() ? Result<void>{}
-                        : cli::WriteOutput(path, kind, wanted.overwrite, text_of(study));
+Result<void> WriteFiles(const Wanted& wanted, const StudyResult& study, int argc,
+                        const char* const* argv) {
+  if (wanted.table.empty() && wanted.wide.empty() && wanted.methods.empty()) return {};
+  std::vector<std::string> command{"haptometer", std::string(kVerb)};
+  command.insert(command.end(), argv + 1, argv + argc);
+  const document::Provenance provenance = document::CollectProvenance(command);
+  const auto write = [&](const std::string& path, const cli::OutputKind& kind, auto&& text) {
+    return path.empty() ? Result<void>{} : cli::WriteOutput(path, kind, wanted.overwrite, text());
   };
-  if (auto ok = write(wanted.table, cli::kStudyTableOutput, LongTable); !ok) return ok;
-  if (auto ok = write(wanted.wide, cli::kStudyTableOutput, WideTable); !ok) return ok;
-  if (auto ok = write(wanted.methods, cli::kMethodsOutput, MethodsText); !ok) return ok;
-  if (!wanted.plot.empty()) return plot::DrawPanels(wanted.plot, StudyPanels(study));
-  return {};
+  const auto table = [&](const std::string& path, auto&& section_of) {
+    return write(path, cli::kStudyTableOutput,
+                 [&] { return document::CsvOf(section_of(study), provenance); });
+  };
+  if (auto ok = table(wanted.table, LongTable); !ok) return ok;
+  if (auto ok = table(wanted.wide, WideTable); !ok) return ok;
+  return write(wanted.methods, cli::kMethodsOutput, [&] { return MethodsText(study, provenance); });
 }
 
-// 0 where nothing differs
-Result<int> Verify(const std::string& path, const StudyResult& study) {
+// --- verification ---
+
+using Json = nlohmann::json;
+
+// what another processor's mathematical library may change
+constexpr double kTolerance = 1e-9;
+
+// keys that earlier versions gave, and what they are called now
+constexpr std::array<std::pair<std::string_view, std::string_view>, 7> kRenamed{
+    {{"ratio_interval", "ratio_interval_95"},
+     {"mean_difference_interval_m", "mean_difference_interval_95_m"},
+     {"effect_interval", "effect_interval_95"},
+     {"ratio_of_means_interval", "ratio_of_means_interval_95"},
+     {"mean_interval_m", "mean_interval_95_m"},
+     {"icc_interval", "icc_interval_95"},
+     {"log_slope_interval", "log_slope_per_trial_interval_95"}}};
+
+// what is said in words, and how the document came about
+constexpr std::array<std::string_view, 4> kNotCompared{"provenance", "findings", "reasons",
+                                                       "deviations"};
+
+std::string_view PresentName(const std::string& key) {
+  const auto* found = std::ranges::find(kRenamed, key, [](const auto& pair) { return pair.first; });
+  return found == kRenamed.end() ? std::string_view(key) : found->second;
+}
+
+bool IsSame(const Json& a, const Json& b) {
+  if (!a.is_number() || !b.is_number()) return a == b;
+  const double x = a.get<double>();
+  const double y = b.get<double>();
+  return std::abs(x - y) <= kTolerance * std::max(std::abs(x), std::abs(y));
+}
+
+// what `before` has at `place` and `now` has not, a sentence each
+void Compare(const Json& before, const Json& now, const std::string& place,
+             std::vector<std::string>& differences) {
+  if (before.is_object() && now.is_object()) {
+    for (const auto& [key, part] : before.items()) {
+      if (std::ranges::count(kNotCompared, key) > 0) continue;
+      const auto found = now.find(PresentName(key));
+      const std::string inner = fmt::format("{}/{}", place, key);
+      if (found == now.end()) {
+        differences.push_back(inner + " is gone");
+      } else {
+        Compare(part, *found, inner, differences);
+      }
+    }
+  } else if (before.is_array() && now.is_array()) {
+    if (now.size() != before.size()) {
+      differences.push_back(
+          fmt::format("{} had {} entries, has {}", place, before.size(), now.size()));
+    }
+    for (std::size_t k = 0; k < std::min(before.size(), now.size()); ++k) {
+      Compare(before[k], now[k], fmt::format("{}/{}", place, k), differences);
+    }
+  } else if (!IsSame(before, now)) {
+    differences.push_back(fmt::format("{} was {}, is {}", place, before.dump(), now.dump()));
+  }
+}
+
+// the exit status: 0 where nothing differs
+Result<int> Verify(const std::string& path, const document::Document& document) {
   const auto earlier = ReadInputFile(path);
   if (!earlier) return std::unexpected(earlier.error());
-  auto differences = CompareDocuments(*earlier, StudyJson(study));
-  if (!differences) {
-    Error error = differences.error();
-    error.where = path;
-    return std::unexpected(std::move(error));
+  const Json before = Json::parse(*earlier, nullptr, false);
+  if (before.is_discarded() || !before.is_object()) {
+    return CannotAnswer(path, "is no JSON document", "give what study --json printed");
   }
-  for (const std::string& difference : *differences) {
+  std::vector<std::string> differences;
+  Compare(before, Json::parse(document::JsonOf(document)), "", differences);
+  for (const std::string& difference : differences) {
     cli::Remark(kVerb, fmt::format("{}: {}", path, difference));
   }
-  cli::Remark(kVerb, differences->empty()
+  cli::Remark(kVerb, differences.empty()
                          ? fmt::format("{}: every number is the same again", path)
-                         : fmt::format("{}: {} differences", path, differences->size()));
-  return differences->empty() ? 0 : 1;
+                         : fmt::format("{}: {} differences", path, differences.size()));
+  return differences.empty() ? 0 : 1;
 }
-
-}  // namespace
 
 int RunStudyTrials(int argc, const char* const* argv) {
   cli::Options options(kText);
@@ -252,81 +318,120 @@ int RunStudyTrials(int argc, const char* const* argv) {
   const auto study = Answer(wanted, *task);
   if (!study) return cli::ReportError(kVerb, study.error());
 
+  int status = 0;
   for (const StudyTrial& trial : study->table.trials) {
-    if (trial.error) static_cast<void>(cli::ReportError(kVerb, *trial.error));
+    if (trial.error) status = cli::WorseStatus(status, cli::ReportError(kVerb, *trial.error));
   }
-  cli::Print(options.json() ? StudyJson(*study) : StudyText(*study, wanted.all));
-  if (auto written = WriteFiles(wanted, *study); !written) {
+  wanted.outputs.json = options.json();
+  const document::Document document = StudyDocument(*study, wanted.outputs.HasFigures());
+  status = cli::WorseStatus(status, document::Present(document, wanted.outputs, argc, argv));
+  if (auto written = WriteFiles(wanted, *study, argc, argv); !written) {
     return cli::ReportError(kVerb, written.error());
   }
-  const int status = StatusOf(*study);
   if (wanted.verify.empty()) return status;
-  const auto verified = Verify(wanted.verify, *study);
+  const auto verified = Verify(wanted.verify, document);
   if (!verified) return cli::ReportError(kVerb, verified.error());
   return cli::WorseStatus(status, *verified);
 }
 
-namespace {
+// --- study matching FILE.csv: voltages set until two vibrations felt alike ---
 
-using Json = nlohmann::json;
+constexpr std::string_view kMatching = "study matching";
 
-// what another processor's mathematical library may change
-constexpr double kTolerance = 1e-9;
+constexpr cli::VerbText kMatchingText{
+    .name = kMatching,
+    .summary =
+        "How much lower a matched voltage is than its reference, level by level, and what "
+        "power that saves.",
+    .examples = {"haptometer study matching fixtures/matching.csv --contrast ia1:stock",
+                 "haptometer study matching settings.csv --plot matching.svg",
+                 "haptometer study matching settings.csv --json"}};
 
-bool IsSame(const Json& a, const Json& b) {
-  if (!a.is_number() || !b.is_number()) return a == b;
-  const double x = a.get<double>();
-  const double y = b.get<double>();
-  return std::abs(x - y) <= kTolerance * std::max(std::abs(x), std::abs(y));
+Result<MatchingResult> AnswerMatching(const std::string& file,
+                                      const std::vector<std::string>& words) {
+  const auto contrasts = ParseContrasts(words);
+  if (!contrasts) return std::unexpected(contrasts.error());
+  const auto table =
+      ReadTextTable(file, {"reference_v", "condition", "subject", "matched_v", "started"});
+  if (!table) return std::unexpected(table.error());
+  return AnalyzeMatching(*table, *contrasts);
 }
 
-// "/contrasts/0/p" of a document's value: whether it is a list or object, whose parts count
-bool IsLeaf(const Json& json) { return !json.is_structured() || json.empty(); }
+int RunStudyMatching(int argc, const char* const* argv) {
+  cli::Options options(kMatchingText);
+  std::string file;
+  document::Outputs outputs;
+  std::vector<std::string> words;
+  options.Positional("file", &file, "CSV with reference_v,condition,subject,matched_v,started");
+  options.Repeated("--contrast", &words, "TREATMENT:CONTROL",
+                   "A planned contrast; may be repeated (default: every condition against the "
+                   "first)");
+  DeclareOutputs(options, outputs, "Print the levels and the provenance too",
+                 "Draw matched against reference voltage");
+  if (const auto status = options.Parse(argc - 1, argv + 1)) return *status;
+  if (auto good = document::CheckOutputs(outputs); !good) {
+    return cli::ReportError(kMatching, good.error());
+  }
+  const auto result = AnswerMatching(file, words);
+  if (!result) return cli::ReportError(kMatching, result.error());
+  outputs.json = options.json();
+  return document::Present(MatchingDocument(*result, outputs.HasFigures()), outputs, argc, argv);
+}
+
+// --- study linearity FILES|CSV: RMS against the drive's amplitude ---
+
+constexpr std::string_view kLinearity = "study linearity";
+
+constexpr cli::VerbText kLinearityText{
+    .name = kLinearity,
+    .summary = "Whether the RMS is linear in the drive's amplitude.",
+    .examples = {"haptometer study linearity sweep/*.bin",
+                 "haptometer study linearity sweep.csv --floor 0.8um --plot linearity.svg",
+                 "haptometer study linearity sweep/*.bin --json"}};
+
+int RunStudyLinearity(int argc, const char* const* argv) {
+  cli::Options options(kLinearityText);
+  std::vector<std::string> files;
+  std::optional<Quantity> floor_m;
+  document::Outputs outputs;
+  cli::BandWords band;
+  cli::ImportWords words;
+  options.Positionals("files", &files,
+                      "Trials that state their drive_amplitude_v, or CSV with drive_v,rms_m");
+  options.Number(
+      "--floor", &floor_m, Dimension::kLength,
+      "RMS with the drive off, subtracted in mean square (default: the readings at 0 V)");
+  DeclareOutputs(options, outputs, "Print the provenance too", "Draw RMS against drive");
+  cli::DeclareBand(&options, &band, cli::Shown::kHelpAll);
+  cli::DeclareImport(&options, &words);
+  if (const auto status = options.Parse(argc - 1, argv + 1)) return *status;
+  if (auto good = document::CheckOutputs(outputs); !good) {
+    return cli::ReportError(kLinearity, good.error());
+  }
+  const auto question = cli::BandQuestionOf(band);
+  if (!question) return cli::ReportError(kLinearity, question.error());
+  const auto import = cli::ImportOf(words);
+  if (!import) return cli::ReportError(kLinearity, import.error());
+  const DriveReadings taken = ReadDriveReadings(files, *question, *import);
+  int status = 0;
+  for (const Error& error : taken.errors) {
+    status = cli::WorseStatus(status, cli::ReportError(kLinearity, error));
+  }
+  if (taken.readings.empty()) return status;
+  LinearityResult result =
+      AnalyzeLinearity(taken.readings, floor_m ? std::optional(floor_m->value) : std::nullopt);
+  result.sources = taken.sources;
+  outputs.json = options.json();
+  return cli::WorseStatus(status, document::Present(LinearityDocument(result, outputs.HasFigures()),
+                                                    outputs, argc, argv));
+}
 
 }  // namespace
 
-Result<std::vector<std::string>> CompareDocuments(const std::string& earlier,
-                                                  const std::string& now) {
-  const Json before = Json::parse(earlier, nullptr, false);
-  if (before.is_discarded() || !before.is_object()) {
-    return CannotAnswer("", "is no JSON document", "give what study --json printed");
-  }
-  const Json after = Json::parse(now);
-  std::vector<std::string> differences;
-  std::vector<std::pair<Json::json_pointer, const Json*>> open{{Json::json_pointer(), &before}};
-  while (!open.empty()) {
-    const auto [place, value] = open.back();
-    open.pop_back();
-    if (!after.contains(place)) {
-      differences.push_back(fmt::format("{} is gone", place.to_string()));
-      continue;
-    }
-    const Json& other = after.at(place);
-    if (IsLeaf(*value)) {
-      if (IsSame(*value, other)) continue;
-      differences.push_back(
-          fmt::format("{} was {}, is {}", place.to_string(), value->dump(), other.dump()));
-    } else if (value->is_array()) {
-      if (other.is_array() && other.size() > value->size()) {
-        differences.push_back(fmt::format("{} had {} entries, has {}", place.to_string(),
-                                          value->size(), other.size()));
-      }
-      for (std::size_t i = value->size(); i > 0; --i)
-        open.emplace_back(place / (i - 1), &(*value)[i - 1]);
-    } else {
-      for (const auto& [key, part] : value->items()) open.emplace_back(place / key, &part);
-    }
-  }
-  return differences;
-}
-
-// study: several trials, or several settings, as one answer; a word each for what is no table of
-// trials (tools/study/).
-
 int RunStudy(int argc, const char* const* argv) {
   const std::string_view word = argc > 1 ? argv[1] : "";
-  if (word == "matching") return RunStudyMatching(argc - 1, argv + 1);
-  if (word == "linearity") return RunStudyLinearity(argc - 1, argv + 1);
+  if (word == "matching") return RunStudyMatching(argc, argv);
+  if (word == "linearity") return RunStudyLinearity(argc, argv);
   return RunStudyTrials(argc, argv);
 }
 

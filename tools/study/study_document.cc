@@ -5,516 +5,422 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <nlohmann/json.hpp>
+#include <set>
 
-#include "tools/cli/csv_cell.h"
-#include "tools/cli/json.h"
-#include "tools/cli/uncertain_number.h"
-#include "tools/document/findings_dsp.h"
-#include "tools/study/study_result.h"
+#include "tools/document/render.h"
+#include "tools/study/statistics_items.h"
 
 namespace haptometer::tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using document::Detail;
+using document::Item;
+using document::Key;
+using document::Range;
+using document::Section;
+using document::Value;
 
-Json IntervalJson(const std::optional<dsp::Interval>& interval) {
-  if (!interval) return nullptr;
-  return {cli::NumberOrNull(interval->lower), cli::NumberOrNull(interval->upper)};
+// keys of more than one place
+constexpr Key kTrials{"trials", "trials"};
+constexpr Key kRepeat{"repeat", "repeat"};
+constexpr Key kOrder{"order"};
+constexpr Key kAnswered{"answered", "with a value"};
+constexpr Key kBandRms{"band_rms_m", "band RMS", document::kMetre, document::Form::kUncertain};
+constexpr std::string_view kOutlyingName = "outlying";
+
+template <typename T>
+Value MemberOf(const std::optional<T>& known, double T::* member) {
+  return known ? Value((*known).*member) : Value();
 }
 
-// t, df, p and interval of a test under `prefix`
-void FillTest(const dsp::OneSample& sample, Json& json) {
-  const auto& test = sample.test;
-  json["t"] = test ? Json(test->t) : Json(nullptr);
-  json["df"] = test ? Json(test->df) : Json(nullptr);
-  json["p"] = test ? Json(test->p) : Json(nullptr);
+Value RangeOf(const std::optional<dsp::Interval>& interval) {
+  return interval ? Value(Range{interval->lower, interval->upper}) : Value();
 }
 
-std::optional<dsp::Interval> IntervalOf(const dsp::OneSample& sample) {
-  return sample.test ? std::optional(sample.test->mean) : std::nullopt;
+// --- findings ---
+
+// why trials have no value: where they are errors of files, or else
+StudyFindings RefusalsOf(const StudyResult& study, bool of_errors) {
+  StudyFindings findings;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (trial.answered || trial.error.has_value() != of_errors) continue;
+    const auto refuse = [&](FindingOf<StudyFinding> finding) {
+      finding.subject = trial.file;
+      findings.Add(std::move(finding));
+    };
+    for (const std::string& reason : of_errors ? ReasonsOf(trial) : trial.reasons) {
+      refuse({Severity::kRefusal, StudyFinding::kNoValue, {{"reason", reason}}});
+    }
+    if (of_errors) continue;
+    for (const FindingOf<StudyFinding>& finding : trial.findings.list()) refuse(finding);
+  }
+  return findings;
 }
 
-Json ContrastJson(const Contrast& contrast) {
-  Json json{{"treatment", contrast.planned.treatment},
-            {"control", contrast.planned.control},
-            {"n", contrast.difference.n},
-            {"left_out_subjects", contrast.left_out}};
-  const auto& ratio = contrast.ratio;
-  json["ratio"] = ratio ? Json(ratio->ratio) : Json(nullptr);
-  json["ratio_interval"] = IntervalJson(ratio ? ratio->interval : std::nullopt);
-  json["ratio_p"] = ratio && ratio->log_ratio.test ? Json(ratio->log_ratio.test->p) : Json(nullptr);
-  FillTest(contrast.difference, json);
-  json["p_holm"] = cli::NumberOrNull(contrast.p_holm);
-  json["mean_difference_m"] =
-      contrast.difference.n > 0 ? Json(contrast.difference.mean) : Json(nullptr);
-  json["mean_difference_interval_m"] = IntervalJson(IntervalOf(contrast.difference));
-  const auto& effect = contrast.effect;
-  json["d_z"] = effect ? Json(effect->d_z) : Json(nullptr);
-  json["hedges_g"] = effect ? Json(effect->hedges_g) : Json(nullptr);
-  json["effect_interval"] = IntervalJson(effect ? effect->interval : std::nullopt);
-  json["d_av"] = effect ? Json(effect->d_av) : Json(nullptr);
-  json["sign_flip_p"] = cli::NumberOrNull(contrast.sign_flip_p);
-  const auto& means = contrast.ratio_of_means;
-  json["ratio_of_means"] = means ? Json(means->ratio) : Json(nullptr);
-  json["ratio_of_means_interval"] = IntervalJson(means ? means->interval : std::nullopt);
-  json["ratio_of_means_unbounded"] = means ? Json(!means->interval) : Json(nullptr);
-  return json;
+StudyFindings FindingsOf(const StudyResult& study) {
+  StudyFindings findings = RefusalsOf(study, false);
+  if (!study.planned && !study.contrasts.empty()) {
+    findings.Note(StudyFinding::kContrastsNotPlanned, {{"control", study.table.conditions[0]}});
+  }
+  for (const Contrast& contrast : study.contrasts) {
+    RefuseUntested(NameOf(contrast.planned), contrast.difference, findings);
+  }
+  const StudyFindings exceptions = ExceptionsOf(study);
+  for (const FindingOf<StudyFinding>& finding : exceptions.list()) findings.Add(finding);
+  for (const std::string& table : study.ignored) {
+    findings.Add({Severity::kNote, StudyFinding::kTableIgnored, {}, table});
+  }
+  findings.Note(StudyFinding::kCalibrationExcluded);
+  return findings;
 }
 
-Json ConditionJson(const ConditionSummary& condition) {
-  const bool any = condition.subjects.n > 0;
-  Json json{{"name", condition.name},
-            {"subjects", condition.subjects.n},
-            {"trials", condition.trials},
-            {"mean_m", any ? Json(condition.subjects.mean) : Json(nullptr)},
-            {"standard_deviation_m", cli::NumberOrNull(condition.subjects.standard_deviation)},
-            {"mean_interval_m", IntervalJson(IntervalOf(condition.subjects))},
-            {"geometric_mean_m", cli::NumberOrNull(condition.geometric_m)},
-            {"morey_half_width_m", cli::NumberOrNull(condition.morey_m)}};
+// --- sections ---
+
+Section BandSection(const dsp::BandPass& band) {
+  Section section{.name = "band"};
+  section.Add({"lower_hz"}, band.lower_hz);
+  section.Add({"upper_hz"}, band.upper_hz);
+  section.Add(kOrder, band.order);
+  section.Add({"corner"}, band.corners == dsp::Corners::kWhole ? "whole" : "each");
+  section.Add({"", "RMS within", document::kHertz}, Range{band.lower_hz, band.upper_hz}).note =
+      "one mean a subject";
+  return section;
+}
+
+Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
+  const dsp::NoiseFloor known = floor.value_or(dsp::NoiseFloor{});
+  const double rms_m = std::sqrt(known.power.mean_square);
+  Section section{.name = "floor", .is_known = floor.has_value()};
+  section.Add(kFile, known.source);
+  section
+      .Add({"rms_m", "noise correction", document::kMetre}, rms_m,
+           std::sqrt(known.power.variance) / 2 / rms_m)
+      .note = fmt::format("RMS of {}, subtracted in mean square", known.source);
+  section.Add({"duration_s"}, known.duration_s);
+  return section;
+}
+
+Section ConditionRow(const ConditionSummary& condition) {
+  const double resolution = ResolutionBy(StandardUncertaintyOf(condition.subjects));
   const auto& repeats = condition.repeats;
-  json["icc"] = repeats ? Json(repeats->icc) : Json(nullptr);
-  json["icc_interval"] = repeats ? IntervalJson(repeats->interval) : Json(nullptr);
-  json["within_cell_variation"] =
-      repeats ? Json(dsp::VariationOfLogs(repeats->within_sd)) : Json(nullptr);
-  return json;
+  Section row;
+  row.Add(Key{kName.name, kCondition.label}, condition.name);
+  row.Add(kSubjects, condition.subjects.n);
+  row.Add(kTrials, condition.trials);
+  AddMean(row, {"mean_m", "mean", document::kMetre, document::Form::kInterval}, condition.subjects);
+  row.Add({"standard_deviation_m", "sd over subjects", document::kMetre},
+          condition.subjects.standard_deviation)
+      .resolution = resolution;
+  AddRounded(row, {"geometric_mean_m", "geometric mean", document::kMetre}, condition.geometric_m,
+             resolution);
+  row.Add({"morey_half_width_m"}, condition.morey_m);
+  row.Add({"icc"}, MemberOf(repeats, &dsp::Reliability::icc));
+  row.Add({"icc_interval_95"}, repeats ? RangeOf(repeats->interval) : Value());
+  row.Add({"within_cell_variation"},
+          repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value());
+  return row;
 }
 
-Json AnovaJson(const std::optional<dsp::RepeatedMeasuresAnova>& anova, std::size_t subjects) {
-  if (!anova) return nullptr;
-  return {{"subjects", subjects},
-          {"f", anova->f},
-          {"df_conditions", anova->df_conditions},
-          {"df_error", anova->df_error},
-          {"p", anova->p},
-          {"greenhouse_geisser_epsilon", anova->greenhouse_geisser},
-          {"p_greenhouse_geisser", anova->p_greenhouse_geisser},
-          {"partial_eta_squared", anova->partial_eta_squared}};
+// what --all adds to the table of conditions, under no further names
+Section RepeatsRow(const ConditionSummary& condition) {
+  const auto& repeats = condition.repeats;
+  Section row;
+  row.Add({"", kCondition.label}, condition.name);
+  AddRounded(row, {"", "error bar within subjects (Morey)", document::kMetre}, condition.morey_m,
+             ResolutionBy(condition.morey_m));
+  AddRounded(row, {"", "ICC(1,1)"}, MemberOf(repeats, &dsp::Reliability::icc), 1e-3);
+  AddRounded(row, {"", "95 %"}, repeats ? RangeOf(repeats->interval) : Value(), 1e-3);
+  row.Add({"", "variation within cells", document::kShare},
+          repeats ? Value(dsp::VariationOfLogs(repeats->within_sd)) : Value())
+      .resolution = 1e-4;
+  return row;
 }
 
-Json TrendJson(const std::optional<OrderTrend>& trend) {
-  if (!trend) return nullptr;
-  Json json{{"order", trend->by_start ? "utc_start" : "repeat"},
-            {"subjects", trend->per_trial.n},
-            {"log_slope_per_trial", trend->per_trial.mean},
-            {"log_slope_interval", IntervalJson(IntervalOf(trend->per_trial))}};
-  FillTest(trend->per_trial, json);
-  return json;
+// what --all adds to a contrast
+Section FurtherSection(const Contrast& contrast) {
+  const auto& ratio = contrast.ratio;
+  const auto& means = contrast.ratio_of_means;
+  Section section{.detail = Detail::kAll};
+  AddRounded(section, {"d_av", "effect size d_av"},
+             MemberOf(contrast.effect, &dsp::EffectSize::d_av), 0.01);
+  const auto& test = ratio ? ratio->log_ratio.test : std::nullopt;
+  section.Add({"ratio_p"}, MemberOf(test, &dsp::StudentTest::p));
+  section.Add({"", "of the ratio"},
+              test ? Value(fmt::format("p = {:.3g}, paired t of logarithms", test->p)) : Value());
+  section.Add({"sign_flip_p"}, contrast.sign_flip_p);
+  std::string flips = "not computed, more than 20 subjects";
+  if (contrast.sign_flip_p) {
+    flips = fmt::format("p = {:.3g}, exact over 2^{} choices", *contrast.sign_flip_p,
+                        contrast.difference.n);
+  }
+  section.Add({"", "sign flips"}, contrast.difference.n > 0 ? Value(flips) : Value());
+  const std::optional<dsp::Interval> fieller = means ? means->interval : std::nullopt;
+  const double resolution = fieller ? ResolutionBy((fieller->upper - fieller->lower) / 4) : 0;
+  AddRounded(section, {"ratio_of_means", "ratio of means"},
+             MemberOf(means, &dsp::RatioOfMeans::ratio), resolution);
+  AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, RangeOf(fieller),
+             resolution);
+  Item& unbounded = section.Add({"ratio_of_means_unbounded"}, Value());
+  if (means) unbounded.value = !means->interval;
+  return section;
 }
 
-Json TrialJson(const StudyTrial& trial) {
-  return {{"file", trial.file},
-          {"subject", cli::TextOrNull(trial.subject)},
-          {"condition", cli::TextOrNull(trial.condition)},
-          {"repeat", cli::TextOrNull(trial.repeat)},
-          {"answered", trial.answered},
-          {"reasons", trial.reasons},
-          {"deviations", trial.deviations},
-          {"band_rms_m", cli::NumberOrNull(trial.rms_m)},
-          {"band_rms_standard_uncertainty_m", cli::NumberOrNull(trial.rms_uncertainty_m)}};
+Section ContrastSection(const Contrast& contrast) {
+  Section section{.heading = NameOf(contrast.planned)};
+  section.Add(kTreatment, contrast.planned.treatment);
+  section.Add(kControl, contrast.planned.control);
+  section.Add(kN, contrast.difference.n);
+  Item& left_out = section.Add(kLeftOutSubjects, contrast.left_out);
+  if (!contrast.left_out.empty()) left_out.note = "one of the two conditions is missing";
+  AddRatio(section, kRatio, contrast.ratio ? contrast.ratio->log_ratio : dsp::OneSample{}).note =
+      "of geometric means";
+  AddMean(section,
+          {"mean_difference_m", "mean difference", document::kMetre, document::Form::kInterval},
+          contrast.difference);
+  AddTest(section, "paired t", contrast.difference.test, contrast.p_holm);
+  const auto& effect = contrast.effect;
+  const std::optional<dsp::Interval> population = effect ? effect->interval : std::nullopt;
+  const double resolution =
+      population ? ResolutionBy((population->upper - population->lower) / 4) : 0;
+  AddRounded(section, {"hedges_g", "effect size Hedges g"},
+             MemberOf(effect, &dsp::EffectSize::hedges_g), resolution);
+  AddRounded(section, {"d_z", "effect size d_z"}, MemberOf(effect, &dsp::EffectSize::d_z),
+             resolution);
+  Item& interval = section.Add({"effect_interval_95", "95 %"}, RangeOf(population));
+  interval.resolution = resolution;
+  interval.note = "of the population's mean difference / sd";
+  section.sections.push_back(FurtherSection(contrast));
+  return section;
 }
 
-Json OutlyingJson(const Outlying& outlying) {
-  return {{"subject", outlying.subject},
-          {"condition", outlying.condition},
-          {"file", cli::TextOrNull(outlying.file)},
-          {"times", outlying.times},
-          {"robust_standard_deviations", outlying.score}};
+Section AnovaSection(std::string name, std::string heading,
+                     const std::optional<dsp::RepeatedMeasuresAnova>& anova, std::size_t subjects) {
+  const auto known = anova.value_or(dsp::RepeatedMeasuresAnova{});
+  Section section{
+      .name = std::move(name), .heading = std::move(heading), .is_known = anova.has_value()};
+  section.Add(kSubjects, subjects);
+  section.Add({"f"}, known.f);
+  section.Add({"df_conditions"}, known.df_conditions);
+  section.Add({"df_error"}, known.df_error);
+  section.Add(kP, known.p);
+  section.Add({"", "repeated measures"},
+              fmt::format("F({:g}, {:g}) = {:.4g}, p = {:.3g}", known.df_conditions, known.df_error,
+                          known.f, known.p));
+  section.Add({"greenhouse_geisser_epsilon"}, known.greenhouse_geisser);
+  section.Add({"p_greenhouse_geisser"}, known.p_greenhouse_geisser);
+  section.Add({"", "Greenhouse-Geisser"},
+              fmt::format("epsilon {:.3f}, p = {:.3g}", known.greenhouse_geisser,
+                          known.p_greenhouse_geisser));
+  AddRounded(section, {"partial_eta_squared", "partial eta squared"}, known.partial_eta_squared,
+             1e-3);
+  return section;
 }
 
-Json MissingJson(const MissingTrials& missing) {
-  return {{"subject", missing.subject},
-          {"condition", missing.condition},
-          {"answered", missing.answered},
-          {"expected", missing.expected}};
+Section TrendSection(const std::optional<OrderTrend>& trend) {
+  const OrderTrend known = trend.value_or(OrderTrend{});
+  const dsp::OneSample& slope = known.per_trial;
+  Section section{
+      .name = "trend", .heading = "trend over a subject's trials", .is_known = trend.has_value()};
+  section.Add(Key{kOrder.name, "by"}, known.by_start ? "utc_start" : kRepeat.name);
+  section.Add(kSubjects, slope.n);
+  AddMean(section, {"log_slope_per_trial", "", document::kNone, document::Form::kInterval}, slope);
+  Item& percent = section.Add({"", "change a trial", document::kShare}, std::expm1(slope.mean),
+                              StandardUncertaintyOf(slope));
+  if (slope.test) {
+    percent.interval =
+        Range{std::expm1(slope.test->mean.lower), std::expm1(slope.test->mean.upper)};
+  }
+  AddTest(section, "t over subjects", slope.test);
+  return section;
 }
 
-Json FloorJson(const std::optional<dsp::NoiseFloor>& floor) {
-  if (!floor) return nullptr;
-  return {{"file", floor->source},
-          {"rms_m", std::sqrt(floor->power.mean_square)},
-          {"duration_s", floor->duration_s}};
+Section AllConditions(const StudyResult& study) {
+  const FurtherStatistics& further = study.further;
+  Section all{.detail = Detail::kAll};
+  all.sections = {ListOf({.heading = "repeats and error bars"}, further.conditions, RepeatsRow),
+                  AnovaSection("anova", "all conditions", further.anova, further.whole_subjects),
+                  AnovaSection("anova_of_logarithms", "all conditions, logarithms",
+                               further.log_anova, further.whole_subjects),
+                  TrendSection(further.trend)};
+  StudyFindings findings;
+  if (!further.anova) {
+    findings.Note(StudyFinding::kAnovaNotDetermined, {{"subjects", further.whole_subjects}});
+  }
+  document::AddFindings(all, findings);
+  return all;
 }
 
-template <typename List, typename ToJson>
-Json ListJson(const List& list, const ToJson& to_json) {
-  Json json = Json::array();
-  for (const auto& element : list) json.push_back(to_json(element));
-  return json;
+// how its analysis differs from what was asked, the kinds
+std::vector<std::string> DeviationsOf(const StudyTrial& trial) {
+  std::vector<std::string> kinds;
+  for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
+    if (finding.severity == Severity::kRefusal) continue;
+    kinds.emplace_back(SentenceOf(finding.kind).kind);
+  }
+  return kinds;
+}
+
+// whose it is
+void AddPlace(const StudyTrial& trial, Section& row) {
+  row.Add(kSubject, TextOrUnknown(trial.subject));
+  row.Add(kCondition, TextOrUnknown(trial.condition));
+  row.Add(kRepeat, TextOrUnknown(trial.repeat));
+}
+
+Section TrialRow(const StudyTrial& trial) {
+  Section row{.sources = trial.sources};
+  row.Add(Key{kFile.name, "file"}, trial.file);
+  AddPlace(trial, row);
+  row.Add({"", "data"}, TextOrUnknown(document::SourcesText(trial.sources)));
+  row.Add(kAnswered, trial.answered);
+  row.Add({"reasons"}, ReasonsOf(trial));
+  row.Add({"deviations", "findings"}, DeviationsOf(trial));
+  row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
+  return row;
+}
+
+Section MissingRow(const MissingTrials& missing) {
+  Section row;
+  row.Add({kSubject.name}, missing.subject);
+  row.Add({kCondition.name}, missing.condition);
+  row.Add({kAnswered.name}, missing.answered);
+  row.Add({"expected"}, missing.expected);
+  return row;
+}
+
+Section OutlyingRow(const Outlying& outlying) {
+  Section row;
+  row.Add({kSubject.name}, outlying.subject);
+  row.Add({kCondition.name}, outlying.condition);
+  row.Add(kFile, TextOrUnknown(outlying.file));
+  row.Add({"times"}, outlying.times);
+  row.Add({"robust_standard_deviations"}, outlying.score);
+  return row;
+}
+
+Section TrialsSection(const StudyResult& study) {
+  Section section{.detail = Detail::kAll};
+  section.sections.push_back(ListOf({.name = std::string(kTrials.name), .heading = "trials"},
+                                    study.table.trials, TrialRow));
+  // they were reported when the files were read
+  document::AddFindings(section, RefusalsOf(study, true));
+  return section;
+}
+
+// of all trials together, in the order of the enumeration
+std::vector<document::DataSource> SourcesOf(const StudyTable& table) {
+  std::set<document::DataSource> sources;
+  for (const StudyTrial& trial : table.trials) {
+    if (trial.answered) sources.insert(trial.sources.begin(), trial.sources.end());
+  }
+  return {sources.begin(), sources.end()};
 }
 
 }  // namespace
 
-std::string StudyJson(const StudyResult& study) {
-  const dsp::BandPass& band = study.question.band;
-  Json json{{"study", study.source},
-            {"band",
-             {{"lower_hz", band.lower_hz},
-              {"upper_hz", band.upper_hz},
-              {"order", band.order},
-              {"corner", band.corners == dsp::Corners::kWhole ? "whole" : "each"}}},
-            {"floor", FloorJson(study.question.floor)},
-            {"unit_of_analysis", "subject"},
-            {"subjects", study.table.subjects}};
-  json["conditions"] = ListJson(study.further.conditions, ConditionJson);
-  json["contrasts_planned"] = study.planned;
-  json["contrasts"] = ListJson(study.contrasts, ContrastJson);
-  json["anova"] = AnovaJson(study.further.anova, study.further.whole_subjects);
-  json["anova_of_logarithms"] = AnovaJson(study.further.log_anova, study.further.whole_subjects);
-  json["trend"] = TrendJson(study.further.trend);
-  json["missing"] = ListJson(study.missing, MissingJson);
-  json["outlying"] = ListJson(study.outlying, OutlyingJson);
-  json["trials"] = ListJson(study.table.trials, TrialJson);
-  return cli::JsonText(json);
+StudyFindings ExceptionsOf(const StudyResult& study) {
+  StudyFindings findings;
+  const std::size_t answered = study.CountAnswered([](const StudyTrial&) { return true; });
+  for (Deviation& deviation : FindDeviations(study.table)) {
+    // with how many trials it is of, and which unless it is all
+    FindingOf<StudyFinding>& finding = deviation.finding;
+    finding.numbers.emplace_back("trials", deviation.files.size());
+    finding.numbers.emplace_back("of_trials", answered);
+    if (deviation.files.size() < answered) {
+      finding.subject = fmt::format("{}", fmt::join(deviation.files, ", "));
+    }
+    findings.Add(std::move(finding));
+  }
+  const auto cell = [](const auto& of) {
+    return fmt::format("subject {} in {}", of.subject, of.condition);
+  };
+  for (const MissingTrials& missing : study.missing) {
+    findings.Add({Severity::kNote,
+                  StudyFinding::kTrialsMissing,
+                  {{"answered", missing.answered}, {"expected", missing.expected}},
+                  cell(missing)});
+  }
+  for (const Outlying& outlying : study.outlying) {
+    const bool is_cell = outlying.file.empty();
+    findings.Add({Severity::kDoubt,
+                  is_cell ? StudyFinding::kOutlyingCell : StudyFinding::kOutlyingTrial,
+                  {{"times", outlying.times}, {"robust_z", outlying.score}},
+                  is_cell ? cell(outlying) : outlying.file});
+  }
+  return findings;
+}
+
+std::vector<std::string> ReasonsOf(const StudyTrial& trial) {
+  if (trial.error) return {trial.error->Text()};
+  std::vector<std::string> reasons = trial.reasons;
+  for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
+    if (finding.severity != Severity::kRefusal) continue;
+    reasons.push_back(document::Fill(SentenceOf(finding.kind).text, finding.numbers));
+  }
+  return reasons;
+}
+
+document::Document StudyDocument(const StudyResult& study, bool has_figures) {
+  const StudyTable& table = study.table;
+  document::Document document{
+      .verb = "study",
+      .title = fmt::format("{}: {}, {}, {}", study.source, Counted(table.trials.size(), "trial"),
+                           Counted(table.subjects.size(), "subject"),
+                           Counted(table.conditions.size(), "condition"))};
+  Section& root = document.root;
+  root.sources = SourcesOf(table);
+  root.Add({"study"}, study.source);
+  root.Add(kUnitOfAnalysis, kSubject.name);
+  root.Add({kSubjects.name}, table.subjects);
+  root.Add(kContrastsPlanned, study.planned);
+  root.sections = {BandSection(study.question.band),
+                   FloorSection(study.question.floor),
+                   ListOf({.name = kConditionsName}, study.further.conditions, ConditionRow),
+                   ListOf({.name = kContrastsName, .shape = Section::Shape::kArray},
+                          study.contrasts, ContrastSection),
+                   AllConditions(study),
+                   ListOf({.name = "missing"}, study.missing, MissingRow),
+                   ListOf({.name = std::string(kOutlyingName)}, study.outlying, OutlyingRow),
+                   TrialsSection(study)};
+  if (has_figures) root.figures = {{.caption = "conditions", .panels = StudyPanels(study)}};
+  document::AddFindings(root, FindingsOf(study));
+  return document;
+}
+
+document::Section LongTable(const StudyResult& study) {
+  return ListOf({}, study.table.trials, [&](const StudyTrial& trial) {
+    const bool is_outlying = std::ranges::count(study.outlying, trial.file, &Outlying::file) > 0;
+    std::vector<std::string> remarks = ReasonsOf(trial);
+    for (std::string& kind : DeviationsOf(trial)) remarks.push_back(std::move(kind));
+    Section row;
+    AddPlace(trial, row);
+    row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
+    row.Add(kAnswered, static_cast<int>(trial.answered));
+    row.Add({kOutlyingName}, static_cast<int>(is_outlying));
+    row.Add({"data_source"}, document::SourcesText(trial.sources));
+    row.Add({"remarks"}, fmt::format("{}", fmt::join(remarks, "; ")));
+    row.Add(kFile, trial.file);
+    return row;
+  });
+}
+
+document::Section WideTable(const StudyResult& study) {
+  Section table{.shape = Section::Shape::kTable};
+  for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
+    Section& row = table.sections.emplace_back();
+    row.Add(kSubject, study.table.subjects[s]);
+    for (std::size_t c = 0; c < study.table.conditions.size(); ++c) {
+      const Cell& cell = study.table.cells[s][c];
+      row.Add({study.table.conditions[c] + "_mean_m"}, cell.mean_m());
+      row.Add({study.table.conditions[c] + "_trials"}, cell.trials.size());
+    }
+  }
+  return table;
 }
 
 namespace {
 
 constexpr double kUm = 1e-6;  // in metres
-constexpr PrintedUnit kInUm{kUm, "um"};
-
-void Append(std::string& text, std::string_view label, const std::string& content) {
-  fmt::format_to(std::back_inserter(text), "    {:<16}{}\n", label, content);
-}
-
-std::string TestText(const Contrast& contrast) {
-  if (!contrast.difference.test) return "not determined: fewer than 2 subjects, or no spread";
-  const dsp::StudentTest& test = *contrast.difference.test;
-  return fmt::format("t({:g}) = {:.4g}, p = {:.3g}, after Holm {:.3g}", test.df, test.t, test.p,
-                     *contrast.p_holm);
-}
-
-void AppendFurther(const Contrast& contrast, std::string& text) {
-  if (contrast.effect) Append(text, "d_av", fmt::format("{:.4g}", contrast.effect->d_av));
-  Append(text, "ratio's p",
-         contrast.ratio && contrast.ratio->log_ratio.test
-             ? fmt::format("{:.3g} (paired t of logarithms)", contrast.ratio->log_ratio.test->p)
-             : "not determined");
-  Append(text, "sign flips",
-         contrast.sign_flip_p ? fmt::format("p = {:.3g}, exact over 2^{} choices",
-                                            *contrast.sign_flip_p, contrast.difference.n)
-                              : "not determined: more than 20 subjects");
-  if (contrast.ratio_of_means) {
-    Append(text, "ratio of means",
-           WithCi(contrast.ratio_of_means->ratio, contrast.ratio_of_means->interval, "unbounded") +
-               ", by Fieller");
-  }
-}
-
-void AppendContrast(const Contrast& contrast, bool all, std::string& text) {
-  fmt::format_to(std::back_inserter(text), "  {} against {}, n = {}\n", contrast.planned.treatment,
-                 contrast.planned.control, Counted(contrast.difference.n, "subject"));
-  if (!contrast.left_out.empty()) {
-    Append(
-        text, "without",
-        fmt::format("subject {}: one of the two is missing", fmt::join(contrast.left_out, ", ")));
-  }
-  if (contrast.difference.n == 0) return;
-  if (contrast.ratio) {
-    Append(text, "ratio",
-           WithCi(contrast.ratio->ratio, contrast.ratio->interval, "not determined") +
-               ", of geometric means");
-  }
-  Append(text, "paired t", TestText(contrast));
-  const auto& test = contrast.difference.test;
-  Append(text, "difference",
-         WithCi(contrast.difference.mean, test ? std::optional(test->mean) : std::nullopt,
-                "not determined", kInUm));
-  if (contrast.effect) {
-    Append(text, "effect size",
-           fmt::format("d_z {:.4g}, Hedges g {}; the interval is of the population's mean "
-                       "difference / sd",
-                       contrast.effect->d_z,
-                       WithCi(contrast.effect->hedges_g, contrast.effect->interval,
-                              "interval not determined")));
-  }
-  if (all) AppendFurther(contrast, text);
-}
-
-void AppendConditions(const StudyResult& study, std::string& text) {
-  const auto& conditions = study.further.conditions;
-  std::size_t width = 9;
-  for (const ConditionSummary& condition : conditions) {
-    width = std::max(width, condition.name.size());
-  }
-  fmt::format_to(std::back_inserter(text), "  {:<{}} {:>8} {:>8} {:>10} {:>10} {:>17}\n",
-                 "condition", width, "subjects", "trials", "mean / um", "sd / um",
-                 "geom. mean / um");
-  for (const ConditionSummary& condition : conditions) {
-    const auto& sd = condition.subjects.standard_deviation;
-    const bool any = condition.subjects.n > 0;
-    fmt::format_to(std::back_inserter(text), "  {:<{}} {:>8} {:>8} {:>10} {:>10} {:>17}\n",
-                   condition.name, width, condition.subjects.n, condition.trials,
-                   any ? fmt::format("{:.4g}", condition.subjects.mean / kUm) : "-",
-                   sd ? fmt::format("{:.4g}", *sd / kUm) : "-",
-                   any ? fmt::format("{:.4g}", *condition.geometric_m / kUm) : "-");
-  }
-}
-
-void AppendAnova(const StudyResult& study, std::string& text) {
-  if (const auto& anova = study.further.anova) {
-    Append(text, "ANOVA",
-           fmt::format("repeated measures, {} subjects: F({:g}, {:g}) = {:.4g}, p = {:.3g}; "
-                       "Greenhouse-Geisser epsilon {:.3f}, p = {:.3g}; partial eta^2 {:.3f}",
-                       study.further.whole_subjects, anova->df_conditions, anova->df_error,
-                       anova->f, anova->p, anova->greenhouse_geisser, anova->p_greenhouse_geisser,
-                       anova->partial_eta_squared));
-  } else {
-    Append(text, "ANOVA", "not determined: fewer than 2 subjects have all conditions");
-  }
-}
-
-void AppendTrend(const StudyResult& study, std::string& text) {
-  const auto& trend = study.further.trend;
-  if (!trend) return;
-  const std::string_view order = trend->by_start ? "UTC start" : "number of the repeat";
-  const auto& test = trend->per_trial.test;
-  const double percent = 100 * std::expm1(trend->per_trial.mean);
-  if (!test) {
-    Append(text, "trend",
-           fmt::format("{:+.3g} % a trial, by {} (interval not determined)", percent, order));
-    return;
-  }
-  const double lower = 100 * std::expm1(test->mean.lower);
-  const double upper = 100 * std::expm1(test->mean.upper);
-  Append(
-      text, "trend",
-      fmt::format("{1:+.{0}g} % a trial, by {2} (95 % CI {3:+.{0}g} to {4:+.{0}g} %, p = {5:.3g})",
-                  cli::DigitsOf(lower, upper, 3), percent, order, lower, upper, test->p));
-}
-
-void AppendAll(const StudyResult& study, std::string& text) {
-  text += "  all conditions\n";
-  AppendAnova(study, text);
-  for (const ConditionSummary& condition : study.further.conditions) {
-    if (condition.morey_m) {
-      Append(text, "error bar",
-             fmt::format("{} +-{:.4g} um, within subjects (Cousineau, Morey): for differences, no "
-                         "interval of the mean",
-                         condition.name, *condition.morey_m / kUm));
-    }
-  }
-  for (const ConditionSummary& condition : study.further.conditions) {
-    if (!condition.repeats) continue;
-    const auto& [lower, upper] = condition.repeats->interval;
-    Append(text, "repeats",
-           fmt::format("{1}: ICC(1,1) {2:.{0}f} (95 % CI {3:.{0}f} to {4:.{0}f}), variation within "
-                       "cells {5:.2g} %",
-                       cli::DecimalsOf(lower, upper, 3), condition.name, condition.repeats->icc,
-                       lower, upper, 100 * dsp::VariationOfLogs(condition.repeats->within_sd)));
-  }
-  AppendTrend(study, text);
-}
-
-std::string OutlyingText(const Outlying& outlying) {
-  return fmt::format(
-      "{}subject {} in {}: {:.3g} times what {} lets expect, {:.1f} robust standard "
-      "deviations; it counts all the same",
-      outlying.file.empty() ? "" : outlying.file + ", ", outlying.subject, outlying.condition,
-      outlying.times, outlying.file.empty() ? "subject and condition" : "its cell", outlying.score);
-}
-
-void AppendQuality(const StudyResult& study, std::string& text) {
-  for (const StudyTrial& trial : study.table.trials) {
-    if (!trial.answered && !trial.error) {
-      Append(text, "not answered",
-             fmt::format("{}: {}", trial.file, fmt::join(trial.reasons, "; ")));
-    }
-  }
-  for (const Deviation& deviation : FindDeviations(study.table)) {
-    Append(text, "differs", Describe(deviation));
-    if (deviation.what == document::kAmplitudeNotVerified) {
-      Append(text, "", std::string(document::kAveragingRemedy));
-    }
-  }
-  for (const MissingTrials& missing : study.missing) {
-    Append(text, "missing",
-           fmt::format("subject {} in {}: {} of {}", missing.subject, missing.condition,
-                       missing.answered, Counted(missing.expected, "trial")));
-  }
-  for (const Outlying& outlying : study.outlying) {
-    Append(text, "outlying", OutlyingText(outlying));
-  }
-}
-
-}  // namespace
-
-std::string StudyText(const StudyResult& study, bool all) {
-  std::string text = fmt::format("{}: {}, {}, {}; RMS within {:g}-{:g} Hz, one mean a subject\n",
-                                 study.source, Counted(study.table.trials.size(), "trial"),
-                                 Counted(study.table.subjects.size(), "subject"),
-                                 Counted(study.table.conditions.size(), "condition"),
-                                 study.question.band.lower_hz, study.question.band.upper_hz);
-  if (const auto& floor = study.question.floor) {
-    fmt::format_to(std::back_inserter(text),
-                   "  noise floor of {:.3g} um RMS ({}) taken off in power\n",
-                   std::sqrt(floor->power.mean_square) / kUm, floor->source);
-  }
-  AppendConditions(study, text);
-  if (!study.planned && !study.contrasts.empty()) {
-    fmt::format_to(std::back_inserter(text),
-                   "  no contrast was planned: every condition against {}, the first in order "
-                   "(--contrast TREATMENT:CONTROL names others)\n",
-                   study.table.conditions[0]);
-  }
-  for (const Contrast& contrast : study.contrasts) AppendContrast(contrast, all, text);
-  if (all) AppendAll(study, text);
-  std::string quality;
-  AppendQuality(study, quality);
-  if (!quality.empty()) text += "  to know\n" + quality;
-  return text;
-}
-
-namespace {
-
-std::string NumberCell(const std::optional<double>& number) {
-  return number ? fmt::format("{:.17g}", *number) : std::string();
-}
-
-bool IsOutlying(const StudyResult& study, const StudyTrial& trial) {
-  for (const Outlying& outlying : study.outlying) {
-    if (outlying.file == trial.file) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
-std::string LongTable(const StudyResult& study) {
-  std::string text =
-      "subject,condition,repeat,band_rms_m,band_rms_standard_uncertainty_m,answered,outlying,"
-      "remarks,file\n";
-  for (const StudyTrial& trial : study.table.trials) {
-    std::vector<std::string> remarks = trial.reasons;
-    remarks.insert(remarks.end(), trial.deviations.begin(), trial.deviations.end());
-    fmt::format_to(
-        std::back_inserter(text), "{},{},{},{},{},{:d},{:d},{},{}\n", cli::CellOf(trial.subject),
-        cli::CellOf(trial.condition), cli::CellOf(trial.repeat), NumberCell(trial.rms_m),
-        NumberCell(trial.rms_uncertainty_m), trial.answered, IsOutlying(study, trial),
-        cli::CellOf(fmt::format("{}", fmt::join(remarks, "; "))), cli::CellOf(trial.file));
-  }
-  return text;
-}
-
-std::string WideTable(const StudyResult& study) {
-  std::string text = "subject";
-  for (const std::string& condition : study.table.conditions) {
-    fmt::format_to(std::back_inserter(text), ",{},{}", cli::CellOf(condition + "_mean_m"),
-                   cli::CellOf(condition + "_trials"));
-  }
-  text += '\n';
-  for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
-    text += cli::CellOf(study.table.subjects[s]);
-    for (const Cell& cell : study.table.cells[s]) {
-      fmt::format_to(std::back_inserter(text), ",{},{}", NumberCell(cell.mean_m()),
-                     cell.trials.size());
-    }
-    text += '\n';
-  }
-  return text;
-}
-
-namespace {
-
-void AppendContrasts(const StudyResult& study, std::string& text) {
-  std::vector<std::string> names;
-  names.reserve(study.contrasts.size());
-  for (const Contrast& contrast : study.contrasts) {
-    names.push_back(
-        fmt::format("{} against {}", contrast.planned.treatment, contrast.planned.control));
-  }
-  fmt::format_to(
-      std::back_inserter(text),
-      "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "
-      "corrected by Holm's method over {} test{}. Mean differences are given with 95 % confidence "
-      "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
-      "geometric "
-      "means, with intervals from the paired t on logarithms; effect sizes are d_z and Hedges' g "
-      "(exact correction) with intervals of the population's effect from the noncentral t "
-      "distribution.",
-      study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
-      fmt::join(names, "; "), names.size() == 1 ? "was" : "were", names.size(),
-      names.size() == 1 ? "" : "s");
-}
-
-// what was taken off as noise
-std::string FloorText(const std::optional<dsp::NoiseFloor>& floor) {
-  if (!floor) {
-    return "The noise of the trial's own quiet part was subtracted in power where it had one";
-  }
-  return fmt::format(
-      "The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, {}) was subtracted "
-      "in power",
-      std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source);
-}
-
-void AppendExceptions(const StudyResult& study, std::string& text) {
-  std::string list;
-  for (const StudyTrial& trial : study.table.trials) {
-    if (!trial.answered) {
-      fmt::format_to(std::back_inserter(list), "- {}: no value ({})\n", trial.file,
-                     fmt::join(trial.reasons, "; "));
-    }
-  }
-  for (const Deviation& deviation : FindDeviations(study.table)) {
-    fmt::format_to(std::back_inserter(list), "- {}\n", Describe(deviation));
-  }
-  for (const MissingTrials& missing : study.missing) {
-    fmt::format_to(std::back_inserter(list), "- subject {} in {}: {} of {}\n", missing.subject,
-                   missing.condition, missing.answered, Counted(missing.expected, "trial"));
-  }
-  for (const Outlying& outlying : study.outlying) {
-    fmt::format_to(std::back_inserter(list),
-                   "- {}, subject {} in {}: outlying ({:.3g} times, {:.1f} robust standard "
-                   "deviations), kept\n",
-                   outlying.file.empty() ? "all its trials" : outlying.file, outlying.subject,
-                   outlying.condition, outlying.times, outlying.score);
-  }
-  text += list.empty() ? "\nNo trial differs from this.\n"
-                       : "\nTrials that differ from this:\n\n" + list;
-}
-
-}  // namespace
-
-std::string MethodsText(const StudyResult& study) {
-  const dsp::BandPass& band = study.question.band;
-  const auto answered = std::ranges::count_if(study.table.trials, &StudyTrial::answered);
-  std::string text = "## Methods\n\n";
-  fmt::format_to(
-      std::back_inserter(text),
-      "Displacement was band-passed from {:g} to {:g} Hz with a Butterworth filter of order {} "
-      "applied forward and backward (zero phase; -3 dB at the corners of {}){}. Motion below the "
-      "band was modelled and taken out first where too little would have settled otherwise. The "
-      "root-mean-square (RMS) was taken over the longest steady part of the drive that had settled "
-      "(all that had settled where no drive stood out), shortened to whole periods of its "
-      "strongest tone. {}, and the sensor's gain at the tone was divided out where its averaging "
-      "was on record; {} are in no stated uncertainty. "
-      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ",
-      band.lower_hz, band.upper_hz, band.order,
-      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
-      study.question.may_lower_order ? ", its order lowered where a trial was too short for it"
-                                     : "",
-      FloorText(study.question.floor), dsp::kNotInBudget, answered,
-      Counted(study.table.trials.size(), "trial"), Counted(study.table.subjects.size(), "subject"),
-      Counted(study.table.conditions.size(), "condition"), fmt::join(study.table.conditions, ", "),
-      study.table.repeats > 1
-          ? fmt::format("up to {} trials of a subject in a condition were averaged first",
-                        study.table.repeats)
-          : "each subject gave one trial in a condition");
-  if (!study.contrasts.empty()) AppendContrasts(study, text);
-  fmt::format_to(
-      std::back_inserter(text),
-      " Trials farther than {:g} robust standard deviations from their cell, and cells as far from "
-      "what subject and condition let expect, were named but not removed (a standard deviation "
-      "counted for no less than {:g} % and no less than the stated uncertainty). Computed with "
-      "haptometer study.\n",
-      kOutlyingScore, 100 * kLeastScatter);
-  AppendExceptions(study, text);
-  return text;
-}
-
-namespace {
 
 // the means as bars, their standard deviations over subjects, and each subject as a point
 void AppendCondition(const StudyResult& study, std::size_t condition, double x,
@@ -559,8 +465,7 @@ std::vector<plot::Panel> StudyPanels(const StudyResult& study) {
   constexpr std::string_view kWhat = "mean and standard deviation over subjects; points: subjects";
   std::vector<plot::Panel> panels;
   for (const Contrast& contrast : study.contrasts) {
-    panels.push_back(EmptyPanel(fmt::format("{} against {}: {}", contrast.planned.treatment,
-                                            contrast.planned.control, kWhat)));
+    panels.push_back(EmptyPanel(fmt::format("{}: {}", NameOf(contrast.planned), kWhat)));
     double x = 0;
     for (const auto& name : {contrast.planned.control, contrast.planned.treatment}) {
       AppendCondition(study, *study.table.Condition(name), x++, panels.back());
@@ -572,22 +477,6 @@ std::vector<plot::Panel> StudyPanels(const StudyResult& study) {
     AppendCondition(study, c, static_cast<double>(c), panels.back());
   }
   return panels;
-}
-
-namespace {
-
-constexpr int kDigits = 4;  // at least
-
-}  // namespace
-
-std::string WithCi(double value, const std::optional<dsp::Interval>& interval,
-                   std::string_view otherwise, const PrintedUnit& unit) {
-  const std::string name = unit.name.empty() ? "" : fmt::format(" {}", unit.name);
-  if (!interval) return fmt::format("{:.{}g}{} ({})", value / unit.size, kDigits, name, otherwise);
-  const double lower = interval->lower / unit.size;
-  const double upper = interval->upper / unit.size;
-  return fmt::format("{1:.{0}g}{2} (95 % CI {3:.{0}g} to {4:.{0}g})",
-                     cli::DigitsOf(lower, upper, kDigits), value / unit.size, name, lower, upper);
 }
 
 }  // namespace haptometer::tools

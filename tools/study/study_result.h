@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -8,7 +10,6 @@
 #include "dsp/statistics/moments.h"
 #include "dsp/statistics/paired_tests.h"
 #include "dsp/statistics/repeated_measures.h"
-#include "tools/plot/gnuplot.h"
 #include "tools/study/manifest.h"
 #include "tools/study/study_table.h"
 
@@ -63,36 +64,20 @@ struct StudyResult {
   std::string source;  ///< folder or manifest
   dsp::BandQuestion question;
   StudyTable table;
-  bool planned = false;  ///< the contrasts were asked for
+  std::vector<std::string> ignored;  ///< tables of results that lie among the trials
+  bool planned = false;              ///< the contrasts were asked for
   std::vector<Contrast> contrasts;
   std::vector<MissingTrials> missing;
   std::vector<Outlying> outlying;
   FurtherStatistics further;
+
+  /// How many answered trials `is_so` holds of.
+  template <typename Predicate>
+  [[nodiscard]] std::size_t CountAnswered(const Predicate& is_so) const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        table.trials,
+        [&](const StudyTrial& trial) { return trial.answered && std::invoke(is_so, trial); }));
+  }
 };
-
-/// What people read: conditions, contrasts, what is missing or stands apart; with `all` the rest.
-[[nodiscard]] std::string StudyText(const StudyResult& study, bool all);
-
-/// docs/reference/study.md has the schema.
-[[nodiscard]] std::string StudyJson(const StudyResult& study);
-
-/// A row a trial, in the order of the files.
-[[nodiscard]] std::string LongTable(const StudyResult& study);
-/// A row a subject: mean, and number of trials, of each condition.
-[[nodiscard]] std::string WideTable(const StudyResult& study);
-
-/// The paragraph for the paper: what was measured, left out, tested and corrected, with every trial
-/// that differs from it.
-[[nodiscard]] std::string MethodsText(const StudyResult& study);
-
-/// Bars of the conditions' means with standard deviations over subjects, the subjects as points: a
-/// panel a contrast.
-[[nodiscard]] std::vector<plot::Panel> StudyPanels(const StudyResult& study);
-
-/// What differs between an earlier document and this one, a sentence each: values beyond 1e-9
-/// relative, keys that are gone. New keys are no difference. Errors (Cause::kCannotAnswer):
-/// `earlier` is no JSON.
-[[nodiscard]] Result<std::vector<std::string>> CompareDocuments(const std::string& earlier,
-                                                                const std::string& now);
 
 }  // namespace haptometer::tools

@@ -1,7 +1,6 @@
 #include "tools/study/study_table.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cctype>
@@ -14,6 +13,7 @@
 #include <tuple>
 
 #include "base/error.h"
+#include "base/input_file.h"
 #include "base/jobs.h"
 #include "base/text.h"
 #include "dsp/analysis/floor_remarks.h"
@@ -21,7 +21,6 @@
 #include "dsp/statistics/repeated_measures.h"
 #include "tools/cli/progress.h"
 #include "tools/document/findings_dsp.h"
-#include "tools/study/study_document.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
@@ -50,7 +49,6 @@ void RefuseUnlabelled(std::vector<StudyTrial>& trials) {
               fmt::format("say haptometer trial label {} {}=..., or give a pattern of the names",
                           trial.file, missing)};
     trial.answered = false;
-    trial.reasons.push_back(trial.error->Text());
   }
 }
 
@@ -71,9 +69,8 @@ void NumberRepeats(std::vector<StudyTrial>& trials) {
     trial.error = Error{Cause::kCannotAnswer, trial.file,
                         fmt::format("is a second repeat {} of subject {} in {}", trial.repeat,
                                     trial.subject, trial.condition),
-                        "mend the labels, or leave one out of the files"};
+                        "correct the labels, or leave one out of the files"};
     trial.answered = false;
-    trial.reasons.push_back(trial.error->Text());
   }
 }
 
@@ -172,35 +169,41 @@ std::string LabelOf(const TrialFile& file, const trial::Metadata& metadata,
   return {};
 }
 
+// how the analysis of an answered trial differs from what was asked
+void FindDeviations(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
+                    StudyFindings& findings) {
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  if (analysis.band.order != question.band.order) {
+    findings.Note(StudyFinding::kOrderLowered, {{"order", analysis.band.order}});
+  }
+  if (analysis.frequency_move) findings.Doubt(StudyFinding::kFrequencyMoves);
+  if (!numbers.floor) findings.Note(StudyFinding::kNoNoiseCorrection);
+  for (const dsp::Finding& doubt : dsp::FloorDoubts(numbers, analysis.record.rate_hz)) {
+    findings.Doubt(StudyFinding::kFloorDoubtful, {{"doubt", document::WordsOf(doubt)}});
+  }
+  if (!numbers.sensor.amplitude_verified) findings.Doubt(StudyFinding::kAveragingUnknown);
+}
+
 void TakeAnalysis(const dsp::BandAnalysis& analysis, const dsp::BandQuestion& question,
                   StudyTrial& trial) {
-  if (analysis.answered && analysis.numbers) {
-    const dsp::RmsEstimate& rms = analysis.numbers->rms;
-    trial.rms_with_floor_m =
-        rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, rms.floor_m.value_or(0));
-  }
-  trial.answered = analysis.answered && analysis.numbers && !analysis.numbers->rms.below_floor;
   trial.reasons = document::RefusalsOf(analysis.findings);
-  if (!trial.answered) {
-    if (analysis.answered)
-      trial.reasons.emplace_back("its vibration does not exceed the noise floor");
+  if (!analysis.answered || !analysis.numbers) return;
+  const dsp::BandNumbers& numbers = *analysis.numbers;
+  const dsp::RmsEstimate& rms = numbers.rms;
+  const double floor_m = rms.floor_m.value_or(0);
+  trial.rms_with_floor_m = rms.below_floor ? rms.as_measured_m : std::hypot(rms.rms_m, floor_m);
+  trial.answered = !rms.below_floor;
+  if (rms.below_floor) {
+    trial.findings.Refuse(StudyFinding::kBelowNoise,
+                          {{"noise_m", floor_m}, {"at_most_m", rms.at_most_m}});
     return;
   }
-  trial.rms_m = analysis.numbers->rms.rms_m;
-  trial.rms_uncertainty_m = analysis.numbers->rms.standard_uncertainty_m;
-  if (analysis.band.order != question.band.order) {
-    trial.deviations.push_back(fmt::format("filter of order {}", analysis.band.order));
-  }
-  if (analysis.frequency_move) {
-    trial.deviations.emplace_back("its frequency moves, so its RMS is that of a sweep");
-  }
-  if (!analysis.numbers->floor) trial.deviations.emplace_back("no noise floor taken off");
-  for (const dsp::Finding& doubt : dsp::FloorDoubts(*analysis.numbers, analysis.record.rate_hz)) {
-    trial.deviations.push_back(document::TextOf(doubt));
-  }
-  if (!analysis.numbers->sensor.amplitude_verified) {
-    trial.deviations.emplace_back(document::kAmplitudeNotVerified);
-  }
+  trial.rms_m = rms.rms_m;
+  trial.rms_uncertainty_m = rms.standard_uncertainty_m;
+  trial.is_of_drive = numbers.part.from_drive;
+  trial.below_band_removed = numbers.below_band && numbers.below_band->modelled;
+  trial.gain_corrected = numbers.sensor.divided_out;
+  FindDeviations(analysis, question, trial.findings);
 }
 
 }  // namespace
@@ -211,7 +214,6 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   trial.file = Printable(file.path);
   const auto fail = [&](Error error) {
     if (error.where.empty()) error.where = file.path;
-    trial.reasons.push_back(error.Text());
     trial.error = std::move(error);
     return trial;
   };
@@ -224,13 +226,17 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
   trial.repeat = LabelOf(file, metadata, "repeat");
   trial.utc_start = metadata.utc_start;
   trial.drive_v = metadata.drive_amplitude_v;
+  trial.sensor = metadata.sensor;
+  if (!metadata.head.empty()) trial.sensor += (trial.sensor.empty() ? "" : " ") + metadata.head;
+  trial.sources = trial::SourcesOf(metadata, recording->report);
   dsp::BandQuestion numbers_alone = question;
   numbers_alone.keep_filtered = false;
   const auto analysis = dsp::AnalyzeBand(recording->record, numbers_alone);
   if (!analysis) return fail(analysis.error());
   TakeAnalysis(*analysis, question, trial);
-  for (std::string& missing : recording->report.WhatIsMissing()) {
-    trial.deviations.push_back(std::move(missing));
+  for (const trial::Finding& found : recording->report.AllFindings().list()) {
+    if (found.severity == Severity::kNote) continue;
+    trial.findings.Doubt(StudyFinding::kDataMissing, {{"what", document::WordsOf(found)}});
   }
   return trial;
 }
@@ -238,6 +244,10 @@ StudyTrial AnalyzeTrial(const TrialFile& file, const dsp::BandQuestion& question
 std::vector<StudyTrial> AnalyzeTrials(const std::vector<TrialFile>& files,
                                       const dsp::BandQuestion& question,
                                       const trial::ImportOptions& import) {
+  // inputs are named in the order of the files, whichever is read first
+  for (const TrialFile& file : files) {
+    if (!file.error) NoteInput(file.path);
+  }
   std::vector<StudyTrial> trials(files.size());
   cli::Progress progress("trials");
   std::mutex progress_mutex;
@@ -316,6 +326,13 @@ void AppendOutlyingCells(const StudyTable& table, std::vector<Outlying>& outlyin
   }
 }
 
+bool IsSame(const FindingOf<StudyFinding>& a, const FindingOf<StudyFinding>& b) {
+  return a.kind == b.kind &&
+         std::ranges::equal(a.numbers, b.numbers, [](const auto& one, const auto& other) {
+           return one.name == other.name && one.value == other.value;
+         });
+}
+
 }  // namespace
 
 std::vector<MissingTrials> FindMissing(const StudyTable& table) {
@@ -332,25 +349,16 @@ std::vector<MissingTrials> FindMissing(const StudyTable& table) {
 
 std::vector<Deviation> FindDeviations(const StudyTable& table) {
   std::vector<Deviation> deviations;
-  std::size_t answered = 0;
   for (const StudyTrial& trial : table.trials) {
     if (!trial.answered) continue;
-    ++answered;
-    for (const std::string& what : trial.deviations) {
-      auto known = std::ranges::find(deviations, what, &Deviation::what);
-      if (known == deviations.end()) known = deviations.insert(known, Deviation{what, {}, false});
+    for (const FindingOf<StudyFinding>& finding : trial.findings.list()) {
+      const auto is_it = [&](const Deviation& known) { return IsSame(known.finding, finding); };
+      auto known = std::ranges::find_if(deviations, is_it);
+      if (known == deviations.end()) known = deviations.insert(known, Deviation{finding, {}});
       known->files.push_back(trial.file);
     }
   }
-  for (Deviation& deviation : deviations) deviation.all = deviation.files.size() == answered;
   return deviations;
-}
-
-std::string Describe(const Deviation& deviation) {
-  if (deviation.all && deviation.files.size() > 1) {
-    return fmt::format("{}: all {} trials", deviation.what, deviation.files.size());
-  }
-  return fmt::format("{}: {}", deviation.what, fmt::join(deviation.files, ", "));
 }
 
 std::vector<Outlying> FindOutlying(const StudyTable& table) {

@@ -7,8 +7,11 @@
 
 #include "dsp/analysis/band_analysis.h"
 #include "dsp/statistics/repeated_measures.h"
+#include "tools/document/provenance.h"
 #include "tools/study/manifest.h"
+#include "tools/study/study_findings.h"
 #include "trial/import/import_options.h"
+#include "trial/trial_reader.h"
 
 namespace haptometer::tools {
 
@@ -17,16 +20,22 @@ struct StudyTrial {
   std::string file;
   std::string subject;
   std::string condition;
-  std::string repeat;                      ///< numbered by file name where nothing says it
-  std::string utc_start;                   ///< empty where unknown
-  std::optional<double> drive_v;           ///< amplitude of the drive, where the file says it
-  std::optional<Error> error;              ///< it cannot be read, or has no place in the study
-  bool answered = false;                   ///< rms_m is there
-  std::vector<std::string> reasons;        ///< why not
-  std::vector<std::string> deviations;     ///< how its analysis differs from what was asked
+  std::string repeat;             ///< numbered by file name where nothing says it
+  std::string utc_start;          ///< empty where unknown
+  std::string sensor;             ///< with its head; empty where unknown
+  std::optional<double> drive_v;  ///< amplitude of the drive, where the file says it
+  std::vector<document::DataSource> sources;
+  std::optional<Error> error;        ///< it cannot be read, or has no place in the study
+  bool answered = false;             ///< rms_m is there
+  std::vector<std::string> reasons;  ///< why the analysis does not answer
+  StudyFindings
+      findings;  ///< why there is no value, or how its analysis differs from what was asked
   std::optional<double> rms_m;             ///< within the band
-  std::optional<double> rms_with_floor_m;  ///< the same before its noise floor is taken off
+  std::optional<double> rms_with_floor_m;  ///< the same without the correction for noise
   std::optional<double> rms_uncertainty_m;
+  bool is_of_drive = false;         ///< its window is a part of the drive
+  bool below_band_removed = false;  ///< motion below the band was modelled and subtracted
+  bool gain_corrected = false;      ///< the sensor's gain at the tone was divided out
 };
 
 /// Reads and analyses one file, as the verb analyze does. Nothing else of the study depends on what
@@ -98,18 +107,14 @@ inline constexpr double kOutlyingScore = 5;
 /// to less, what differs by less than kOutlyingScore times this is no news to anybody.
 inline constexpr double kLeastScatter = 0.01;
 
-/// A way in which the analysis of some trials differs from what was asked.
+/// What several answered trials have in common: how their analysis differs from what was asked.
 struct Deviation {
-  std::string what;
+  FindingOf<StudyFinding> finding;
   std::vector<std::string> files;  ///< in the table's order
-  bool all = false;                ///< of all answered trials
 };
 
 /// Each deviation of answered trials once, in the order of its first trial.
 [[nodiscard]] std::vector<Deviation> FindDeviations(const StudyTable& table);
-
-/// "no noise floor taken off: a.bin, b.bin", or "all 96 trials".
-[[nodiscard]] std::string Describe(const Deviation& deviation);
 
 [[nodiscard]] std::vector<MissingTrials> FindMissing(const StudyTable& table);
 

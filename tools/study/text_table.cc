@@ -47,7 +47,7 @@ Result<void> TakeRow(const std::vector<std::string>& names, std::string_view lin
   if (cells.size() != names.size()) {
     return CannotAnswer(fmt::format("{}:{}", table->name, number),
                         fmt::format("has {} cells, the header {}", cells.size(), names.size()),
-                        "mend that line");
+                        "correct that line");
   }
   for (std::size_t i = 0; i < names.size(); ++i) {
     table->columns[names[i]].push_back(std::move(cells[i]));
@@ -113,12 +113,13 @@ Result<std::vector<double>> NumbersOf(const TextTable& table, const std::string&
     const auto [stop, failure] = std::from_chars(cells[i].data(), end, numbers[i]);
     if (failure != std::errc{} || stop != end || !std::isfinite(numbers[i])) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
-                          fmt::format("{} '{}' is no number", column, cells[i]), "mend that cell");
+                          fmt::format("{} '{}' is no number", column, cells[i]),
+                          "correct that cell");
     }
     if (!PossibleQuantity({numbers[i], 0}, Dimension::kNone, column)) {
       return CannotAnswer(fmt::format("{}:{}", table.name, table.lines[i]),
                           fmt::format("{} '{}' is beyond any measurement", column, cells[i]),
-                          "mend that cell");
+                          "correct that cell");
     }
   }
   return numbers;

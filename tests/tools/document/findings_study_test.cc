@@ -1,0 +1,129 @@
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/study/study_findings.h"
+
+namespace haptometer::tools {
+namespace {
+
+struct Case {
+  StudyFinding kind;
+  std::vector<FindingNumber> numbers;
+  std::string name;
+  std::string text;
+};
+
+// one of each kind, with the numbers that study gives it
+std::vector<Case> Cases() {
+  using enum StudyFinding;
+  return {
+      {kNoValue, {{"reason", std::string("too short")}}, "no-value", "too short"},
+      {kBelowNoise,
+       {{"noise_m", 0.5e-6}, {"at_most_m", 0.3e-6}},
+       "below-noise",
+       "the vibration does not exceed the noise, 0.5 um RMS: it is at most 0.3 um"},
+      {kOrderLowered,
+       {{"order", 4}, {"trials", 2}, {"of_trials", 9}},
+       "order-lowered",
+       "filter of order 4, as the record is too short for the order asked, 2 of 9 trials"},
+      {kFrequencyMoves,
+       {},
+       "frequency-moves",
+       "the drive's frequency moves, so the RMS is that of a sweep"},
+      {kNoNoiseCorrection,
+       {},
+       "no-noise-correction",
+       "not corrected for noise: no quiet part, and no drive-off trial (--floor)"},
+      {kFloorDoubtful,
+       {{"doubt", std::string("it holds a tone")}},
+       "floor-doubtful",
+       "it holds a tone"},
+      {kAveragingUnknown,
+       {{"trials", 3}, {"of_trials", 3}},
+       "averaging-unknown",
+       "amplitude not verified, as the sensor's averaging is unknown; state it in the header of a "
+       "CSV, as '# averages = 16' and '# sampling_s = 0.00033' (haptometer trial export FILE -o "
+       "OUT.csv makes one of any trial), 3 of 3 trials"},
+      {kDataMissing, {{"what", std::string("cut short")}}, "data-missing", "cut short"},
+      {kTableIgnored, {}, "table-ignored", "a table of results, no trial: ignored"},
+      {kTrialsMissing,
+       {{"answered", 2}, {"expected", 3}},
+       "trials-missing",
+       "2 of 3 trials with a value"},
+      {kOutlyingTrial,
+       {{"times", 1.1234}, {"robust_z", 5.04}},
+       "outlying-trial",
+       "possible outlier: 1.123 times the median of its cell, robust z = 5.04; retained"},
+      {kOutlyingCell,
+       {{"times", 5.0}, {"robust_z", 12.0}},
+       "outlying-cell",
+       "possible outlier: 5 times the additive prediction of subject and condition, robust z = 12; "
+       "retained"},
+      {kContrastsNotPlanned,
+       {{"control", std::string("stock")}},
+       "contrasts-not-planned",
+       "no contrast is planned, so every condition is compared with the first, stock (--contrast "
+       "TREATMENT:CONTROL selects others)"},
+      {kTooFewSubjects,
+       {{"subjects", 1}},
+       "too-few-subjects",
+       "not tested: 1 subject, 2 are needed"},
+      {kNoSpread,
+       {{"subjects", 8}},
+       "no-spread",
+       "not tested: the values of all 8 subjects are equal"},
+      {kAnovaNotDetermined,
+       {{"subjects", 1}},
+       "anova-not-determined",
+       "analysis of variance not determined: it needs 2 conditions, and 2 subjects that have all "
+       "of "
+       "them and differ (1 have)"},
+      {kCalibrationExcluded,
+       {},
+       "calibration-excluded",
+       "uncertainties exclude sensor calibration and linearity"},
+      {kNoSetting, {{"reference_v", 2.0}}, "no-setting", "no setting"},
+      {kOneStart,
+       {{"missing", std::string("low")}},
+       "one-start",
+       "no setting started low; those of the other start count"},
+      {kPowerByVoltage,
+       {},
+       "power-by-voltage",
+       "power savings assume power proportional to the voltage squared"},
+      {kNoFloor,
+       {},
+       "no-floor",
+       "not corrected for noise: neither a reading at 0 V nor a noise floor (--floor)"},
+      {kReadingsBelowFloor,
+       {{"readings", 1}},
+       "readings-below-floor",
+       "1 reading below the noise floor: excluded"},
+      {kTooFewReadings,
+       {{"readings", 2}},
+       "too-few-readings",
+       "no line: 2 readings above the noise, 3 of different drive are needed"},
+      {kCurvatureNotDetermined,
+       {{"readings", 3}},
+       "curvature-not-determined",
+       "curvature not determined: 4 readings at 3 levels are needed"},
+  };
+}
+
+TEST(StudyFindings, EachKindIsASentence) {
+  std::set<std::string> names;
+  for (const Case& one : Cases()) {
+    const document::Sentence sentence = SentenceOf(one.kind);
+    EXPECT_EQ(sentence.kind, one.name);
+    EXPECT_EQ(document::Fill(sentence.text, one.numbers), one.text);
+    EXPECT_TRUE(names.insert(one.name).second) << one.name;
+  }
+  EXPECT_EQ(names.size(), static_cast<std::size_t>(StudyFinding::kCurvatureNotDetermined) + 1)
+      << "the last kind";
+}
+
+}  // namespace
+}  // namespace haptometer::tools

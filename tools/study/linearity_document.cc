@@ -1,0 +1,167 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "tools/study/statistics_items.h"
+#include "tools/study/study_document.h"
+
+namespace haptometer::tools {
+namespace {
+
+using document::Form;
+using document::Item;
+using document::Key;
+using document::Range;
+using document::Section;
+using document::Value;
+
+constexpr double kUm = 1e-6;  // in metres
+
+constexpr document::Unit kMetrePerSquareVolt{
+    "_m_per_v2", "m/V^2", {{{1e6, "um/V^2"}, {1e3, "mm/V^2"}}}};
+
+// keys of a line and of a mean over subjects
+constexpr Key kSlope{"slope_m_per_v", "slope", document::kMetrePerVolt, Form::kInterval};
+constexpr Key kCurvature{"curvature_m_per_v2", "curvature", kMetrePerSquareVolt, Form::kInterval};
+constexpr Key kCurvatureP{"curvature_p"};
+
+std::string NameOf(const DriveLine& line) {
+  std::string name = line.condition;
+  if (!line.subject.empty()) name += (name.empty() ? "subject " : ", subject ") + line.subject;
+  return name.empty() ? "drive sweep" : name;
+}
+
+// with Student's interval of `df` degrees of freedom
+Item& AddFitted(Section& section, const Key& key, double value, const dsp::Interval& interval,
+                double df) {
+  Item& item = section.Add(key, value, StandardUncertaintyOf(interval, df));
+  item.interval = Range{interval.lower, interval.upper};
+  return item;
+}
+
+// slope, value at 0 V and deviations; all not known where there is no line
+Section FitSection(const DriveLine& line) {
+  const dsp::Line fit = line.line.value_or(dsp::Line{.n = 3});
+  const auto df = static_cast<double>(fit.n - 2);
+  // rounding of doubles is no deviation
+  const double resolution_m = std::abs(line.full_scale_m) * 1e-6;
+  Section section{.is_known = line.line.has_value()};
+  AddFitted(section, kSlope, fit.slope, fit.slope_interval, df);
+  AddFitted(section, {"intercept_m", "RMS at 0 V", document::kMetre, Form::kInterval},
+            fit.intercept, fit.intercept_interval, df)
+      .resolution = resolution_m;
+  section.Add({"r_squared", "R^2"}, fit.r_squared);
+  const double deviation_resolution_m =
+      std::max(resolution_m, ResolutionBy(fit.residual_deviation));
+  AddRounded(section, {"residual_deviation_m", "residual standard deviation", document::kMetre},
+             fit.residual_deviation, deviation_resolution_m);
+  Item& largest = section.Add({"largest_deviation_m", "largest deviation", document::kMetre},
+                              fit.largest_deviation);
+  largest.resolution = deviation_resolution_m;
+  const double of_full_scale = fit.largest_deviation / std::abs(line.full_scale_m);
+  largest.note = fmt::format("{:.2g} % of full scale", 100 * of_full_scale);
+  section.Add({"largest_deviation_of_full_scale"}, of_full_scale);
+  return section;
+}
+
+Section CurvatureSection(const std::optional<dsp::Curvature>& curvature) {
+  const dsp::Curvature known = curvature.value_or(dsp::Curvature{.df = 1});
+  Section section{.is_known = curvature.has_value()};
+  AddFitted(section, kCurvature, known.quadratic, known.interval, known.df).note =
+      known.p ? fmt::format("t({:g}) = {:.4g}, p = {:.3g}", known.df, *known.t, *known.p)
+              : "not tested, as all points are on the parabola";
+  section.Add({"curvature_t"}, known.t);
+  section.Add({"curvature_df"}, known.df);
+  section.Add(kCurvatureP, known.p);
+  return section;
+}
+
+StudyFindings FindingsOf(const DriveLine& line) {
+  StudyFindings findings;
+  const auto add = [&](Severity severity, StudyFinding kind, std::size_t readings) {
+    findings.Add({severity, kind, {{"readings", readings}}, NameOf(line)});
+  };
+  if (!line.floor_m) findings.Add({Severity::kNote, StudyFinding::kNoFloor, {}, NameOf(line)});
+  if (line.below_floor > 0) {
+    add(Severity::kNote, StudyFinding::kReadingsBelowFloor, line.below_floor);
+  }
+  if (!line.line) {
+    add(Severity::kRefusal, StudyFinding::kTooFewReadings, line.rms_m.size());
+  } else if (!line.curvature) {
+    add(Severity::kNote, StudyFinding::kCurvatureNotDetermined, line.rms_m.size());
+  }
+  return findings;
+}
+
+Section LineSection(const DriveLine& line) {
+  Section section{.heading = NameOf(line)};
+  section.Add({kSubject.name}, TextOrUnknown(line.subject));
+  section.Add({kCondition.name}, TextOrUnknown(line.condition));
+  section.Add({"readings", "readings"}, line.rms_m.size());
+  section.Add({"below_floor"}, line.below_floor);
+  section.Add({"floor_m", "noise correction", document::kMetre}, line.floor_m).note =
+      "RMS, subtracted in mean square";
+  section.Add({"drive_v"}, line.drive_v);
+  section.Add({"rms_m"}, line.rms_m);
+  section.sections = {FitSection(line), CurvatureSection(line.curvature)};
+  document::AddFindings(section, FindingsOf(line));
+  return section;
+}
+
+Section SlopeSection(const SlopeOverSubjects& over) {
+  const auto bend = over.curvature_m_per_v2.value_or(dsp::OneSample{});
+  Section section{.heading = fmt::format("{}{}mean over subjects", over.condition,
+                                         over.condition.empty() ? "" : ", ")};
+  section.Add({kCondition.name}, TextOrUnknown(over.condition));
+  section.Add(kSubjects, over.slope_m_per_v.n);
+  AddMean(section, kSlope, over.slope_m_per_v);
+  Item& curvature = AddMean(section, kCurvature, bend);
+  if (bend.test) curvature.note = fmt::format("p = {:.3g}", bend.test->p);
+  section.Add(kCurvatureP, bend.test ? Value(bend.test->p) : Value());
+  return section;
+}
+
+}  // namespace
+
+document::Document LinearityDocument(const LinearityResult& result, bool has_figures) {
+  document::Document document{.verb = "study", .title = "RMS = RMS at 0 V + slope x drive"};
+  Section& root = document.root;
+  root.sources = result.sources;
+  root.sections = {
+      ListOf({.name = "lines", .shape = Section::Shape::kArray}, result.lines, LineSection),
+      ListOf({.name = "over_subjects", .shape = Section::Shape::kArray}, result.slopes,
+             SlopeSection)};
+  if (has_figures) {
+    root.figures = {{.caption = "RMS against drive", .panels = LinearityPanels(result)}};
+  }
+  return document;
+}
+
+std::vector<plot::Panel> LinearityPanels(const LinearityResult& result) {
+  constexpr plot::Colour kColours[] = {plot::kBlue, plot::kOrange, plot::kGreen, plot::kPurple};
+  plot::Panel panel;
+  const bool is_corrected = std::ranges::any_of(
+      result.lines, [](const DriveLine& line) { return line.floor_m.has_value(); });
+  panel.title =
+      is_corrected ? "readings corrected for noise, and their lines" : "readings and their lines";
+  panel.x_label = "drive amplitude / V";
+  panel.y_label = "RMS displacement / um";
+  panel.y_from_zero = true;
+  panel.x_from_zero = true;
+  std::size_t number = 0;
+  for (const DriveLine& line : result.lines) {
+    const plot::Colour colour = kColours[number++ % std::size(kColours)];
+    plot::Series points{NameOf(line), plot::Points(colour, 0.7), line.drive_v, {}, {}};
+    for (const double rms_m : line.rms_m) points.y.push_back(rms_m / kUm);
+    panel.series.push_back(std::move(points));
+    if (!line.line) continue;
+    const double high = *std::ranges::max_element(line.drive_v);
+    const auto at = [&](double v) { return (line.line->intercept + line.line->slope * v) / kUm; };
+    panel.series.push_back({"", plot::Lines(colour), {0, high}, {at(0), at(high)}, {}});
+  }
+  return {panel};
+}
+
+}  // namespace haptometer::tools

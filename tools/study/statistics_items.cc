@@ -1,0 +1,102 @@
+#include "tools/study/statistics_items.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <utility>
+
+#include "dsp/statistics/distributions.h"
+
+namespace haptometer::tools {
+namespace {
+
+using document::Item;
+using document::Key;
+using document::Range;
+using document::Section;
+using document::Value;
+
+std::optional<Range> RangeOf(const dsp::OneSample& sample) {
+  if (!sample.test) return std::nullopt;
+  return Range{sample.test->mean.lower, sample.test->mean.upper};
+}
+
+// the numbers for JSON, and what a line says of them
+std::string TestText(Section& section, const std::optional<dsp::StudentTest>& test) {
+  const dsp::StudentTest known = test.value_or(dsp::StudentTest{});
+  section.Add({"t"}, test ? Value(known.t) : Value());
+  section.Add({"df"}, test ? Value(known.df) : Value());
+  section.Add(kP, test ? Value(known.p) : Value());
+  return fmt::format("t({:g}) = {:.4g}, p = {:.3g}", known.df, known.t, known.p);
+}
+
+}  // namespace
+
+std::string Counted(std::size_t count, std::string_view noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+void AddRounded(Section& section, const Key& key, Value value, double resolution) {
+  section.Add(key, std::move(value)).resolution = resolution;
+}
+
+Value TextOrUnknown(const std::string& text) { return text.empty() ? Value() : Value(text); }
+
+std::optional<double> StandardUncertaintyOf(const dsp::OneSample& sample) {
+  if (!sample.standard_deviation) return std::nullopt;
+  return *sample.standard_deviation / std::sqrt(static_cast<double>(sample.n));
+}
+
+double StandardUncertaintyOf(const dsp::Interval& interval, double df) {
+  return (interval.upper - interval.lower) / 2 / dsp::StudentCritical(df);
+}
+
+double ResolutionBy(std::optional<double> standard_uncertainty) {
+  const double known = standard_uncertainty.value_or(0);
+  return known > 0 ? std::pow(10, std::floor(std::log10(known)) - 1) : 0;
+}
+
+void RefuseUntested(const std::string& subject, const dsp::OneSample& sample,
+                    StudyFindings& findings) {
+  if (sample.test) return;
+  const bool is_few = sample.n < 2;
+  findings.Add({Severity::kRefusal,
+                is_few ? StudyFinding::kTooFewSubjects : StudyFinding::kNoSpread,
+                {{"subjects", sample.n}},
+                subject});
+}
+
+Item& AddMean(Section& section, const Key& key, const dsp::OneSample& sample) {
+  Item& item =
+      section.Add(key, sample.n > 0 ? Value(sample.mean) : Value(), StandardUncertaintyOf(sample));
+  item.interval = RangeOf(sample);
+  return item;
+}
+
+Item& AddRatio(Section& section, const Key& key, const dsp::OneSample& logarithms) {
+  Item& item = AddMean(section, key, logarithms);
+  if (logarithms.n == 0) return item;
+  const double ratio = std::exp(logarithms.mean);
+  item.value = ratio;
+  if (item.standard_uncertainty) *item.standard_uncertainty *= ratio;
+  if (item.interval) {
+    item.interval = Range{std::exp(item.interval->lower), std::exp(item.interval->upper)};
+  }
+  return item;
+}
+
+void AddTest(Section& section, std::string_view label,
+             const std::optional<dsp::StudentTest>& test) {
+  const std::string text = TestText(section, test);
+  section.Add({"", label}, test ? Value(text) : Value());
+}
+
+void AddTest(Section& section, std::string_view label, const std::optional<dsp::StudentTest>& test,
+             const std::optional<double>& p_holm) {
+  std::string text = TestText(section, test);
+  section.Add({"p_holm"}, p_holm);
+  if (p_holm) text += fmt::format(", after Holm {:.3g}", *p_holm);
+  section.Add({"", label}, test ? Value(text) : Value());
+}
+
+}  // namespace haptometer::tools

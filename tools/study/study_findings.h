@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+
+#include "base/finding.h"
+#include "tools/document/document.h"
+
+namespace haptometer::tools {
+
+/// What `study`, `study matching` and `study linearity` find; the words stand in
+/// tools/document/findings_study.cc.
+enum class StudyFinding : std::uint8_t {
+  // of a trial: why it has no value, or how its analysis differs from what was asked
+  kNoValue,            ///< reason
+  kBelowNoise,         ///< noise_m, at_most_m
+  kOrderLowered,       ///< order
+  kFrequencyMoves,     ///< its RMS is that of a sweep
+  kNoNoiseCorrection,  ///< neither a floor nor a quiet part
+  kFloorDoubtful,      ///< doubt
+  kAveragingUnknown,   ///< so the sensor's gain is
+  kDataMissing,        ///< what
+  // of a study; those of a trial may have trials and of_trials too
+  kTableIgnored,           ///< a table of results among the trials
+  kTrialsMissing,          ///< answered, expected
+  kOutlyingTrial,          ///< times, robust_z
+  kOutlyingCell,           ///< times, robust_z
+  kContrastsNotPlanned,    ///< control
+  kTooFewSubjects,         ///< subjects
+  kNoSpread,               ///< subjects
+  kAnovaNotDetermined,     ///< subjects
+  kCalibrationExcluded,    ///< of all uncertainties
+  kNoSetting,              ///< of a subject at a level
+  kOneStart,               ///< missing: "high" or "low"
+  kPowerByVoltage,         ///< what power savings rest on
+  kNoFloor,                ///< of drive readings
+  kReadingsBelowFloor,     ///< readings
+  kTooFewReadings,         ///< readings
+  kCurvatureNotDetermined  ///< readings
+};
+
+using StudyFindings = Findings<StudyFinding>;
+
+/// The words of a kind.
+[[nodiscard]] document::Sentence SentenceOf(StudyFinding kind);
+
+}  // namespace haptometer::tools

@@ -1,0 +1,156 @@
+#include <fmt/core.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include "tools/study/statistics_items.h"
+#include "tools/study/study_document.h"
+
+// The paragraph for the paper.
+
+namespace haptometer::tools {
+namespace {
+
+// "simulated (14 trials), imported (2 trials)"; nothing where there is none
+std::string CountsText(const std::map<std::string, std::size_t>& counts) {
+  std::string text;
+  for (const auto& [name, count] : counts) {
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", name, Counted(count, "trial"));
+  }
+  return text;
+}
+
+// where the data come from, and by which sensor
+std::string DataText(const StudyResult& study) {
+  std::map<std::string, std::size_t> sources;
+  std::map<std::string, std::size_t> sensors;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (!trial.answered) continue;
+    for (const document::DataSource source : trial.sources) {
+      ++sources[std::string(document::NameOf(source))];
+    }
+    ++sensors[trial.sensor.empty() ? "not stated" : trial.sensor];
+  }
+  if (sources.empty()) return {};
+  return fmt::format("Source of the data: {}. Sensor: {}. ", CountsText(sources),
+                     CountsText(sensors));
+}
+
+std::string FilterText(const StudyResult& study) {
+  const dsp::BandPass& band = study.question.band;
+  const std::size_t below = study.CountAnswered(&StudyTrial::below_band_removed);
+  return fmt::format(
+      "Displacement was band-pass filtered from {:g} to {:g} Hz (Butterworth, order {}, forward "
+      "and backward with zero phase, -3 dB at the corners of {}). {}",
+      band.lower_hz, band.upper_hz, band.order,
+      band.corners == dsp::Corners::kWhole ? "both passes together" : "each pass",
+      below == 0 ? ""
+                 : fmt::format("Motion below the band was modelled and subtracted before the "
+                               "filter in {}. ",
+                               Counted(below, "trial")));
+}
+
+// `all`: trials with a value
+std::string WindowText(const StudyResult& study, std::size_t all) {
+  const std::size_t drive = study.CountAnswered(&StudyTrial::is_of_drive);
+  const std::string rest = "everything that was free of filter transients";
+  std::string window = drive == 0 ? rest : "the longest steady part of the drive";
+  if (drive > 0 && drive < all) {
+    window += fmt::format(" ({}) or {} ({})", Counted(drive, "trial"), rest,
+                          Counted(all - drive, "trial"));
+  }
+  return fmt::format(
+      "The root-mean-square (RMS) was computed over {}, shortened to whole periods "
+      "of the strongest tone. ",
+      window);
+}
+
+std::string CorrectionsText(const StudyResult& study) {
+  const auto& floor = study.question.floor;
+  const std::size_t noise = study.CountAnswered([](const StudyTrial& trial) {
+    return !trial.findings.Has(StudyFinding::kNoNoiseCorrection);
+  });
+  return fmt::format(
+      "{} was subtracted in mean square in {}. The sensor's gain at the tone was corrected for in "
+      "{}. Uncertainties exclude the sensor's calibration and linearity. ",
+      floor
+          ? fmt::format("The noise of a drive-off trial ({:.3g} um RMS in the band over {:.3g} s, "
+                        "{})",
+                        std::sqrt(floor->power.mean_square) * 1e6, floor->duration_s, floor->source)
+          : "The noise of the trial's own quiet part",
+      Counted(noise, "trial"), Counted(study.CountAnswered(&StudyTrial::gain_corrected), "trial"));
+}
+
+std::string SubjectsText(const StudyResult& study, std::size_t all) {
+  const StudyTable& table = study.table;
+  return fmt::format(
+      "{} of {} of {} in {} ({}) gave a value. The unit of analysis was the subject: {}. ", all,
+      Counted(table.trials.size(), "trial"), Counted(table.subjects.size(), "subject"),
+      Counted(table.conditions.size(), "condition"), fmt::join(table.conditions, ", "),
+      table.repeats > 1
+          ? fmt::format("up to {} trials of a subject in a condition were averaged first",
+                        table.repeats)
+          : "each subject gave one trial in a condition");
+}
+
+std::string ContrastsText(const StudyResult& study) {
+  if (study.contrasts.empty()) return {};
+  std::vector<std::string> names;
+  names.reserve(study.contrasts.size());
+  for (const Contrast& contrast : study.contrasts) names.push_back(NameOf(contrast.planned));
+  const bool is_one = names.size() == 1;
+  return fmt::format(
+      "{} ({}) {} tested with two-sided paired t tests of the subjects' means, with exact p values "
+      "corrected by Holm's method over {} test{}. Mean differences are given with 95 % confidence "
+      "intervals; ratios are geometric means over subjects of the ratios of the subjects' "
+      "geometric means, with intervals from the paired t on logarithms; effect sizes are d_z and "
+      "Hedges' g "
+      "(exact correction) with intervals of the population's effect from the noncentral t "
+      "distribution. ",
+      study.planned ? "Planned contrasts" : "All conditions against the first, unplanned",
+      fmt::join(names, "; "), is_one ? "was" : "were", names.size(), is_one ? "" : "s");
+}
+
+std::string OutliersText() {
+  return fmt::format(
+      "Trials farther than {:g} robust standard deviations from the median of their cell, and "
+      "cells as far from the additive prediction of subject and condition, were named and retained "
+      "(a "
+      "standard deviation counted for no less than {:g} % and no less than the stated "
+      "uncertainty). ",
+      kOutlyingScore, 100 * kLeastScatter);
+}
+
+// what differs from the paragraph, an item each
+std::string ExceptionsText(const StudyResult& study) {
+  std::string list;
+  for (const StudyTrial& trial : study.table.trials) {
+    if (trial.answered) continue;
+    fmt::format_to(std::back_inserter(list), "- {}: no value ({})\n", trial.file,
+                   fmt::join(ReasonsOf(trial), "; "));
+  }
+  const StudyFindings exceptions = ExceptionsOf(study);
+  for (const FindingOf<StudyFinding>& finding : exceptions.list()) {
+    fmt::format_to(std::back_inserter(list), "- {}{}{}\n", finding.subject,
+                   finding.subject.empty() ? "" : ": ",
+                   document::Fill(SentenceOf(finding.kind).text, finding.numbers));
+  }
+  return list.empty() ? "No trial differs from this.\n"
+                      : "Trials that differ from this:\n\n" + list;
+}
+
+}  // namespace
+
+std::string MethodsText(const StudyResult& study, const document::Provenance& provenance) {
+  const std::size_t all = study.CountAnswered([](const StudyTrial& /*any*/) { return true; });
+  return fmt::format(
+      "## Methods\n\n{}{}{}{}{}{}{}Computed with haptometer {}.\n\n{}\nProvenance:\n\n{}",
+      DataText(study), FilterText(study), WindowText(study, all), CorrectionsText(study),
+      SubjectsText(study, all), ContrastsText(study), OutliersText(), provenance.version,
+      ExceptionsText(study), document::CommentOf(provenance, "- "));
+}
+
+}  // namespace haptometer::tools
