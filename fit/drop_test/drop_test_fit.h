@@ -92,7 +92,7 @@ struct DropTestFit {
   /// Combined relative covariance of Kv, Bv and Km: that of their logarithms. 0 in the rows and
   /// columns of what is not determined.
   std::array<std::array<double, 3>, 3> relative_covariance{};
-  std::string mass_symbol;  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
+  std::string mass_symbol = "Mv";  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
   std::vector<InputInfluence> influences;
   std::vector<std::string> assumptions;  ///< sentences

@@ -25,7 +25,7 @@ struct ImpedanceFit {
   FittedValue quality_factor;       ///< sqrt(Kv M)/Bv: of the open circuit
   FittedValue resistance;           ///< R, ohm: coil and leads
   FittedValue inductance;           ///< L, H; not determined below three standard uncertainties
-  std::string mass_symbol;          ///< M: "Mv", or "Mv Mc/(Mv+Mc)" of a free case
+  std::string mass_symbol = "Mv";   ///< M: "Mv", or "Mv Mc/(Mv+Mc)" of a free case
   std::size_t points = 0;
   std::size_t points_near_resonance = 0;  ///< within half a bandwidth, sqrt(3) f0/Q
   double lowest_hz = 0;

@@ -11,7 +11,7 @@
 #include "base/text.h"
 #include "base/toml.h"
 #include "fit/drop_test/prepared_record.h"
-#include "sim/scene/actuator.h"
+#include "tools/fit/fit_document.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
@@ -120,10 +120,11 @@ constexpr DropStatement kDropStatements[]{
 
 void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
                   fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
-  const bool has_option = options.held || options.is_free;
+  const bool has_option = options.actuator.held || options.actuator.is_free;
   if (!has_option && !said.condition) return;
-  const auto wanted =
-      has_option ? (options.held ? CaseCondition::kHeld : CaseCondition::kFree) : *said.condition;
+  const auto wanted = has_option
+                          ? (options.actuator.held ? CaseCondition::kHeld : CaseCondition::kFree)
+                          : *said.condition;
   const std::string name = has_option ? fmt::format("--{}", Name(wanted)) : said_by;
   if (has_option && said.condition && *said.condition != wanted) {
     remarks->push_back(fmt::format("{}: {} replaces case = {} of {}", record->name, name,
@@ -209,10 +210,11 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
 
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
-                                    const FitLraOptions& options,
-                                    std::vector<std::string>* remarks) {
+                                    const FitLraOptions& options, FitLraInput* input) {
+  std::vector<std::string>* remarks = &input->remarks;
   auto recording = trial::ReadRecording(source.path, options.import);
   if (!recording) return std::unexpected(recording.error());
+  AddSources(*recording, input->sources);
   for (const std::string& remark : recording->report.remarks) {
     remarks->push_back(fmt::format("{}: {}", source.path, remark));
   }
@@ -347,15 +349,8 @@ class Statement {
 
 Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
                           const std::vector<fit::ImpulseFile>& files, FitLraInput* input) {
-  ActuatorKnowns from_actuator;
-  if (!options.actuator.empty()) {
-    auto actuator = sim::FindActuator(options.actuator);
-    if (!actuator) return std::unexpected(actuator.error());
-    from_actuator = {actuator->moving_mass_kg, actuator->case_mass_kg, actuator->resistance_ohm,
-                     actuator->inductance_h};
-  }
-  const ActuatorKnowns from_options{options.moving_mass_kg, options.case_mass_kg,
-                                    options.resistance_ohm, options.inductance_h};
+  const auto of_file = KnownsOfFile(options.actuator);
+  if (!of_file) return std::unexpected(of_file.error());
   const Statement statements[]{
       {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
       {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
@@ -363,7 +358,8 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
       {"inductance_h", "--inductance", &ActuatorKnowns::inductance_h},
   };
   for (const Statement& statement : statements) {
-    const Stated stated = statement.Over(from_options, from_actuator, sources, &input->remarks);
+    const Stated stated =
+        statement.Over(options.actuator.knowns, *of_file, sources, &input->remarks);
     if (auto settled = statement.Settle(stated, files, input); !settled) return settled;
   }
   return {};
@@ -372,26 +368,12 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
 }  // namespace
 
 Result<void> CheckFitLraOptions(const FitLraOptions& options) {
-  if (options.held && options.is_free) {
-    return Usage("--held", "excludes --free", "give one of them");
-  }
+  if (auto good = Check(options.actuator); !good) return good;
   const auto positive = [](const std::optional<Quantity>& value) {
     return !value || value->value > 0;
   };
-  if (!positive(options.moving_mass_kg)) {
-    return Usage("--moving-mass", "must be positive", "write it like 1.4g");
-  }
-  if (!positive(options.case_mass_kg)) {
-    return Usage("--case-mass", "must be positive", "write it like 0.6g");
-  }
-  if (!positive(options.resistance_ohm)) {
-    return Usage("--resistance", "must be positive", "write it like 27ohm");
-  }
   if (!positive(options.drop_height_m)) {
     return Usage("--drop-height", "must be positive", "write it like 10mm");
-  }
-  if (options.inductance_h && options.inductance_h->value < 0) {
-    return Usage("--inductance", "must not be negative", "write it like 130uH");
   }
   if (!positive(options.release_current_a)) {
     return Usage("--release-current", "must be positive", "write it like 50mA");
@@ -426,7 +408,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
   for (const StatedDrop& source : sources->drops) {
-    auto file = ReadSource(source, sources->said_by, options, &input.remarks);
+    auto file = ReadSource(source, sources->said_by, options, &input);
     if (file) {
       TakeDrops(*file, &files, &input);
     } else {
