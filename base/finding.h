@@ -52,6 +52,9 @@ template <typename Kind>
 class Findings {
  public:
   void Add(FindingOf<Kind> finding) { list_.push_back(std::move(finding)); }
+  void Append(const Findings& others) {
+    list_.insert(list_.end(), others.list_.begin(), others.list_.end());
+  }
   void Refuse(Kind kind, std::initializer_list<FindingNumber> numbers = {}) {
     Add({Severity::kRefusal, kind, numbers});
   }

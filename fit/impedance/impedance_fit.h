@@ -44,9 +44,7 @@ struct ImpedanceFit {
   std::vector<double> parameters;     ///< by ImpedanceParameter, see ImpedanceAt
   std::vector<ImpedanceValue> model;  ///< at each point, in the order of frequency
   std::vector<InputInfluence> influences;
-  std::vector<std::string> assumptions;   ///< sentences
-  std::vector<std::string> undetermined;  ///< sentences: what is not determined, what would help
-  std::vector<std::string> doubts;        ///< sentences
+  Findings findings;  ///< doubts, and what is assumed or not determined
   bool converged = false;
   int iterations = 0;  ///< of the last round
 };

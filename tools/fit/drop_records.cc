@@ -20,6 +20,10 @@ namespace {
 using fit::ActuatorKnowns;
 using fit::CaseCondition;
 
+constexpr const char* kHeader = "the header";
+
+using Statements = Findings<StatementFinding>;
+
 // the files, and what is said of each beside its header
 struct Sources {
   std::vector<StatedDrop> drops;
@@ -83,13 +87,24 @@ Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
   return {};
 }
 
+// that `by` replaces the statement `key` = `value` of `of`
+void NoteReplaced(const std::string& subject, std::string_view by, std::string_view key,
+                  const std::string& value, const std::string& of, Statements* replaced) {
+  replaced->Add({.severity = Severity::kNote,
+                 .kind = StatementFinding::kReplaced,
+                 .numbers = {{"by", std::string(by)},
+                             {"key", std::string(key)},
+                             {"value", value},
+                             {"of", of}},
+                 .subject = subject});
+}
+
 // lays `option` over `*value`, and says so when they differ
 void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
-         std::string_view key, std::optional<Quantity>* value, std::vector<std::string>* remarks) {
+         std::string_view key, std::optional<Quantity>* value, Statements* replaced) {
   if (!option) return;
   if (*value && **value != *option) {
-    remarks->push_back(
-        fmt::format("{}: {} replaces the header's {} = {:g}", file, name, key, (*value)->value));
+    NoteReplaced(file, name, key, fmt::format("{:g}", (*value)->value), kHeader, replaced);
   }
   *value = option;
 }
@@ -119,7 +134,7 @@ constexpr DropStatement kDropStatements[]{
 };
 
 void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-                  fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
+                  fit::ImpulseRecord* record, Statements* replaced) {
   const bool has_option = options.actuator.held || options.actuator.is_free;
   if (!has_option && !said.condition) return;
   const auto wanted = has_option
@@ -127,31 +142,30 @@ void LayCondition(const FitLraOptions& options, const StatedDrop& said, const st
                           : *said.condition;
   const std::string name = has_option ? fmt::format("--{}", Name(wanted)) : said_by;
   if (has_option && said.condition && *said.condition != wanted) {
-    remarks->push_back(fmt::format("{}: {} replaces case = {} of {}", record->name, name,
-                                   Name(*said.condition), said_by));
+    NoteReplaced(record->name, name, "case", std::string(Name(*said.condition)), said_by, replaced);
   }
   if (record->condition && *record->condition != wanted) {
-    remarks->push_back(fmt::format("{}: {} replaces the header's case = {}", record->name, name,
-                                   Name(*record->condition)));
+    NoteReplaced(record->name, name, "case", std::string(Name(*record->condition)), kHeader,
+                 replaced);
   }
   record->condition = wanted;
 }
 
 // what is said of a drop over its header, options over the drops file
 void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-             fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
+             fit::ImpulseRecord* record, Statements* replaced) {
   const std::optional<Quantity> none;
   for (const DropStatement& row : kDropStatements) {
     const auto& option = row.option == nullptr ? none : options.*row.option;
     const auto& in_file = said.*row.said;
     if (option && in_file && *option != *in_file) {
-      remarks->push_back(fmt::format("{}: {} replaces {} = {:g} of {}", record->name,
-                                     row.option_name, row.key, in_file->value, said_by));
+      NoteReplaced(record->name, row.option_name, row.key, fmt::format("{:g}", in_file->value),
+                   said_by, replaced);
     }
     Lay(option ? option : in_file, option ? row.option_name : said_by, said.path, row.key,
-        &(record->*row.member), remarks);
+        &(record->*row.member), replaced);
   }
-  LayCondition(options, said, said_by, record, remarks);
+  LayCondition(options, said, said_by, record, replaced);
 }
 
 // the seconds of "A:B"; either may be missing, "0.2s:" to the end
@@ -211,19 +225,15 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
                                     const FitLraOptions& options, FitLraInput* input) {
-  std::vector<std::string>* remarks = &input->remarks;
   auto recording = trial::ReadRecording(source.path, options.import);
   if (!recording) return std::unexpected(recording.error());
   AddSources(*recording, input->sources);
   for (const std::string& remark : recording->report.remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
+    input->reading.push_back(fmt::format("{}: {}", source.path, remark));
   }
   auto file = fit::ImpulseFromRecord(recording->record, Printable(source.path));
   if (!file) return std::unexpected(file.error());
-  for (const std::string& remark : file->remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
-  }
-  LayDrop(options, source, said_by, &file->record, remarks);
+  LayDrop(options, source, said_by, &file->record, &input->replaced);
   if (options.window.empty()) return *file;
   const auto window = ParseWindow(options.window);
   if (!window) return std::unexpected(window.error());
@@ -231,28 +241,12 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   return *file;
 }
 
-// a drop for the fit; what is sampled more finely than that has use for is averaged
-Result<fit::PreparedRecord> Prepared(fit::ImpulseRecord* drop, std::vector<std::string>* remarks) {
-  auto prepared = fit::PrepareRecord(*drop);
-  if (!prepared) return prepared;
-  auto thinned = fit::Thinned(*drop, prepared->start.poles);
-  if (!thinned) return prepared;
-  std::string remark = fmt::format("{}: {} samples, averaged over {} at a time", drop->name,
-                                   drop->voltage_v.size(), thinned->block);
-  if (thinned->clipped > 0) {
-    remark += fmt::format("; {} at the recorder's limits are left out", thinned->clipped);
-  }
-  remarks->push_back(std::move(remark));
-  *drop = std::move(thinned->record);
-  return fit::PrepareRecord(*drop);
-}
-
 // one error for a file, whatever number of its drops cannot be fitted
-Error Together(const std::string& name, std::size_t drops, const std::vector<Error>& errors) {
-  Error error = errors.front();
-  if (drops == 1) return error;
-  error.what = fmt::format("{} of its {} drops cannot be fitted; {}: {}", errors.size(), drops,
-                           error.where, error.what);
+Error Together(const std::string& name, const fit::PreparedDrops& drops) {
+  Error error = drops.left_out.front().why;
+  if (drops.drops == 1) return error;
+  error.what = fmt::format("{} of its {} drops cannot be fitted; {}: {}", drops.left_out.size(),
+                           drops.drops, error.where, error.what);
   error.where = name;
   return error;
 }
@@ -260,37 +254,16 @@ Error Together(const std::string& name, std::size_t drops, const std::vector<Err
 // the drops of one file, what cannot be fitted of them left out
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
-  auto drops = fit::SplitDrops(file.record);
-  if (drops.size() > 1) {
-    input->remarks.push_back(fmt::format(
-        "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
-        file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
+  fit::PreparedDrops drops = fit::PrepareDrops(file.record);
+  input->findings.Append(file.findings);
+  input->findings.Append(drops.findings);
+  for (std::size_t k = 0; k < drops.records.size(); ++k) {
+    files->push_back({std::move(drops.records[k]), file.knowns, {}});
+    input->prepared.push_back(std::move(drops.prepared[k]));
   }
-  std::vector<Error> errors;
-  const std::size_t fitted_before = files->size();
-  for (fit::ImpulseRecord& drop : drops) {
-    auto prepared = Prepared(&drop, &input->remarks);
-    if (prepared) {
-      input->prepared.push_back(*std::move(prepared));
-      files->push_back({std::move(drop), file.knowns, {}});
-    } else {
-      errors.push_back(prepared.error());
-      input->left_out_drops.push_back({std::move(drop), prepared.error()});
-    }
-  }
-  if (errors.empty()) return;
-  // where most are none, the others are likely none either
-  if (2 * errors.size() > drops.size()) {
-    const std::size_t good = files->size() - fitted_before;
-    if (good > 0) {
-      input->remarks.push_back(fmt::format(
-          "{}: {} of its {} drops could be fitted, too few for a file of drops: not used",
-          file.record.name, good, drops.size()));
-    }
-    files->resize(fitted_before);
-    input->prepared.resize(fitted_before);
-  }
-  input->left_out.push_back(Together(file.record.name, drops.size(), errors));
+  if (drops.left_out.empty()) return;
+  input->left_out.push_back(Together(file.record.name, drops));
+  for (auto& drop : drops.left_out) input->left_out_drops.push_back(std::move(drop));
 }
 
 // who says what about the actuator
@@ -314,7 +287,7 @@ class Statement {
     for (const auto& file : files) {
       std::optional<Quantity> header = file.knowns.*member_;
       if (stated.value) {
-        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->remarks);
+        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->replaced);
       } else if (header && settled && *header != *settled) {
         return CannotAnswer(file.record.name,
                             fmt::format("{} = {:g} contradicts {:g} of another file", key_,
@@ -329,14 +302,14 @@ class Statement {
 
   // what the command line says, by an option or else by an actuator, over the drops file
   [[nodiscard]] Stated Over(const ActuatorKnowns& options, const ActuatorKnowns& actuator,
-                            const Sources& sources, std::vector<std::string>* remarks) const {
+                            const Sources& sources, Statements* replaced) const {
     const auto& option = options.*member_;
     const Stated command{option ? option_name_ : "--actuator", option ? option : actuator.*member_};
     const auto& in_file = sources.knowns.*member_;
     if (!command.value) return {sources.said_by, in_file};
     if (in_file && *in_file != *command.value) {
-      remarks->push_back(fmt::format("{}: {} replaces {} = {:g}", sources.said_by, command.by, key_,
-                                     in_file->value));
+      NoteReplaced("", command.by, key_, fmt::format("{:g}", in_file->value), sources.said_by,
+                   replaced);
     }
     return command;
   }
@@ -359,7 +332,7 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
   };
   for (const Statement& statement : statements) {
     const Stated stated =
-        statement.Over(options.actuator.knowns, *of_file, sources, &input->remarks);
+        statement.Over(options.actuator.knowns, *of_file, sources, &input->replaced);
     if (auto settled = statement.Settle(stated, files, input); !settled) return settled;
   }
   return {};

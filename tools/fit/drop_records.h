@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/finding.h"
 #include "base/quantity.h"
 #include "fit/drop_test/impulse_record.h"
 #include "fit/drop_test/prepared_record.h"
@@ -32,22 +33,20 @@ struct FitLraOptions {
   trial::ImportOptions import;  ///< how to read tables of other programs
 };
 
-/// A drop that was read and holds no ring-down that can be fitted.
-struct LeftOutDrop {
-  fit::ImpulseRecord record;
-  Error why;
-};
+/// What is found while statements of several places are laid over each other.
+enum class StatementFinding : std::uint8_t { kReplaced };
 
 /// The drops that can be fitted, what is known of the actuator, and what was left out.
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
   std::vector<fit::PreparedRecord> prepared;  ///< one of each, for the fit
   fit::ActuatorKnowns knowns;
-  std::vector<std::string>
-      remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
+  std::vector<std::string> reading;           ///< sentences: what was assumed while reading
+  Findings<StatementFinding> replaced;        ///< statements that replaced others
+  fit::Findings findings;                     ///< of headers, and of what was done with drops
   std::vector<document::DataSource> sources;  ///< of the recordings, each once
   std::vector<Error> left_out;                ///< files that cannot be fitted; the others still are
-  std::vector<LeftOutDrop> left_out_drops;    ///< those of them that could be read
+  std::vector<fit::LeftOutDrop> left_out_drops;  ///< those of them that could be read
 };
 
 /// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.

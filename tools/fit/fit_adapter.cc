@@ -13,6 +13,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/findings_fit.h"
 #include "tools/document/present.h"
 #include "tools/fit/fit_document.h"
 #include "tools/verbs.h"
@@ -148,13 +149,13 @@ Section TapOf(const fit::FittedTap& tap) {
   ShowDigits(section.Add({"residual_rms", "residual (RMS)", unit}, tap.residual_rms), 3);
   section.Add({"unit"}, tap.unit);
   AddDensity(section, tap.density);
-  AddSentences(section, "record", Severity::kNote, tap.found);
+  document::AddFindings(section, tap.found);
   return section;
 }
 
 document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& mass_kg,
                                    const Taps& taps) {
-  document::Document document{.verb = std::string(kVerb)};
+  document::Document document{.verb = std::string(kVerb), .title = {}};
   document.title = fit.taps.empty() ? "Constants of an adapter: no tap could be fitted"
                    : fit.taps.size() == 1
                        ? fmt::format("Constants of an adapter from {}", fit.taps[0].name)
@@ -166,12 +167,8 @@ document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& m
   root.sections = {ConstantsOf(fit), ResonanceOf(fit), MassOf(fit, mass_kg), BirgeOf(fit),
                    std::move(list)};
   AddLeftOut(root, taps.left_out);
-  const bool is_answered = fit.stiffness.determined && fit.damping.determined;
-  AddSentences(root, "not-determined", is_answered ? Severity::kNote : Severity::kRefusal,
-               fit.undetermined);
-  AddSentences(root, "doubt", Severity::kDoubt, fit.doubts);
-  AddSentences(root, "assumption", Severity::kNote, fit.assumptions);
-  AddSentences(root, "reading", Severity::kNote, taps.remarks);
+  document::AddFindings(root, fit.findings);
+  AddReading(root, taps.remarks);
   return document;
 }
 

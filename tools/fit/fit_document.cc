@@ -146,11 +146,13 @@ void AddSources(const trial::Recording& recording, std::vector<DataSource>& sour
   if (!recording.report.closed) add(DataSource::kInterrupted);
 }
 
-void AddSentences(Section& section, std::string_view kind, Severity severity,
-                  const std::vector<std::string>& sentences) {
+void AddReading(Section& section, const std::vector<std::string>& sentences) {
   for (const std::string& sentence : sentences) {
-    section.findings.push_back(
-        {.kind = kind, .severity = severity, .text = sentence, .subject = {}, .numbers = {}});
+    section.findings.push_back({.kind = "reading",
+                                .severity = Severity::kNote,
+                                .text = sentence,
+                                .subject = {},
+                                .numbers = {}});
   }
 }
 

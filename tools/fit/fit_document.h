@@ -73,8 +73,7 @@ void AddLeftOut(document::Section& section, const std::vector<Error>& errors);
 /// Where the data of a recording come from, added to `sources` where it is not among them.
 void AddSources(const trial::Recording& recording, std::vector<document::DataSource>& sources);
 
-/// Each sentence as a finding of that kind.
-void AddSentences(document::Section& section, std::string_view kind, Severity severity,
-                  const std::vector<std::string>& sentences);
+/// What was assumed while files were read, as notes.
+void AddReading(document::Section& section, const std::vector<std::string>& sentences);
 
 }  // namespace haptometer::tools

@@ -331,7 +331,7 @@ std::string LoadText(double load_ohm) {
 
 std::vector<document::Figure> FitLraFigures(const fit::DropTestFit& fit,
                                             const std::vector<ImpulseRecord>& records,
-                                            const std::vector<LeftOutDrop>& left_out) {
+                                            const std::vector<fit::LeftOutDrop>& left_out) {
   std::vector<document::Figure> figures;
   figures.reserve(records.size() + left_out.size() + 1);
   for (std::size_t r = 0; r < records.size(); ++r) {
@@ -345,10 +345,10 @@ std::vector<document::Figure> FitLraFigures(const fit::DropTestFit& fit,
   return figures;
 }
 
-std::vector<document::Figure> UnfittedFigures(const std::vector<LeftOutDrop>& drops) {
+std::vector<document::Figure> UnfittedFigures(const std::vector<fit::LeftOutDrop>& drops) {
   std::vector<document::Figure> figures;
   figures.reserve(drops.size());
-  for (const LeftOutDrop& drop : drops) {
+  for (const fit::LeftOutDrop& drop : drops) {
     figures.push_back(UnfittedFigure(drop.record, drop.why.what));
   }
   return figures;

@@ -27,10 +27,11 @@ namespace haptometer::tools {
 /// of `fit`. Memory: 16 B a sample.
 [[nodiscard]] std::vector<document::Figure> FitLraFigures(
     const fit::DropTestFit& fit, const std::vector<fit::ImpulseRecord>& records,
-    const std::vector<LeftOutDrop>& left_out);
+    const std::vector<fit::LeftOutDrop>& left_out);
 
 /// Drops that could not be fitted at all, a panel each; the title says why.
-[[nodiscard]] std::vector<document::Figure> UnfittedFigures(const std::vector<LeftOutDrop>& drops);
+[[nodiscard]] std::vector<document::Figure> UnfittedFigures(
+    const std::vector<fit::LeftOutDrop>& drops);
 
 /// Magnitudes and phases of a sweep with the fit, between the points too, and what the fit leaves
 /// of both, in units of a point's noise. `points` are those of `fit`, in any order.

@@ -10,6 +10,7 @@
 #include "fit/impedance/impedance_fit.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/findings_fit.h"
 #include "tools/fit/actuator_options.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
@@ -171,9 +172,7 @@ document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit
                    CorrelationSection(fit),
                    PointsSection(fit),
                    InputsSection(fit.influences)};
-  AddSentences(root, "not-determined", Severity::kNote, fit.undetermined);
-  AddSentences(root, "doubt", Severity::kDoubt, fit.doubts);
-  AddSentences(root, "assumption", Severity::kNote, fit.assumptions);
+  document::AddFindings(root, fit.findings);
   return document;
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tools/document/findings_fit.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 
@@ -255,7 +256,7 @@ Section RecordSection(const fit::FittedRecord& record) {
   AddSignals(record, section);
   AddDensity(section, record.density);
   section.sections = {PoleSection(record.pole), StartSection(record.start)};
-  AddSentences(section, "record", Severity::kNote, record.found);
+  document::AddFindings(section, record.found);
   return section;
 }
 
@@ -324,10 +325,8 @@ Findings<FitLraFinding> FindingsOf(const DropTestFit& fit,
 void AddFitFindings(const FitLraAnswer& answer, Section& root) {
   const DropTestFit& fit = *answer.fit;
   document::AddFindings(root, FindingsOf(fit, answer.required));
-  AddSentences(root, "contradiction", Severity::kRefusal, fit.contradictions);
-  AddSentences(root, "not-determined", Severity::kNote, fit.undetermined);
-  AddSentences(root, "doubt", Severity::kDoubt, answer.doubts);
-  AddSentences(root, "assumption", Severity::kNote, fit.assumptions);
+  document::AddFindings(root, answer.doubts);
+  document::AddFindings(root, fit.findings);
 }
 
 // one record by its name, several by their number
@@ -340,6 +339,10 @@ std::string TitleOf(const FitLraAnswer& answer) {
 }
 
 }  // namespace
+
+document::Sentence SentenceOf(StatementFinding /*kind*/) {
+  return {"statement-replaced", "{by} replaces {key} = {value} of {of}"};
+}
 
 document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures) {
   const FitLraInput& input = answer.input;
@@ -361,7 +364,9 @@ document::Document FitLraDocument(const FitLraAnswer& answer, bool has_figures) 
   }
   AddLeftOut(root, input.left_out);
   if (answer.fit) AddFitFindings(answer, root);
-  AddSentences(root, "reading", Severity::kNote, input.remarks);
+  document::AddFindings(root, input.findings);
+  document::AddFindings(root, input.replaced);
+  AddReading(root, input.reading);
   return document;
 }
 

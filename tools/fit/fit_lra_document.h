@@ -13,10 +13,13 @@ namespace haptometer::tools {
 /// Everything that fit-lra answers.
 struct FitLraAnswer {
   FitLraInput input;
-  std::optional<fit::DropTestFit> fit;  ///< absent: no record could be fitted
-  std::vector<std::string> doubts;
-  std::vector<std::string> required;  ///< "Km": constants without which there is no answer
+  std::optional<fit::DropTestFit> fit{};  ///< absent: no record could be fitted
+  fit::Findings doubts{};                 ///< what is unlike an actuator
+  std::vector<std::string> required{};    ///< "Km": constants without which there is no answer
 };
+
+/// What the findings of statements say.
+[[nodiscard]] document::Sentence SentenceOf(StatementFinding kind);
 
 /// The answer as a document (docs/reference/fit-lra.md): the constants, the budget of their
 /// uncertainties, records, given numbers, and what was found; where nothing could be fitted, the

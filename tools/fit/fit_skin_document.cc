@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "tools/document/findings_fit.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 
@@ -76,11 +77,7 @@ Section ContactSection(const SkinFit& contact) {
   section.Add({"name"}, contact.name);
   section.Add({"contact_area_m2"}, contact.area_m2);
   section.sections = {ParametersOf(contact), SearchOf(contact), InputsOf(contact)};
-  const bool is_answered = contact.stiffness.determined && contact.damping.determined;
-  AddSentences(section, "not-determined", is_answered ? Severity::kNote : Severity::kRefusal,
-               contact.undetermined);
-  AddSentences(section, "doubt", Severity::kDoubt, contact.doubts);
-  AddSentences(section, "assumption", Severity::kNote, contact.assumptions);
+  document::AddFindings(section, contact.findings);
   return section;
 }
 
