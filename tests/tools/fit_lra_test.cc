@@ -151,7 +151,7 @@ TEST_F(FitLraFiles, WithoutAHeightKmIsNullAndTheMessageHelps) {
   EXPECT_TRUE(km.at("combined_standard_uncertainty").is_null());
   const auto text = FitLra({path});
   EXPECT_EQ(text.status, 0);
-  EXPECT_THAT(text.out, HasSubstr("note: Km"));
+  EXPECT_THAT(text.out, HasSubstr("Km: an open circuit shows only Km x impact speed"));
   EXPECT_THAT(text.out, HasSubstr("state the drop height"));
 }
 

@@ -212,6 +212,7 @@ int RunFitAdapter(int argc, const char* const* argv) {
   for (const Error& error : taps.left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
+  if (fit.taps.empty() && !IsShownEmpty(outputs)) return status;
   return cli::WorseStatus(
       status, document::Present(AdapterDocument(fit, *mass_kg, taps), outputs, argc, argv));
 }

@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "tools/document/document.h"
+#include "tools/document/present.h"
 #include "trial/import/read_recording.h"
 
 /// What the documents of fit-lra, fit-impedance, fit-adapter and fit-skin have in common.
@@ -66,6 +67,10 @@ void AddSweepSearch(document::Section& section, const SweepFit& fit) {
 /// A square matrix by rows, of `size` columns.
 [[nodiscard]] std::vector<std::vector<double>> RowsOf(const std::vector<double>& matrix,
                                                       std::size_t size);
+
+/// Whether a document without an answer is shown: as JSON, with figures or as a page. As text the
+/// errors say all.
+[[nodiscard]] bool IsShownEmpty(const document::Outputs& outputs);
 
 /// Files that are left out: refusals, each with its file.
 void AddLeftOut(document::Section& section, const std::vector<Error>& errors);

@@ -181,9 +181,10 @@ document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit
 // the document of a sweep that cannot be answered has the same keys without values
 int Refuse(const Error& error, const std::string& path, const document::Outputs& outputs, int argc,
            const char* const* argv) {
+  const int status = cli::ReportError(kVerb, error);
+  if (!IsShownEmpty(outputs)) return status;
   document::Document document = ImpedanceDocument(path, {});
   AddLeftOut(document.root, {error});
-  const int status = cli::ReportError(kVerb, error);
   document::Outputs shown = outputs;
   shown.plot.clear();
   return cli::WorseStatus(status, document::Present(std::move(document), shown, argc, argv));

@@ -146,6 +146,7 @@ int RunFitLra(int argc, const char* const* argv) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
   files.outputs.json = options.json();
+  if (!answer.fit && !IsShownEmpty(files.outputs)) return status;
   document::Document document = FitLraDocument(answer, files.outputs.HasFigures());
   if (document.root.figures.empty()) files.outputs.plot.clear();  // of files that cannot be read
   status =

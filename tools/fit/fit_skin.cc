@@ -19,6 +19,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
+#include "tools/fit/fit_document.h"
 #include "tools/fit/fit_skin_document.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
@@ -318,6 +319,7 @@ int RunFitSkin(int argc, const char* const* argv) {
   for (const Error& error : answer.left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
   }
+  if (answer.contacts.empty() && !IsShownEmpty(outputs)) return status;
   if (answer.contacts.empty()) outputs.plot.clear();
   return cli::WorseStatus(status, document::Present(FitSkinDocument(answer), outputs, argc, argv));
 }

@@ -122,7 +122,9 @@ std::string Line(std::string_view key, const Quantity& quantity, std::string_vie
 }
 
 std::string TextOf(const StatedActuator& stated, const document::Provenance& provenance) {
-  std::string text = document::CommentOf(provenance, "# ") + "# value +- standard uncertainty\n";
+  // the first line is that by which --overwrite knows such files
+  std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n" +
+                     document::CommentOf(provenance, "# ");
   for (const Needed& needed : kNeeded) {
     text += Line(needed.key, stated.*needed.stated, needed.unit);
   }
