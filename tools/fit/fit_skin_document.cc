@@ -78,6 +78,7 @@ Section ContactSection(const SkinFit& contact) {
   section.Add({"contact_area_m2"}, contact.area_m2);
   section.sections = {ParametersOf(contact), SearchOf(contact), InputsOf(contact)};
   document::AddFindings(section, contact.findings);
+  for (document::Finding& finding : section.findings) finding.subject = contact.name;
   return section;
 }
 
