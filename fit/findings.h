@@ -101,6 +101,7 @@ enum class FindingKind : std::uint8_t {
   // an adapter
   kOneSideHeld,
   kTimeBaseExact,
+  kKaNotDetermined,
   kBaBelow,                ///< at_most_n_s_per_m
   kDampingChangesLater,    ///< share, skipped_s
   kStiffnessChangesLater,  ///< share, skipped_s

@@ -222,6 +222,7 @@ void Explain(AdapterFit* fit) {
   Findings& findings = fit->findings;
   findings.Note(kOneSideHeld);
   findings.Note(kTimeBaseExact);
+  if (!fit->stiffness.determined) findings.Refuse(kKaNotDetermined);
   if (!fit->damping.determined) {
     findings.Refuse(kBaBelow, {{"at_most_n_s_per_m", *fit->damping.at_most}});
   }

@@ -299,6 +299,11 @@ document::Sentence SentenceOf(FindingKind kind) {
     case kTimeBaseExact:
       return {"time-base-exact",
               "the time base is taken as exact: 100 ppm of it are 200 ppm of Ka"};
+    case kKaNotDetermined:
+      return {
+          "ka-not-determined",
+          "Ka: its frequency is known to worse than 25 %; a longer record or a stronger tap would "
+          "show it"};
     case kBaBelow:
       return {"ba-below",
               "Ba: it is below {at_most_n_s_per_m} (95 %); a longer record or a stronger tap would "

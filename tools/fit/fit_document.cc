@@ -124,9 +124,7 @@ std::vector<std::vector<double>> RowsOf(const std::vector<double>& matrix, std::
   return rows;
 }
 
-bool IsShownEmpty(const document::Outputs& outputs) {
-  return outputs.json || outputs.HasFigures();
-}
+bool IsShownEmpty(const document::Outputs& outputs) { return outputs.json || outputs.HasFigures(); }
 
 void AddLeftOut(Section& section, const std::vector<Error>& errors) {
   for (const Error& error : errors) {

@@ -187,8 +187,7 @@ TEST(AdapterFit, ADecayThatIsNotSeenIsALimit) {
     ++refused;
     EXPECT_LT(*fit.damping.at_most, 5 * kDamping);
     covered += *fit.damping.at_most > kDamping ? 1 : 0;
-    EXPECT_EQ(tests::KindsOf(fit.findings, Severity::kRefusal),
-              std::vector{FindingKind::kBaBelow});
+    EXPECT_EQ(tests::KindsOf(fit.findings, Severity::kRefusal), std::vector{FindingKind::kBaBelow});
   }
   EXPECT_GE(refused, 36) << "its standard uncertainty is about 60 %";
   EXPECT_GE(covered, refused - 6) << "a 95 % limit misses 2 of 40, more than 6 in 1 % of seeds";

@@ -134,8 +134,9 @@ TEST(FindDisturbances, KeepsTheFirstPartWhereAHeightIsStated) {
     SecondImpact(0.8, 0.03)(drop, record);
     const auto fit = FitDropTest({record}, tests::ThesisKnowns());
     ASSERT_TRUE(fit) << fit.error().Text();
-    EXPECT_EQ(tests::NumberOf<std::string>(fit->records[0].found, FindingKind::kLaterImpact, "kept"),
-              has_height ? "before" : "behind");
+    EXPECT_EQ(
+        tests::NumberOf<std::string>(fit->records[0].found, FindingKind::kLaterImpact, "kept"),
+        has_height ? "before" : "behind");
     EXPECT_EQ(fit->force_constant.determined, has_height);
   }
 }

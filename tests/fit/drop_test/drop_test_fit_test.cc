@@ -158,8 +158,8 @@ TEST(DropTestFit, OneLoadAloneDeterminesOnlyTheSumOfBothDampings) {
   EXPECT_FALSE(fit.quality_factor.determined);
   EXPECT_TRUE(fit.natural_frequency.determined);
   // 2 d = (Bv + Km^2/60)/Mv = 34.905 1/s
-  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kDampingsWithoutHeight, "sum_per_s"), 34.905,
-             5e-3, "noise");
+  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kDampingsWithoutHeight, "sum_per_s"),
+             34.905, 5e-3, "noise");
 }
 
 // A drop of which only what follows the blow is recorded: the blow's length is not looked for, and

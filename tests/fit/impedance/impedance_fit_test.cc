@@ -310,7 +310,8 @@ TEST(ImpedanceFit, WhatHoldsNoResonanceIsRefused) {
 TEST(ImpedanceFit, ASlipIsNamed) {
   auto points = Points({GoodFrequencies(), 1e-3, 1e-3});
   points[5].ohm *= 1.1;
-  EXPECT_EQ(tests::NumberOf(Fit(points).findings, FindingKind::kOutlyingPoint, "frequency_hz"), 220);
+  EXPECT_EQ(tests::NumberOf(Fit(points).findings, FindingKind::kOutlyingPoint, "frequency_hz"),
+            220);
 }
 
 TEST(ImpedanceFit, BadTablesAreRefusedOrThinned) {

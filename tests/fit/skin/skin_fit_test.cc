@@ -318,8 +318,8 @@ TEST(SkinFit, ASlipIsNamed) {
   auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01});
   sweep.points[12].displacement_m *= 10;  // a decimal point
   const auto fit = Fit(sweep);
-  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kOutlyingPoint, "frequency_hz"), 141.42, 1e-4,
-             "the middle of 40 to 500 Hz");
+  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kOutlyingPoint, "frequency_hz"), 141.42,
+             1e-4, "the middle of 40 to 500 Hz");
 }
 
 TEST(SkinFit, BadSweepsAreRefused) {
