@@ -1,7 +1,5 @@
 #include "fit/residuals.h"
 
-#include <fmt/core.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>

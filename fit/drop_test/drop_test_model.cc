@@ -1,7 +1,5 @@
 #include "fit/drop_test/drop_test_model.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
