@@ -1,7 +1,5 @@
 #include "fit/residuals.h"
 
-#include <fmt/core.h>
-
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -126,24 +124,17 @@ ResidualLook LookAtResiduals(const std::vector<double>& residuals, std::size_t p
   return look;
 }
 
-std::vector<std::string> DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz,
-                                        const std::string& cause) {
+void DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz,
+                    Findings& findings) {
   constexpr double kRounding = 1e-9;
   constexpr double kSurely = 3.5;
   constexpr double kFar = 8;
-  std::vector<std::string> doubts;
-  if (noise < kRounding) return doubts;
-  if (look.serial_correlation > kSurely) {
-    doubts.push_back(fmt::format(
-        "the residuals follow each other: {}; the intervals are too narrow then", cause));
-  }
+  if (noise < kRounding) return;
+  if (look.serial_correlation > kSurely) findings.Doubt(FindingKind::kResidualsCorrelated);
   if (look.farthest_spread > kFar) {
-    doubts.push_back(
-        fmt::format("the point at {:.5g} Hz lies {:.0f} times the others' spread off the model: is "
-                    "it a slip? all constants lean towards it",
-                    farthest_hz, look.farthest_spread));
+    findings.Doubt(FindingKind::kOutlyingPoint,
+                   {{"frequency_hz", farthest_hz}, {"spread", std::lround(look.farthest_spread)}});
   }
-  return doubts;
 }
 
 namespace {

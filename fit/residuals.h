@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "fit/findings.h"
 #include "fit/identifiability.h"
 #include "fit/least_squares.h"
 
@@ -45,11 +45,10 @@ struct ResidualLook {
 [[nodiscard]] ResidualLook LookAtResiduals(const std::vector<double>& residuals,
                                            std::size_t points);
 
-/// Sentences on what is doubtful: residuals that follow each other by more than 3.5 deviations (1
-/// in 4000 white ones), a point that lies 8 spreads off. `cause` says what the former may be.
-/// Nothing for residuals that are rounding (`noise` below 1e-9).
-[[nodiscard]] std::vector<std::string> DoubtResiduals(const ResidualLook& look, double noise,
-                                                      double farthest_hz, const std::string& cause);
+/// Adds what is doubtful: residuals that follow each other by more than 3.5 deviations (1 in 4000
+/// white ones), a point that lies 8 spreads off. Nothing for residuals that are rounding (`noise`
+/// below 1e-9).
+void DoubtResiduals(const ResidualLook& look, double noise, double farthest_hz, Findings& findings);
 
 /// Huber's loss t^2/2 for |t| <= c and c |t| - c^2/2 beyond, t being residuals in units of their
 /// scale: samples far away pull with a fixed force. With c = 1.345 it needs 1/0.95 of the samples

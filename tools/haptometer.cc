@@ -31,6 +31,9 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"analyze", "A trial's vibration within a band", RunAnalyze},
     {"study", "Conditions compared over subjects; matched voltages; linearity", RunStudy},
     {"fit-lra", "An actuator's constants from its ring-downs after a drop", RunFitLra},
+    {"fit-impedance", "An actuator's constants from an impedance sweep", RunFitImpedance},
+    {"fit-adapter", "An adapter's spring and damper from taps", RunFitAdapter},
+    {"plan-drop-test", "Load, recorder and number of drops for a wanted accuracy", RunPlanDropTest},
     {"fit-skin", "The skin's constants under a contact from drive sweeps", RunFitSkin},
     {"simulate", "A scene's exact motion, current and power", RunSimulate},
     {"sweep", "A scene's answers over any of its keys, as a table", RunSweep},
@@ -47,7 +50,7 @@ const Verb* Find(std::string_view name) {
 void PrintHelp() {
   fmt::print("haptometer {}: vibration of tactile actuators by laser\n\nVerbs:\n",
              HAPTOMETER_VERSION);
-  for (const Verb& verb : kVerbs) fmt::print("  {:<10} {}\n", verb.name, verb.summary);
+  for (const Verb& verb : kVerbs) fmt::print("  {:<14} {}\n", verb.name, verb.summary);
   fmt::print("\nhaptometer VERB --help shows a verb's options with examples.\n");
 }
 

@@ -1,7 +1,5 @@
 #include "fit/adapter/adapter_fit.h"
 
-#include <fmt/core.h>
-
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
@@ -97,10 +95,9 @@ std::optional<Part> FitPart(const ImpulseRecord& record, std::size_t first, std:
   return part;
 }
 
-// Sentences where the fit from half a decay time later says something else. The later part is in
+// Doubts where the fit from half a decay time later says something else. The later part is in
 // the whole, so the variance of the difference is the difference of the variances.
-void CompareWithLater(const PreparedRecord& prepared, const Part& whole,
-                      std::vector<std::string>* doubts) {
+void CompareWithLater(const PreparedRecord& prepared, const Part& whole, Findings* findings) {
   const double wanted_s = 0.5 / whole.fit.poles.decay_per_s;
   const double length_s =
       static_cast<double>(prepared.part.end_sample - prepared.part.first_sample) *
@@ -113,11 +110,8 @@ void CompareWithLater(const PreparedRecord& prepared, const Part& whole,
   if (!later) return;
   constexpr double kSurelyOther = 4;  // deviations
   constexpr std::array<double, 2> kNoticed{0.02, 1e-4};
-  constexpr std::array<const char*, 2> kSays{
-      "Ba changes by {:+.2g} % when the first {:.3g} s are left out: a joint rubs, or the air or "
-      "the mount takes energy",
-      "Ka changes by {:+.2g} % when the first {:.3g} s are left out: a spring that is not linear "
-      "at this amplitude; tap more softly"};
+  constexpr std::array kKinds{FindingKind::kDampingChangesLater,
+                              FindingKind::kStiffnessChangesLater};
   for (std::size_t k = 0; k < 2; ++k) {
     const double change = later->logarithms.values[k] - whole.logarithms.values[k];
     const double variance =
@@ -125,9 +119,8 @@ void CompareWithLater(const PreparedRecord& prepared, const Part& whole,
     if (std::abs(change) < kNoticed[k] || std::abs(change) < kSurelyOther * std::sqrt(variance)) {
       continue;
     }
-    const double percent = 100 * change;
-    doubts->push_back(fmt::format("{}: ", prepared.record.name) +
-                      fmt::format(fmt::runtime(kSays[k]), percent, skipped_s));
+    findings->Add(About(prepared.record.name, Severity::kDoubt, kKinds[k],
+                        {{"share", change}, {"skipped_s", skipped_s}}));
   }
 }
 
@@ -215,48 +208,34 @@ void Conclude(const std::vector<Logarithms>& taps, AdapterFit* fit) {
 
 // A pair of poles cannot follow a frequency that falls with the amplitude; what is left over looks
 // like one small blow after the other.
-void DoubtManyBlows(const FittedTap& tap, std::vector<std::string>* doubts) {
+void DoubtManyImpacts(const FittedTap& tap, Findings& findings) {
   constexpr auto kMany = 3;
-  const auto blows = std::ranges::count_if(
-      tap.found, [](const std::string& sentence) { return sentence.starts_with("a blow"); });
-  if (blows < kMany) return;
-  doubts->push_back(fmt::format(
-      "{}: {} blows were cut off: several small ones in a row are usually a spring that is not "
-      "linear at this amplitude, or a joint that rubs; tap more softly",
-      tap.name, blows));
+  const auto impacts =
+      std::ranges::count(tap.found.list(), FindingKind::kLaterImpact, &Finding::kind);
+  if (impacts < kMany) return;
+  findings.Add(
+      About(tap.name, Severity::kDoubt, FindingKind::kManyImpacts, {{"impacts", impacts}}));
 }
 
 void Explain(AdapterFit* fit) {
-  fit->assumptions.emplace_back(
-      "one side is held, and the given mass is all that rings on the spring (about a third of the "
-      "spring's own mass counts)");
-  fit->assumptions.emplace_back("the time base is exact: 100 ppm of it are 200 ppm of Ka");
+  using enum FindingKind;
+  Findings& findings = fit->findings;
+  findings.Note(kOneSideHeld);
+  findings.Note(kTimeBaseExact);
+  if (!fit->stiffness.determined) findings.Refuse(kKaNotDetermined);
   if (!fit->damping.determined) {
-    fit->undetermined.push_back(
-        fmt::format("Ba: it is below {:.2g} N s/m (95 %); a longer record or a stronger tap would "
-                    "show the decay",
-                    *fit->damping.at_most));
+    findings.Refuse(kBaBelow, {{"at_most_n_s_per_m", *fit->damping.at_most}});
   }
-  const auto doubt = [fit](bool is_doubtful, const std::string& sentence) {
-    if (is_doubtful) fit->doubts.push_back(sentence);
-  };
-  const double hertz = fit->natural_frequency.value;
-  doubt(hertz < 20 || hertz > 2000,
-        fmt::format("a resonance of {:.4g} Hz is unlike an adapter's: are the times in ms or us?",
-                    hertz));
-  doubt(fit->mass_kg.value < 1e-5 || fit->mass_kg.value > 0.1,
-        fmt::format("a mass of {:.4g} kg is unlike an adapter's: was it meant in g or mg?",
-                    fit->mass_kg.value));
-  const double quality = fit->quality_factor.value;
-  doubt(
-      fit->quality_factor.determined && (quality < 1 || quality > 2000),
-      fmt::format("a quality factor of {:.4g} is unlike a spring's: is it a ring-down?", quality));
+  DoubtUnusual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency.value, 20, 2000,
+               findings);
+  DoubtUnusual(kUnusualAdapterMass, "mass_kg", fit->mass_kg.value, 1e-5, 0.1, findings);
+  if (fit->quality_factor.determined) {
+    DoubtUnusual(kUnusualQuality, "quality_factor", fit->quality_factor.value, 1, 2000, findings);
+  }
   for (const auto& tap : fit->taps) {
-    DoubtManyBlows(tap, &fit->doubts);
-    const bool is_length = tap.unit == "m";
-    doubt(is_length && (tap.amplitude > 0.02 || tap.amplitude < 1e-8),
-          fmt::format("{}: a ringing of {:.2g} m is unlike a tap's: is the column in mm or um?",
-                      tap.name, tap.amplitude));
+    DoubtManyImpacts(tap, findings);
+    if (tap.unit != "m") continue;
+    DoubtUnusual(kUnusualAmplitude, "amplitude_m", tap.amplitude, 1e-8, 0.02, findings, tap.name);
   }
 }
 
@@ -271,7 +250,7 @@ Result<ImpulseRecord> TapFromRecord(const trial::Record& record, const std::stri
   if (meant.size() != 1) {
     return CannotAnswer(name, meant.empty() ? "has no displacement" : "has several displacements",
                         meant.empty() ? "give a trial or a CSV with time_s,displacement_m"
-                                      : "say which is the adapter's: --channel NAME");
+                                      : "name the adapter's channel");
   }
   if (record.stretches.size() != 1 || record.stretches[0].time_uncertainty_s > 0) {
     return CannotAnswer(name, "has gaps or an uneven time base",
@@ -310,11 +289,11 @@ Result<AdapterFit> FitAdapter(const std::vector<ImpulseRecord>& records, const Q
     }
     taps.push_back(part->logarithms);
     fit.taps.push_back(Told(*prepared, *part));
-    CompareWithLater(*prepared, *part, &fit.doubts);
+    CompareWithLater(*prepared, *part, &fit.findings);
   }
   if (taps.empty()) {
     if (!fit.left_out.empty()) return std::unexpected(fit.left_out.front());
-    return CannotAnswer("", "no record of a tap is given", "write --adapter tap.bin");
+    return CannotAnswer("", "no record of a tap is given", "give a recording of a tap");
   }
   Conclude(taps, &fit);
   Explain(&fit);

@@ -23,9 +23,9 @@ struct FittedTap {
   double decay_per_s = 0;           ///< d
   double amplitude = 0;             ///< of the ringing where the fitted part begins
   double residual_rms = 0;
-  std::string unit;                ///< of the two above
-  ResidualDensity density;         ///< of the residuals at the resonance
-  std::vector<std::string> found;  ///< sentences: later blows, hum, drift, tail; what is done
+  std::string unit;         ///< of the two above
+  ResidualDensity density;  ///< of the residuals at the resonance
+  Findings found;           ///< later impacts, hum, drift, tail, and what is done
 };
 
 /// What one or several ring-downs of a tapped adapter say of its spring and damper.
@@ -43,10 +43,8 @@ struct AdapterFit {
   double stiffness_birge_ratio = 0;
   double damping_birge_ratio = 0;
   std::vector<FittedTap> taps;
-  std::vector<Error> left_out;            ///< records that hold no usable ring-down
-  std::vector<std::string> assumptions;   ///< sentences
-  std::vector<std::string> undetermined;  ///< sentences: what is not determined, what would help
-  std::vector<std::string> doubts;        ///< sentences: unlike an adapter, or unlike a linear one
+  std::vector<Error> left_out;  ///< records that hold no usable ring-down
+  Findings findings;            ///< a refusal where Ba is not determined, doubts, what is assumed
 };
 
 /// Takes a tap out of a recording: its displacement channel, or its only channel (the poles are

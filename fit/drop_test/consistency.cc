@@ -1,7 +1,5 @@
 #include "fit/drop_test/consistency.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -147,7 +145,7 @@ Shift ShiftOf(const Estimate& whole, const Estimate& later, double noise_ratio) 
 }
 
 // Where a later begin says something else, the whole's interval is widened to hold that.
-void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::string>& doubts) {
+void DoubtLinearity(const PreparedRecord& drop, Rates& whole, Findings& findings) {
   const double decay_per_s = std::exp(whole.decay.logarithm);
   const PolePair poles{decay_per_s, std::exp(2 * whole.frequency.logarithm)};
   const double left = static_cast<double>(drop.part.end_sample - drop.part.first_sample);
@@ -161,11 +159,10 @@ void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::s
   const double noise_ratio = later->noise_v / whole.noise_v;
   const Shift frequency = ShiftOf(whole.frequency, later->frequency, noise_ratio);
   if (frequency.deviations > kDeviations) {
-    doubts.push_back(fmt::format(
-        "{}: one decay time later the resonance is {:+.2g} % off ({:.0f} times its uncertainty): "
-        "the spring {} with travel, and Kv is an average over this ring-down",
-        drop.record.name, 100 * frequency.share, frequency.deviations,
-        frequency.share < 0 ? "stiffens" : "softens"));
+    findings.Add(
+        About(drop.record.name, Severity::kDoubt,
+              frequency.share < 0 ? FindingKind::kSpringStiffens : FindingKind::kSpringSoftens,
+              {{"share", frequency.share}, {"deviations", std::lround(frequency.deviations)}}));
     whole.frequency_widening =
         std::hypot(whole.frequency_widening, std::abs(frequency.share) / whole.frequency.deviation);
   }
@@ -173,27 +170,21 @@ void DoubtLinearity(const PreparedRecord& drop, Rates& whole, std::vector<std::s
   if (decay.deviations > kDeviations) {
     whole.decay_widening =
         std::hypot(whole.decay_widening, std::abs(decay.share) / whole.decay.deviation);
-    doubts.push_back(fmt::format(
-        "{}: one decay time later the decay is {:+.2g} % off ({:.0f} times its uncertainty): {}, "
-        "and Bv is an average over this ring-down",
-        drop.record.name, 100 * decay.share, decay.deviations,
-        decay.share > 0 ? "dry friction slows small motions more"
-                        : "the damping grows with travel or speed"));
+    findings.Add(About(drop.record.name, Severity::kDoubt,
+                       decay.share > 0 ? FindingKind::kFrictionSlows : FindingKind::kDampingGrows,
+                       {{"share", decay.share}, {"deviations", std::lround(decay.deviations)}}));
   }
 }
 
 // what a drop's own ring-down explains and the fit of all together does not
-void DoubtBelonging(const ComparedDrop& drop, const Rates& whole,
-                    std::vector<std::string>& contradictions) {
+void DoubtBelonging(const ComparedDrop& drop, const Rates& whole, Findings& findings) {
   // both are estimates from some blocks, of noise that may be coloured by chance; and what is below
   // a millionth of the ringing is rounding
   const double most_ratio = 1.1 + 4 / std::sqrt(2 * whole.blocks);
   const double ratio = drop.noise_v / whole.noise_v;
   if (ratio < most_ratio || drop.noise_v < 1e-6 * whole.amplitude_v) return;
-  contradictions.push_back(fmt::format(
-      "{}: the fit of all records together leaves {:.3g} times what its own ring-down leaves: its "
-      "load, case or mass is not as stated, or it is of another actuator; do not use the constants",
-      drop.prepared->record.name, ratio));
+  findings.Add(About(drop.prepared->record.name, Severity::kRefusal, FindingKind::kRecordOfAnother,
+                     {{"ratio", ratio}}));
 }
 
 }  // namespace
@@ -209,8 +200,8 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
     if (!whole) continue;
     alike[{drop.load_ohm, drop.mass_ratio}].push_back(*whole);
     noise_share = std::max(noise_share, std::min(whole->noise_v / drop.noise_v, 1.0));
-    DoubtBelonging(drop, *whole, consistency.contradictions);
-    DoubtLinearity(*drop.prepared, *whole, consistency.doubts);
+    DoubtBelonging(drop, *whole, consistency.findings);
+    DoubtLinearity(*drop.prepared, *whole, consistency.findings);
     consistency.frequency_widening =
         std::max(consistency.frequency_widening, whole->frequency_widening);
     consistency.decay_widening = std::max(consistency.decay_widening, whole->decay_widening);
@@ -229,15 +220,11 @@ Consistency CheckConsistency(const std::vector<ComparedDrop>& drops) {
       std::max(consistency.frequency_widening, consistency.frequency_ratio * noise_share);
   consistency.decay_widening =
       std::max(consistency.decay_widening, consistency.decay_ratio * noise_share);
-  const auto say = [&consistency](const char* what, const char* constants, double ratio) {
-    if (ratio == 1) return;
-    consistency.doubts.push_back(
-        fmt::format("the drops' {} scatter {:.2g} times as much as their noise explains (Birge "
-                    "ratio): the statistical uncertainties of {} are widened to that",
-                    what, ratio, constants));
-  };
-  say("resonances", "Kv and f0", consistency.frequency_ratio);
-  say("decays", "Bv, Km and Q", consistency.decay_ratio);
+  for (const auto& [kind, ratio] :
+       {std::pair(FindingKind::kFrequenciesScatter, consistency.frequency_ratio),
+        {FindingKind::kDecaysScatter, consistency.decay_ratio}}) {
+    if (ratio != 1) consistency.findings.Doubt(kind, {{"birge_ratio", ratio}});
+  }
   return consistency;
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "fit/drop_test/prepared_record.h"
@@ -22,8 +21,7 @@ struct Consistency {
   /// least 1.
   double frequency_widening = 1;
   double decay_widening = 1;
-  std::vector<std::string> doubts;          ///< sentences
-  std::vector<std::string> contradictions;  ///< sentences: what makes the constants useless
+  Findings findings;  ///< doubts, and, as refusals, what makes the constants useless
 };
 
 /// One drop and what it must have in common with others to be compared.

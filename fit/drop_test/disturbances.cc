@@ -296,6 +296,14 @@ std::size_t SampleAt(const ImpulseRecord& record, double time_s) {
       std::clamp(std::ceil(position), 0.0, static_cast<double>(record.voltage_v.size())));
 }
 
+// the name of a number of the record's values: with its unit's ending, or none of other units
+std::string_view InUnit(const ImpulseRecord& record, std::string_view volts,
+                        std::string_view metres) {
+  const bool is_length = record.unit == "m" || record.signal == RecordedSignal::kDisplacement;
+  if (is_length) return metres;
+  return record.unit == "V" ? volts : volts.substr(0, volts.size() - 2);
+}
+
 // cuts the part at the blow and keeps the better side
 void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
            Disturbances* part) {
@@ -311,10 +319,11 @@ void CutAt(const ImpulseRecord& record, const RingFit& fit, const Suspect& blow,
   const bool height_holds = record.drop_height_m && !part->follows_a_later_blow;
   const bool keeps_first =
       before_s >= kLeastPeriods * period_s && (height_holds || before <= after);
-  part->found.push_back(fmt::format(
-      "a blow at {:.4g} s, {:.2g} {} beside a ringing of {:.2g} {}: the part {} it is fitted",
-      blow.value, blow.amplitude_v, record.unit, at_blow_v, record.unit,
-      keeps_first ? "before" : "behind"));
+  part->found.Add(About(record.name, Severity::kNote, FindingKind::kLaterImpact,
+                        {{"at_s", blow.value},
+                         {InUnit(record, "amplitude_v", "amplitude_m"), blow.amplitude_v},
+                         {InUnit(record, "ringing_v", "ringing_m"), at_blow_v},
+                         {"kept", std::string(keeps_first ? "before" : "behind")}}));
   if (keeps_first) {
     part->end_sample = SampleAt(record, blow.value - period_s / 16);
   } else {
@@ -334,9 +343,9 @@ void CutQuantisedTail(const ImpulseRecord& record, const RingFit& fit, double no
       static_cast<double>(end - part->first_sample) * record.step_s / PeriodOf(fit.poles);
   if (end >= part->end_sample || periods < kLeastPeriods) return;
   part->end_sample = end;
-  part->found.push_back(
-      fmt::format("a tail below one step of the converter, {:.3g} {}: left out from {:.4g} s on",
-                  step_v, record.unit, record.start_s + static_cast<double>(end) * record.step_s));
+  part->found.Add(About(record.name, Severity::kNote, FindingKind::kQuantisedTail,
+                        {{InUnit(record, "step_v", "step_m"), step_v},
+                         {"from_s", record.start_s + static_cast<double>(end) * record.step_s}}));
 }
 
 // Whether what a cut leaves out rings at a frequency that no blow explains: a case that is held in
@@ -421,9 +430,8 @@ void WriteLinearLessFriction(const ImpulseRecord& record, const RingStart& start
   const double begin_s = (is_release ? start.release_s : start.impact_s) - first_s - middle_s;
   part->linear_less_friction_v = LinearLessFriction(ring, begin_s, is_release, since_s);
   part->friction_share = FrictionShare(fit, record.signal);
-  part->found.push_back(
-      fmt::format("dry friction of {:.2g} % of the spring's force at the first swing: fitted along",
-                  100 * part->friction_share));
+  part->found.Add(About(record.name, Severity::kNote, FindingKind::kDryFriction,
+                        {{"share", part->friction_share}}));
 }
 
 // Whether a strong hum is missing in what precedes the motion: then it stands for something that
@@ -545,12 +553,13 @@ Disturbances Search(const ImpulseRecord& record, const RingStart& start, bool ma
       if (!part.no_ring_down.empty()) return part;
     } else if (worst.kind == Suspect::Kind::kHum) {
       part.background.hum_hz = worst.value;
-      part.found.push_back(fmt::format("hum of {:g} Hz, {:.2g} {}: fitted along", worst.value,
-                                       worst.amplitude_v, record.unit));
+      part.found.Add(About(record.name, Severity::kNote, FindingKind::kHum,
+                           {{"frequency_hz", worst.value},
+                            {InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
     } else if (worst.kind == Suspect::Kind::kDrift) {
       part.background.drifts = true;
-      part.found.push_back(fmt::format("a drift of {:.2g} {} over the record: fitted along",
-                                       worst.amplitude_v, record.unit));
+      part.found.Add(About(record.name, Severity::kNote, FindingKind::kDrift,
+                           {{InUnit(record, "amplitude_v", "amplitude_m"), worst.amplitude_v}}));
     } else if (worst.kind == Suspect::Kind::kFriction) {
       RingBackground rubbing = part.background;
       rubbing.has_friction = true;
@@ -582,10 +591,8 @@ Disturbances FindDisturbances(const ImpulseRecord& record, const RingStart& star
   // a slow tail: what the whole leaves decides.
   Disturbances whole = Search(record, start, false);
   if (!whole.no_ring_down.empty()) return part;
-  whole.found.push_back(
-      fmt::format("{:.2g} % of its power is explained by no single decaying oscillation: another "
-                  "mode or a slow tail is beside it",
-                  100 * std::max(whole.evidence.misfit_share, 0.0)));
+  whole.found.Add(About(record.name, Severity::kNote, FindingKind::kOtherMode,
+                        {{"misfit_share", std::max(whole.evidence.misfit_share, 0.0)}}));
   return whole;
 }
 

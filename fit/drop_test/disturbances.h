@@ -25,8 +25,8 @@ struct Disturbances {
   std::vector<double> linear_less_friction_v;
   double friction_share = 0;  ///< of the spring's force at the part's begin; 0: none found
   RingEvidence evidence;
-  std::string no_ring_down;        ///< why it is none (ring_evidence.h); empty: it is one
-  std::vector<std::string> found;  ///< sentences: what was found, how large, what is done
+  std::string no_ring_down;  ///< why it is none (ring_evidence.h); empty: it is one
+  Findings found;            ///< what else was found, how large, and what is done
 };
 
 /// Looks for a later blow, mains hum, drift and a tail below the converter's step.

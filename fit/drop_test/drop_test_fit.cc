@@ -1,7 +1,5 @@
 #include "fit/drop_test/drop_test_fit.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -20,105 +18,91 @@ using Kind = DropTestInput::Kind;
 
 // the better of the two roads to Km
 DropTestRoad Choose(std::optional<DropTestRoad> by_heights, DropTestRoad by_loads,
-                    const DropTestModel& model, std::vector<std::string>& assumptions) {
+                    const DropTestModel& model, Findings& findings) {
   if (!by_heights) return by_loads;
   const auto heights = EvaluateForceConstant(*by_heights, model);
   const auto loads = EvaluateForceConstant(by_loads, model);
   const bool prefer_loads =
       loads.determined && (!heights.determined || loads.combined_standard_uncertainty <
                                                       heights.combined_standard_uncertainty);
+  const auto note = [&findings](FindingKind kind, const FittedValue& other) {
+    findings.Note(kind,
+                  {{"other_n_per_a", other.value},
+                   {"half_interval_n_per_a", kCoverage95 * other.combined_standard_uncertainty}});
+  };
   if (prefer_loads) {
-    assumptions.push_back(fmt::format(
-        "Km rests on the loads' damping; with the drop height it would be {:.4g} +- {:.2g} N/A",
-        heights.value, kCoverage95 * heights.combined_standard_uncertainty));
+    note(FindingKind::kKmByLoads, heights);
     return by_loads;
   }
-  if (loads.determined) {
-    assumptions.push_back(fmt::format(
-        "Km rests on the drop height and the loads; by the loads alone it is {:.4g} +- {:.2g} N/A",
-        loads.value, kCoverage95 * loads.combined_standard_uncertainty));
-  }
+  if (loads.determined) note(FindingKind::kKmByHeight, loads);
   return std::move(*by_heights);
 }
 
 // what the contact may take of a drop's amplitude
-std::string DescribeContact(const PreparedRecord& prepared, const DropTestInput* input) {
+Finding ContactOf(const PreparedRecord& prepared, const DropTestInput* input) {
   const RingStart& start = prepared.start;
-  const std::string& name = prepared.record.name;
+  const auto note = [&](FindingKind kind, std::vector<FindingNumber> numbers) {
+    return About(prepared.record.name, Severity::kNote, kind, std::move(numbers));
+  };
   if (input == nullptr) {
     const double angle =
         std::sqrt(prepared.part.poles.stiffness_per_s2) * 0.5e-3;  // of a contact of 0.5 ms
-    return fmt::format(
-        "{}: the blow is short, since nothing quiet before it shows how long it lasts: a contact "
-        "of "
-        "0.5 ms makes Km by the height {:.2g} % too small",
-        name, 100 * (0.125 - 1 / std::pow(std::numbers::pi, 2)) * angle * angle);
+    return note(FindingKind::kContactUnseen,
+                {{"share", (0.125 - 1 / std::pow(std::numbers::pi, 2)) * angle * angle}});
   }
   if (start.shortest_contact_s == 0) {
-    return fmt::format(
-        "{}: the blow may last up to {:.2g} ms, which makes Km by the height up to {:.2g} % too "
-        "small; its interval holds that",
-        name, 1e3 * start.longest_contact_s, 200 * input->quantity.standard_uncertainty);
+    return note(FindingKind::kContactAtMost, {{"longest_s", start.longest_contact_s},
+                                              {"share", 2 * input->quantity.standard_uncertainty}});
   }
-  return fmt::format(
-      "{}: the blow lasts {:.2g} to {:.2g} ms, as a half sine of force; Km by the height is "
-      "corrected for it, by {:.2g} %",
-      name, 1e3 * start.shortest_contact_s, 1e3 * start.longest_contact_s,
-      100 * (1 / input->quantity.value - 1));
+  return note(FindingKind::kContactCorrected, {{"shortest_s", start.shortest_contact_s},
+                                               {"longest_s", start.longest_contact_s},
+                                               {"share", 1 / input->quantity.value - 1}});
 }
 
-void DescribeHeights(const DropTestModel& model, std::vector<std::string>& assumptions) {
+void DescribeHeights(const DropTestModel& model, Findings& findings) {
   for (std::size_t r = 0; r < model.records.size(); ++r) {
     const auto& record = model.records[r].record;
     if (!record.drop_height_m || record.signal == RecordedSignal::kDisplacement) continue;
     const auto input = std::ranges::find_if(model.inputs, [r](const DropTestInput& one) {
       return one.kind == Kind::kContact && std::ranges::count(one.records, r) > 0;
     });
-    assumptions.push_back(
-        DescribeContact(model.records[r], input == model.inputs.end() ? nullptr : &*input));
+    findings.Add(ContactOf(model.records[r], input == model.inputs.end() ? nullptr : &*input));
   }
   for (const auto& input : model.inputs) {
     if (input.kind != Kind::kRebound) continue;
-    assumptions.push_back(
-        input.quantity.exact()
-            ? fmt::format("impact speed (1 + e) sqrt(2 g h) with rebound e = {:g} and g = {} m/s2",
-                          input.quantity.value, kGravityMPerS2)
-            : fmt::format("impact speed (1 + e) sqrt(2 g h) with g = {} m/s2 and rebound e = {:g}"
-                          " +- {:.2g}{}",
-                          kGravityMPerS2, input.quantity.value, input.quantity.standard_uncertainty,
-                          input.name == "rebound" ? "" : " (not stated: 0 to 0.3)"));
+    const FindingNumber rebound{"rebound", input.quantity.value};
+    if (input.quantity.exact()) {
+      findings.Note(FindingKind::kReboundStated, {rebound});
+      continue;
+    }
+    findings.Note(
+        input.name == "rebound" ? FindingKind::kReboundStated : FindingKind::kReboundAssumed,
+        {rebound, {"standard_uncertainty", input.quantity.standard_uncertainty}});
   }
   const bool knows_scale = std::ranges::any_of(
       model.inputs, [](const DropTestInput& input) { return input.kind == Kind::kVoltageScale; });
-  if (knows_scale) return;
-  assumptions.emplace_back(
-      "the recorder's voltage scale is exact (--voltage-scale states it): 1 % of it moves Km by 1 "
-      "%");
+  if (!knows_scale) findings.Note(FindingKind::kVoltageScaleExact);
+}
+
+// the damping, where it is not determined
+void DescribeDamping(const DropTestModel& model, bool some_loaded, DropTestFit& fit) {
+  if (fit.damping_over_mass.determined) return;
+  if (!some_loaded) return fit.findings.Note(FindingKind::kNoDecay);
+  const FindingKind kind = !model.knows_heights      ? FindingKind::kDampingsWithoutHeight
+                           : !model.knows_resistance ? FindingKind::kDampingsWithoutResistance
+                                                     : FindingKind::kDampingsTogether;
+  fit.findings.Add(About(fit.records[0].name, Severity::kNote, kind,
+                         {{"sum_per_s", 2 * fit.records[0].decay_per_s}}));
 }
 
 // what is not determined, what is instead, and what would help
 void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, DropTestFit& fit) {
   if (!fit.stiffness.determined && fit.stiffness_over_mass.determined && !model.knows_mass) {
-    fit.undetermined.push_back(
-        fmt::format("Kv and Bv are determined per kilogram only: state the {}",
-                    model.all_free ? "moving mass and the case mass" : "moving mass"));
+    fit.findings.Note(model.all_free ? FindingKind::kMassesMissing : FindingKind::kMassMissing);
   }
   const bool some_loaded = std::any_of(fit.records.begin(), fit.records.end(),
                                        [](const auto& r) { return std::isfinite(r.load_ohm); });
-  if (!some_loaded && !fit.damping_over_mass.determined) {
-    fit.undetermined.emplace_back(
-        "Bv and Q: the record shows no decay beyond its uncertainty; record at least three decay"
-        " times of one free ring-down");
-  }
-  if (some_loaded && !fit.damping_over_mass.determined) {
-    std::string missing = model.knows_resistance ? "" : " or state the coil's resistance";
-    if (!model.knows_heights) missing = " or state the drop height and the coil's resistance";
-    fit.undetermined.push_back(
-        fmt::format("Bv and Km: only (Bv + Km^2/(R+RL))/M = {:.6g} 1/s is determined ({}); record "
-                    "an open circuit"
-                    " too{}",
-                    2 * fit.records[0].decay_per_s, fit.records[0].name, missing));
-  }
+  DescribeDamping(model, some_loaded, fit);
   if (fit.force_constant.determined || fit.force_constant.at_most) return;
   const auto& samples = road.problem.records();
   const auto voltage =
@@ -127,23 +111,15 @@ void DescribeUndetermined(const DropTestRoad& road, const DropTestModel& model, 
     return record.signal == RingingSignal::kBlowDisplacement;
   });
   if (shows_motion_alone) {
-    fit.undetermined.emplace_back(
-        "Km: a displacement shows none; record the voltage, with and without a load");
+    fit.findings.Note(FindingKind::kKmOfDisplacement);
   } else if (voltage == samples.end()) {
-    fit.undetermined.emplace_back(
-        "Km: a voltage after a released current shows only Km^2/M; state the moving mass");
+    fit.findings.Note(FindingKind::kKmOfReleaseWithoutMass);
   } else if (!some_loaded) {
     const auto r = static_cast<std::size_t>(voltage - samples.begin());
-    fit.undetermined.push_back(
-        fmt::format("Km: an open circuit shows only Km x impact speed = {:.6g} V ({}); state the "
-                    "drop height, or"
-                    " record again with 27 to 50 ohm across the terminals",
-                    std::exp(road.point.own[r][Index(Own::kAmplitude)]), fit.records[r].name));
+    fit.findings.Add(About(fit.records[r].name, Severity::kNote, FindingKind::kKmTimesSpeedOnly,
+                           {{"product_v", std::exp(road.point.own[r][Index(Own::kAmplitude)])}}));
   } else if (fit.damping_over_mass.determined) {
-    fit.undetermined.emplace_back(
-        "Km: what these loads change in the damping is lost in its uncertainty, or lacks the mass "
-        "or"
-        " the coil's resistance; state those, or record with 27 to 50 ohm across the terminals");
+    fit.findings.Note(FindingKind::kKmLostInDamping);
   }
 }
 
@@ -172,8 +148,8 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   fitted.drawn_samples = static_cast<std::size_t>(
       std::ranges::count_if(samples.root_weights, [](double root) { return root * root < 0.5; }));
   if (fitted.drawn_samples > 0) {
-    fitted.found.push_back(fmt::format("{} of {} samples lie far off and weigh less than half",
-                                       fitted.drawn_samples, fitted.samples));
+    fitted.found.Add(About(record.name, Severity::kNote, FindingKind::kDownweighted,
+                           {{"samples", fitted.drawn_samples}, {"of", fitted.samples}}));
   }
 
   fitted.speed_determined = samples.signal == RingingSignal::kBlowVoltage &&
@@ -204,7 +180,7 @@ FittedRecord DescribeRecord(const PreparedRecord& prepared, const DropTestRoad& 
   }
   fitted.residual_rms_v = std::sqrt(square_sum / static_cast<double>(fitted.samples));
   if (fitted.quiet_noise_v > 2 * fitted.residual_rms_v) {
-    fitted.found.emplace_back("what precedes the blow is louder than the residual: not quiet");
+    fitted.found.Add(About(record.name, Severity::kNote, FindingKind::kNotQuietBefore));
     fitted.quiet_noise_v = 0;
   }
   return fitted;
@@ -246,32 +222,28 @@ void DescribeCovariance(const DropTestRoad& road, const DropTestModel& model, Dr
 }
 
 // a load that slows the decay
-void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model,
-                        std::vector<std::string>& contradictions) {
+void DoubtForceConstant(const DropTestRoad& road, const DropTestModel& model, Findings& findings) {
   constexpr double kDeviations = 4;
   std::vector<double> weights(road.jacobian.columns, 0.0);
   weights[Index(Shared::kForceConstantSquared)] = 1;
   const double square = road.point.shared[Index(Shared::kForceConstantSquared)];
   if (square > -kDeviations * SpreadOf(road, model, weights).combined) return;
-  contradictions.emplace_back(
-      "the records with the smaller load decay more slowly, as no coil does: are files or loads "
-      "exchanged? Do not use Bv and Km");
+  findings.Refuse(FindingKind::kSmallerLoadDecaysSlower);
 }
 
 // a blow found away from where the motion, continued backwards, begins
 void DoubtBeginning(const PreparedRecord& prepared, const FittedRecord& record,
-                    std::vector<std::string>& contradictions) {
+                    Findings& findings) {
   const RingStart& start = prepared.start;
   // without a height or a current, nothing rests on how the motion began
   if (!prepared.record.drop_height_m && !prepared.record.release_current_a) return;
   if (start.quiet_samples == 0 || record.damped_frequency_hz == 0) return;
   const double periods = (start.blow_s - record.impact_s) * record.damped_frequency_hz;
   if (std::abs(periods) < 1.0 / 8) return;
-  contradictions.push_back(fmt::format(
-      "{}: the motion would begin {:.2g} ms {} the signal does: a long contact, or a blow for a "
-      "released current or the reverse; do not use Km by height or current",
-      record.name, 1e3 * std::abs(start.blow_s - record.impact_s),
-      periods > 0 ? "before" : "after"));
+  findings.Add(
+      About(record.name, Severity::kRefusal,
+            periods > 0 ? FindingKind::kMotionBeginsBefore : FindingKind::kMotionBeginsAfter,
+            {{"apart_s", std::abs(start.blow_s - record.impact_s)}}));
 }
 
 // pooled over the records with a quiet stretch: residual power over noise power
@@ -300,17 +272,13 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
                         "record three decay times of one free ring-down each");
   }
   DropTestFit fit;
-  fit.assumptions = model->assumptions;
+  fit.findings = model->findings;
   std::optional<DropTestRoad> by_heights;
   if (model->knows_heights) by_heights = Travel(*model, true);
   const DropTestRoad road =
-      Choose(std::move(by_heights), Travel(*model, false), *model, fit.assumptions);
-  if (road.uses_heights) DescribeHeights(*model, fit.assumptions);
-  if (loss == Loss::kHuber) {
-    fit.assumptions.push_back(fmt::format(
-        "robust: beyond {} of the residuals' scale a sample pulls with a fixed force (Huber)",
-        kHuberBend));
-  }
+      Choose(std::move(by_heights), Travel(*model, false), *model, fit.findings);
+  if (road.uses_heights) DescribeHeights(*model, fit.findings);
+  if (loss == Loss::kHuber) fit.findings.Note(FindingKind::kRobustLoss, {{"bend", kHuberBend}});
 
   fit.mass_symbol = model->all_free ? "Mv Mc/(Mv+Mc)" : "Mv";
   fit.stiffness = Evaluate(road, *model, {{Shared::kStiffness, 1}}, 1, "N/m");
@@ -337,11 +305,10 @@ Result<DropTestFit> FitModel(Result<DropTestModel> model, Loss loss) {
   DescribeUndetermined(road, *model, fit);
   fit.frequency_birge_ratio = road.consistency.frequency_ratio;
   fit.decay_birge_ratio = road.consistency.decay_ratio;
-  fit.doubts = road.consistency.doubts;
-  fit.contradictions = road.consistency.contradictions;
-  DoubtForceConstant(road, *model, fit.contradictions);
+  fit.findings.AddAll(road.consistency.findings);
+  DoubtForceConstant(road, *model, fit.findings);
   for (std::size_t r = 0; r < model->records.size(); ++r) {
-    DoubtBeginning(model->records[r], fit.records[r], fit.contradictions);
+    DoubtBeginning(model->records[r], fit.records[r], fit.findings);
   }
   fit.converged = road.solver.converged;
   fit.termination = road.solver.termination;
@@ -362,63 +329,38 @@ Result<DropTestFit> FitDropTest(std::vector<PreparedRecord> records, const Actua
   return FitModel(MakeDropTestModel(std::move(records), knowns), loss);
 }
 
-namespace {
-
-// the usual values of one quantity, and what is usually wrong outside of them
-struct Usual {
-  std::string_view name;
-  double least = 0;
-  double most = 0;
-  std::string_view unit;
-  std::string_view mistake;
-};
-
-void Doubt(const Usual& usual, double value, const std::string& where,
-           std::vector<std::string>& doubts) {
-  if (value >= usual.least && value <= usual.most) return;
-  doubts.push_back(fmt::format("{}{} of {:.4g} {} is unlike an actuator's: {}", where, usual.name,
-                               value, usual.unit, usual.mistake));
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, double least, double most,
+                  Findings& findings, const std::string& subject) {
+  if (value >= least && value <= most) return;
+  findings.Add(About(subject, Severity::kDoubt, kind, {{name, value}}));
 }
 
-void Doubt(const Usual& usual, const std::optional<Quantity>& value,
-           std::vector<std::string>& doubts) {
-  if (value) Doubt(usual, value->value, "", doubts);
-}
-
-void Doubt(const Usual& usual, const FittedValue& value, std::vector<std::string>& doubts) {
-  if (value.determined) Doubt(usual, value.value, "", doubts);
-}
-
-}  // namespace
-
-std::vector<std::string> FindDoubts(const DropTestFit& fit,
-                                    const std::vector<ImpulseRecord>& records,
-                                    const ActuatorKnowns& knowns) {
-  constexpr Usual kResonance{"a resonance", 20, 2000, "Hz", "are the times in ms or us?"};
-  constexpr Usual kQuality{"a quality factor", 0.05, 1000, "", "is it a ring-down?"};
-  constexpr Usual kVoltage{"a largest voltage", 1e-5, 100, "V", "is the column in mV or uV?"};
-  constexpr Usual kMovingMass{"a moving mass", 1e-5, 0.1, "kg", "was it meant in g or mg?"};
-  constexpr Usual kCaseMass{"a case mass", 1e-5, 1, "kg", "was it meant in g or mg?"};
-  constexpr Usual kResistance{"a coil", 0.1, 1e4, "ohm", "was it meant in ohm?"};
-  constexpr Usual kHeight{"a drop height", 1e-4, 1, "m", "was it meant in mm?"};
-  constexpr Usual kForce{"a force constant", 1e-3, 100, "N/A",
-                         "check the voltage's unit and the drop height"};
-  std::vector<std::string> doubts = fit.contradictions;
-  doubts.insert(doubts.end(), fit.doubts.begin(), fit.doubts.end());
-  Doubt(kResonance, fit.natural_frequency, doubts);
-  Doubt(kQuality, fit.quality_factor, doubts);
-  Doubt(kForce, fit.force_constant, doubts);
-  Doubt(kMovingMass, knowns.moving_mass_kg, doubts);
-  Doubt(kCaseMass, knowns.case_mass_kg, doubts);
-  Doubt(kResistance, knowns.resistance_ohm, doubts);
+Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
+                    const ActuatorKnowns& knowns) {
+  using enum FindingKind;
+  Findings findings;
+  const auto fitted = [&](FindingKind kind, std::string_view name, const FittedValue& value,
+                          double least, double most) {
+    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
+  };
+  const auto given = [&](FindingKind kind, std::string_view name,
+                         const std::optional<Quantity>& value, double least, double most,
+                         const std::string& subject = {}) {
+    if (value) DoubtUnusual(kind, name, value->value, least, most, findings, subject);
+  };
+  fitted(kUnusualFrequency, "natural_frequency_hz", fit.natural_frequency, 20, 2000);
+  fitted(kUnusualQuality, "quality_factor", fit.quality_factor, 0.05, 1000);
+  fitted(kUnusualForceConstant, "force_constant_n_per_a", fit.force_constant, 1e-3, 100);
+  given(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 1e-5, 0.1);
+  given(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1e-5, 1);
+  given(kUnusualResistance, "resistance_ohm", knowns.resistance_ohm, 0.1, 1e4);
   for (const auto& record : fit.records) {
-    Doubt(kVoltage, record.peak_v, record.name + ": ", doubts);
+    DoubtUnusual(kUnusualVoltage, "peak_v", record.peak_v, 1e-5, 100, findings, record.name);
   }
   for (const auto& record : records) {
-    if (!record.drop_height_m) continue;
-    Doubt(kHeight, record.drop_height_m->value, record.name + ": ", doubts);
+    given(kUnusualHeight, "drop_height_m", record.drop_height_m, 1e-4, 1, record.name);
   }
-  return doubts;
+  return findings;
 }
 
 }  // namespace haptometer::fit

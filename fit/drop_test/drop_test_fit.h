@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.h"
@@ -75,8 +76,7 @@ struct FittedRecord {
   std::vector<double> residual_v;  ///< sample less model; NaN where a sample is not fitted
   UncertainPole pole;              ///< of the fit of all records, with its combined covariance
   PolePair start;                  ///< where the search began: this record by itself
-  std::vector<std::string>
-      found;  ///< sentences: clipping, later blows, hum, drift, and what is done
+  Findings found;                  ///< clipping, later impacts, hum, drift, and what is done
 };
 
 /// What a set of drops says about an actuator.
@@ -92,17 +92,14 @@ struct DropTestFit {
   /// Combined relative covariance of Kv, Bv and Km: that of their logarithms. 0 in the rows and
   /// columns of what is not determined.
   std::array<std::array<double, 3>, 3> relative_covariance{};
-  std::string mass_symbol;  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
+  std::string mass_symbol = "Mv";  ///< M: "Mv", or "Mv Mc/(Mv+Mc)" when every case was free
   std::vector<FittedRecord> records;
   std::vector<InputInfluence> influences;
-  std::vector<std::string> assumptions;  ///< sentences
-  double frequency_birge_ratio = 1;      ///< of the drops (consistency.h); in the uncertainties
+  /// Why the constants are useless (refusals), what speaks against the model (doubts), what is
+  /// assumed or not determined (notes). Those of each record are there.
+  Findings findings;
+  double frequency_birge_ratio = 1;  ///< of the drops (consistency.h); in the uncertainties
   double decay_birge_ratio = 1;
-  std::vector<std::string> doubts;  ///< sentences: what in the records speaks against the model
-  /// Sentences: what makes the constants useless, as drops of two actuators taken for one's.
-  std::vector<std::string> contradictions;
-  std::vector<std::string>
-      undetermined;  ///< sentences: what is not determined, what is, what would help
   bool converged = false;
   std::string termination;  ///< the solver's reason to stop
   int iterations = 0;
@@ -141,8 +138,7 @@ struct DropTestFit {
                                               const ActuatorKnowns& knowns,
                                               Loss loss = Loss::kSquares);
 
-/// What about a fit is unlike any actuator, with the mistake that usually stands behind it; a
-/// sentence each.
+/// What about a fit is unlike any actuator, usually by a mistaken unit.
 ///
 /// Doubted are: a resonance outside of 20-2000 Hz (times in ms or us read as s), a quality factor
 /// beyond 1000, a voltage beyond 100 V or below 10 uV (mV read as V, or the reverse), a moving mass
@@ -150,8 +146,11 @@ struct DropTestFit {
 /// 0.1 ohm-10 kohm, a drop from more than 1 m (mm read as m), a Km outside of 1 mN/A-100 N/A. The
 /// limits are wide: LRAs ring at 50-500 Hz with Q of 2-200, weigh grams and give 10 mV to some
 /// volts.
-[[nodiscard]] std::vector<std::string> FindDoubts(const DropTestFit& fit,
-                                                  const std::vector<ImpulseRecord>& records,
-                                                  const ActuatorKnowns& knowns);
+[[nodiscard]] Findings FindDoubts(const DropTestFit& fit, const std::vector<ImpulseRecord>& records,
+                                  const ActuatorKnowns& knowns);
+
+/// Adds the doubt `kind` where the value is not from `least` to `most`; its number is `name`.
+void DoubtUnusual(FindingKind kind, std::string_view name, double value, double least, double most,
+                  Findings& findings, const std::string& subject = {});
 
 }  // namespace haptometer::fit

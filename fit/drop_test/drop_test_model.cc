@@ -1,7 +1,5 @@
 #include "fit/drop_test/drop_test_model.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -54,7 +52,7 @@ void AddRecordInputs(const PreparedRecord& prepared, std::size_t index, DropTest
   const ImpulseRecord& record = prepared.record;
   const Quantity load = record.load_ohm.value_or(Quantity{kOpen, 0});
   if (!record.load_ohm) {
-    model.assumptions.push_back(record.name + ": open circuit (no load is stated)");
+    model.findings.Add(About(record.name, Severity::kNote, FindingKind::kOpenAssumed));
   }
   AddInput(model.inputs, Kind::kLoad, "load", "ohm", load, index);
   if (record.time_scale) {
@@ -98,8 +96,7 @@ void AddKnowns(const ActuatorKnowns& knowns, bool some_loaded, DropTestModel& mo
     add(Kind::kResistance, "coil resistance", "ohm", knowns.resistance_ohm);
     add(Kind::kInductance, "coil inductance", "H", knowns.inductance_h);
     if (!knowns.inductance_h) {
-      model.assumptions.emplace_back(
-          "coil inductance 0 (none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %)");
+      model.findings.Note(FindingKind::kInductanceAssumedZero);
     }
   }
 }
@@ -117,16 +114,11 @@ void AddConditions(const ActuatorKnowns& knowns, DropTestModel& model) {
   const bool both = knowns.moving_mass_kg && knowns.case_mass_kg;
   model.knows_mass = knowns.moving_mass_kg && (free_count == 0 || both);
   if (!assumed) return;
-  std::string other = "Kv and Bv would be smaller by the factor Mc/(Mv+Mc)";
-  if (both) {
-    const double ratio =
-        knowns.case_mass_kg->value / (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
-    other =
-        fmt::format("Kv and Bv would be {:.4g} times, a Km from two loads {:.4g} times as large",
-                    ratio, std::sqrt(ratio));
-  }
-  model.assumptions.push_back(
-      "case held (not stated, and no record of one phase can tell); had it been free, " + other);
+  if (!both) return model.findings.Note(FindingKind::kHeldAssumed);
+  const double ratio =
+      knowns.case_mass_kg->value / (knowns.moving_mass_kg->value + knowns.case_mass_kg->value);
+  model.findings.Note(FindingKind::kHeldAssumed,
+                      {{"ratio", ratio}, {"root_ratio", std::sqrt(ratio)}});
 }
 
 double ValueOf(const std::vector<DropTestInput>& inputs, Kind kind, double otherwise) {

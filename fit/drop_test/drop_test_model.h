@@ -50,7 +50,7 @@ struct DropTestModel {
   bool knows_resistance = false;  ///< R is given, or no record has a finite load
   bool knows_heights = false;     ///< some record has a drop height
   bool all_free = false;          ///< M is the reduced mass
-  std::vector<std::string> assumptions;
+  Findings findings;              ///< what is assumed
   Loss loss = Loss::kSquares;
 };
 

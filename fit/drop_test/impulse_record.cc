@@ -76,12 +76,12 @@ class HeaderReader {
 
 // Of keys that nobody knows, those that are written like ours and are near one of them: other
 // programs' headers hold much that is not for us.
-std::vector<std::string> MistypedKeys(const trial::Record& record) {
+Findings MistypedKeys(const trial::Record& record, const std::string& name) {
   static const std::vector<std::string> kKnown{
       "case",           "load_ohm",     "drop_height_m",     "rebound",
       "voltage_scale",  "time_scale",   "moving_mass_kg",    "case_mass_kg",
       "resistance_ohm", "inductance_h", "release_current_a", "added_mass_kg"};
-  std::vector<std::string> remarks;
+  Findings findings;
   for (const auto& [key, value] : record.metadata.fields) {
     const bool looks_alike = key.contains('_') && std::ranges::none_of(key, [](char c) {
                                return c == ' ' || std::isupper(static_cast<unsigned char>(c));
@@ -89,9 +89,10 @@ std::vector<std::string> MistypedKeys(const trial::Record& record) {
     if (!looks_alike || std::ranges::find(kKnown, key) != kKnown.end()) continue;
     const std::string nearest = Nearest(key, kKnown);
     if (nearest.empty()) continue;
-    remarks.push_back(fmt::format("header key {} is not known; did you mean {}?", key, nearest));
+    findings.Add(About(name, Severity::kNote, FindingKind::kHeaderKeyUnknown,
+                       {{"key", key}, {"nearest", nearest}}));
   }
-  return remarks;
+  return findings;
 }
 
 // a voltage or displacement by role, or the only channel when nothing says what it measures
@@ -107,8 +108,7 @@ Result<const trial::Channel*> FindSignal(const trial::Record& record, const std:
           name,
           fmt::format("has several {}: {}", is_voltage ? "voltages" : "displacements",
                       fmt::join(names, ", ")),
-          fmt::format("say which is {}: --channel NAME",
-                      is_voltage ? "the coil's" : "the actuator's"));
+          fmt::format("name the channel that is {}", is_voltage ? "the coil's" : "the actuator's"));
     }
     if (names.size() == 1) return record.Find(role);
   }
@@ -169,7 +169,7 @@ Result<ImpulseFile> ImpulseFromRecord(const trial::Record& record, const std::st
     header.Keep(condition.error());
   }
   if (header.error()) return std::unexpected(*header.error());
-  file.remarks = MistypedKeys(record);
+  file.findings = MistypedKeys(record, name);
   return file;
 }
 

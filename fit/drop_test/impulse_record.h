@@ -8,6 +8,7 @@
 
 #include "base/error.h"
 #include "base/quantity.h"
+#include "fit/findings.h"
 #include "trial/record.h"
 
 namespace haptometer::fit {
@@ -62,7 +63,7 @@ struct ActuatorKnowns {
 struct ImpulseFile {
   ImpulseRecord record;
   ActuatorKnowns knowns;
-  std::vector<std::string> remarks{};  ///< sentences: header keys that look like a known one
+  Findings findings{};  ///< header keys that look like a known one
 };
 
 /// Takes a drop out of a recording (trial/import/readers.h reads `impulse.csv`).

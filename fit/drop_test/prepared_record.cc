@@ -43,11 +43,13 @@ void ForgetMissingBlow(PreparedRecord* prepared) {
   if (!record.is_cut_before || prepared->start.quiet_samples > 0) return;
   if (record.drop_height_m) {
     record.drop_height_m.reset();
-    prepared->part.found.emplace_back("nothing quiet before it: the drop height is not used");
+    prepared->part.found.Add(
+        About(record.name, Severity::kNote, FindingKind::kHeightWithoutImpact));
   }
   if (record.release_current_a) {
     record.release_current_a.reset();
-    prepared->part.found.emplace_back("nothing quiet before it: the released current is not used");
+    prepared->part.found.Add(
+        About(record.name, Severity::kNote, FindingKind::kCurrentWithoutRelease));
   }
 }
 
@@ -63,9 +65,8 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   }
   prepared.part = FindDisturbances(prepared.record, prepared.start);
   if (clipped > 0) {
-    prepared.part.found.insert(
-        prepared.part.found.begin(),
-        fmt::format("clipped: {} samples at the recorder's limits are left out", clipped));
+    prepared.part.found.Add(
+        About(record.name, Severity::kNote, FindingKind::kClipped, {{"samples", clipped}}));
   }
   if (!prepared.part.no_ring_down.empty()) {
     return CannotAnswer(record.name, prepared.part.no_ring_down,
@@ -97,7 +98,7 @@ Result<PreparedRecord> PrepareAsItIs(const ImpulseRecord& record) {
   prepared.part.first_sample = start->first_sample;
   if (prepared.record.drop_height_m) {
     prepared.record.drop_height_m.reset();
-    prepared.part.found.emplace_back("the drop height is that of the first blow: not used");
+    prepared.part.found.Add(About(record.name, Severity::kNote, FindingKind::kHeightOfFirstImpact));
   }
   return prepared;
 }
@@ -163,13 +164,11 @@ Result<PreparedRecord> PrepareRecord(const ImpulseRecord& record) {
     if (first + kLeastSamples > record.voltage_v.size()) break;
     auto later = PrepareAsItIs(From(record, first));
     if (!later) continue;
-    later->part.found.insert(
-        later->part.found.begin(),
-        fmt::format(
-            "a release at about {:.4g} s behind something slow: fitted from {:.4g} s on",
-            record.start_s +
-                (static_cast<double>(onset->sample) + onset->period_samples / 2) * record.step_s,
-            later->record.start_s));
+    const double at_s =
+        record.start_s +
+        (static_cast<double>(onset->sample) + onset->period_samples / 2) * record.step_s;
+    later->part.found.Add(About(record.name, Severity::kNote, FindingKind::kReleaseBehindSlow,
+                                {{"at_s", at_s}, {"from_s", later->record.start_s}}));
     return later;
   }
   return prepared;
@@ -269,6 +268,48 @@ std::optional<ThinnedRecord> Thinned(const ImpulseRecord& record, const PolePair
     thinned.record.voltage_v.push_back(sum / static_cast<double>(block));
   }
   return thinned;
+}
+
+namespace {
+
+// a drop for the fit; what is sampled more finely than that has use for is averaged
+Result<PreparedRecord> PrepareThinned(ImpulseRecord& drop, Findings& findings) {
+  auto prepared = PrepareRecord(drop);
+  if (!prepared) return prepared;
+  auto thinned = Thinned(drop, prepared->start.poles);
+  if (!thinned) return prepared;
+  std::vector<FindingNumber> numbers{{"samples", drop.voltage_v.size()}, {"block", thinned->block}};
+  if (thinned->clipped > 0) numbers.emplace_back("clipped", thinned->clipped);
+  findings.Add(About(drop.name, Severity::kNote, FindingKind::kThinned, std::move(numbers)));
+  drop = std::move(thinned->record);
+  return PrepareRecord(drop);
+}
+
+}  // namespace
+
+PreparedDrops PrepareDrops(const ImpulseRecord& recording) {
+  PreparedDrops all;
+  std::vector<ImpulseRecord> drops = SplitDrops(recording);
+  all.drops = drops.size();
+  const auto note = [&](FindingKind kind, std::vector<FindingNumber> numbers = {}) {
+    all.findings.Add(About(recording.name, Severity::kNote, kind, std::move(numbers)));
+  };
+  if (drops.size() > 1) note(FindingKind::kSeveralDrops, {{"drops", drops.size()}});
+  if (drops.size() > 1 && recording.drop_height_m) note(FindingKind::kHeightOfFirstDrop);
+  for (ImpulseRecord& drop : drops) {
+    auto prepared = PrepareThinned(drop, all.findings);
+    if (!prepared) {
+      all.left_out.push_back({std::move(drop), prepared.error()});
+      continue;
+    }
+    all.records.push_back(std::move(drop));
+    all.prepared.push_back(*std::move(prepared));
+  }
+  if (2 * all.left_out.size() <= all.drops || all.records.empty()) return all;
+  note(FindingKind::kTooFewDrops, {{"good", all.records.size()}, {"drops", all.drops}});
+  all.records.clear();
+  all.prepared.clear();
+  return all;
 }
 
 }  // namespace haptometer::fit

@@ -53,4 +53,23 @@ struct ThinnedRecord {
 [[nodiscard]] std::optional<ThinnedRecord> Thinned(const ImpulseRecord& record,
                                                    const PolePair& poles);
 
+/// A drop that holds no ring-down that can be fitted.
+struct LeftOutDrop {
+  ImpulseRecord record;
+  Error why;
+};
+
+/// The drops of a recording, ready to be fitted.
+struct PreparedDrops {
+  std::vector<ImpulseRecord> records;    ///< as means where they are long
+  std::vector<PreparedRecord> prepared;  ///< one of each
+  std::vector<LeftOutDrop> left_out;
+  std::size_t drops = 0;  ///< in the recording, all together
+  Findings findings;      ///< that it was divided, averaged, or not used
+};
+
+/// Divides a recording (SplitDrops), prepares each drop, and thins it (Thinned). Where most drops
+/// of one recording cannot be fitted, the others are likely none either, and none is used.
+[[nodiscard]] PreparedDrops PrepareDrops(const ImpulseRecord& recording);
+
 }  // namespace haptometer::fit

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -286,10 +285,7 @@ void ConcludeInductance(const Solved& solved, const ActuatorKnowns& knowns, Impe
       .determined = stated || value > 3 * own};
   if (fit->inductance.determined) return;
   fit->inductance.at_most = std::max(value, 0.0) + kCoverage95 * own;
-  fit->undetermined.push_back(fmt::format(
-      "L: it is below {:.2g} uH (95 %), which the constants do not feel; points at 1 to 10 kHz "
-      "would show it",
-      1e6 * *fit->inductance.at_most));
+  fit->findings.Note(FindingKind::kInductanceBelow, {{"at_most_h", *fit->inductance.at_most}});
 }
 
 // of the logarithms of Kv, Bv, Km, R and L, where determined
@@ -378,7 +374,7 @@ Result<ImpedanceFit> FitImpedance(const std::vector<ImpedancePoint>& points,
     Hold(P::kResistance, *knowns.resistance_ohm, true, &solved);
     Solve(&solved);
     AddHeldInput(P::kResistance, "resistance", "ohm", *knowns.resistance_ohm, 1, &solved);
-    fit.assumptions.emplace_back("the sweep does not tell R: it is taken as stated");
+    fit.findings.Note(FindingKind::kResistanceAsStated);
   }
   if (knowns.inductance_h) {
     AddHeldInput(P::kInductance, "inductance", "H", *knowns.inductance_h,
@@ -404,12 +400,10 @@ void ExplainMass(const ActuatorKnowns& knowns, CaseCondition condition, Impedanc
   fit->mass_symbol = held ? "Mv" : "Mv Mc/(Mv+Mc)";
   const bool known = knowns.moving_mass_kg && (held || knowns.case_mass_kg);
   if (known) return;
-  fit->undetermined.push_back(fmt::format(
-      "Kv, Bv, Km: a sweep holds Kv/M, Bv/M and Km^2/M only; give {}",
-      held ? "--moving-mass 1.4g" : "both masses: --moving-mass 1.4g --case-mass 0.6g"));
+  fit->findings.Note(held ? FindingKind::kMassMissing : FindingKind::kMassesMissing);
 }
 
-void ExplainSweep(const ImpedanceFit& fit, std::vector<std::string>* undetermined) {
+void ExplainSweep(ImpedanceFit& fit) {
   const std::pair<const char*, const FittedValue*> kValues[]{{"f0", &fit.natural_frequency},
                                                              {"Bv/M", &fit.damping_over_mass},
                                                              {"Km^2/M", &fit.coupling_over_mass},
@@ -419,51 +413,43 @@ void ExplainSweep(const ImpedanceFit& fit, std::vector<std::string>* undetermine
     if (!value->determined) names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
   }
   if (names.empty()) return;
-  undetermined->push_back(fmt::format(
-      "{}: the sweep tells them to worse than 25 %; {} of {} points lie within the resonance's "
-      "width, measure ten there (steps of {:.2g} Hz) and some an octave away on both sides",
-      names, fit.points_near_resonance, fit.points,
-      fit.natural_frequency.value / fit.quality_factor.value / 5));
+  fit.findings.Note(FindingKind::kSweepTooCoarse,
+                    {{"constants", names},
+                     {"near", fit.points_near_resonance},
+                     {"points", fit.points},
+                     {"step_hz", fit.natural_frequency.value / fit.quality_factor.value / 5}});
 }
 
 void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit* fit) {
-  const auto doubt = [fit](bool is_doubtful, std::string sentence) {
-    if (is_doubtful) fit->doubts.push_back(std::move(sentence));
+  using enum FindingKind;
+  Findings& findings = fit->findings;
+  const auto usual = [&](FindingKind kind, std::string_view name, const FittedValue& value,
+                         double least, double most) {
+    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
   };
-  const auto usual = [&](const FittedValue& value, double least, double most, const char* name,
-                         const char* mistake) {
-    doubt(value.determined && (value.value < least || value.value > most),
-          fmt::format("{} of {:.4g} {} is unlike an actuator's: {}", name, value.value, value.unit,
-                      mistake));
-  };
-  usual(fit->natural_frequency, 20, 2000, "a resonance", "is the frequency in kHz or rad/s?");
-  usual(fit->quality_factor, 0.5, 300, "a quality factor", "is it the impedance of an LRA?");
-  usual(fit->resistance, 0.1, 1e4, "a coil", "is the magnitude in kohm or mohm?");
-  usual(fit->force_constant, 1e-3, 100, "a force constant", "check mass and magnitudes");
-  const auto mass = [&](const std::optional<Quantity>& given, double most, const char* name) {
-    doubt(given && (given->value < 1e-5 || given->value > most),
-          fmt::format("{} of {:.4g} kg is unlike an actuator's: was it meant in g or mg?", name,
-                      given ? given->value : 0));
-  };
-  mass(knowns.moving_mass_kg, 0.1, "a moving mass");
-  mass(knowns.case_mass_kg, 1, "a case mass");
   const double f0 = fit->natural_frequency.value;
-  doubt(f0 < fit->lowest_hz || f0 > fit->highest_hz,
-        fmt::format("the resonance, {:.4g} Hz, lies outside of the sweep", f0));
-  std::ranges::move(
-      DoubtResiduals(
-          fit->residuals, fit->magnitude_noise, fit->farthest_hz,
-          "a second resonance, a spring that bends with the level, or losses of the coil "
-          "that grow with frequency"),
-      std::back_inserter(fit->doubts));
+  usual(kUnusualFrequency, "natural_frequency_hz", fit->natural_frequency, 20, 2000);
+  usual(kUnusualQuality, "quality_factor", fit->quality_factor, 0.5, 300);
+  usual(kUnusualResistance, "resistance_ohm", fit->resistance, 0.1, 1e4);
+  usual(kUnusualForceConstant, "force_constant_n_per_a", fit->force_constant, 1e-3, 100);
+  const auto mass = [&](FindingKind kind, std::string_view name,
+                        const std::optional<Quantity>& given, double most) {
+    if (given) DoubtUnusual(kind, name, given->value, 1e-5, most, findings);
+  };
+  mass(kUnusualMovingMass, "moving_mass_kg", knowns.moving_mass_kg, 0.1);
+  mass(kUnusualCaseMass, "case_mass_kg", knowns.case_mass_kg, 1);
+  DoubtUnusual(kResonanceOutside, "natural_frequency_hz", f0, fit->lowest_hz, fit->highest_hz,
+               findings);
+  DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->farthest_hz, findings);
   if (!knowns.resistance_ohm || !fits_resistance) return;
-  const double apart = fit->resistance.value - knowns.resistance_ohm->value;
+  const double stated = knowns.resistance_ohm->value;
+  const double apart = std::abs(fit->resistance.value - stated);
   const double uncertainty = std::hypot(fit->resistance.combined_standard_uncertainty,
                                         knowns.resistance_ohm->standard_uncertainty);
-  doubt(std::abs(apart) > 3 * uncertainty && std::abs(apart) > 0.02 * knowns.resistance_ohm->value,
-        fmt::format("the sweep gives R = {:.4g} ohm and {:.4g} ohm are stated: a series resistor, "
-                    "leads, or a warm coil (+0.39 %/K)?",
-                    fit->resistance.value, knowns.resistance_ohm->value));
+  if (apart > 3 * uncertainty && apart > 0.02 * stated) {
+    findings.Doubt(kResistanceDiffers,
+                   {{"fitted_ohm", fit->resistance.value}, {"stated_ohm", stated}});
+  }
 }
 
 }  // namespace
@@ -471,7 +457,7 @@ void AddDoubts(const ActuatorKnowns& knowns, bool fits_resistance, ImpedanceFit*
 void AddImpedanceFindings(const ActuatorKnowns& knowns, CaseCondition condition,
                           bool fits_resistance, ImpedanceFit* fit) {
   ExplainMass(knowns, condition, fit);
-  ExplainSweep(*fit, &fit->undetermined);
+  ExplainSweep(*fit);
   AddDoubts(knowns, fits_resistance, fit);
 }
 

@@ -25,7 +25,7 @@ struct ImpedanceFit {
   FittedValue quality_factor;       ///< sqrt(Kv M)/Bv: of the open circuit
   FittedValue resistance;           ///< R, ohm: coil and leads
   FittedValue inductance;           ///< L, H; not determined below three standard uncertainties
-  std::string mass_symbol;          ///< M: "Mv", or "Mv Mc/(Mv+Mc)" of a free case
+  std::string mass_symbol = "Mv";   ///< M: "Mv", or "Mv Mc/(Mv+Mc)" of a free case
   std::size_t points = 0;
   std::size_t points_near_resonance = 0;  ///< within half a bandwidth, sqrt(3) f0/Q
   double lowest_hz = 0;
@@ -44,9 +44,7 @@ struct ImpedanceFit {
   std::vector<double> parameters;     ///< by ImpedanceParameter, see ImpedanceAt
   std::vector<ImpedanceValue> model;  ///< at each point, in the order of frequency
   std::vector<InputInfluence> influences;
-  std::vector<std::string> assumptions;   ///< sentences
-  std::vector<std::string> undetermined;  ///< sentences: what is not determined, what would help
-  std::vector<std::string> doubts;        ///< sentences
+  Findings findings;  ///< doubts, and what is assumed or not determined
   bool converged = false;
   int iterations = 0;  ///< of the last round
 };

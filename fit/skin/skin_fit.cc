@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
 #include <optional>
 #include <tuple>
@@ -160,7 +159,7 @@ Result<void> CheckSweep(const std::vector<SkinPoint>& points, const std::string&
 }
 
 // of the two polarities the one that fits better
-std::vector<SkinStart> BestStarts(SkinProblem* problem, std::vector<std::string>* assumptions) {
+std::vector<SkinStart> BestStarts(SkinProblem* problem, Findings* findings) {
   auto starts = StartSkin(*problem);
   if (!problem->has_phases()) return starts;
   problem->TurnPhases();
@@ -168,7 +167,7 @@ std::vector<SkinStart> BestStarts(SkinProblem* problem, std::vector<std::string>
   const bool is_better =
       !turned.empty() && (starts.empty() || turned.front().cost < starts.front().cost);
   if (is_better) {
-    assumptions->emplace_back("the coil's polarity is free: the phases are turned by 180 degrees");
+    findings->Note(FindingKind::kPolarityTurned);
     return turned;
   }
   problem->TurnPhases();
@@ -284,86 +283,67 @@ void Describe(const SkinProblem& problem, const std::vector<double>& parameters,
 }
 
 void ExplainUndetermined(SkinFit* fit) {
-  if (!fit->stiffness.determined) {
-    fit->undetermined.emplace_back(
-        "Ks: damping or mass carries the motion at these frequencies; sweep lower, and measure the "
-        "phase against the current");
-  }
-  if (!fit->damping.determined) {
-    fit->undetermined.emplace_back(
-        "Bs: the sweep shows no width of a resonance; more points around the largest amplitude, or "
-        "the phase against the current, would");
-  }
-  if (!fit->mass.determined) {
-    fit->undetermined.emplace_back(
-        "m: inertia is hidden behind stiffness and damping; sweep higher, where w^2 (Mc + m) "
-        "exceeds w Bs");
-  }
+  if (!fit->stiffness.determined) fit->findings.Refuse(FindingKind::kKsNotDetermined);
+  if (!fit->damping.determined) fit->findings.Refuse(FindingKind::kBsNotDetermined);
+  if (!fit->mass.determined) fit->findings.Note(FindingKind::kSkinMassNotDetermined);
 }
 
-void AddDoubts(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
-  const auto doubt = [fit](bool is_doubtful, std::string sentence) {
-    if (is_doubtful) fit->doubts.push_back(std::move(sentence));
+// numbers that are unlike those of skin under an actuator
+void DoubtUnits(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
+  using enum FindingKind;
+  Findings& findings = fit->findings;
+  const auto usual = [&](FindingKind kind, std::string_view name, const FittedValue& value,
+                         double least, double most) {
+    if (value.determined) DoubtUnusual(kind, name, value.value, least, most, findings);
   };
-  const auto usual = [&](const FittedValue& value, double least, double most, const char* name) {
-    doubt(value.determined && (value.value < least || value.value > most),
-          fmt::format("{} of {:.4g} {} is unlike skin's: check the units of displacement and drive",
-                      name, value.value, value.unit));
-  };
-  usual(fit->stiffness, 30, 3e4, "Ks");
-  usual(fit->damping, 0.02, 50, "Bs");
+  usual(kUnusualSkinStiffness, "stiffness_n_per_m", fit->stiffness, 30, 3e4);
+  usual(kUnusualSkinDamping, "damping_n_s_per_m", fit->damping, 0.02, 50);
   double largest_m = 0, largest_drive = 0;
   for (const auto& point : problem.points()) {
     largest_m = std::max(largest_m, point.displacement_m);
     largest_drive = std::max(largest_drive, point.drive);
   }
-  doubt(largest_m > 5e-3 || largest_m < 2e-8,
-        fmt::format("a largest amplitude of {:.3g} m is unlike an actuator's on skin: is the "
-                    "column in um or mm?",
-                    largest_m));
+  DoubtUnusual(kUnusualAmplitude, "amplitude_m", largest_m, 2e-8, 5e-3, findings);
   const bool is_current = sweep.drive == DriveQuantity::kCurrent;
-  doubt(largest_drive > (is_current ? 2.0 : 50.0),
-        fmt::format("a drive of {:.3g} {} is unlike an LRA's: is the column in {}?", largest_drive,
-                    is_current ? "A" : "V", is_current ? "mA" : "mV"));
-  doubt(
-      problem.points().back().frequency_hz < 10 || problem.points().front().frequency_hz > 5000,
-      fmt::format("frequencies from {:g} to {:g} Hz are unlike a haptic sweep's: are they in kHz?",
-                  problem.points().front().frequency_hz, problem.points().back().frequency_hz));
+  DoubtUnusual(kUnusualDrive, is_current ? "current_a" : "voltage_v", largest_drive, 0,
+               is_current ? 2.0 : 50.0, findings);
+  const double lowest_hz = problem.points().front().frequency_hz;
+  const double highest_hz = problem.points().back().frequency_hz;
+  if (highest_hz < 10 || lowest_hz > 5000) {
+    findings.Doubt(kUnusualFrequencies, {{"lowest_hz", lowest_hz}, {"highest_hz", highest_hz}});
+  }
+}
+
+void AddDoubts(const SkinSweep& sweep, const SkinProblem& problem, SkinFit* fit) {
+  using enum FindingKind;
   constexpr double kPoorly = 0.2;
-  doubt(!fit->uncertainties_stated && fit->magnitude_noise > kPoorly,
-        fmt::format("the amplitudes lie {:.0f} % off the model: is it this actuator, are amplitude "
-                    "and drive both peak or both RMS, does the contact break?",
-                    100 * fit->magnitude_noise));
-  doubt(fit->uncertainties_stated && fit->magnitude_noise > 3,
-        fmt::format("the amplitudes lie {:.2g} times their stated uncertainties off the model",
-                    fit->magnitude_noise));
-  std::ranges::move(
-      DoubtResiduals(
-          fit->residuals, fit->magnitude_noise, fit->frequencies_hz[fit->residuals.farthest],
-          "the skin is no spring, damper and mass there, or the actuator's constants are "
-          "another's"),
-      std::back_inserter(fit->doubts));
-  doubt(fit->mass.determined && fit->mass.value < -3 * fit->mass.combined_standard_uncertainty,
-        fmt::format("an effective mass of {:.3g} g is negative: is the case's mass stated too "
-                    "large?",
-                    1e3 * fit->mass.value));
+  Findings& findings = fit->findings;
+  DoubtUnits(sweep, problem, fit);
+  if (!fit->uncertainties_stated && fit->magnitude_noise > kPoorly) {
+    findings.Doubt(kFarOffModel, {{"share", fit->magnitude_noise}});
+  }
+  if (fit->uncertainties_stated && fit->magnitude_noise > 3) {
+    findings.Doubt(kBeyondStated, {{"ratio", fit->magnitude_noise}});
+  }
+  DoubtResiduals(fit->residuals, fit->magnitude_noise, fit->frequencies_hz[fit->residuals.farthest],
+                 findings);
+  if (fit->mass.determined && fit->mass.value < -3 * fit->mass.combined_standard_uncertainty) {
+    findings.Doubt(kNegativeMass, {{"mass_kg", fit->mass.value}});
+  }
 }
 
 // a second solution within nine units of chi-square
-void NameSecondSolution(const SkinProblem& problem, const std::vector<SkinStart>& starts,
-                        SkinFit* fit) {
+void NameSecondSolution(const std::vector<SkinStart>& starts, SkinFit* fit) {
   if (starts.size() < 2) return;
   const double degrees = std::max(fit->degrees_of_freedom, 1.0);
   const double cost = std::max(starts[0].cost, 1e-24);
   constexpr double kNine = 9;
   if ((starts[1].cost - starts[0].cost) / cost * degrees > kNine) return;
   const auto& other = starts[1].parameters;
-  fit->doubts.push_back(
-      fmt::format("Ks {:.3g} N/m, Bs {:.3g} N s/m, m {:.2g} g fit nearly as well: {}",
-                  std::exp(other[Index(P::kStiffness)]), std::exp(other[Index(P::kDamping)]),
-                  1e3 * other[Index(P::kMass)],
-                  problem.has_phases() ? "sweep further"
-                                       : "measure the phase against the drive, or sweep further"));
+  fit->findings.Doubt(FindingKind::kSecondSolution,
+                      {{"stiffness_n_per_m", std::exp(other[Index(P::kStiffness)])},
+                       {"damping_n_s_per_m", std::exp(other[Index(P::kDamping)])},
+                       {"mass_kg", other[Index(P::kMass)]}});
 }
 
 }  // namespace
@@ -377,7 +357,7 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   fit.name = sweep.name;
   fit.area_m2 = sweep.area_m2;
   SkinProblem problem(*actuator, sweep.drive, points);
-  const auto starts = BestStarts(&problem, &fit.assumptions);
+  const auto starts = BestStarts(&problem, &fit.findings);
   if (starts.empty()) {
     return CannotAnswer(sweep.name, "no skin under this actuator moves so",
                         "check the units of displacement and drive, and the actuator");
@@ -399,7 +379,7 @@ Result<SkinFit> FitSkin(const SkinSweep& sweep, const sim::StatedActuator& state
   Describe(problem, parameters, solution, &fit);
   SetIntervals(fit.coverage_95, {&fit.stiffness, &fit.damping, &fit.mass});
   ExplainUndetermined(&fit);
-  NameSecondSolution(problem, starts, &fit);
+  NameSecondSolution(starts, &fit);
   AddDoubts(sweep, problem, &fit);
   return fit;
 }

@@ -103,9 +103,7 @@ struct SkinFit {
   std::vector<double> measured_m;
   std::vector<SkinInfluence> influences;          ///< eight
   sim::ActuatorCovariance actuator_covariance{};  ///< of the first seven, relative
-  std::vector<std::string> assumptions;
-  std::vector<std::string> undetermined;
-  std::vector<std::string> doubts;
+  Findings findings;  ///< of Ks and Bs that are not determined refusals; doubts; notes
   bool converged = false;
   int iterations = 0;
 };

@@ -29,7 +29,9 @@ READS = {
     "acquire": {"--port", "--calibration", "--profile", "--daemon", "--status"},
     "analyze": {"--floor"},
     "study": {"--floor", "--verify"},
-    "fit-lra": {"--open", "--load", "--actuator", "--impedance", "--adapter"},
+    "fit-lra": {"--open", "--load", "--actuator"},
+    "fit-impedance": {"--actuator"},
+    "plan-drop-test": {"--actuator"},
     "fit-skin": {"--actuator"},
     "sweep": {"--merge"},
     "emulate": {"--scene", "--trial", "--profile", "--link"},
@@ -55,6 +57,8 @@ class Option:
 ANALYZE = ("analyze", ["t.bin", "--floor", "floor.bin"], ["t.bin", "floor.bin"])
 STUDY = ("study", ["study.toml"], ["study.toml", "trials/s1_a.bin", "floor.bin"])
 FIT = ("fit-lra", ["drops.toml"], ["drops.toml", "impulse.csv"])
+SKIN = ("fit-skin", ["skin.csv", "--actuator", "actuator.toml"], ["skin.csv", "actuator.toml"])
+IMPEDANCE = ("fit-impedance", ["z.csv", "--actuator", "actuator.toml"], ["z.csv", "actuator.toml"])
 SIMULATE = ("simulate", ["scene.toml", "--duration", "0.1s"], ["scene.toml", "actuator.toml"])
 SWEEP = ("sweep", ["scene.toml", "--vary", "drive.frequency_hz=200,225,250"], ["scene.toml", "actuator.toml"])
 PICTURES = [".svg", ".png", ".pdf"]
@@ -87,7 +91,13 @@ WRITES = [
     of(FIT, "--save", [".toml"], "actuator", True),
     of(FIT, "--plot", PICTURES, can_overwrite=True),
     of(FIT, "--report", [".html"], "page", True),
-    Option("fit-skin", "--plot", ["skin.csv", "--actuator", "actuator.toml"], ["skin.csv", "actuator.toml"], [".svg"]),
+    of(SKIN, "--plot", [".svg"]),
+    of(SKIN, "--report", [".html"], "page"),
+    of(IMPEDANCE, "--save", [".toml"], "actuator", True),
+    of(IMPEDANCE, "--plot", [".svg"], can_overwrite=True),
+    of(IMPEDANCE, "--report", [".html"], "page", True),
+    Option("fit-adapter", "--report", ["tap.csv", "--mass", "4.6g"], ["tap.csv"], [".html"], "page"),
+    Option("plan-drop-test", "--report", ["--actuator", "actuator.toml"], ["actuator.toml"], [".html"], "page"),
     of(SIMULATE, "-o,--output", [".bin"], "recording", True),
     of(SIMULATE, "--waveforms", [".csv", ".h5", ".bin"], "export", True),
     of(SIMULATE, "--plot", [".svg"], can_overwrite=True),
@@ -154,6 +164,23 @@ def skin_table():
     return "\n".join(lines) + "\n"
 
 
+def impedance_table():
+    """The known actuator's impedance, its case held."""
+    lines = ["frequency_hz,impedance_ohm,phase_deg"]
+    for frequency in range(100, 400, 5):
+        s = 2j * math.pi * frequency
+        z = 27 + 130e-6 * s + s / (1.4e-3 * s * s + 0.0322 * s + 2800)
+        lines.append(f"{frequency},{abs(z):.6f},{math.degrees(math.atan2(z.imag, z.real)):.6f}")
+    return "\n".join(lines) + "\n"
+
+
+def tap_table():
+    """The ring-down of 214 Hz after a tap, with a step of rounding."""
+    rows = [f"{n / 2000:.4f},{1e-4 * math.exp(-n / 300) * math.cos(2 * math.pi * 214 * n / 2000):.8f}\n"
+            for n in range(1500)]
+    return "time_s,displacement_m\n" + "".join(rows)
+
+
 def make_inputs(directory):
     """What the commands read, small and quick."""
     os.chdir(directory)
@@ -178,6 +205,8 @@ def make_inputs(directory):
           'inductance_h = "130e-6 H"\n[[drop]]\nfile = "impulse.csv"\n')
     write("linearity.csv", "drive_v,rms_m\n" + "".join(f"{v},{v * 1.1e-6 + 1e-8 * (v % 2)}\n" for v in range(1, 8)))
     write("skin.csv", skin_table())
+    write("z.csv", impedance_table())
+    write("tap.csv", tap_table())
     write("note.txt", "precious words\n")
 
 

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,16 @@ class DropsFileRun : public ::testing::Test {
       fs::path(::testing::TempDir()) / ("drops_file_test_" + std::to_string(::getpid()));
 };
 
+// what is answered: without the provenance of JSON, and the notes of what replaces what
+std::string Answered(const std::string& out) {
+  std::istringstream lines(out.substr(0, out.find("\"provenance\"")));
+  std::string kept;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.contains(" replaces ")) kept += line + "\n";
+  }
+  return kept;
+}
+
 const std::string kActuator = R"toml(
 moving_mass_kg = "1.40(1)g"
 case_mass_kg = "0.60(1)g"
@@ -52,7 +63,7 @@ resistance_ohm = "27.0(1)ohm"
 inductance_h = "130uH"
 )toml";
 
-TEST_F(DropsFileRun, AnswersAreThoseOfTheSameOptionsByteForByte) {
+TEST_F(DropsFileRun, AnswersAreThoseOfTheSameOptions) {
   const std::string toml = Write(kActuator + R"toml(
 [[drop]]
 file = "open.csv"
@@ -89,7 +100,7 @@ time_scale = "1+-5e-5"
     const Outcome by_file = FitLra(file);
     ASSERT_EQ(by_options.status, 0) << by_options.err;
     EXPECT_EQ(by_file.status, 0) << by_file.err;
-    EXPECT_EQ(by_file.out, by_options.out);
+    EXPECT_EQ(Answered(by_file.out), Answered(by_options.out));
     EXPECT_EQ(by_file.err, by_options.err);
     EXPECT_THAT(by_file.out, HasSubstr("Km"));
   }
@@ -106,14 +117,14 @@ drop_height_m = "20mm"
   const Outcome beaten = FitLra({toml, "--held", "--drop-height", "10mm", "--rebound", "0",
                                  "--moving-mass", "1.4g", "--case-mass", "0.60(1)g"});
   ASSERT_EQ(beaten.status, 0) << beaten.err;
-  EXPECT_THAT(beaten.err, HasSubstr("--drop-height replaces drop_height_m = 0.02 of " + toml));
-  EXPECT_THAT(beaten.err, HasSubstr("--held replaces case = free of " + toml));
-  EXPECT_THAT(beaten.err, HasSubstr("--moving-mass replaces moving_mass_kg = 0.0014"));
-  EXPECT_THAT(beaten.err, ::testing::Not(HasSubstr("case_mass_kg"))) << "says the same";
+  EXPECT_THAT(beaten.out, HasSubstr("--drop-height replaces drop_height_m = 0.02 of " + toml));
+  EXPECT_THAT(beaten.out, HasSubstr("--held replaces case = free of " + toml));
+  EXPECT_THAT(beaten.out, HasSubstr("--moving-mass replaces moving_mass_kg = 0.0014"));
+  EXPECT_THAT(beaten.out, ::testing::Not(HasSubstr("case_mass_kg"))) << "says the same";
   const Outcome plain = FitLra({"--open", directory_ / "open.csv", "--held", "--drop-height",
                                 "10mm", "--rebound", "0", "--moving-mass", "1.4g", "--case-mass",
                                 "0.60(1)g", "--resistance", "27.0(1)ohm", "--inductance", "130uH"});
-  EXPECT_EQ(beaten.out, plain.out);
+  EXPECT_EQ(Answered(beaten.out), Answered(plain.out));
 }
 
 TEST_F(DropsFileRun, MistakesAreNamedInOneLine) {

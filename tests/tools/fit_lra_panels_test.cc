@@ -43,7 +43,7 @@ SyntheticDrop Noisy(unsigned seed, double load_ohm = tests::kOpen) {
   return drop;
 }
 
-std::vector<FitFigure> FiguresOf(const Fitted& fitted) {
+std::vector<document::Figure> FiguresOf(const Fitted& fitted) {
   return FitLraFigures(fitted.fit, fitted.records, {});
 }
 
@@ -140,7 +140,7 @@ TEST(FitLraFigures, LongRecordsAreDrawnAsTheirEnvelope) {
   drop.step_s = 4e-6;
   const Fitted fitted = FitOf({drop});
   ASSERT_GT(fitted.records[0].voltage_v.size(), 60'000U);
-  for (const FitFigure& figure : FiguresOf(fitted)) {
+  for (const document::Figure& figure : FiguresOf(fitted)) {
     for (const plot::Panel& panel : figure.panels) {
       for (const plot::Series& series : panel.series) EXPECT_LE(series.x.size(), 6000U);
     }
@@ -194,10 +194,10 @@ TEST(FitLraFigures, WithoutAFitThereIsTheRecordAndTheReason) {
   Fitted fitted = FitOf({Noisy(8)});
   fitted.fit.converged = false;
   fitted.fit.records[0].pole.determined = false;
-  const LeftOutDrop silent{fitted.records[0], {Cause::kCannotAnswer, "a", "no ring-down", ""}};
+  const fit::LeftOutDrop silent{fitted.records[0], {Cause::kCannotAnswer, "a", "no ring-down", ""}};
   const auto figures = FitLraFigures(fitted.fit, fitted.records, {silent});
   ASSERT_EQ(figures.size(), 2U);
-  for (const FitFigure& figure : figures) {
+  for (const document::Figure& figure : figures) {
     ASSERT_EQ(figure.panels.size(), 1U);
     ASSERT_EQ(figure.panels[0].series.size(), 1U) << "the record alone";
     EXPECT_EQ(CountOf(figure.panels[0].series[0].y), fitted.records[0].voltage_v.size());

@@ -11,8 +11,7 @@
 #include "base/text.h"
 #include "base/toml.h"
 #include "fit/drop_test/prepared_record.h"
-#include "sim/scene/actuator.h"
-#include "tools/document/document.h"
+#include "tools/fit/fit_document.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
@@ -20,6 +19,10 @@ namespace {
 
 using fit::ActuatorKnowns;
 using fit::CaseCondition;
+
+constexpr const char* kHeader = "the header";
+
+using Statements = Findings<StatementFinding>;
 
 // the files, and what is said of each beside its header
 struct Sources {
@@ -84,13 +87,24 @@ Result<void> CheckDistinct(const std::vector<StatedDrop>& sources) {
   return {};
 }
 
+// that `by` replaces the statement `key` = `value` of `of`
+void NoteReplaced(const std::string& subject, std::string_view by, std::string_view key,
+                  const std::string& value, const std::string& of, Statements* replaced) {
+  replaced->Add({.severity = Severity::kNote,
+                 .kind = StatementFinding::kReplaced,
+                 .numbers = {{"by", std::string(by)},
+                             {"key", std::string(key)},
+                             {"value", value},
+                             {"of", of}},
+                 .subject = subject});
+}
+
 // lays `option` over `*value`, and says so when they differ
 void Lay(const std::optional<Quantity>& option, std::string_view name, const std::string& file,
-         std::string_view key, std::optional<Quantity>* value, std::vector<std::string>* remarks) {
+         std::string_view key, std::optional<Quantity>* value, Statements* replaced) {
   if (!option) return;
   if (*value && **value != *option) {
-    remarks->push_back(
-        fmt::format("{}: {} replaces the header's {} = {:g}", file, name, key, (*value)->value));
+    NoteReplaced(file, name, key, fmt::format("{:g}", (*value)->value), kHeader, replaced);
   }
   *value = option;
 }
@@ -120,38 +134,38 @@ constexpr DropStatement kDropStatements[]{
 };
 
 void LayCondition(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-                  fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
-  const bool has_option = options.held || options.is_free;
+                  fit::ImpulseRecord* record, Statements* replaced) {
+  const bool has_option = options.actuator.held || options.actuator.is_free;
   if (!has_option && !said.condition) return;
-  const auto wanted =
-      has_option ? (options.held ? CaseCondition::kHeld : CaseCondition::kFree) : *said.condition;
+  const auto wanted = has_option
+                          ? (options.actuator.held ? CaseCondition::kHeld : CaseCondition::kFree)
+                          : *said.condition;
   const std::string name = has_option ? fmt::format("--{}", Name(wanted)) : said_by;
   if (has_option && said.condition && *said.condition != wanted) {
-    remarks->push_back(fmt::format("{}: {} replaces case = {} of {}", record->name, name,
-                                   Name(*said.condition), said_by));
+    NoteReplaced(record->name, name, "case", std::string(Name(*said.condition)), said_by, replaced);
   }
   if (record->condition && *record->condition != wanted) {
-    remarks->push_back(fmt::format("{}: {} replaces the header's case = {}", record->name, name,
-                                   Name(*record->condition)));
+    NoteReplaced(record->name, name, "case", std::string(Name(*record->condition)), kHeader,
+                 replaced);
   }
   record->condition = wanted;
 }
 
 // what is said of a drop over its header, options over the drops file
 void LayDrop(const FitLraOptions& options, const StatedDrop& said, const std::string& said_by,
-             fit::ImpulseRecord* record, std::vector<std::string>* remarks) {
+             fit::ImpulseRecord* record, Statements* replaced) {
   const std::optional<Quantity> none;
   for (const DropStatement& row : kDropStatements) {
     const auto& option = row.option == nullptr ? none : options.*row.option;
     const auto& in_file = said.*row.said;
     if (option && in_file && *option != *in_file) {
-      remarks->push_back(fmt::format("{}: {} replaces {} = {:g} of {}", record->name,
-                                     row.option_name, row.key, in_file->value, said_by));
+      NoteReplaced(record->name, row.option_name, row.key, fmt::format("{:g}", in_file->value),
+                   said_by, replaced);
     }
     Lay(option ? option : in_file, option ? row.option_name : said_by, said.path, row.key,
-        &(record->*row.member), remarks);
+        &(record->*row.member), replaced);
   }
-  LayCondition(options, said, said_by, record, remarks);
+  LayCondition(options, said, said_by, record, replaced);
 }
 
 // the seconds of "A:B"; either may be missing, "0.2s:" to the end
@@ -210,19 +224,13 @@ Result<void> CutTo(const Window& window, fit::ImpulseRecord* record) {
 
 // one file as a drop with the options laid over its header
 Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string& said_by,
-                                    const FitLraOptions& options,
-                                    std::vector<std::string>* remarks) {
+                                    const FitLraOptions& options, FitLraInput* input) {
   auto recording = trial::ReadRecording(source.path, options.import);
   if (!recording) return std::unexpected(recording.error());
-  for (const trial::Finding& found : recording->report.findings.list()) {
-    remarks->push_back(fmt::format("{}: {}", source.path, document::WordsOf(found)));
-  }
+  NoteReading(*recording, source.path, input->reading, input->sources);
   auto file = fit::ImpulseFromRecord(recording->record, Printable(source.path));
   if (!file) return std::unexpected(file.error());
-  for (const std::string& remark : file->remarks) {
-    remarks->push_back(fmt::format("{}: {}", source.path, remark));
-  }
-  LayDrop(options, source, said_by, &file->record, remarks);
+  LayDrop(options, source, said_by, &file->record, &input->replaced);
   if (options.window.empty()) return *file;
   const auto window = ParseWindow(options.window);
   if (!window) return std::unexpected(window.error());
@@ -230,28 +238,12 @@ Result<fit::ImpulseFile> ReadSource(const StatedDrop& source, const std::string&
   return *file;
 }
 
-// a drop for the fit; what is sampled more finely than that has use for is averaged
-Result<fit::PreparedRecord> Prepared(fit::ImpulseRecord* drop, std::vector<std::string>* remarks) {
-  auto prepared = fit::PrepareRecord(*drop);
-  if (!prepared) return prepared;
-  auto thinned = fit::Thinned(*drop, prepared->start.poles);
-  if (!thinned) return prepared;
-  std::string remark = fmt::format("{}: {} samples, averaged over {} at a time", drop->name,
-                                   drop->voltage_v.size(), thinned->block);
-  if (thinned->clipped > 0) {
-    remark += fmt::format("; {} at the recorder's limits are left out", thinned->clipped);
-  }
-  remarks->push_back(std::move(remark));
-  *drop = std::move(thinned->record);
-  return fit::PrepareRecord(*drop);
-}
-
 // one error for a file, whatever number of its drops cannot be fitted
-Error Together(const std::string& name, std::size_t drops, const std::vector<Error>& errors) {
-  Error error = errors.front();
-  if (drops == 1) return error;
-  error.what = fmt::format("{} of its {} drops cannot be fitted; {}: {}", errors.size(), drops,
-                           error.where, error.what);
+Error Together(const std::string& name, const fit::PreparedDrops& drops) {
+  Error error = drops.left_out.front().why;
+  if (drops.drops == 1) return error;
+  error.what = fmt::format("{} of its {} drops cannot be fitted; {}: {}", drops.left_out.size(),
+                           drops.drops, error.where, error.what);
   error.where = name;
   return error;
 }
@@ -259,37 +251,16 @@ Error Together(const std::string& name, std::size_t drops, const std::vector<Err
 // the drops of one file, what cannot be fitted of them left out
 void TakeDrops(const fit::ImpulseFile& file, std::vector<fit::ImpulseFile>* files,
                FitLraInput* input) {
-  auto drops = fit::SplitDrops(file.record);
-  if (drops.size() > 1) {
-    input->remarks.push_back(fmt::format(
-        "{}: {} drops in one record, each taken by itself{}", file.record.name, drops.size(),
-        file.record.drop_height_m ? "; the drop height is taken for the first alone" : ""));
+  fit::PreparedDrops drops = fit::PrepareDrops(file.record);
+  input->findings.AddAll(file.findings);
+  input->findings.AddAll(drops.findings);
+  for (std::size_t k = 0; k < drops.records.size(); ++k) {
+    files->push_back({std::move(drops.records[k]), file.knowns, {}});
+    input->prepared.push_back(std::move(drops.prepared[k]));
   }
-  std::vector<Error> errors;
-  const std::size_t fitted_before = files->size();
-  for (fit::ImpulseRecord& drop : drops) {
-    auto prepared = Prepared(&drop, &input->remarks);
-    if (prepared) {
-      input->prepared.push_back(*std::move(prepared));
-      files->push_back({std::move(drop), file.knowns, {}});
-    } else {
-      errors.push_back(prepared.error());
-      input->left_out_drops.push_back({std::move(drop), prepared.error()});
-    }
-  }
-  if (errors.empty()) return;
-  // where most are none, the others are likely none either
-  if (2 * errors.size() > drops.size()) {
-    const std::size_t good = files->size() - fitted_before;
-    if (good > 0) {
-      input->remarks.push_back(fmt::format(
-          "{}: {} of its {} drops could be fitted, too few for a file of drops: not used",
-          file.record.name, good, drops.size()));
-    }
-    files->resize(fitted_before);
-    input->prepared.resize(fitted_before);
-  }
-  input->left_out.push_back(Together(file.record.name, drops.size(), errors));
+  if (drops.left_out.empty()) return;
+  input->left_out.push_back(Together(file.record.name, drops));
+  for (auto& drop : drops.left_out) input->left_out_drops.push_back(std::move(drop));
 }
 
 // who says what about the actuator
@@ -313,7 +284,7 @@ class Statement {
     for (const auto& file : files) {
       std::optional<Quantity> header = file.knowns.*member_;
       if (stated.value) {
-        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->remarks);
+        Lay(stated.value, stated.by, file.record.name, key_, &header, &input->replaced);
       } else if (header && settled && *header != *settled) {
         return CannotAnswer(file.record.name,
                             fmt::format("{} = {:g} contradicts {:g} of another file", key_,
@@ -328,14 +299,14 @@ class Statement {
 
   // what the command line says, by an option or else by an actuator, over the drops file
   [[nodiscard]] Stated Over(const ActuatorKnowns& options, const ActuatorKnowns& actuator,
-                            const Sources& sources, std::vector<std::string>* remarks) const {
+                            const Sources& sources, Statements* replaced) const {
     const auto& option = options.*member_;
     const Stated command{option ? option_name_ : "--actuator", option ? option : actuator.*member_};
     const auto& in_file = sources.knowns.*member_;
     if (!command.value) return {sources.said_by, in_file};
     if (in_file && *in_file != *command.value) {
-      remarks->push_back(fmt::format("{}: {} replaces {} = {:g}", sources.said_by, command.by, key_,
-                                     in_file->value));
+      NoteReplaced("", command.by, key_, fmt::format("{:g}", in_file->value), sources.said_by,
+                   replaced);
     }
     return command;
   }
@@ -348,15 +319,8 @@ class Statement {
 
 Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
                           const std::vector<fit::ImpulseFile>& files, FitLraInput* input) {
-  ActuatorKnowns from_actuator;
-  if (!options.actuator.empty()) {
-    auto actuator = sim::FindActuator(options.actuator);
-    if (!actuator) return std::unexpected(actuator.error());
-    from_actuator = {actuator->moving_mass_kg, actuator->case_mass_kg, actuator->resistance_ohm,
-                     actuator->inductance_h};
-  }
-  const ActuatorKnowns from_options{options.moving_mass_kg, options.case_mass_kg,
-                                    options.resistance_ohm, options.inductance_h};
+  const auto of_file = KnownsOfFile(options.actuator);
+  if (!of_file) return std::unexpected(of_file.error());
   const Statement statements[]{
       {"moving_mass_kg", "--moving-mass", &ActuatorKnowns::moving_mass_kg},
       {"case_mass_kg", "--case-mass", &ActuatorKnowns::case_mass_kg},
@@ -364,7 +328,8 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
       {"inductance_h", "--inductance", &ActuatorKnowns::inductance_h},
   };
   for (const Statement& statement : statements) {
-    const Stated stated = statement.Over(from_options, from_actuator, sources, &input->remarks);
+    const Stated stated =
+        statement.Over(options.actuator.knowns, *of_file, sources, &input->replaced);
     if (auto settled = statement.Settle(stated, files, input); !settled) return settled;
   }
   return {};
@@ -373,26 +338,12 @@ Result<void> SettleKnowns(const FitLraOptions& options, const Sources& sources,
 }  // namespace
 
 Result<void> CheckFitLraOptions(const FitLraOptions& options) {
-  if (options.held && options.is_free) {
-    return Usage("--held", "excludes --free", "give one of them");
-  }
+  if (auto good = Check(options.actuator); !good) return good;
   const auto positive = [](const std::optional<Quantity>& value) {
     return !value || value->value > 0;
   };
-  if (!positive(options.moving_mass_kg)) {
-    return Usage("--moving-mass", "must be positive", "write it like 1.4g");
-  }
-  if (!positive(options.case_mass_kg)) {
-    return Usage("--case-mass", "must be positive", "write it like 0.6g");
-  }
-  if (!positive(options.resistance_ohm)) {
-    return Usage("--resistance", "must be positive", "write it like 27ohm");
-  }
   if (!positive(options.drop_height_m)) {
     return Usage("--drop-height", "must be positive", "write it like 10mm");
-  }
-  if (options.inductance_h && options.inductance_h->value < 0) {
-    return Usage("--inductance", "must not be negative", "write it like 130uH");
   }
   if (!positive(options.release_current_a)) {
     return Usage("--release-current", "must be positive", "write it like 50mA");
@@ -427,7 +378,7 @@ Result<FitLraInput> GatherFitLraInput(const FitLraOptions& options) {
   FitLraInput input;
   std::vector<fit::ImpulseFile> files;
   for (const StatedDrop& source : sources->drops) {
-    auto file = ReadSource(source, sources->said_by, options, &input.remarks);
+    auto file = ReadSource(source, sources->said_by, options, &input);
     if (file) {
       TakeDrops(*file, &files, &input);
     } else {

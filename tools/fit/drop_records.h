@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/finding.h"
 #include "base/quantity.h"
 #include "fit/drop_test/impulse_record.h"
 #include "fit/drop_test/prepared_record.h"
+#include "tools/document/provenance.h"
+#include "tools/fit/actuator_options.h"
 #include "trial/import/import_options.h"
 
 namespace haptometer::tools {
@@ -19,39 +22,31 @@ struct FitLraOptions {
   std::vector<std::string> files;              ///< with the load of their header; or one drops file
   std::vector<std::vector<std::string>> open;  ///< groups of files, open circuit
   std::vector<std::vector<std::string>> loads;  ///< groups: a resistance, then files
-  bool held = false;
-  bool is_free = false;
+  ActuatorWords actuator;
   bool is_robust = false;  ///< Huber's loss in place of squares
   std::optional<Quantity> drop_height_m;
   std::optional<Quantity> rebound;
   std::optional<Quantity> release_current_a;
   std::optional<Quantity> voltage_scale;
   std::optional<Quantity> time_scale;
-  std::optional<Quantity> moving_mass_kg;
-  std::optional<Quantity> case_mass_kg;
-  std::optional<Quantity> resistance_ohm;
-  std::optional<Quantity> inductance_h;
-  std::vector<std::string> required;  ///< constants without which the status is 3
   std::string window;           ///< "A:B": the part of each record that is fitted, in s; empty: all
-  std::string actuator;         ///< built-in or file; beats headers, is beaten by the options above
   trial::ImportOptions import;  ///< how to read tables of other programs
 };
 
-/// A drop that was read and holds no ring-down that can be fitted.
-struct LeftOutDrop {
-  fit::ImpulseRecord record;
-  Error why;
-};
+/// What is found while statements of several places are laid over each other.
+enum class StatementFinding : std::uint8_t { kReplaced };
 
 /// The drops that can be fitted, what is known of the actuator, and what was left out.
 struct FitLraInput {
   std::vector<fit::ImpulseRecord> records;
   std::vector<fit::PreparedRecord> prepared;  ///< one of each, for the fit
   fit::ActuatorKnowns knowns;
-  std::vector<std::string>
-      remarks;  ///< assumed while reading, or statements that replaced others; a sentence each
-  std::vector<Error> left_out;              ///< files that cannot be fitted; the others still are
-  std::vector<LeftOutDrop> left_out_drops;  ///< those of them that could be read
+  trial::Findings reading;                    ///< what is lost and what was assumed, by files
+  Findings<StatementFinding> replaced;        ///< statements that replaced others
+  fit::Findings findings;                     ///< of headers, and of what was done with drops
+  std::vector<document::DataSource> sources;  ///< of the recordings, each once
+  std::vector<Error> left_out;                ///< files that cannot be fitted; the others still are
+  std::vector<fit::LeftOutDrop> left_out_drops;  ///< those of them that could be read
 };
 
 /// Refuses options whose value is out of range, and held and free together. Errors: Cause::kUsage.

@@ -1,163 +1,69 @@
-#include "tools/fit/fit_adapter.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/text.h"
 #include "fit/adapter/adapter_fit.h"
-#include "tools/cli/json.h"
+#include "tools/cli/options.h"
+#include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
-#include "tools/document/document.h"
-#include "tools/fit/fit_lra_document.h"
+#include "tools/document/findings_fit.h"
+#include "tools/document/present.h"
+#include "tools/fit/fit_document.h"
+#include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 
 namespace haptometer::tools {
 namespace {
 
-using nlohmann::ordered_json;
+using document::Detail;
+using document::Form;
+using document::Section;
 
-constexpr std::string_view kVerb = "fit-lra";
+constexpr std::string_view kVerb = "fit-adapter";
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Fit an adapter's spring and damper to its ring-down after a tap.",
+    .examples = {"haptometer fit-adapter tap.bin --mass 4.6g",
+                 "haptometer fit-adapter tap1.csv tap2.csv --mass '4.60(2)g' --all",
+                 "haptometer fit-adapter tap.csv --mass 4.6g --json"}};
 
 // one tap counts once
-Result<std::vector<std::string>> DistinctPaths(const AdapterWords& words) {
+Result<void> CheckDistinct(const std::vector<std::string>& paths) {
   namespace fs = std::filesystem;
-  std::vector<std::string> paths;
   std::error_code ignored;
-  for (const auto& group : words.files) {
-    for (const auto& path : group) {
-      const auto same = [&](const std::string& other) {
-        return other == path || fs::equivalent(other, path, ignored);
-      };
-      if (std::ranges::any_of(paths, same)) {
-        return Usage(path, "is given twice", "name each tap once");
-      }
-      paths.push_back(path);
+  for (auto path = paths.begin(); path != paths.end(); ++path) {
+    const auto is_same = [&](const std::string& other) {
+      return other == *path || fs::equivalent(other, *path, ignored);
+    };
+    if (std::any_of(paths.begin(), path, is_same)) {
+      return Usage(*path, "is given twice", "name each tap once");
     }
-  }
-  return paths;
-}
-
-Result<void> Check(const AdapterWords& words, bool has_drops) {
-  if (words.files.empty()) {
-    return Usage("--mass", "is the mass of an adapter", "add --adapter tap.bin");
-  }
-  if (has_drops) {
-    return Usage("--adapter", "excludes drops and --impedance", "ask for one after the other");
-  }
-  if (!words.mass_kg) {
-    return Usage("--adapter", "needs the mass that rings on the spring", "add --mass 4.6g");
-  }
-  if (!(words.mass_kg->value > 0)) {
-    return Usage("--mass", "must be positive", "write it like 4.6g");
   }
   return {};
 }
 
-std::string TapLine(const fit::FittedTap& tap) {
-  const double shown = tap.unit == "m" ? 1e6 : 1;
-  const std::string unit = tap.unit == "m" ? "um" : tap.unit;
-  std::string text = fmt::format(
-      "  {}: {:.4f} Hz, decay {:.4f} 1/s, from {:.3g} {} at {:.4g} s to {:.4g} s, residual {:.2g} "
-      "{} RMS over {} samples\n",
-      tap.name, tap.natural_frequency_hz, tap.decay_per_s, shown * tap.amplitude, unit, tap.first_s,
-      tap.end_s, shown * tap.residual_rms, unit, tap.samples);
-  if (tap.density.is_coloured) {
-    text +=
-        fmt::format("    the residual is {:.3g} times as dense at the resonance as on average\n",
-                    tap.density.ratio);
+Result<void> CheckMass(const std::optional<Quantity>& mass_kg) {
+  if (!mass_kg) {
+    return Usage("--mass", "is missing: the mass that rings on the spring", "add --mass 4.6g");
   }
-  for (const auto& sentence : tap.found) text += fmt::format("    {}\n", sentence);
-  return text;
-}
-
-std::string Text(const fit::AdapterFit& fit) {
-  std::string text = "Adapter (value +- 95 % interval)\n";
-  text += FittedLine("Ka", fit.stiffness) + FittedLine("Ba", fit.damping);
-  text += FittedLine("f0", fit.natural_frequency) + FittedLine("Q", fit.quality_factor);
-  text += FittedLine("Ka/M", fit.stiffness_over_mass) + FittedLine("Ba/M", fit.damping_over_mass);
-  text += SentenceSection("Not determined", fit.undetermined);
-  text += SentenceSection("Doubtful", fit.doubts);
-  text += "Taps\n";
-  for (const auto& tap : fit.taps) text += TapLine(tap);
-  if (fit.taps.size() > 1) {
-    text += fmt::format(
-        "  they scatter {:.2g} (Ka) and {:.2g} (Ba) times as much as their noise explains\n",
-        fit.stiffness_birge_ratio, fit.damping_birge_ratio);
-  }
-  text += fmt::format(
-      "Given\n  mass {:g} g, {}; +1 % of it: Ka +1 %, Ba +1 %\n", fit.mass_kg.value * 1e3,
-      fit.mass_kg.exact()
-          ? "taken as exact"
-          : fmt::format("standard uncertainty {:g} g", fit.mass_kg.standard_uncertainty * 1e3));
-  text += SentenceSection("Assumed", fit.assumptions);
-  return text;
-}
-
-ordered_json TapJson(const fit::FittedTap& tap) {
-  return {{"file", tap.name},
-          {"first_s", tap.first_s},
-          {"end_s", tap.end_s},
-          {"samples", tap.samples},
-          {"natural_frequency_hz", tap.natural_frequency_hz},
-          {"decay_per_s", tap.decay_per_s},
-          {"amplitude", tap.amplitude},
-          {"residual_rms", tap.residual_rms},
-          {"unit", tap.unit},
-          {"residual_density_ratio", tap.density.ratio},
-          {"residual_is_coloured", tap.density.is_coloured},
-          {"disturbances", tap.found}};
-}
-
-std::string Json(const fit::AdapterFit& fit, const std::vector<std::string>& remarks,
-                 const std::vector<Error>& left_out) {
-  ordered_json document;
-  document["parameters"] = {{"Ka", FittedJson(fit.stiffness)}, {"Ba", FittedJson(fit.damping)}};
-  document["ka_over_mass"] = FittedJson(fit.stiffness_over_mass);
-  document["ba_over_mass"] = FittedJson(fit.damping_over_mass);
-  document["natural_frequency"] = FittedJson(fit.natural_frequency);
-  document["quality_factor"] = FittedJson(fit.quality_factor);
-  document["mass_kg"] = {{"value", fit.mass_kg.value},
-                         {"standard_uncertainty", fit.mass_kg.standard_uncertainty}};
-  const auto ratio = [&](double value) {
-    return fit.taps.size() > 1 ? cli::NumberOrNull(value) : ordered_json(nullptr);
-  };
-  document["birge_ratio"] = {{"Ka", ratio(fit.stiffness_birge_ratio)},
-                             {"Ba", ratio(fit.damping_birge_ratio)}};
-  document["taps"] = ordered_json::array();
-  for (const auto& tap : fit.taps) document["taps"].push_back(TapJson(tap));
-  document["assumptions"] = fit.assumptions;
-  auto undetermined = fit.undetermined;
-  if (fit.taps.empty()) {
-    for (const auto& error : left_out) undetermined.push_back(error.Text());
-  }
-  document["not_determined"] = undetermined;
-  document["doubts"] = fit.doubts;
-  document["remarks"] = remarks;
-  document["left_out"] = ordered_json::array();
-  for (const auto& error : left_out) document["left_out"].push_back(error.Text());
-  return cli::JsonText(document);
-}
-
-// what stands in a document where no tap could be fitted
-fit::AdapterFit Nothing(const Quantity& mass_kg) {
-  fit::AdapterFit fit;
-  fit.stiffness.unit = "N/m";
-  fit.damping.unit = "N s/m";
-  fit.natural_frequency.unit = "Hz";
-  fit.stiffness_over_mass.unit = "1/s^2";
-  fit.damping_over_mass.unit = "1/s";
-  fit.mass_kg = mass_kg;
-  return fit;
+  if (mass_kg->value > 0) return {};
+  return Usage("--mass", "must be positive", "write it like 4.6g");
 }
 
 // the taps that can be read
 struct Taps {
   std::vector<fit::ImpulseRecord> records;
-  std::vector<std::string> remarks;
+  trial::Findings reading;
   std::vector<Error> left_out;
+  std::vector<document::DataSource> sources;
 };
 
 Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions& import) {
@@ -169,9 +75,7 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
       taps.left_out.push_back(recording.error());
       continue;
     }
-    for (const trial::Finding& found : recording->report.findings.list()) {
-      taps.remarks.push_back(fmt::format("{}: {}", Printable(path), document::WordsOf(found)));
-    }
+    NoteReading(*recording, path, taps.reading, taps.sources);
     auto record = fit::TapFromRecord(recording->record, Printable(path));
     if (record) {
       taps.records.push_back(std::move(*record));
@@ -182,44 +86,132 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
   return taps;
 }
 
-}  // namespace
+// --- the document ---
 
-void DeclareAdapter(cli::Options* options, AdapterWords* words) {
-  options->Groups("--adapter", &words->files, "FILE...",
-                  "Ka and Ba of an adapter that was tapped with one side held, in place of drops");
-  options->Number("--mass", &words->mass_kg, Dimension::kMass,
-                  "With --adapter: the mass that rings on its spring");
+Section ConstantsOf(const fit::AdapterFit& fit) {
+  Section parameters{.name = "parameters"};
+  AddFitted(parameters, {"Ka", "stiffness Ka", document::kNewtonPerMetre, Form::kEstimate},
+            fit.stiffness);
+  AddFitted(parameters, {"Ba", "damping Ba", document::kNewtonSecondPerMetre, Form::kEstimate},
+            fit.damping);
+  return parameters;
 }
 
-int AnswerAdapter(const AdapterWords& words, const trial::ImportOptions& import, bool has_drops,
-                  bool json) {
-  if (auto good = Check(words, has_drops); !good) return cli::ReportError(kVerb, good.error());
-  const auto paths = DistinctPaths(words);
-  if (!paths) return cli::ReportError(kVerb, paths.error());
-  Taps taps = ReadTaps(*paths, import);
-  int status = 0;
-  for (const auto& error : taps.left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
-  if (taps.records.empty()) {
-    if (json) fmt::print("{}", Json(Nothing(*words.mass_kg), taps.remarks, taps.left_out));
-    return status;
-  }
-  for (const auto& remark : taps.remarks) cli::Remark(kVerb, remark);
+Section ResonanceOf(const fit::AdapterFit& fit) {
+  Section section;
+  AddFitted(section,
+            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
+            fit.natural_frequency);
+  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
+            fit.quality_factor);
+  return section;
+}
 
-  const auto fit = fit::FitAdapter(taps.records, *words.mass_kg);
+Section MassOf(const fit::AdapterFit& fit, const Quantity& mass_kg) {
+  Section section{.detail = Detail::kAll};
+  AddFitted(section, {"ka_over_mass", "Ka over mass", document::kPerSecondSquared, Form::kEstimate},
+            fit.stiffness_over_mass);
+  AddFitted(section, {"ba_over_mass", "Ba over mass", document::kPerSecond, Form::kEstimate},
+            fit.damping_over_mass);
+  section.Add({"", "mass", document::kKilogram}, mass_kg.value, mass_kg.standard_uncertainty).note =
+      "1 % of it moves Ka and Ba by 1 %";
+  Section mass{.name = "mass_kg"};
+  mass.Add({"value"}, mass_kg.value);
+  mass.Add({"standard_uncertainty"}, mass_kg.standard_uncertainty);
+  section.sections.push_back(std::move(mass));
+  return section;
+}
+
+// how much more taps scatter than their noise explains; not known of one
+Section BirgeOf(const fit::AdapterFit& fit) {
+  const bool is_known = fit.taps.size() > 1;
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  Section ratios{.name = "birge_ratio"};
+  AddRatio(ratios, {"Ka", "Birge ratio of Ka"}, is_known ? fit.stiffness_birge_ratio : kNaN);
+  AddRatio(ratios, {"Ba", "Birge ratio of Ba"}, is_known ? fit.damping_birge_ratio : kNaN);
+  return ratios;
+}
+
+Section TapOf(const fit::FittedTap& tap) {
+  const document::Unit unit = tap.unit == "m" ? document::kMetre : document::kNone;
+  Section section{.heading = tap.name};
+  section.Add({"file"}, tap.name);
+  section.Add({"first_s", "from", document::kSecond}, tap.first_s);
+  section.Add({"end_s", "to", document::kSecond}, tap.end_s);
+  section.Add({"samples", "samples"}, tap.samples);
+  section.Add({"natural_frequency_hz", "natural frequency", document::kHertz},
+              tap.natural_frequency_hz);
+  section.Add({"decay_per_s", "decay rate", document::kPerSecond}, tap.decay_per_s);
+  ShowDigits(section.Add({"amplitude", "amplitude", unit}, tap.amplitude), 3);
+  ShowDigits(section.Add({"residual_rms", "residual (RMS)", unit}, tap.residual_rms), 3);
+  section.Add({"unit"}, tap.unit);
+  AddDensity(section, tap.density);
+  document::AddFindings(section, tap.found);
+  return section;
+}
+
+document::Document AdapterDocument(const fit::AdapterFit& fit, const Quantity& mass_kg,
+                                   const Taps& taps) {
+  document::Document document{.verb = std::string(kVerb), .title = {}};
+  document.title = fit.taps.empty() ? "Constants of an adapter: no tap could be fitted"
+                   : fit.taps.size() == 1
+                       ? fmt::format("Constants of an adapter from {}", fit.taps[0].name)
+                       : fmt::format("Constants of an adapter from {} taps", fit.taps.size());
+  Section& root = document.root;
+  root.sources = taps.sources;
+  Section list{.name = "taps", .shape = Section::Shape::kArray, .detail = Detail::kAll};
+  for (const fit::FittedTap& tap : fit.taps) list.sections.push_back(TapOf(tap));
+  root.sections = {ConstantsOf(fit), ResonanceOf(fit), MassOf(fit, mass_kg), BirgeOf(fit),
+                   std::move(list)};
+  AddLeftOut(root, taps.left_out);
+  document::AddFindings(root, fit.findings);
+  document::AddFindings(root, taps.reading);
+  return document;
+}
+
+// fits the taps that can be fitted; the others are left out
+fit::AdapterFit FitTaps(Taps& taps, const Quantity& mass_kg) {
+  if (taps.records.empty()) return {};
+  auto fit = fit::FitAdapter(taps.records, mass_kg);
   if (!fit) {
     taps.left_out.push_back(fit.error());
-    if (json) fmt::print("{}", Json(Nothing(*words.mass_kg), taps.remarks, taps.left_out));
-    return cli::ReportError(kVerb, fit.error());
+    return {};
   }
-  for (const auto& error : fit->left_out) {
+  taps.left_out.insert(taps.left_out.end(), fit->left_out.begin(), fit->left_out.end());
+  return *fit;
+}
+
+}  // namespace
+
+int RunFitAdapter(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  std::vector<std::string> files;
+  std::optional<Quantity> mass_kg;
+  cli::ImportWords words;
+  document::Outputs outputs;
+  options.Positionals("taps", &files,
+                      "Recordings of the displacement after a tap, the other side held");
+  options.Number("--mass", &mass_kg, Dimension::kMass, "The mass that rings on the spring");
+  options.Flag("--all", &outputs.all, "Each tap too, and the provenance");
+  options.Output("--report", &outputs.report, "FILE.html", "Write one page with all details");
+  cli::DeclareImport(&options, &words);
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  const auto import = cli::ImportOf(words);
+  if (!import) return cli::ReportError(kVerb, import.error());
+  for (const auto& good : {CheckMass(mass_kg), CheckDistinct(files), CheckOutputs(outputs)}) {
+    if (!good) return cli::ReportError(kVerb, good.error());
+  }
+
+  Taps taps = ReadTaps(files, *import);
+  const fit::AdapterFit fit = FitTaps(taps, *mass_kg);
+  int status = 0;
+  for (const Error& error : taps.left_out) {
     status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-    taps.left_out.push_back(error);
   }
-  cli::Print(json ? Json(*fit, taps.remarks, taps.left_out) : Text(*fit));
-  const bool answered = fit->stiffness.determined && fit->damping.determined;
-  return answered ? status : cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
+  if (fit.taps.empty() && !IsShownEmpty(outputs)) return status;
+  return cli::WorseStatus(
+      status, document::Present(AdapterDocument(fit, *mass_kg, taps), outputs, argc, argv));
 }
 
 }  // namespace haptometer::tools

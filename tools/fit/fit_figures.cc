@@ -16,8 +16,6 @@
 #include "base/error.h"
 #include "dsp/spectrum/welch.h"
 #include "fit/poles.h"
-#include "tools/cli/uncertain_number.h"
-#include "tools/fit/fit_lra_document.h"
 #include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
@@ -153,7 +151,11 @@ plot::Panel ResidualPanel(const ImpulseRecord& record, const FittedRecord& fitte
   const Rows part = PartOf(fitted);
   return {fmt::format("residual in units of {}: {}",
                       knows_noise ? "the noise before the impact" : "its own RMS",
-                      AmountText(record.signal, unit)),
+                      document::QuantityText(unit,
+                                             record.signal == fit::RecordedSignal::kVoltage
+                                                 ? document::kVolt
+                                                 : document::kMetre,
+                                             3)),
           "time / ms",
           "residual / noise",
           {Curve(record, part, "", SampleStyle(part.count(), kMostOfNoise, plot::kOrange),
@@ -237,7 +239,7 @@ std::vector<plot::Panel> SpectrumPanels(const ImpulseRecord& record, const Fitte
   return {std::move(panel)};
 }
 
-FitFigure UnfittedFigure(const ImpulseRecord& record, const std::string& reason) {
+document::Figure UnfittedFigure(const ImpulseRecord& record, const std::string& reason) {
   const Shown shown = ShownOf(record, 0);
   return {fmt::format("{}: no fit.", record.name),
           {{fmt::format("{}: not fitted: {}", record.name, reason),
@@ -248,9 +250,9 @@ FitFigure UnfittedFigure(const ImpulseRecord& record, const std::string& reason)
                    [&](std::size_t row) { return shown.Of(record.voltage_v[row]); })}}}};
 }
 
-FitFigure RecordFigure(const ImpulseRecord& record, const FittedRecord& fitted) {
+document::Figure RecordFigure(const ImpulseRecord& record, const FittedRecord& fitted) {
   const std::string title = fmt::format("{} ({})", record.name, LoadText(fitted.load_ohm));
-  FitFigure figure{
+  document::Figure figure{
       fmt::format("{}: record and fit, the same close to the impact, what the fit leaves, and the "
                   "spectra of both. Grey: not used.",
                   title),
@@ -272,8 +274,8 @@ std::string PoleTitle(const FittedRecord& fitted, std::size_t records) {
   return fmt::format("pole of {} ({}): {} Hz, {} 1/s",
                      records == 1 ? fitted.name : fmt::format("{} records", records),
                      LoadText(fitted.load_ohm),
-                     cli::WithUncertainty(pole.frequency_hz, std::sqrt(pole.covariance[0][0])),
-                     cli::WithUncertainty(pole.decay_per_s, std::sqrt(pole.covariance[1][1])));
+                     document::NumberText(pole.frequency_hz, std::sqrt(pole.covariance[0][0]), 0),
+                     document::NumberText(pole.decay_per_s, std::sqrt(pole.covariance[1][1]), 0));
 }
 
 // the pole of `fitted` with its region, and where the searches of all that share it began
@@ -304,8 +306,8 @@ plot::Panel PolePanel(const FittedRecord& fitted, const std::vector<FittedRecord
           .has_margins = true};
 }
 
-FitFigure PoleFigure(const std::vector<FittedRecord>& records) {
-  FitFigure figure{
+document::Figure PoleFigure(const std::vector<FittedRecord>& records) {
+  document::Figure figure{
       "The poles of the fit with the 95 % region of frequency and decay together (noise and given "
       "numbers), and the start of each record.",
       {}};
@@ -323,37 +325,33 @@ FitFigure PoleFigure(const std::vector<FittedRecord>& records) {
 
 }  // namespace
 
-std::vector<FitFigure> FitLraFigures(const fit::DropTestFit& fit,
-                                     const std::vector<ImpulseRecord>& records,
-                                     const std::vector<LeftOutDrop>& left_out) {
-  std::vector<FitFigure> figures;
+std::string LoadText(double load_ohm) {
+  return std::isinf(load_ohm) ? "open" : fmt::format("{:g} ohm", load_ohm);
+}
+
+std::vector<document::Figure> FitLraFigures(const fit::DropTestFit& fit,
+                                            const std::vector<ImpulseRecord>& records,
+                                            const std::vector<fit::LeftOutDrop>& left_out) {
+  std::vector<document::Figure> figures;
   figures.reserve(records.size() + left_out.size() + 1);
   for (std::size_t r = 0; r < records.size(); ++r) {
     figures.push_back(fit.converged ? RecordFigure(records[r], fit.records[r])
                                     : UnfittedFigure(records[r], "the search did not converge"));
   }
-  if (FitFigure poles = PoleFigure(fit.records); !poles.panels.empty()) {
+  if (document::Figure poles = PoleFigure(fit.records); !poles.panels.empty()) {
     figures.push_back(std::move(poles));
   }
-  for (FitFigure& figure : UnfittedFigures(left_out)) figures.push_back(std::move(figure));
+  for (document::Figure& figure : UnfittedFigures(left_out)) figures.push_back(std::move(figure));
   return figures;
 }
 
-std::vector<FitFigure> UnfittedFigures(const std::vector<LeftOutDrop>& drops) {
-  std::vector<FitFigure> figures;
+std::vector<document::Figure> UnfittedFigures(const std::vector<fit::LeftOutDrop>& drops) {
+  std::vector<document::Figure> figures;
   figures.reserve(drops.size());
-  for (const LeftOutDrop& drop : drops) {
+  for (const fit::LeftOutDrop& drop : drops) {
     figures.push_back(UnfittedFigure(drop.record, drop.why.what));
   }
   return figures;
-}
-
-Result<void> DrawFigures(const std::string& path, const std::vector<FitFigure>& figures) {
-  std::vector<plot::Panel> panels;
-  for (const FitFigure& figure : figures) {
-    panels.insert(panels.end(), figure.panels.begin(), figure.panels.end());
-  }
-  return plot::DrawPanels(path, panels);
 }
 
 namespace {

@@ -3,20 +3,16 @@
 #include <string>
 #include <vector>
 
-#include "base/error.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/impulse_record.h"
 #include "fit/impedance/impedance_fit.h"
+#include "tools/document/document.h"
 #include "tools/fit/drop_records.h"
-#include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
 
-/// Panels that belong together, and what a reader should see in them.
-struct FitFigure {
-  std::string caption;
-  std::vector<plot::Panel> panels;
-};
+/// "open", "33 ohm".
+[[nodiscard]] std::string LoadText(double load_ohm);
 
 /// A figure a record and one of the poles.
 ///
@@ -29,16 +25,13 @@ struct FitFigure {
 /// `left_out` and, where the fit has not converged, all records are drawn without any fit, and the
 /// title says why. However long a record is, a panel holds 6000 points of it. `records` are those
 /// of `fit`. Memory: 16 B a sample.
-[[nodiscard]] std::vector<FitFigure> FitLraFigures(const fit::DropTestFit& fit,
-                                                   const std::vector<fit::ImpulseRecord>& records,
-                                                   const std::vector<LeftOutDrop>& left_out);
+[[nodiscard]] std::vector<document::Figure> FitLraFigures(
+    const fit::DropTestFit& fit, const std::vector<fit::ImpulseRecord>& records,
+    const std::vector<fit::LeftOutDrop>& left_out);
 
 /// Drops that could not be fitted at all, a panel each; the title says why.
-[[nodiscard]] std::vector<FitFigure> UnfittedFigures(const std::vector<LeftOutDrop>& drops);
-
-/// All panels of `figures` one below the other. Errors: see plot::DrawPanels.
-[[nodiscard]] Result<void> DrawFigures(const std::string& path,
-                                       const std::vector<FitFigure>& figures);
+[[nodiscard]] std::vector<document::Figure> UnfittedFigures(
+    const std::vector<fit::LeftOutDrop>& drops);
 
 /// Magnitudes and phases of a sweep with the fit, between the points too, and what the fit leaves
 /// of both, in units of a point's noise. `points` are those of `fit`, in any order.

@@ -18,8 +18,9 @@
 #include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/present.h"
+#include "tools/fit/fit_document.h"
 #include "tools/fit/fit_skin_document.h"
-#include "tools/plot/gnuplot.h"
 #include "tools/study/text_table.h"
 #include "tools/verbs.h"
 
@@ -65,10 +66,6 @@ Result<Sweeps> ReadAll(const std::vector<std::string>& files) {
   return sweeps;
 }
 
-bool IsAnswered(const fit::SkinFit& contact) {
-  return contact.stiffness.determined && contact.damping.determined;
-}
-
 Result<sim::StatedActuator> Actuator(const std::string& name) {
   if (name.empty()) {
     return Usage("--actuator", "is missing: the skin shows itself by how it loads a known actuator",
@@ -79,63 +76,6 @@ Result<sim::StatedActuator> Actuator(const std::string& name) {
   if (auto complete = sim::Complete(*stated); !complete) return std::unexpected(complete.error());
   return stated;
 }
-
-}  // namespace
-
-int RunFitSkin(int argc, const char* const* argv) {
-  cli::Options options(kText);
-  std::vector<std::string> files;
-  std::string actuator_name;
-  std::string plot;
-  options.Positionals("tables", &files,
-                      "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
-                      "columns (docs/reference/fit-skin.md)");
-  options.Text("--actuator", &actuator_name, "NAME|FILE",
-               "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
-  options.Output("--plot", &plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
-  if (const auto status = options.Parse(argc, argv)) return *status;
-  if (!plot.empty()) {
-    if (auto drawable = plot::CheckPlotPath(plot); !drawable) {
-      return cli::ReportError(kVerb, drawable.error());
-    }
-  }
-  const auto actuator = Actuator(actuator_name);
-  if (!actuator) return cli::ReportError(kVerb, actuator.error());
-  auto sweeps = ReadAll(files);
-  if (!sweeps) return cli::ReportError(kVerb, sweeps.error());
-
-  // what cannot be used is reported, the rest is answered
-  std::vector<fit::SkinFit> contacts;
-  for (const auto& sweep : sweeps->list) {
-    auto contact = fit::FitSkin(sweep, *actuator);
-    if (contact) {
-      contacts.push_back(std::move(*contact));
-    } else {
-      sweeps->left_out.push_back(contact.error());
-    }
-  }
-  int status = 0;
-  for (const auto& error : sweeps->left_out) {
-    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
-  }
-  if (contacts.empty()) {
-    if (options.json()) fmt::print("{}", FitSkinJson({}, {}, actuator->name, sweeps->left_out));
-    return status;
-  }
-  const auto areas = fit::FitSkinAreas(contacts);
-  cli::Print(options.json() ? FitSkinJson(contacts, areas, actuator->name, sweeps->left_out)
-                            : FitSkinText(contacts, areas, actuator->name));
-  if (!std::ranges::all_of(contacts, IsAnswered)) {
-    status = cli::WorseStatus(status, ExitStatus(Cause::kCannotAnswer));
-  }
-  if (plot.empty()) return status;
-  if (auto drawn = PlotFitSkin(plot, contacts, areas); !drawn) {
-    return cli::ReportError(kVerb, drawn.error());
-  }
-  return status;
-}
-
-namespace {
 
 // a column's name and what its numbers are multiplied by
 struct Known {
@@ -300,6 +240,24 @@ fit::SkinPoint PointAt(const Columns& columns, std::size_t row, double uncertain
   return point;
 }
 
+// what cannot be used is left out, the rest is answered
+FitSkinAnswer Answer(Sweeps sweeps, const sim::StatedActuator& actuator) {
+  FitSkinAnswer answer{.actuator = actuator.name,
+                       .contacts = {},
+                       .areas = {},
+                       .left_out = std::move(sweeps.left_out)};
+  for (const fit::SkinSweep& sweep : sweeps.list) {
+    auto contact = fit::FitSkin(sweep, actuator);
+    if (contact) {
+      answer.contacts.push_back(std::move(*contact));
+    } else {
+      answer.left_out.push_back(contact.error());
+    }
+  }
+  if (!answer.contacts.empty()) answer.areas = fit::FitSkinAreas(answer.contacts);
+  return answer;
+}
+
 }  // namespace
 
 Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
@@ -332,6 +290,38 @@ Result<std::vector<fit::SkinSweep>> ReadSkinSweeps(const std::string& path) {
   list.reserve(sweeps.size());
   for (auto& [area, sweep] : sweeps) list.push_back(std::move(sweep));
   return list;
+}
+
+int RunFitSkin(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  std::vector<std::string> files;
+  std::string actuator_name;
+  document::Outputs outputs;
+  options.Positionals("tables", &files,
+                      "frequency_hz, displacement_amplitude_um, current_amplitude_ma and further "
+                      "columns (docs/reference/fit-skin.md)");
+  options.Text("--actuator", &actuator_name, "NAME|FILE",
+               "The known actuator: a file with Kv, Bv and Km, or thesis-c10-100");
+  options.Flag("--all", &outputs.all, "Correlations and given numbers too, and the provenance");
+  options.Output("--plot", &outputs.plot, "FILE.svg|png|pdf", "Draw sweeps, fits and the area law");
+  options.Output("--report", &outputs.report, "FILE.html",
+                 "Write one page with all details and the figures");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  if (auto good = CheckOutputs(outputs); !good) return cli::ReportError(kVerb, good.error());
+  const auto actuator = Actuator(actuator_name);
+  if (!actuator) return cli::ReportError(kVerb, actuator.error());
+  auto sweeps = ReadAll(files);
+  if (!sweeps) return cli::ReportError(kVerb, sweeps.error());
+
+  const FitSkinAnswer answer = Answer(std::move(*sweeps), *actuator);
+  int status = 0;
+  for (const Error& error : answer.left_out) {
+    status = cli::WorseStatus(status, cli::ReportError(kVerb, error));
+  }
+  if (answer.contacts.empty() && !IsShownEmpty(outputs)) return status;
+  if (answer.contacts.empty()) outputs.plot.clear();
+  return cli::WorseStatus(status, document::Present(FitSkinDocument(answer), outputs, argc, argv));
 }
 
 }  // namespace haptometer::tools

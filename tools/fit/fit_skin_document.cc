@@ -3,163 +3,159 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <numbers>
+#include <optional>
 #include <utility>
 
-#include "tools/cli/json.h"
+#include "tools/document/findings_fit.h"
+#include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
-#include "tools/fit/fit_lra_document.h"
-#include "tools/plot/gnuplot.h"
 
 namespace haptometer::tools {
 namespace {
 
+using document::Detail;
+using document::Form;
+using document::Item;
+using document::Section;
 using fit::AreaDependence;
 using fit::SkinFit;
-using nlohmann::ordered_json;
 
-std::string NoiseLine(const SkinFit& contact) {
-  std::string text =
-      contact.uncertainties_stated
-          ? fmt::format("  scatter {:.2g} times the stated uncertainties", contact.magnitude_noise)
-          : fmt::format("  a point's standard uncertainty, by the residuals: {:.2g} %",
-                        100 * contact.magnitude_noise);
-  if (contact.phase_noise_rad) {
-    text += fmt::format(", {:.2g} deg", *contact.phase_noise_rad * 180 / std::numbers::pi);
+constexpr double kLeastMassKg = 1e-9;  // no scale of the trade shows less
+
+// --- a contact ---
+
+Section ParametersOf(const SkinFit& contact) {
+  Section parameters{.name = "parameters"};
+  AddFitted(parameters, {"Ks", "stiffness Ks", document::kNewtonPerMetre, Form::kEstimate},
+            contact.stiffness);
+  AddFitted(parameters, {"Bs", "damping Bs", document::kNewtonSecondPerMetre, Form::kEstimate},
+            contact.damping);
+  AddFitted(parameters, {"m", "moving mass m", document::kKilogram, Form::kEstimate}, contact.mass)
+      .resolution = kLeastMassKg;
+  return parameters;
+}
+
+// the response to 1 % of each given number
+Section InputsOf(const SkinFit& contact) {
+  Section table{.name = "inputs",
+                .heading = "given, and the change by 1 % of it",
+                .shape = Section::Shape::kTable,
+                .detail = Detail::kAll};
+  for (const fit::SkinInfluence& input : contact.influences) {
+    Section& row = table.sections.emplace_back();
+    row.Add({"input", "given"}, input.input);
+    ShowDigits(row.Add({"relative_standard_uncertainty", "standard uncertainty", document::kShare},
+                       input.relative_standard_uncertainty),
+               2);
+    AddRatio(row, {"ks_percent_per_percent", "Ks", kPercent}, input.stiffness_percent_per_percent);
+    AddRatio(row, {"bs_percent_per_percent", "Bs", kPercent}, input.damping_percent_per_percent);
+    row.Add({"m_kg_per_percent", "m", document::kKilogram}, input.mass_kg_per_percent).resolution =
+        kLeastMassKg;
   }
-  return text + fmt::format("; {} points, {:.0f} degrees of freedom\n", contact.points,
-                            contact.degrees_of_freedom);
+  return table;
 }
 
-std::string InfluenceLine(const fit::SkinInfluence& influence) {
-  const std::string exactness = influence.relative_standard_uncertainty > 0
-                                    ? fmt::format("standard uncertainty {:.2g} %",
-                                                  100 * influence.relative_standard_uncertainty)
-                                    : "taken as exact";
-  return fmt::format("{}, {}; +1 % of it: Ks {:+.2f} %, Bs {:+.2f} %, m {:+.2g} g", influence.input,
-                     exactness, influence.stiffness_percent_per_percent,
-                     influence.damping_percent_per_percent, 1e3 * influence.mass_kg_per_percent);
+Section SearchOf(const SkinFit& contact) {
+  Section section{.detail = Detail::kAll};
+  section.Add({"points", "points"}, contact.points);
+  section.Add({"uncertainties_stated"}, contact.uncertainties_stated);
+  AddPointNoise(section, contact.magnitude_noise, contact.phase_noise_rad,
+                contact.uncertainties_stated);
+  AddSweepSearch(section, contact);
+  AddRatio(section, {"", "correlation of Ks and Bs"}, contact.correlation[1]);
+  AddRatio(section, {"", "correlation of Ks and m"}, contact.correlation[2]);
+  AddRatio(section, {"", "correlation of Bs and m"}, contact.correlation[5]);
+  const std::vector<double> matrix(contact.correlation.begin(), contact.correlation.end());
+  section.Add({"correlation"}, RowsOf(matrix, fit::kContactParameters));
+  return section;
 }
 
-std::string ContactText(const SkinFit& contact) {
-  std::string text = fmt::format("{} (value +- 95 % interval)\n", contact.name);
-  text += FittedLine("Ks", contact.stiffness) + FittedLine("Bs", contact.damping) +
-          FittedLine("m", InGrams(contact.mass));
-  text += fmt::format("  correlation Ks-Bs {:+.2f}, Ks-m {:+.2f}, Bs-m {:+.2f}\n",
-                      contact.correlation[1], contact.correlation[2], contact.correlation[5]);
-  text += NoiseLine(contact);
-  text += SentenceSection("Not determined", contact.undetermined);
-  text += SentenceSection("Doubtful", contact.doubts);
-  std::vector<std::string> given;
-  given.reserve(contact.influences.size());
-  for (const auto& influence : contact.influences) {
-    // R and L play no part beside a current
-    const bool plays_a_part = influence.stiffness_percent_per_percent != 0 ||
-                              influence.damping_percent_per_percent != 0 ||
-                              influence.mass_kg_per_percent != 0;
-    if (plays_a_part) given.push_back(InfluenceLine(influence));
+Section ContactSection(const SkinFit& contact) {
+  Section section{.heading = contact.name, .sources = {document::DataSource::kImported}};
+  section.Add({"name"}, contact.name);
+  section.Add({"contact_area_m2"}, contact.area_m2);
+  section.sections = {ParametersOf(contact), SearchOf(contact), InputsOf(contact)};
+  document::AddFindings(section, contact.findings);
+  for (document::Finding& finding : section.findings) finding.subject = contact.name;
+  return section;
+}
+
+// --- over the area ---
+
+// whether the exponent of a formula lies in the interval
+std::string InsideText(const AreaDependence& dependence, double exponent) {
+  return fit::Holds(dependence, exponent) ? "inside the interval" : "outside of the interval";
+}
+
+Section LawSection(const char* name, const std::optional<AreaDependence>& known) {
+  const AreaDependence dependence = known.value_or(AreaDependence{});
+  const fit::AreaLaw& law = dependence.law;
+  Section section{
+      .name = name, .heading = fmt::format("{} ~ area^p", name), .is_known = known.has_value()};
+  const auto exponent = [&](const document::Key& key, std::optional<double> value) {
+    Item& item = section.Add(key, value);
+    item.resolution = 1e-3;
+    if (value) item.note = InsideText(dependence, *value);
+  };
+  Item& item = section.Add({"exponent", "exponent p"}, law.exponent);
+  item.standard_uncertainty = law.combined_standard_uncertainty;
+  item.interval = {.lower = dependence.lower_95, .upper = dependence.upper_95};
+  exponent({"", "a cube root's"}, 1.0 / 3);
+  exponent({"thesis_exponent_600_2000", "mean of the thesis's formula, 600 to 2000 N/m"},
+           dependence.thesis_text);
+  exponent({"thesis_exponent_600_1200", "mean of the thesis's formula, 600 to 1200 N/m"},
+           dependence.thesis_table);
+  section.Add({"standard_uncertainty"}, law.standard_uncertainty);
+  section.Add({"combined_standard_uncertainty"}, law.combined_standard_uncertainty);
+  section.Add({"interval_95"},
+              document::Range{.lower = dependence.lower_95, .upper = dependence.upper_95});
+  section.Add({"at_1_mm2", "at 1 mm2"}, law.at_one_mm2);
+  section.Add({"one_third_inside"}, dependence.holds_one_third);
+  section.Add({"birge_ratio"}, law.birge_ratio > 0 ? std::optional(law.birge_ratio) : std::nullopt);
+  section.Add({"scatters"}, law.scatters);
+  return section;
+}
+
+// --- findings ---
+
+enum class SkinAnswerFinding : std::uint8_t { kLinearSkin, kTwoAreas, kAreasScatter };
+
+document::Sentence SentenceOf(SkinAnswerFinding kind) {
+  switch (kind) {
+    case SkinAnswerFinding::kLinearSkin:
+      return {"linear-skin",
+              "the case lies on the skin, which is a spring, a damper and a mass to ground; its "
+              "constants and those of the actuator ({actuator}) do not depend on the amplitude"};
+    case SkinAnswerFinding::kTwoAreas:
+      return {"two-areas",
+              "{constant}: two areas do not show whether it follows a power law at all"};
+    case SkinAnswerFinding::kAreasScatter:
+      break;
   }
-  return text + SentenceSection("Given", given) + SentenceSection("Assumed", contact.assumptions);
+  return {"areas-scatter",
+          "{constant}: the contacts scatter {birge_ratio} times as much as their sweeps explain; "
+          "the interval is widened by that, with Student's t"};
 }
 
-std::string Inside(const AreaDependence& dependence, double exponent) {
-  return fit::Holds(dependence, exponent) ? "inside" : "outside";
-}
-
-std::string LawText(const char* name, const AreaDependence& dependence) {
-  const auto& law = dependence.law;
-  std::string text = fmt::format(
-      "  {} ~ area^{:.3f}, 95 % interval {:.3f} to {:.3f}: 1/3 lies {}\n", name, law.exponent,
-      dependence.lower_95, dependence.upper_95, Inside(dependence, 1.0 / 3));
-  if (dependence.thesis_text && dependence.thesis_table) {
-    text += fmt::format(
-        "    the thesis's formula is a line over the cube root, with a mean exponent of {:.3f} "
-        "over "
-        "these areas ({})",
-        *dependence.thesis_text, Inside(dependence, *dependence.thesis_text));
-    const bool differs = *dependence.thesis_text != *dependence.thesis_table;
-    text += differs ? fmt::format(" for 600-2000 N/m, {:.3f} ({}) for 600-1200 N/m\n",
-                                  *dependence.thesis_table,
-                                  Inside(dependence, *dependence.thesis_table))
-                    : "\n";
+Findings<SkinAnswerFinding> FindingsOf(const FitSkinAnswer& answer) {
+  using enum SkinAnswerFinding;
+  Findings<SkinAnswerFinding> findings;
+  const std::array<std::pair<const char*, const std::optional<AreaDependence>*>, 2> laws{
+      {{"Ks", &answer.areas.stiffness}, {"Bs", &answer.areas.damping}}};
+  for (const auto& [name, dependence] : laws) {
+    if (!*dependence) continue;
+    const fit::AreaLaw& law = (*dependence)->law;
+    const FindingNumber constant{"constant", std::string(name)};
+    if (law.birge_ratio == 0) findings.Note(kTwoAreas, {constant});
+    if (law.scatters) findings.Doubt(kAreasScatter, {constant, {"birge_ratio", law.birge_ratio}});
   }
-  if (law.birge_ratio == 0) {
-    text += "    two areas: whether it is a power law at all is not seen\n";
-  } else if (law.scatters) {
-    text += fmt::format(
-        "    the contacts scatter {:.2g} times as much as their sweeps explain: the interval is "
-        "widened by that, with Student's t\n",
-        law.birge_ratio);
-  }
-  return text;
+  findings.Note(kLinearSkin, {{"actuator", answer.actuator}});
+  return findings;
 }
 
-std::string AreasText(const fit::SkinAreas& areas) {
-  if (!areas.stiffness && !areas.damping) return {};
-  std::string text = "Over the contact area\n";
-  if (areas.stiffness) text += LawText("Ks", *areas.stiffness);
-  if (areas.damping) text += LawText("Bs", *areas.damping);
-  return text;
-}
-
-ordered_json ContactJson(const SkinFit& contact) {
-  ordered_json correlation = ordered_json::array();
-  for (std::size_t i = 0; i < fit::kContactParameters; ++i) {
-    ordered_json row = ordered_json::array();
-    for (std::size_t k = 0; k < fit::kContactParameters; ++k) {
-      row.push_back(cli::NumberOrNull(contact.correlation[i * fit::kContactParameters + k]));
-    }
-    correlation.push_back(row);
-  }
-  ordered_json inputs = ordered_json::array();
-  for (const auto& influence : contact.influences) {
-    inputs.push_back({{"input", influence.input},
-                      {"relative_standard_uncertainty", influence.relative_standard_uncertainty},
-                      {"ks_percent_per_percent", influence.stiffness_percent_per_percent},
-                      {"bs_percent_per_percent", influence.damping_percent_per_percent},
-                      {"m_kg_per_percent", influence.mass_kg_per_percent}});
-  }
-  return {{"name", contact.name},
-          {"contact_area_m2", cli::NumberOrNull(contact.area_m2)},
-          {"parameters",
-           {{"Ks", FittedJson(contact.stiffness)},
-            {"Bs", FittedJson(contact.damping)},
-            {"m", FittedJson(contact.mass)}}},
-          {"correlation", correlation},
-          {"singular_values", contact.singular_values},
-          {"points", contact.points},
-          {"uncertainties_stated", contact.uncertainties_stated},
-          {"magnitude_noise", contact.magnitude_noise},
-          {"phase_noise_rad", cli::NumberOrNull(contact.phase_noise_rad)},
-          {"degrees_of_freedom", contact.degrees_of_freedom},
-          {"coverage_factor_95", contact.coverage_95},
-          {"serial_correlation", cli::NumberOrNull(contact.residuals.serial_correlation)},
-          {"farthest_spread", cli::NumberOrNull(contact.residuals.farthest_spread)},
-          {"inputs", inputs},
-          {"assumptions", contact.assumptions},
-          {"not_determined", contact.undetermined},
-          {"doubts", contact.doubts},
-          {"converged", contact.converged},
-          {"iterations", contact.iterations}};
-}
-
-ordered_json LawJson(const std::optional<AreaDependence>& dependence) {
-  if (!dependence) return nullptr;
-  const auto& law = dependence->law;
-  return {{"exponent", law.exponent},
-          {"standard_uncertainty", law.standard_uncertainty},
-          {"combined_standard_uncertainty", law.combined_standard_uncertainty},
-          {"interval_95", {dependence->lower_95, dependence->upper_95}},
-          {"at_1_mm2", law.at_one_mm2},
-          {"one_third_inside", dependence->holds_one_third},
-          {"birge_ratio",
-           law.birge_ratio > 0 ? cli::NumberOrNull(law.birge_ratio) : ordered_json(nullptr)},
-          {"scatters", law.scatters},
-          {"thesis_exponent_600_2000", cli::NumberOrNull(dependence->thesis_text)},
-          {"thesis_exponent_600_1200", cli::NumberOrNull(dependence->thesis_table)}};
-}
+// --- figures ---
 
 // the amplitudes with the fit, and what it leaves of them
 std::vector<plot::Panel> ContactPanels(const SkinFit& contact) {
@@ -205,46 +201,37 @@ plot::Panel AreaPanel(std::vector<SkinFit> contacts, const AreaDependence& depen
           .log_axes = plot::LogAxes::kBoth};
 }
 
-// of all contacts
-std::string CommonAssumption(const std::string& actuator) {
-  return fmt::format(
-      "the case lies on the skin, which is a spring, a damper and a mass to ground; its constants "
-      "and those of the actuator ({}) do not depend on the amplitude",
-      actuator);
+std::vector<document::Figure> FiguresOf(const FitSkinAnswer& answer) {
+  std::vector<document::Figure> figures;
+  for (const SkinFit& contact : answer.contacts) {
+    figures.push_back({.caption = contact.name + ": amplitudes, fit, and what the fit leaves",
+                       .panels = ContactPanels(contact)});
+  }
+  if (answer.areas.stiffness) {
+    figures.push_back({.caption = "Ks over the contact's area",
+                       .panels = {AreaPanel(answer.contacts, *answer.areas.stiffness)}});
+  }
+  return figures;
 }
 
 }  // namespace
 
-std::string FitSkinText(const std::vector<SkinFit>& contacts, const fit::SkinAreas& areas,
-                        const std::string& actuator) {
-  std::string text;
-  for (const auto& contact : contacts) text += ContactText(contact);
-  text += AreasText(areas);
-  return text + SentenceSection("Assumed", {CommonAssumption(actuator)});
-}
-
-std::string FitSkinJson(const std::vector<SkinFit>& contacts, const fit::SkinAreas& areas,
-                        const std::string& actuator, const std::vector<Error>& left_out) {
-  ordered_json document;
-  document["actuator"] = actuator;
-  document["contacts"] = ordered_json::array();
-  for (const auto& contact : contacts) document["contacts"].push_back(ContactJson(contact));
-  document["area_law"] = {{"Ks", LawJson(areas.stiffness)}, {"Bs", LawJson(areas.damping)}};
-  document["assumptions"] = {CommonAssumption(actuator)};
-  document["left_out"] = ordered_json::array();
-  for (const auto& error : left_out) document["left_out"].push_back(error.Text());
-  return cli::JsonText(document);
-}
-
-Result<void> PlotFitSkin(const std::string& path, const std::vector<SkinFit>& contacts,
-                         const fit::SkinAreas& areas) {
-  std::vector<plot::Panel> panels;
-  panels.reserve(2 * contacts.size() + 1);
-  for (const auto& contact : contacts) {
-    for (auto& panel : ContactPanels(contact)) panels.push_back(std::move(panel));
+document::Document FitSkinDocument(const FitSkinAnswer& answer) {
+  document::Document document{.verb = "fit-skin",
+                              .title = fmt::format("Skin under the actuator {}", answer.actuator)};
+  Section& root = document.root;
+  root.Add({"actuator"}, answer.actuator);
+  Section contacts{.name = "contacts", .shape = Section::Shape::kArray};
+  for (const SkinFit& contact : answer.contacts) {
+    contacts.sections.push_back(ContactSection(contact));
   }
-  if (areas.stiffness) panels.push_back(AreaPanel(contacts, *areas.stiffness));
-  return plot::DrawPanels(path, panels);
+  Section law{.name = "area_law"};
+  law.sections = {LawSection("Ks", answer.areas.stiffness), LawSection("Bs", answer.areas.damping)};
+  root.sections = {std::move(contacts), std::move(law)};
+  root.figures = FiguresOf(answer);
+  AddLeftOut(root, answer.left_out);
+  document::AddFindings(root, FindingsOf(answer));
+  return document;
 }
 
 }  // namespace haptometer::tools

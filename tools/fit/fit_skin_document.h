@@ -6,23 +6,21 @@
 #include "base/error.h"
 #include "fit/skin/skin_areas.h"
 #include "fit/skin/skin_fit.h"
+#include "tools/document/document.h"
 
 namespace haptometer::tools {
 
-/// The answer of fit-skin for people.
-[[nodiscard]] std::string FitSkinText(const std::vector<fit::SkinFit>& contacts,
-                                      const fit::SkinAreas& areas, const std::string& actuator);
+/// Everything that fit-skin answers.
+struct FitSkinAnswer {
+  std::string actuator;  ///< its name
+  std::vector<fit::SkinFit> contacts;
+  fit::SkinAreas areas;
+  std::vector<Error> left_out;  ///< tables and contacts that cannot be fitted
+};
 
-/// The same as one JSON document (docs/reference/fit-skin.md); what is not determined is null.
-[[nodiscard]] std::string FitSkinJson(const std::vector<fit::SkinFit>& contacts,
-                                      const fit::SkinAreas& areas, const std::string& actuator,
-                                      const std::vector<Error>& left_out);
-
-/// Amplitudes with the model and what it leaves, two panels a contact, and Ks over the area where a
-/// law was fitted.
-/// Errors: see plot::DrawPanels.
-[[nodiscard]] Result<void> PlotFitSkin(const std::string& path,
-                                       const std::vector<fit::SkinFit>& contacts,
-                                       const fit::SkinAreas& areas);
+/// The answer as a document (docs/reference/fit-skin.md): the skin under each contact, and over the
+/// area. Its figures are the amplitudes with the model and what it leaves, two panels a contact,
+/// and Ks over the area where a law was fitted.
+[[nodiscard]] document::Document FitSkinDocument(const FitSkinAnswer& answer);
 
 }  // namespace haptometer::tools

@@ -4,24 +4,26 @@
 
 #include <array>
 #include <cmath>
-#include <nlohmann/json.hpp>
-#include <numbers>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
-#include "tools/cli/json.h"
+#include "tools/fit/fit_document.h"
 
 namespace haptometer::tools {
 namespace {
 
+using document::Detail;
+using document::Key;
+using document::Section;
 using fit::ExpectedUncertainty;
 using fit::PlanLimit;
-using nlohmann::ordered_json;
 
-constexpr double kDivisions = 8;
-constexpr double kLopsided = 0.05;  // see fit/drop_test/drop_test_solution.h
+constexpr std::array kConstants{fit::Constant::kStiffness, fit::Constant::kDamping,
+                                fit::Constant::kForceConstant};
 
-// a source of uncertainty: how it is called, and its part
+// a cause of uncertainty, and its part
 struct Source {
   std::string_view name;
   std::string_view key;
@@ -65,247 +67,285 @@ std::string_view LimitName(PlanLimit limit) {
     case PlanLimit::kNoise:
       return "noise";
     case PlanLimit::kConverter:
-      return "converter steps";
+      break;
   }
-  return "";
+  return "converter steps";
 }
 
-double HalfPercent(const fit::AccuracyWish& wish) {
-  return 100 * fit::kCoverage95 * wish.relative_uncertainty;
+double HalfInterval(const fit::AccuracyWish& wish) {
+  return fit::kCoverage95 * wish.relative_uncertainty;
 }
 
 const ExpectedUncertainty& Of(const TestCard& card, fit::Constant constant) {
   return card.expected[static_cast<std::size_t>(constant)];
 }
 
-std::string PercentCell(double share) {
-  return share > 1e-8 ? fmt::format("{:>10.2g}", 100 * share) : fmt::format("{:>10}", "-");
+// --- findings ---
+
+// why a wish is not reached, and what would do it
+PlanFinding WhyNot(const fit::DropCount& count) {
+  if (count.limit == PlanLimit::kNone) return PlanFinding::kNeedsDrops;
+  if (count.tolerable_share == 0) return PlanFinding::kOthersTooMuch;
+  if (count.limit == PlanLimit::kConverter) return PlanFinding::kNeedsBits;
+  return count.limit == PlanLimit::kNoise ? PlanFinding::kNeedsLessNoise
+                                          : PlanFinding::kNeedsCertainty;
 }
 
-std::string HoldText(const TestCard& card) {
+void AddWishes(const TestCard& card, Findings<PlanFinding>& findings) {
+  for (const AnsweredWish& answered : card.wishes) {
+    if (answered.is_reached) continue;
+    const fit::DropCount& count = answered.count;
+    const double expected = fit::kCoverage95 * Of(card, answered.wish.constant).combined();
+    findings.Refuse(WhyNot(count), {{"constant", std::string(SymbolOf(answered.wish.constant))},
+                                    {"half_interval", HalfInterval(answered.wish)},
+                                    {"expected", expected},
+                                    {"limit", std::string(LimitName(count.limit))},
+                                    {"share", count.tolerable_share},
+                                    {"open", count.open},
+                                    {"loaded", count.loaded},
+                                    {"bits", std::ceil(-std::log2(count.tolerable_share))}});
+  }
+}
+
+// --- sections ---
+
+// an object {value, standard_uncertainty} in JSON, and a line in text
+Section& AddQuantity(Section& section, std::string_view name, std::string_view label,
+                     const document::Unit& unit, const Quantity& quantity) {
+  Section& object = section.sections.emplace_back();
+  object.Add({"", label, unit}, quantity.value, quantity.standard_uncertainty);
+  Section& inner = object.sections.emplace_back(Section{.name = std::string(name)});
+  inner.Add({"value"}, quantity.value);
+  inner.Add({"standard_uncertainty"}, quantity.standard_uncertainty);
+  return object;
+}
+
+Section ActuatorSection(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
-  const double stroke_mm =
-      1e3 * drops.speed_m_per_s / (2 * std::numbers::pi * drops.natural_frequency_hz);
-  return fmt::format(
-      "Hold\n"
-      "  Clamp the case to something a hundred times as heavy. A case that is free rings at "
-      "another\n"
-      "  frequency; one that is loose rings with its mount.\n"
-      "Weigh and measure\n"
-      "  Weigh the mover, of a specimen taken apart: {:.4g} g. 1 % of it is 1 % of Kv and Bv, 0.5 "
-      "% "
-      "of Km.\n"
-      "  Measure coil and load with one ohmmeter, its leads' resistance off, at the test's\n"
-      "  temperature: copper gains 0.39 % a kelvin.\n"
-      "Blow\n"
-      "  Let mount and actuator fall {:.3g} mm on something hard, or tap the mount as strongly:\n"
-      "  {:.2g} m/s, a stroke of {:.2g} mm. Less, if the mover meets its stops. One blow a record, "
-      "along\n"
-      "  the axis; no second one while it rings. Strength may vary: it is fitted.\n",
-      drops.moving_mass_kg.value * 1e3, card.height_m * 1e3, drops.speed_m_per_s, stroke_mm);
+  Section section{.heading = "actuator, as stated or supposed", .detail = Detail::kAll};
+  Section guesses{.name = "guesses"};
+  guesses.Add({"natural_frequency_hz", "natural frequency f0", document::kHertz},
+              drops.natural_frequency_hz);
+  guesses.Add({"quality_factor", "quality factor Q"}, drops.quality_factor);
+  guesses.Add({"force_constant_n_per_a", "force constant Km", document::kNewtonPerAmpere},
+              drops.force_constant_n_per_a);
+  guesses.Add({"inductance_h", "inductance L", document::kHenry}, drops.inductance_h);
+  guesses.Add({"speed_m_per_s", "speed of the impact", document::kMetrePerSecond},
+              drops.speed_m_per_s);
+  guesses.Add({"time_scale_standard_uncertainty"}, drops.time_scale_uncertainty);
+  section.sections.push_back(std::move(guesses));
+  AddQuantity(section, "moving_mass_kg", "moving mass Mv", document::kKilogram,
+              drops.moving_mass_kg);
+  AddQuantity(section, "resistance_ohm", "resistance R", document::kOhm, drops.resistance_ohm);
+  section.Add({"drop_height_m", "drop from", document::kMetre}, card.height_m);
+  return section;
 }
 
-std::string RecorderText(const TestCard& card) {
+Section RecorderSection(const TestCard& card) {
+  constexpr double kDivisions = 8;
   const fit::PlannedDrops& drops = card.drops;
-  return fmt::format(
-      "Recorder\n"
-      "  voltage  DC, 1 Mohm, {:.3g} V from end to end ({:.3g} mV/div of 8), {} bits: steps of "
-      "{:.3g} mV\n"
-      "  time     {:.4g} kHz, {:.3g} s ({:.0f} samples): {:.3g} s before the blow, {:.3g} s behind "
-      "it\n"
-      "  trigger  single, at {:.2g} mV\n"
-      "  expect   {:.3g} Hz; open {:.3g} mV, down to 1/e in {:.3g} ms; loaded {:.3g} mV, {:.3g} "
-      "ms\n",
-      card.range_v, 1e3 * card.range_v / kDivisions, card.bits, 1e3 * drops.step_v,
-      drops.rate_hz / 1e3, drops.length_s + card.pre_trigger_s,
-      drops.rate_hz * (drops.length_s + card.pre_trigger_s), card.pre_trigger_s, drops.length_s,
-      1e3 * card.trigger_v, drops.natural_frequency_hz, 1e3 * card.ringing.open_amplitude_v,
-      1e3 / card.ringing.open_decay_per_s, 1e3 * card.ringing.loaded_amplitude_v,
-      1e3 / card.ringing.loaded_decay_per_s);
+  Section section{.name = "recorder", .heading = "recorder: voltage, DC, 1 Mohm"};
+  section.Add({"range_v", "range from end to end", document::kVolt}, card.range_v).note =
+      fmt::format("{} a division of 8",
+                  document::QuantityText(card.range_v / kDivisions, document::kVolt, 3));
+  section.Add({"bits", "bits"}, card.bits);
+  section.Add({"step_v", "step", document::kVolt}, drops.step_v);
+  section.Add({"noise_v", "noise (RMS)", document::kVolt}, drops.noise_v);
+  section.Add({"rate_hz", "rate", document::kHertz}, drops.rate_hz);
+  section.Add({"pre_trigger_s", "before the impact", document::kSecond}, card.pre_trigger_s);
+  section.Add({"length_s", "behind the impact", document::kSecond}, drops.length_s);
+  ShowDigits(section.Add({"trigger_v", "trigger, single, at", document::kVolt}, card.trigger_v), 2);
+  return section;
 }
 
-std::string DropsText(const TestCard& card) {
-  const fit::PlannedDrops& drops = card.drops;
-  std::string text = "Load and drops\n";
-  if (card.load) {
-    text += fmt::format(
-        "  {:g} ohm across the terminals. Best for Km: {:.3g} ohm; {:g} to {:g} ohm do within 10 "
-        "%.\n",
-        drops.load_ohm.value, card.load->best_ohm, card.load->least_ohm, card.load->most_ohm);
-  } else {
-    text += fmt::format("  {:g} ohm across the terminals, as stated.\n", drops.load_ohm.value);
-  }
-  return text + fmt::format(
-                    "  {} with open terminals, {} with the load. Five of each show whether "
-                    "they repeat.\n",
-                    drops.open_drops, drops.loaded_drops);
-}
-
-std::string AccuracyText(const TestCard& card) {
-  std::string text = fmt::format("Expected standard uncertainty, %\n  {:<34}{:>10}{:>10}{:>10}\n",
-                                 "", "Kv", "Bv", "Km");
-  for (const Source& source : kSources) {
-    std::string cells;
-    for (const ExpectedUncertainty& uncertainty : card.expected) {
-      cells += PercentCell(source.part(uncertainty));
-    }
-    text += fmt::format("  {:<34}{}\n", source.name, cells);
-  }
-  text += fmt::format("  {:<34}", "half a 95 % interval");
-  for (const ExpectedUncertainty& uncertainty : card.expected) {
-    text += PercentCell(fit::kCoverage95 * uncertainty.combined());
-  }
-  text += "\n  limited by";
-  constexpr std::array kAll{fit::Constant::kStiffness, fit::Constant::kDamping,
-                            fit::Constant::kForceConstant};
-  for (const auto constant : kAll) {
-    text += fmt::format("{} {}: {}", constant == kAll.front() ? "" : ",", SymbolOf(constant),
-                        LargestSource(Of(card, constant)));
-  }
-  text += '\n';
-  if (Of(card, fit::Constant::kForceConstant).statistical > kLopsided) {
-    text += "  beyond 5 % the interval of Km is lopsided; beyond 25 % it is an upper limit\n";
-  }
-  return text;
-}
-
-std::string WishText(const AnsweredWish& answered, const TestCard& card) {
-  const std::string wish = fmt::format("{} to {:.3g} % (95 %)", SymbolOf(answered.wish.constant),
-                                       HalfPercent(answered.wish));
-  if (!answered.is_reached) {
-    const Error why = UnreachedWish(answered, card);
-    return fmt::format("  {}: not reached; {}\n", wish, why.remedy);
-  }
-  return fmt::format("  {}: reached; {} open and {} loaded would do\n", wish, answered.count.open,
-                     answered.count.loaded);
-}
-
-ordered_json QuantityJson(const Quantity& quantity) {
-  return {{"value", quantity.value}, {"standard_uncertainty", quantity.standard_uncertainty}};
-}
-
-ordered_json WishJson(const AnsweredWish& answered) {
-  const bool is_limited = answered.count.limit != PlanLimit::kNone;
-  ordered_json json{{"constant", SymbolOf(answered.wish.constant)},
-                    {"half_interval", HalfPercent(answered.wish) / 100},
-                    {"reached", answered.is_reached}};
-  json["open_drops_needed"] = is_limited ? ordered_json() : ordered_json(answered.count.open);
-  json["loaded_drops_needed"] = is_limited ? ordered_json() : ordered_json(answered.count.loaded);
-  json["limit"] = cli::TextOrNull(std::string(LimitName(answered.count.limit)));
-  json["tolerable_share"] =
-      is_limited ? ordered_json(answered.count.tolerable_share) : ordered_json();
-  return json;
-}
-
-ordered_json RecorderJson(const TestCard& card) {
-  const fit::PlannedDrops& drops = card.drops;
-  return {{"range_v", card.range_v},
-          {"bits", card.bits},
-          {"step_v", drops.step_v},
-          {"noise_v", drops.noise_v},
-          {"rate_hz", drops.rate_hz},
-          {"length_s", drops.length_s},
-          {"pre_trigger_s", card.pre_trigger_s},
-          {"trigger_v", card.trigger_v}};
-}
-
-ordered_json LoadJson(const TestCard& card) {
-  ordered_json json = QuantityJson(card.drops.load_ohm);
-  const auto of = [&](double fit::LoadChoice::* member) {
-    return card.load ? ordered_json((*card.load).*member) : ordered_json();
+Section RingingSection(const fit::ExpectedRinging& ringing) {
+  Section section{.name = "ringing", .heading = "expected ringing"};
+  const auto add = [&section](const Key& key, double value) {
+    ShowDigits(section.Add(key, value), 3);
   };
-  json["best_ohm"] = of(&fit::LoadChoice::best_ohm);
-  json["least_ohm"] = of(&fit::LoadChoice::least_ohm);
-  json["most_ohm"] = of(&fit::LoadChoice::most_ohm);
-  return json;
+  add({"open_amplitude_v", "amplitude, open", document::kVolt}, ringing.open_amplitude_v);
+  add({"loaded_amplitude_v", "amplitude, with the load", document::kVolt},
+      ringing.loaded_amplitude_v);
+  add({"", "falls to 1/e in, open", document::kSecond}, 1 / ringing.open_decay_per_s);
+  add({"", "falls to 1/e in, with the load", document::kSecond}, 1 / ringing.loaded_decay_per_s);
+  section.Add({"open_decay_per_s"}, ringing.open_decay_per_s);
+  section.Add({"loaded_decay_per_s"}, ringing.loaded_decay_per_s);
+  return section;
 }
 
-ordered_json GuessesJson(const fit::PlannedDrops& drops) {
-  return {{"natural_frequency_hz", drops.natural_frequency_hz},
-          {"quality_factor", drops.quality_factor},
-          {"force_constant_n_per_a", drops.force_constant_n_per_a},
-          {"inductance_h", drops.inductance_h},
-          {"speed_m_per_s", drops.speed_m_per_s},
-          {"time_scale_standard_uncertainty", drops.time_scale_uncertainty}};
+Section DropsSection(const TestCard& card) {
+  const fit::PlannedDrops& drops = card.drops;
+  const auto of = [&card](double fit::LoadChoice::* member) {
+    return card.load ? std::optional((*card.load).*member) : std::nullopt;
+  };
+  Section section{.heading = "load and drops"};
+  Section& load = AddQuantity(section, "load_ohm", "load", document::kOhm, drops.load_ohm);
+  Section& json = load.sections.front();
+  json.Add({"best_ohm"}, of(&fit::LoadChoice::best_ohm));
+  json.Add({"least_ohm"}, of(&fit::LoadChoice::least_ohm));
+  json.Add({"most_ohm"}, of(&fit::LoadChoice::most_ohm));
+  if (card.load) {
+    load.items.front().note =
+        fmt::format("best for Km is {:.3g} ohm; {:g} to {:g} ohm are within 10 % of that",
+                    card.load->best_ohm, card.load->least_ohm, card.load->most_ohm);
+  }
+  section.Add({"open_drops", "drops with open terminals"}, drops.open_drops);
+  section.Add({"loaded_drops", "drops with the load"}, drops.loaded_drops);
+  return section;
+}
+
+// in JSON an object a constant, in text a table of causes
+Section UncertaintySection(const TestCard& card) {
+  Section object{.name = "relative_standard_uncertainty"};
+  Section table{.heading = "expected standard uncertainty by cause",
+                .shape = Section::Shape::kTable};
+  for (const fit::Constant constant : kConstants) {
+    Section one{.name = std::string(SymbolOf(constant))};
+    for (const Source& source : kSources) one.Add({source.key}, source.part(Of(card, constant)));
+    one.Add({"limited_by"}, LargestSource(Of(card, constant)));
+    object.sections.push_back(std::move(one));
+  }
+  for (const Source& source : kSources) {
+    Section& row = table.sections.emplace_back();
+    row.Add({"", "cause"}, source.name);
+    for (const fit::Constant constant : kConstants) {
+      const double all = Of(card, constant).combined();
+      row.Add({"", SymbolOf(constant), document::kShare}, source.part(Of(card, constant)))
+          .resolution = std::pow(10.0, std::floor(std::log10(all)) - 1);
+    }
+  }
+  Section both;
+  both.sections = {std::move(object), std::move(table)};
+  return both;
+}
+
+Section WishesSection(const TestCard& card) {
+  Section table{.name = "wishes", .heading = "wanted", .shape = Section::Shape::kTable};
+  for (const AnsweredWish& answered : card.wishes) {
+    const fit::DropCount& count = answered.count;
+    const bool is_limited = count.limit != PlanLimit::kNone;
+    const auto known = [](bool is_known, auto value) {
+      return is_known ? std::optional(value) : std::nullopt;
+    };
+    Section& row = table.sections.emplace_back();
+    row.Add({"constant", "constant"}, SymbolOf(answered.wish.constant));
+    row.Add({"half_interval", "half interval of 95 %", document::kShare},
+            HalfInterval(answered.wish));
+    row.Add({"reached", "reached"}, answered.is_reached);
+    row.Add({"open_drops_needed", "open drops needed"}, known(!is_limited, count.open));
+    row.Add({"loaded_drops_needed", "loaded drops needed"}, known(!is_limited, count.loaded));
+    row.Add({"limit", "limit"}, known(is_limited, LimitName(count.limit)));
+    row.Add({"tolerable_share"}, known(is_limited, count.tolerable_share));
+  }
+  return table;
 }
 
 }  // namespace
 
-Error UnreachedWish(const AnsweredWish& answered, const TestCard& card) {
-  const std::string_view symbol = SymbolOf(answered.wish.constant);
-  Error error{Cause::kCannotAnswer, "",
-              fmt::format("{} to {:.3g} % is not reached: {:.3g} % is expected", symbol,
-                          HalfPercent(answered.wish),
-                          100 * fit::kCoverage95 * Of(card, answered.wish.constant).combined()),
-              ""};
-  if (answered.count.limit == PlanLimit::kNone) {
-    error.remedy =
-        fmt::format("make {} open and {} loaded drops", answered.count.open, answered.count.loaded);
-    return error;
+document::Sentence SentenceOf(PlanFinding kind) {
+  switch (kind) {
+    case PlanFinding::kClamp:
+      return {"clamp-the-case",
+              "clamp the case to something a hundred times as heavy: a case that is free rings at "
+              "another frequency, one that is loose rings with its mount"};
+    case PlanFinding::kWeigh:
+      return {"weigh-the-mover",
+              "weigh the moving mass, of a specimen taken apart: 1 % of it is 1 % of Kv and Bv, "
+              "and 0.5 % of Km"};
+    case PlanFinding::kMeasureOhms:
+      return {"measure-the-ohms",
+              "measure coil and load with one ohmmeter, without its leads' resistance, at the "
+              "test's temperature: copper gains 0.39 % a kelvin"};
+    case PlanFinding::kStrike:
+      return {"strike-once",
+              "let mount and actuator fall {drop_height_m} on something hard, or tap the mount as "
+              "strongly: {speed_m_per_s}, a stroke of {stroke_m}; less, if the moving mass meets "
+              "its stops; one impact a record, along the axis"};
+    case PlanFinding::kRepeat:
+      return {"five-of-each", "five drops of each kind show whether they repeat"};
+    case PlanFinding::kMassAssumed:
+      return {"mass-assumed",
+              "a moving mass of {moving_mass_kg}, weighed to 0.01 g, is assumed: state "
+              "--moving-mass 1.4g+-0.006g"};
+    case PlanFinding::kMassExact:
+      return {"mass-exact",
+              "the moving mass is taken as exact: 1 % of it is 1 % of Kv and Bv, and 0.5 % of Km"};
+    case PlanFinding::kResistanceExact:
+      return {"resistance-exact", "the coil's resistance is taken as exact"};
+    case PlanFinding::kQualityAssumed:
+      return {"quality-assumed", "Q {quality_factor} is assumed: state --guess \"Q 60\""};
+    case PlanFinding::kForceConstantAssumed:
+      return {"force-constant-assumed",
+              "Km {force_constant_n_per_a} is assumed: state --guess \"Km 1N/A\""};
+    case PlanFinding::kHeightAssumed:
+      return {
+          "height-assumed",
+          "an impact as after a fall from {drop_height_m} is assumed: state --drop-height 10mm"};
+    case PlanFinding::kTimeBaseAssumed:
+      return {"time-base-assumed",
+              "a time base with a standard uncertainty of 50 ppm is assumed: state --time-scale "
+              "1+-5e-5"};
+    case PlanFinding::kLoadAssumed:
+      return {"load-assumed",
+              "a load with a tolerance of 1 % is assumed: state --load 39.0ohm+-0.1ohm"};
+    case PlanFinding::kBitsAssumed:
+      return {"bits-assumed", "{bits} bits over the range are assumed: state --bits 12"};
+    case PlanFinding::kNoiseAssumed:
+      return {"noise-assumed", "noise of half a step is assumed: state --noise 3mV"};
+    case PlanFinding::kLittleNoise:
+      return {"little-noise",
+              "rounding is taken for noise; where it repeats itself, errors are up to 1.6 times as "
+              "large"};
+    case PlanFinding::kLopsided:
+      return {"lopsided-interval",
+              "beyond 5 % of standard uncertainty the interval of Km is not symmetric; beyond 25 % "
+              "it is an upper limit"};
+    case PlanFinding::kNeedsDrops:
+      return {"wish-needs-drops",
+              "{constant} to {half_interval %} is not reached: {expected %} is expected; make "
+              "{open} open and {loaded} loaded drops"};
+    case PlanFinding::kOthersTooMuch:
+      return {"wish-out-of-reach",
+              "{constant} to {half_interval %} is not reached: {expected %} is expected; the "
+              "{limit} limits most, and the other causes alone are too much"};
+    case PlanFinding::kNeedsBits:
+      return {"wish-needs-bits",
+              "{constant} to {half_interval %} is not reached: {expected %} is expected; the "
+              "converter prevents it even over 50 drops of each kind: {bits} bits more would do"};
+    case PlanFinding::kNeedsLessNoise:
+      return {"wish-needs-less-noise",
+              "{constant} to {half_interval %} is not reached: {expected %} is expected; noise and "
+              "steps prevent it even over 50 drops of each kind: {share %} of them would do; "
+              "strike harder, take a finer range, more bits or samples"};
+    case PlanFinding::kNeedsCertainty:
+      break;
   }
-  const std::string_view limit = LimitName(answered.count.limit);
-  const double share = answered.count.tolerable_share;
-  if (share == 0) {
-    error.remedy = fmt::format("the {} limits most, and the others alone are too much", limit);
-  } else if (answered.count.limit == PlanLimit::kConverter) {
-    error.remedy = fmt::format(
-        "even over 50 drops of each kind the converter prevents it: {} bits more would do",
-        std::ceil(-std::log2(share)));
-  } else if (answered.count.limit == PlanLimit::kNoise) {
-    error.remedy = fmt::format(
-        "even over 50 drops of each kind noise and steps prevent it: {:.2g} of them would do; "
-        "strike "
-        "harder, take a finer range, more bits or samples",
-        share);
-  } else {
-    error.remedy =
-        fmt::format("the {} prevents it: {:.2g} of its present uncertainty would do", limit, share);
-  }
-  return error;
+  return {"wish-needs-certainty",
+          "{constant} to {half_interval %} is not reached: {expected %} is expected; the {limit} "
+          "prevents it: {share %} of its present uncertainty would do"};
 }
 
-std::string TestCardText(const TestCard& card) {
-  std::string text = HoldText(card) + RecorderText(card) + DropsText(card) + AccuracyText(card);
-  if (!card.wishes.empty()) text += "Wanted\n";
-  for (const AnsweredWish& answered : card.wishes) text += WishText(answered, card);
-  text += fmt::format("Then\n  {}\n", card.command);
-  if (!card.assumptions.empty()) text += "Assumed\n";
-  for (const std::string& sentence : card.assumptions) text += fmt::format("  {}\n", sentence);
-  return text;
-}
-
-std::string TestCardJson(const TestCard& card) {
+document::Document PlanDocument(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
-  ordered_json document;
-  document["guesses"] = GuessesJson(drops);
-  document["moving_mass_kg"] = QuantityJson(drops.moving_mass_kg);
-  document["resistance_ohm"] = QuantityJson(drops.resistance_ohm);
-  document["load_ohm"] = LoadJson(card);
-  document["drop_height_m"] = card.height_m;
-  document["recorder"] = RecorderJson(card);
-  document["ringing"] = {{"open_amplitude_v", card.ringing.open_amplitude_v},
-                         {"loaded_amplitude_v", card.ringing.loaded_amplitude_v},
-                         {"open_decay_per_s", card.ringing.open_decay_per_s},
-                         {"loaded_decay_per_s", card.ringing.loaded_decay_per_s}};
-  document["open_drops"] = drops.open_drops;
-  document["loaded_drops"] = drops.loaded_drops;
-  ordered_json expected;
-  for (const auto constant :
-       {fit::Constant::kStiffness, fit::Constant::kDamping, fit::Constant::kForceConstant}) {
-    ordered_json& one = expected[std::string(SymbolOf(constant))];
-    for (const Source& source : kSources) {
-      one[std::string(source.key)] = cli::NumberOrNull(source.part(Of(card, constant)));
-    }
-    one["limited_by"] = LargestSource(Of(card, constant));
+  document::Document document{
+      .verb = "plan-drop-test",
+      .title = fmt::format("Test card: drops of an actuator of {:.6g} Hz, Q {:.3g}, Km {:.3g} N/A",
+                           drops.natural_frequency_hz, drops.quality_factor,
+                           drops.force_constant_n_per_a)};
+  Section& root = document.root;
+  Section command;
+  command.Add({"command", "then"}, card.command);
+  root.sections = {ActuatorSection(card), RecorderSection(card),    RingingSection(card.ringing),
+                   DropsSection(card),    UncertaintySection(card), WishesSection(card),
+                   std::move(command)};
+  Findings<PlanFinding> findings = card.findings;
+  AddWishes(card, findings);
+  constexpr double kLopsided = 0.05;  // see fit/drop_test/drop_test_solution.h
+  if (Of(card, fit::Constant::kForceConstant).statistical > kLopsided) {
+    findings.Note(PlanFinding::kLopsided);
   }
-  document["relative_standard_uncertainty"] = std::move(expected);
-  document["wishes"] = ordered_json::array();
-  for (const AnsweredWish& answered : card.wishes) {
-    document["wishes"].push_back(WishJson(answered));
-  }
-  document["command"] = card.command;
-  document["assumptions"] = card.assumptions;
-  return cli::JsonText(document);
+  document::AddFindings(root, findings);
+  return document;
 }
 
 }  // namespace haptometer::tools

@@ -12,13 +12,23 @@
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/drop_test_model.h"
 #include "sim/scene/actuator.h"
+#include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/present.h"
 #include "tools/fit/plan_document.h"
+#include "tools/verbs.h"
 
 namespace haptometer::tools {
 namespace {
 
-constexpr std::string_view kVerb = "fit-lra";
+constexpr std::string_view kVerb = "plan-drop-test";
+
+constexpr cli::VerbText kText{
+    .name = kVerb,
+    .summary = "Plan a drop test: load, recorder, number of drops, expected uncertainty.",
+    .examples = {"haptometer plan-drop-test --resistance 27ohm --f0 225Hz --want 'Km 2%'",
+                 "haptometer plan-drop-test --actuator thesis-c10-100 --bits 12 --all",
+                 "haptometer plan-drop-test --resistance 27ohm --f0 175Hz --load 22ohm --json"}};
 
 // of each kind: enough to see whether they repeat, and more than anybody makes
 constexpr std::size_t kUsualDrops = 5;
@@ -57,7 +67,7 @@ double RoundUp(double value) {
 // fills in a card from what is stated, else from the actuator file, else from what is usual
 class CardMaker {
  public:
-  CardMaker(const PlanWords& words, const FitLraOptions& stated) : words_(words), stated_(stated) {}
+  explicit CardMaker(const PlanWords& words) : words_(words) {}
 
   [[nodiscard]] Result<TestCard> Make() {
     if (auto done = TakeActuator(); !done) return std::unexpected(done.error());
@@ -67,42 +77,38 @@ class CardMaker {
     if (auto done = TakeRecorder(); !done) return std::unexpected(done.error());
     if (auto done = Answer(); !done) return std::unexpected(done.error());
     WriteCommand();
+    NoteHow();
     return std::move(card_);
   }
 
  private:
-  void Assume(std::string sentence) { card_.assumptions.push_back(std::move(sentence)); }
+  using enum PlanFinding;
+
+  void Note(PlanFinding kind, std::initializer_list<FindingNumber> numbers = {}) {
+    card_.findings.Note(kind, numbers);
+  }
 
   // masses and coil
   Result<void> TakeActuator() {
     fit::PlannedDrops& drops = card_.drops;
-    if (!stated_.actuator.empty()) {
-      auto found = sim::FindActuator(stated_.actuator);
+    if (!words_.actuator.file.empty()) {
+      auto found = sim::FindActuator(words_.actuator.file);
       if (!found) return std::unexpected(found.error());
       actuator_ = std::move(*found);
     }
-    const auto of_actuator = [&](Quantity sim::StatedActuator::* member) {
-      return actuator_ ? std::optional((*actuator_).*member) : std::nullopt;
-    };
-    const auto resistance = stated_.resistance_ohm
-                                ? stated_.resistance_ohm
-                                : of_actuator(&sim::StatedActuator::resistance_ohm);
-    if (!resistance) {
+    const auto knowns = KnownsOf(words_.actuator);
+    if (!knowns) return std::unexpected(knowns.error());
+    if (!knowns->resistance_ohm) {
       return Usage("--resistance", "is missing: the best load follows it",
                    "measure the coil with an ohmmeter and write --resistance 27ohm");
     }
-    drops.resistance_ohm = *resistance;
-    const auto mass = stated_.moving_mass_kg ? stated_.moving_mass_kg
-                                             : of_actuator(&sim::StatedActuator::moving_mass_kg);
+    drops.resistance_ohm = *knowns->resistance_ohm;
+    const auto& mass = knowns->moving_mass_kg;
     drops.moving_mass_kg = mass.value_or(Quantity{kUsualMassKg, kUsualMassUncertaintyKg});
-    if (!mass) Assume("a moving mass of 1.4 g, weighed to 0.01 g (--moving-mass 1.4g+-0.006g)");
-    if (drops.moving_mass_kg.exact()) {
-      Assume("the moving mass is exact: 1 % of it is 1 % of Kv and Bv and 0.5 % of Km");
-    }
-    if (drops.resistance_ohm.exact()) Assume("the coil's resistance is exact");
-    const auto inductance = stated_.inductance_h ? stated_.inductance_h
-                                                 : of_actuator(&sim::StatedActuator::inductance_h);
-    drops.inductance_h = inductance ? inductance->value : 0;
+    if (!mass) Note(kMassAssumed, {{"moving_mass_kg", kUsualMassKg}});
+    if (drops.moving_mass_kg.exact()) Note(kMassExact);
+    if (drops.resistance_ohm.exact()) Note(kResistanceExact);
+    drops.inductance_h = knowns->inductance_h ? knowns->inductance_h->value : 0;
     return {};
   }
 
@@ -128,7 +134,9 @@ class CardMaker {
     }
     drops.quality_factor =
         guesses->quality_factor.value_or(damping ? critical / *damping : kUsualQuality);
-    if (!guesses->quality_factor && !damping) Assume("Q 30 (--guess \"Q 60\")");
+    if (!guesses->quality_factor && !damping) {
+      Note(kQualityAssumed, {{"quality_factor", kUsualQuality}});
+    }
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
                    "a plan is for what rings");
@@ -138,19 +146,19 @@ class CardMaker {
       km = actuator_->force_constant_n_per_a->value;
     }
     drops.force_constant_n_per_a = km.value_or(kUsualForceConstant);
-    if (!km) Assume("Km 1 N/A (--guess \"Km 1N/A\")");
+    if (!km) Note(kForceConstantAssumed, {{"force_constant_n_per_a", kUsualForceConstant}});
     return {};
   }
 
   void TakeBlow() {
     fit::PlannedDrops& drops = card_.drops;
-    card_.height_m = stated_.drop_height_m ? stated_.drop_height_m->value : kUsualHeightM;
-    if (!stated_.drop_height_m) Assume("a blow as by a fall from 10 mm (--drop-height 10mm)");
-    const double rebound = stated_.rebound ? stated_.rebound->value : 0;
+    card_.height_m = words_.drop_height_m ? words_.drop_height_m->value : kUsualHeightM;
+    if (!words_.drop_height_m) Note(kHeightAssumed, {{"drop_height_m", kUsualHeightM}});
+    const double rebound = words_.rebound ? words_.rebound->value : 0;
     drops.speed_m_per_s = (1 + rebound) * std::sqrt(2 * fit::kGravityMPerS2 * card_.height_m);
     drops.time_scale_uncertainty =
-        stated_.time_scale ? stated_.time_scale->standard_uncertainty : kUsualTimeScale;
-    if (!stated_.time_scale) Assume("a time base good to 50 ppm (--time-scale 1+-5e-5)");
+        words_.time_scale ? words_.time_scale->standard_uncertainty : kUsualTimeScale;
+    if (!words_.time_scale) Note(kTimeBaseAssumed);
     drops.open_drops = drops.loaded_drops =
         words_.taps ? static_cast<std::size_t>(*words_.taps) : kUsualDrops;
   }
@@ -160,16 +168,14 @@ class CardMaker {
     fit::PlannedDrops& drops = card_.drops;
     const double resistance = drops.resistance_ohm.value;
     drops.load_ohm = {resistance, kUsualLoadTolerance * resistance};
-    if (stated_.loads.empty() || stated_.loads[0].empty()) {
-      Assume("a load good to 1 % (--load 39.0ohm+-0.1ohm)");
+    if (!words_.load_ohm) {
+      Note(kLoadAssumed);
       return {};
     }
-    auto load = ParseQuantity(stated_.loads[0][0], Dimension::kResistance, "--load");
-    if (!load) return std::unexpected(load.error());
-    if (!(load->value > 0 && std::isfinite(load->value))) {
+    if (!(words_.load_ohm->value > 0 && std::isfinite(words_.load_ohm->value))) {
       return Usage("--load", "is no load", "write --load 33ohm; the open drops are planned too");
     }
-    drops.load_ohm = *load;
+    drops.load_ohm = *words_.load_ohm;
     has_load_ = true;
     return {};
   }
@@ -178,7 +184,7 @@ class CardMaker {
     fit::PlannedDrops& drops = card_.drops;
     const double f0 = drops.natural_frequency_hz;
     const auto ringing = fit::ExpectRinging(drops);
-    drops.rate_hz = stated_.import.rate_hz.value_or(RoundUp125(kSamplesAPeriod * f0));
+    drops.rate_hz = words_.rate_hz ? words_.rate_hz->value : RoundUp125(kSamplesAPeriod * f0);
     if (drops.rate_hz < 5 * f0) {
       return Usage("--rate", fmt::format("{:g} Hz is below 5 samples a period", drops.rate_hz),
                    fmt::format("sample with {:g} Hz or more", RoundUp125(kSamplesAPeriod * f0)));
@@ -202,15 +208,11 @@ class CardMaker {
                    fmt::format("take {:.2g} V", kRangeOverPeak * ringing.open_amplitude_v));
     }
     card_.bits = words_.bits.value_or(kUsualBits);
-    if (!words_.bits) Assume("8 bits over the range (--bits 12)");
+    if (!words_.bits) Note(kBitsAssumed, {{"bits", kUsualBits}});
     drops.step_v = std::ldexp(card_.range_v, -static_cast<int>(card_.bits));
     drops.noise_v = words_.noise_v ? words_.noise_v->value : kUsualNoiseSteps * drops.step_v;
-    if (!words_.noise_v) Assume("noise of half a step (--noise 3mV)");
-    if (drops.noise_v < drops.step_v / 4) {
-      Assume(
-          "rounding scatters like noise; where it repeats itself, errors are up to 1.6 times as "
-          "large");
-    }
+    if (!words_.noise_v) Note(kNoiseAssumed);
+    if (drops.noise_v < drops.step_v / 4) Note(kLittleNoise);
     return {};
   }
 
@@ -242,6 +244,20 @@ class CardMaker {
     return {};
   }
 
+  // how the test is made
+  void NoteHow() {
+    const fit::PlannedDrops& drops = card_.drops;
+    const double stroke_m =
+        drops.speed_m_per_s / (2 * std::numbers::pi * drops.natural_frequency_hz);
+    Note(kClamp);
+    Note(kWeigh);
+    Note(kMeasureOhms);
+    Note(kStrike, {{"drop_height_m", card_.height_m},
+                   {"speed_m_per_s", drops.speed_m_per_s},
+                   {"stroke_m", stroke_m}});
+    Note(kRepeat);
+  }
+
   // the shell's * stays bare
   void WriteCommand() {
     const fit::PlannedDrops& drops = card_.drops;
@@ -264,33 +280,10 @@ class CardMaker {
   }
 
   const PlanWords& words_;
-  const FitLraOptions& stated_;
   std::optional<sim::StatedActuator> actuator_;
   bool has_load_ = false;
   TestCard card_;
 };
-
-}  // namespace
-
-Result<TestCard> MakeTestCard(const PlanWords& words, const FitLraOptions& stated) {
-  if (auto checked = CheckPlanWords(words, stated); !checked)
-    return std::unexpected(checked.error());
-  return CardMaker(words, stated).Make();
-}
-
-int RunFitPlan(const PlanWords& words, const FitLraOptions& stated, bool json) {
-  const auto card = MakeTestCard(words, stated);
-  if (!card) return cli::ReportError(kVerb, card.error());
-  cli::Print(json ? TestCardJson(*card) : TestCardText(*card));
-  int status = 0;
-  for (const AnsweredWish& answered : card->wishes) {
-    if (answered.is_reached) continue;
-    status = cli::ReportError(kVerb, UnreachedWish(answered, *card));
-  }
-  return status;
-}
-
-namespace {
 
 // "Km 2%" is the symbol and the rest
 std::pair<std::string, std::string> Split(const std::string& word) {
@@ -301,9 +294,8 @@ std::pair<std::string, std::string> Split(const std::string& word) {
 }
 
 // far beyond any actuator and recorder, and near enough for numbers that stay finite
-Result<void> CheckRanges(const PlanWords& words, const FitLraOptions& stated) {
-  const std::optional<Quantity> rate_hz =
-      stated.import.rate_hz ? std::optional(Quantity{*stated.import.rate_hz, 0}) : std::nullopt;
+Result<void> CheckRanges(const PlanWords& words) {
+  const fit::ActuatorKnowns& stated = words.actuator.knowns;
   struct Row {
     std::string_view option;
     const std::optional<Quantity>& value;
@@ -315,11 +307,11 @@ Result<void> CheckRanges(const PlanWords& words, const FitLraOptions& stated) {
                         Row{"--range", words.range_v, 1e-6, 1e4, "V"},
                         Row{"--noise", words.noise_v, 0, 1e3, "V"},
                         Row{"--length", words.length_s, 0, 1e6, "s"},
-                        Row{"--rate", rate_hz, 0, 1e10, "Hz"},
+                        Row{"--rate", words.rate_hz, 0, 1e10, "Hz"},
                         Row{"--moving-mass", stated.moving_mass_kg, 1e-9, 1e3, "kg"},
                         Row{"--resistance", stated.resistance_ohm, 1e-3, 1e6, "ohm"},
                         Row{"--inductance", stated.inductance_h, 0, 1, "H"},
-                        Row{"--drop-height", stated.drop_height_m, 1e-6, 10, "m"}};
+                        Row{"--drop-height", words.drop_height_m, 1e-6, 10, "m"}};
   for (const Row& row : rows) {
     if (!row.value || (row.value->value >= row.least && row.value->value <= row.most)) continue;
     return Usage(std::string(row.option),
@@ -327,7 +319,39 @@ Result<void> CheckRanges(const PlanWords& words, const FitLraOptions& stated) {
                              row.least, row.most),
                  "check its unit");
   }
+  if (words.rebound && !(words.rebound->value >= 0 && words.rebound->value <= 1)) {
+    return Usage("--rebound", "lies from 0 to 1", "write it like 0.1");
+  }
+  if (words.time_scale && !(words.time_scale->value > 0.5 && words.time_scale->value < 2)) {
+    return Usage("--time-scale", "is shown over true seconds, about 1", "write it like 1+-5e-5");
+  }
   return {};
+}
+
+void Declare(cli::Options& options, PlanWords& words) {
+  constexpr auto kRare = cli::Shown::kHelpAll;
+  options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency,
+                 "The resonance, as rated");
+  DeclareCoilAndMass(options, words.actuator);
+  options.Repeated("--want", &words.wishes, "\"Km 2%\"",
+                   "Half the 95 % interval of Kv, Bv or Km; may be repeated");
+  options.Repeated("--guess", &words.guesses, "\"Q 60\"",
+                   "What is supposed of Q, Bv or Km; may be repeated");
+  options.Number("--load", &words.load_ohm, Dimension::kResistance, "Of the loaded drops");
+  options.Number("--drop-height", &words.drop_height_m, Dimension::kLength,
+                 "Height of a fall that gives the impact");
+  options.Number("--rebound", &words.rebound, Dimension::kNone,
+                 "Speed of the case after the impact over that before it (0 to 1)", kRare);
+  options.Number("--time-scale", &words.time_scale, Dimension::kNone,
+                 "Seconds shown over true ones: 1+-5e-5", kRare);
+  options.Number("--rate", &words.rate_hz, Dimension::kFrequency, "Of the recorder");
+  options.Count("--taps", &words.taps, 1, 1000, "Drops of each kind");
+  options.Count("--bits", &words.bits, 4, 24, "Of the recorder, over --range");
+  options.Number("--range", &words.range_v, Dimension::kVoltage,
+                 "Of the recorder, from end to end");
+  options.Number("--noise", &words.noise_v, Dimension::kVoltage, "Of the recorder, RMS", kRare);
+  options.Number("--length", &words.length_s, Dimension::kTime, "Of the record, behind the impact",
+                 kRare);
 }
 
 }  // namespace
@@ -335,66 +359,6 @@ Result<void> CheckRanges(const PlanWords& words, const FitLraOptions& stated) {
 std::string_view SymbolOf(fit::Constant constant) {
   constexpr std::array<std::string_view, fit::kConstantCount> kSymbols{"Kv", "Bv", "Km"};
   return kSymbols[static_cast<std::size_t>(constant)];
-}
-
-void DeclarePlan(cli::Options& options, PlanWords& words) {
-  constexpr auto kRare = cli::Shown::kHelpAll;
-  options.Flag("--plan", &words.asked,
-               "Print a test card for drops still to be made; needs --resistance and --f0");
-  options.Number("--f0", &words.natural_frequency_hz, Dimension::kFrequency,
-                 "With --plan: the resonance, as rated");
-  options.Repeated("--want", &words.wishes, "\"Km 2%\"",
-                   "With --plan: half the 95 % interval of Kv, Bv or Km; may be repeated");
-  options.Repeated("--guess", &words.guesses, "\"Q 60\"",
-                   "With --plan: what is supposed of Q, Bv or Km; may be repeated", kRare);
-  options.Count("--taps", &words.taps, 1, 1000, "With --plan: drops of each kind", kRare);
-  options.Count("--bits", &words.bits, 4, 24, "With --plan: of the recorder, over --range", kRare);
-  options.Number("--range", &words.range_v, Dimension::kVoltage,
-                 "With --plan: of the recorder, from end to end", kRare);
-  options.Number("--noise", &words.noise_v, Dimension::kVoltage,
-                 "With --plan: of the recorder, RMS", kRare);
-  options.Number("--length", &words.length_s, Dimension::kTime,
-                 "With --plan: of the record, behind the blow", kRare);
-}
-
-Result<void> CheckNotPlanned(const PlanWords& words) {
-  struct Row {
-    std::string_view option;
-    bool is_given;
-  };
-  for (const Row& row :
-       {Row{"--f0", words.natural_frequency_hz.has_value()}, Row{"--want", !words.wishes.empty()},
-        Row{"--guess", !words.guesses.empty()}, Row{"--taps", words.taps.has_value()},
-        Row{"--bits", words.bits.has_value()}, Row{"--range", words.range_v.has_value()},
-        Row{"--noise", words.noise_v.has_value()}, Row{"--length", words.length_s.has_value()}}) {
-    if (row.is_given) {
-      return Usage(std::string(row.option), "belongs to a plan", "write --plan too");
-    }
-  }
-  return {};
-}
-
-Result<void> CheckPlanWords(const PlanWords& words, const FitLraOptions& stated) {
-  const bool has_loaded_files =
-      std::ranges::any_of(stated.loads, [](const auto& group) { return group.size() > 1; });
-  if (!stated.files.empty() || !stated.open.empty() || has_loaded_files) {
-    return Usage("--plan", "reads no files", "make the drops, then fit them without --plan");
-  }
-  if (stated.loads.size() > 1) {
-    return Usage("--load", "a plan has one load beside open terminals", "write --load 33ohm");
-  }
-  if (stated.is_free) {
-    return Usage("--free", "a plan is for a held case, which rings longer and needs one mass",
-                 "leave it out");
-  }
-  if (!stated.required.empty()) {
-    return Usage("--require", "is for fits", "write --want \"Km 2%\" for a plan");
-  }
-  if (stated.case_mass_kg) {
-    return Usage("--case-mass", "says nothing of a held case, which a plan is for", "leave it out");
-  }
-  if (auto checked = CheckRanges(words, stated); !checked) return checked;
-  return CheckFitLraOptions(stated);
 }
 
 Result<fit::AccuracyWish> ParseWish(const std::string& word) {
@@ -441,6 +405,27 @@ Result<ConstantGuesses> ParseGuesses(const std::vector<std::string>& words) {
     guesses.*row->member = number->value;
   }
   return guesses;
+}
+
+Result<TestCard> MakeTestCard(const PlanWords& words) {
+  if (auto checked = CheckRanges(words); !checked) return std::unexpected(checked.error());
+  if (auto checked = Check(words.actuator); !checked) return std::unexpected(checked.error());
+  return CardMaker(words).Make();
+}
+
+int RunPlanDropTest(int argc, const char* const* argv) {
+  cli::Options options(kText);
+  PlanWords words;
+  document::Outputs outputs;
+  Declare(options, words);
+  options.Flag("--all", &outputs.all, "The supposed constants too");
+  options.Output("--report", &outputs.report, "FILE.html", "Write the card as a page");
+  if (const auto status = options.Parse(argc, argv)) return *status;
+  outputs.json = options.json();
+  if (auto good = CheckOutputs(outputs); !good) return cli::ReportError(kVerb, good.error());
+  const auto card = MakeTestCard(words);
+  if (!card) return cli::ReportError(kVerb, card.error());
+  return document::Present(PlanDocument(*card), outputs, argc, argv);
 }
 
 }  // namespace haptometer::tools

@@ -7,35 +7,30 @@
 #include <vector>
 
 #include "base/error.h"
+#include "base/finding.h"
 #include "base/quantity.h"
 #include "fit/drop_test/experiment_plan.h"
-#include "tools/cli/options.h"
-#include "tools/fit/drop_records.h"
+#include "tools/fit/actuator_options.h"
 
 namespace haptometer::tools {
 
-/// What fit-lra's command line says of drops that are still to be made.
+/// The command line of plan-drop-test.
 struct PlanWords {
-  bool asked = false;                ///< --plan
+  ActuatorWords actuator;
   std::vector<std::string> wishes;   ///< "Km 2%"
   std::vector<std::string> guesses;  ///< "Q 60", "Km 1N/A", "Bv 0.03"
   std::optional<Quantity> natural_frequency_hz;
   std::optional<Quantity> noise_v;
   std::optional<Quantity> range_v;
   std::optional<Quantity> length_s;
+  std::optional<Quantity> rate_hz;
+  std::optional<Quantity> load_ohm;
+  std::optional<Quantity> drop_height_m;
+  std::optional<Quantity> rebound;
+  std::optional<Quantity> time_scale;
   std::optional<std::int64_t> bits;
   std::optional<std::int64_t> taps;
 };
-
-/// Declares --plan and what belongs to it.
-void DeclarePlan(cli::Options& options, PlanWords& words);
-
-/// Refuses an option of the plan that stands without --plan. Error: Cause::kUsage, naming it.
-[[nodiscard]] Result<void> CheckNotPlanned(const PlanWords& words);
-
-/// Refuses what no plan can take: files, a free case, several loads, values out of range.
-/// Errors: Cause::kUsage.
-[[nodiscard]] Result<void> CheckPlanWords(const PlanWords& words, const FitLraOptions& stated);
 
 /// "Kv", "Bv", "Km".
 [[nodiscard]] std::string_view SymbolOf(fit::Constant constant);
@@ -62,6 +57,32 @@ struct AnsweredWish {
   bool is_reached = false;  ///< by the card's drops
 };
 
+/// What a test card says in sentences.
+enum class PlanFinding : std::uint8_t {
+  kClamp,
+  kWeigh,
+  kMeasureOhms,
+  kStrike,
+  kRepeat,
+  kMassAssumed,
+  kMassExact,
+  kResistanceExact,
+  kQualityAssumed,
+  kForceConstantAssumed,
+  kHeightAssumed,
+  kTimeBaseAssumed,
+  kLoadAssumed,
+  kBitsAssumed,
+  kNoiseAssumed,
+  kLittleNoise,
+  kLopsided,
+  kNeedsDrops,
+  kOthersTooMuch,
+  kNeedsBits,
+  kNeedsLessNoise,
+  kNeedsCertainty,
+};
+
 /// A test of an actuator, worked out.
 struct TestCard {
   fit::PlannedDrops drops;
@@ -74,19 +95,14 @@ struct TestCard {
   double pre_trigger_s = 0;  ///< recorded before the blow, beside drops.length_s
   double trigger_v = 0;
   std::vector<AnsweredWish> wishes;
-  std::vector<std::string> assumptions;  ///< sentences
-  std::string command;                   ///< that fits the records
+  Findings<PlanFinding> findings;  ///< how the test is made, and what is assumed
+  std::string command;             ///< that fits the records
 };
 
-/// Works out the test card. Masses, resistance, inductance, drop height, rebound, time scale and
-/// load are those of fit-lra's options; --rate is the recorder's. What is not stated is taken from
-/// --actuator, else assumed, and said so; only resistance and natural frequency must be stated.
+/// Works out the test card. What is not stated is taken from --actuator, else assumed, and said so;
+/// only resistance and natural frequency must be stated.
 ///
-/// Errors (Cause::kUsage): a plan option without --plan, files, a word of --want or --guess that
-/// says nothing, a free case, a value out of range.
-[[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words, const FitLraOptions& stated);
-
-/// Prints the test card. Status 0, 2 after an error, 3 where a wish is not reached.
-[[nodiscard]] int RunFitPlan(const PlanWords& words, const FitLraOptions& stated, bool json);
+/// Errors (Cause::kUsage): a word of --want or --guess that says nothing, a value out of range.
+[[nodiscard]] Result<TestCard> MakeTestCard(const PlanWords& words);
 
 }  // namespace haptometer::tools

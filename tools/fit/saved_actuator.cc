@@ -121,8 +121,10 @@ std::string Line(std::string_view key, const Quantity& quantity, std::string_vie
                      quantity.standard_uncertainty, unit);
 }
 
-std::string TextOf(const StatedActuator& stated) {
-  std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n";
+std::string TextOf(const StatedActuator& stated, const document::Provenance& provenance) {
+  // the first line is that by which --overwrite knows such files
+  std::string text = "# written by haptometer fit-lra; value +- standard uncertainty\n" +
+                     document::CommentOf(provenance, "# ");
   for (const Needed& needed : kNeeded) {
     text += Line(needed.key, stated.*needed.stated, needed.unit);
   }
@@ -185,10 +187,33 @@ Result<StatedActuator> FittedActuator(const fit::ImpedanceFit& fit, const Actuat
   return stated;
 }
 
-Result<void> SaveActuator(const std::string& path, bool overwrite,
-                          const Result<StatedActuator>& actuator) {
+void DeclareFiles(cli::Options& options, FitFiles& files, std::string_view figures) {
+  options.Flag("--all", &files.outputs.all, "All details, and the provenance");
+  options.Output("--plot", &files.outputs.plot, "FILE.svg|png|pdf", figures);
+  options.Output("--report", &files.outputs.report, "FILE.html",
+                 "Write one page with all details and the figures");
+  options.Output(
+      "--save", &files.save, "FILE.toml",
+      "Write the actuator with uncertainties and correlations, for scenes and --actuator");
+  options.Flag("--overwrite", &files.overwrite, "Replace what --save wrote earlier");
+}
+
+Result<void> CheckFiles(const FitFiles& files) {
+  if (!files.save.empty()) {
+    auto free = cli::CheckOutput(files.save, cli::kActuatorOutput, files.overwrite);
+    if (!free) return free;
+  }
+  return document::CheckOutputs(files.outputs);
+}
+
+Result<void> SaveActuator(const FitFiles& files, const Result<StatedActuator>& actuator,
+                          std::string_view verb, int argc, const char* const* argv) {
+  if (files.save.empty()) return {};
   if (!actuator) return std::unexpected(actuator.error());
-  return cli::WriteOutput(path, cli::kActuatorOutput, overwrite, TextOf(*actuator));
+  std::vector<std::string> command{"haptometer", std::string(verb)};
+  command.insert(command.end(), argv + 1, argv + argc);
+  return cli::WriteOutput(files.save, cli::kActuatorOutput, files.overwrite,
+                          TextOf(*actuator, document::CollectProvenance(command)));
 }
 
 }  // namespace haptometer::tools

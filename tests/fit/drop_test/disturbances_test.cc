@@ -6,17 +6,17 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/residual.h"
 
 namespace haptometer::fit {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using tests::MakeRecord;
 using tests::SyntheticDrop;
@@ -56,7 +56,7 @@ Spoil Clip(double share) {
 }
 
 struct Case {
-  std::string named;  // in the output; empty: nothing may be named
+  std::optional<FindingKind> named;  // absent: nothing may be named
   Spoil spoil;
 };
 
@@ -77,10 +77,10 @@ Bias MeanBias(const Case& spoiled, double noise, int repetitions) {
     const auto fit = FitDropTest({record}, tests::ThesisKnowns());
     EXPECT_TRUE(fit) << fit.error().Text();
     if (!fit) return bias;
-    if (spoiled.named.empty()) {
-      EXPECT_THAT(fit->records[0].found, IsEmpty());
+    if (spoiled.named) {
+      EXPECT_TRUE(fit->records[0].found.Has(*spoiled.named));
     } else {
-      EXPECT_THAT(fit->records[0].found, Contains(HasSubstr(spoiled.named)));
+      EXPECT_THAT(fit->records[0].found.list(), IsEmpty());
     }
     bias.stiffness +=
         (fit->stiffness.value - 2800) / fit->stiffness.standard_uncertainty / repetitions;
@@ -91,7 +91,7 @@ Bias MeanBias(const Case& spoiled, double noise, int repetitions) {
 
 class SpoiledRecord : public ::testing::TestWithParam<double> {
  protected:
-  void Expect(const std::string& named, const Spoil& spoil) const {
+  void Expect(std::optional<FindingKind> named, const Spoil& spoil) const {
     const Bias bias = MeanBias({named, spoil}, GetParam(), 6);
     // the mean of 6 errors has a deviation of 0.41 of one
     EXPECT_ABS(bias.stiffness, 0.0, 1.0, "one stated standard uncertainty");
@@ -100,29 +100,29 @@ class SpoiledRecord : public ::testing::TestWithParam<double> {
 };
 
 TEST_P(SpoiledRecord, ACleanOneIsLeftAlone) {
-  Expect("", [](const SyntheticDrop&, ImpulseRecord&) {});
+  Expect({}, [](const SyntheticDrop&, ImpulseRecord&) {});
 }
 
 TEST_P(SpoiledRecord, ALaterImpactIsCutOff) {
   for (const double at_s : {0.02, 0.1507}) {
     SCOPED_TRACE(at_s);
-    Expect("a blow at ", SecondImpact(0.1, at_s));
+    Expect(FindingKind::kLaterImpact, SecondImpact(0.1, at_s));
   }
 }
 
-TEST_P(SpoiledRecord, ClippedPeaksAreLeftOut) { Expect("clipped: ", Clip(0.8)); }
+TEST_P(SpoiledRecord, ClippedPeaksAreLeftOut) { Expect(FindingKind::kClipped, Clip(0.8)); }
 
 TEST_P(SpoiledRecord, HumIsFittedAlong) {
   for (const double hum_hz : {50.0, 60.0}) {
     SCOPED_TRACE(hum_hz);
-    Expect("hum of ", Add([hum_hz](double t) {
+    Expect(FindingKind::kHum, Add([hum_hz](double t) {
              return 0.1 * std::sin(2 * std::numbers::pi * hum_hz * t + 0.7);
            }));
   }
 }
 
 TEST_P(SpoiledRecord, DriftIsFittedAlong) {
-  Expect("a drift of ", Add([](double t) { return 0.01 * t / 0.25; }));
+  Expect(FindingKind::kDrift, Add([](double t) { return 0.01 * t / 0.25; }));
 }
 
 TEST(FindDisturbances, KeepsTheFirstPartWhereAHeightIsStated) {
@@ -134,8 +134,9 @@ TEST(FindDisturbances, KeepsTheFirstPartWhereAHeightIsStated) {
     SecondImpact(0.8, 0.03)(drop, record);
     const auto fit = FitDropTest({record}, tests::ThesisKnowns());
     ASSERT_TRUE(fit) << fit.error().Text();
-    EXPECT_THAT(fit->records[0].found,
-                Contains(HasSubstr(has_height ? "the part before it" : "the part behind it")));
+    EXPECT_EQ(
+        tests::NumberOf<std::string>(fit->records[0].found, FindingKind::kLaterImpact, "kept"),
+        has_height ? "before" : "behind");
     EXPECT_EQ(fit->force_constant.determined, has_height);
   }
 }
@@ -146,7 +147,7 @@ TEST(FindDisturbances, ATailBelowTheConvertersStepIsLeftOut) {
   drop.length_s = 0.6;
   const auto fit = FitDropTest({MakeRecord(drop)}, tests::ThesisKnowns());
   ASSERT_TRUE(fit) << fit.error().Text();
-  EXPECT_THAT(fit->records[0].found, Contains(HasSubstr("a tail below one step")));
+  EXPECT_TRUE(fit->records[0].found.Has(FindingKind::kQuantisedTail));
   // 0.443 V fall to 0.02 V in ln(22)/11.5 s
   EXPECT_ABS(static_cast<double>(fit->records[0].samples) * drop.step_s, 0.269, 0.01,
              "closed form");

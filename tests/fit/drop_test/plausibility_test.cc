@@ -2,50 +2,50 @@
 #include <gtest/gtest.h>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
+#include "tests/residual.h"
 
 namespace haptometer::fit {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
 
-std::vector<std::string> DoubtsOf(const ImpulseRecord& record, const ActuatorKnowns& knowns) {
+Findings FindingsOf(const ImpulseRecord& record, const ActuatorKnowns& knowns) {
   const auto fit = FitDropTest({record}, knowns);
   EXPECT_TRUE(fit) << fit.error().Text();
-  return fit ? FindDoubts(*fit, {record}, knowns) : std::vector<std::string>{};
+  return fit ? FindDoubts(*fit, {record}, knowns) : Findings{};
 }
 
 TEST(Plausibility, TheThesisActuatorIsNotDoubted) {
   const auto record = tests::MakeRecordWithHeight({});
-  EXPECT_THAT(DoubtsOf(record, tests::ThesisKnowns()), IsEmpty());
+  EXPECT_THAT(FindingsOf(record, tests::ThesisKnowns()).list(), IsEmpty());
 }
 
 TEST(Plausibility, MillisecondsAsSecondsAreNamed) {
   auto record = tests::MakeRecord({});
   record.step_s *= 1e3;
   record.start_s *= 1e3;
-  EXPECT_THAT(DoubtsOf(record, tests::ThesisKnowns()), Contains(HasSubstr("are the times in ms")));
+  EXPECT_TRUE(FindingsOf(record, tests::ThesisKnowns()).Has(FindingKind::kUnusualFrequency));
 }
 
 TEST(Plausibility, MillivoltsAsVoltsAreNamed) {
   auto record = tests::MakeRecordWithHeight({});
   for (double& v : record.voltage_v) v *= 1e3;
-  const auto doubts = DoubtsOf(record, tests::ThesisKnowns());
-  EXPECT_THAT(doubts, Contains(HasSubstr("is the column in mV")));
-  EXPECT_THAT(doubts, Contains(HasSubstr("force constant of 1000 N/A")));
+  const auto doubts = FindingsOf(record, tests::ThesisKnowns());
+  EXPECT_TRUE(doubts.Has(FindingKind::kUnusualVoltage));
+  EXPECT_REL(tests::NumberOf(doubts, FindingKind::kUnusualForceConstant, "force_constant_n_per_a"),
+             1000.0, 5e-4, "noise-free");
 }
 
 TEST(Plausibility, GramsAsKilogramsAndMillimetresAsMetresAreNamed) {
   auto record = tests::MakeRecordWithHeight({});
   record.drop_height_m = Quantity{10, 0};
   const ActuatorKnowns knowns{Quantity{1.4, 0}, Quantity{0.6e-3, 0}, Quantity{27, 0}, {}};
-  const auto doubts = DoubtsOf(record, knowns);
-  EXPECT_THAT(doubts, Contains(HasSubstr("a moving mass of 1.4 kg")));
-  EXPECT_THAT(doubts, Contains(HasSubstr("a drop height of 10 m")));
-  EXPECT_THAT(doubts, Not(Contains(HasSubstr("case mass"))));
+  const auto doubts = FindingsOf(record, knowns);
+  EXPECT_EQ(tests::NumberOf(doubts, FindingKind::kUnusualMovingMass, "moving_mass_kg"), 1.4);
+  EXPECT_EQ(tests::NumberOf(doubts, FindingKind::kUnusualHeight, "drop_height_m"), 10);
+  EXPECT_FALSE(doubts.Has(FindingKind::kUnusualCaseMass));
 }
 
 }  // namespace

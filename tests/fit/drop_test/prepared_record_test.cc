@@ -8,6 +8,7 @@
 
 #include "fit/drop_test/drop_test_fit.h"
 #include "fit/drop_test/ring_start.h"
+#include "tests/fit/found.h"
 #include "tests/fit/synthetic_drop.h"
 #include "tests/residual.h"
 
@@ -77,7 +78,8 @@ TEST(SplitDrops, TapsAfterEachOtherAreTakenApart) {
   EXPECT_REL(fit->stiffness.value, 2800.0, 5e-5, "noise, 4 standard uncertainties");
   EXPECT_REL(fit->damping.value, 0.0322, 3e-3, "noise, 4 standard uncertainties");
   for (const auto& record : fit->records) {
-    EXPECT_THAT(record.found, ::testing::Each(::testing::HasSubstr("what precedes the blow")))
+    EXPECT_THAT(tests::KindsOf(record.found, Severity::kNote),
+                ::testing::Each(FindingKind::kNotQuietBefore))
         << "the ringing before it";
   }
 }
@@ -129,6 +131,17 @@ TEST(ThinnedRecord, WhatAFitHasUseForStays) {
   drop.length_s = 0.06;  // fine, but short
   const auto brief = tests::MakeRecord(drop);
   EXPECT_FALSE(Thinned(brief, PolesOf(brief)));
+}
+
+TEST(PrepareDrops, DividesARecordingAndSaysSo) {
+  ImpulseRecord train = Train({1, 0.8, 0.9});
+  train.drop_height_m = Quantity{0.01, 0};
+  const PreparedDrops drops = PrepareDrops(train);
+  EXPECT_EQ(drops.records.size(), 3U);
+  EXPECT_EQ(drops.prepared.size(), 3U);
+  EXPECT_TRUE(drops.left_out.empty());
+  EXPECT_EQ(tests::NumberOf<std::int64_t>(drops.findings, FindingKind::kSeveralDrops, "drops"), 3);
+  EXPECT_TRUE(drops.findings.Has(FindingKind::kHeightOfFirstDrop));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 
 #include "sim/linear/steady_state.h"
 #include "tests/fit/bound.h"
+#include "tests/fit/found.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
@@ -20,7 +21,6 @@
 namespace haptometer::fit {
 namespace {
 
-using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Complex = std::complex<double>;
@@ -116,8 +116,7 @@ TEST(ImpedanceFit, ACleanSweepGivesTheConstantsToRounding) {
   EXPECT_REL(fit.inductance.value, kL, 1e-12, "noise-free");
   EXPECT_REL(fit.natural_frequency.value, 225.0790790392765, 1e-13, "sqrt(2e6)/2pi");
   EXPECT_EQ(fit.mass_symbol, "Mv");
-  EXPECT_THAT(fit.undetermined, IsEmpty());
-  EXPECT_THAT(fit.doubts, IsEmpty());
+  EXPECT_THAT(fit.findings.list(), IsEmpty());
 }
 
 TEST(ImpedanceFit, AFreeCaseRingsWithTheReducedMass) {
@@ -176,7 +175,7 @@ TEST_P(ImpedanceSweeps, ErrorsAreAtTheBoundAndAsStated) {
     force_constant.Add(fit.force_constant.value, kKm, fit.force_constant.standard_uncertainty);
     resistance.Add(fit.resistance.value, kR, fit.resistance.standard_uncertainty);
     const bool is_outside = GetParam().name == "OneSideOnly";  // of the sweep: said each time
-    doubted += fit.doubts.size() > (is_outside ? 1 : 0) ? 1 : 0;
+    doubted += tests::DoubtsOf(fit.findings).size() > (is_outside ? 1 : 0) ? 1 : 0;
   }
   const auto bounds = Bounds(GetParam().sweep);
   ExpectEfficient(stiffness, bounds[0] * kKv, "Kv");
@@ -199,7 +198,7 @@ TEST(ImpedanceFit, WithoutAMassTheRatiosAreGiven) {
   const auto fit = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), {});
   EXPECT_FALSE(fit.stiffness.determined);
   EXPECT_FALSE(fit.force_constant.determined);
-  EXPECT_THAT(fit.undetermined, Contains(HasSubstr("--moving-mass")));
+  EXPECT_TRUE(fit.findings.Has(FindingKind::kMassMissing));
   EXPECT_REL(fit.stiffness_over_mass.value, 2e6, 1e-3, "noise");
   EXPECT_REL(fit.coupling_over_mass.value, 1 / 1.4e-3, 0.01, "noise");
   EXPECT_REL(fit.quality_factor.value, 61.4875, 0.01, "noise");
@@ -207,7 +206,7 @@ TEST(ImpedanceFit, WithoutAMassTheRatiosAreGiven) {
   const auto free = Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), {Quantity{kMv, 0}, {}, {}, {}},
                         CaseCondition::kFree);
   EXPECT_FALSE(free.stiffness.determined);
-  EXPECT_THAT(free.undetermined, Contains(HasSubstr("--case-mass")));
+  EXPECT_TRUE(free.findings.Has(FindingKind::kMassesMissing));
 }
 
 TEST(ImpedanceFit, TheMassIsTypeB) {
@@ -247,12 +246,12 @@ TEST(ImpedanceFit, AStatedResistanceServesWhereTheSweepTellsNone) {
       .frequencies_hz = Between(224.8, 225.4, 8), .magnitude_noise = 1e-2, .phase_noise_rad = 1e-2};
   const auto without = Fit(Points(sweep));
   EXPECT_FALSE(without.resistance.determined && without.force_constant.determined);
-  EXPECT_THAT(without.undetermined, Contains(HasSubstr("worse than 25 %")));
+  EXPECT_TRUE(without.findings.Has(FindingKind::kSweepTooCoarse));
   auto knowns = Masses();
   knowns.resistance_ohm = Quantity{kR, 0.27};
   knowns.inductance_h = Quantity{kL, 0};
   const auto with = Fit(Points(sweep), knowns);
-  EXPECT_THAT(with.assumptions, Contains(HasSubstr("R: it is taken as stated")));
+  EXPECT_TRUE(with.findings.Has(FindingKind::kResistanceAsStated));
   ASSERT_TRUE(with.force_constant.determined);
   EXPECT_ABS(with.force_constant.value, kKm, 3 * with.force_constant.combined_standard_uncertainty,
              "3 deviations");
@@ -272,7 +271,8 @@ TEST(ImpedanceFit, AStatedResistanceServesWhereTheSweepTellsNone) {
 TEST(ImpedanceFit, AnInductanceThatIsNotSeenIsALimit) {
   const auto fit = Fit(Points({GoodFrequencies(), 5e-2, 5e-2}));
   EXPECT_FALSE(fit.inductance.determined);
-  EXPECT_THAT(fit.undetermined, Contains(HasSubstr("L: it is below")));
+  EXPECT_EQ(tests::NumberOf(fit.findings, FindingKind::kInductanceBelow, "at_most_h"),
+            *fit.inductance.at_most);
   EXPECT_GT(*fit.inductance.at_most, 0);
   EXPECT_TRUE(fit.force_constant.determined);
 }
@@ -310,7 +310,8 @@ TEST(ImpedanceFit, WhatHoldsNoResonanceIsRefused) {
 TEST(ImpedanceFit, ASlipIsNamed) {
   auto points = Points({GoodFrequencies(), 1e-3, 1e-3});
   points[5].ohm *= 1.1;
-  EXPECT_THAT(Fit(points).doubts, Contains(HasSubstr("the point at 220 Hz")));
+  EXPECT_EQ(tests::NumberOf(Fit(points).findings, FindingKind::kOutlyingPoint, "frequency_hz"),
+            220);
 }
 
 TEST(ImpedanceFit, BadTablesAreRefusedOrThinned) {
@@ -359,25 +360,26 @@ TEST(ImpedanceFit, GarbageIsRefusedOrFinite) {
 TEST(ImpedanceFit, WrongUnitsAndWrongModelsAreDoubted) {
   auto kilohertz = Points({GoodFrequencies(), 1e-3, 1e-3});
   for (auto& point : kilohertz) point.frequency_hz *= 1e-3;
-  EXPECT_THAT(Fit(kilohertz).doubts, Contains(HasSubstr("in kHz")));
+  EXPECT_TRUE(Fit(kilohertz).findings.Has(FindingKind::kUnusualFrequency));
   auto kilohm = Points({GoodFrequencies(), 1e-3, 1e-3});
   for (auto& point : kilohm) point.ohm *= 1e-3;
-  EXPECT_THAT(Fit(kilohm).doubts, Contains(HasSubstr("in kohm")));
+  EXPECT_TRUE(Fit(kilohm).findings.Has(FindingKind::kUnusualResistance));
   auto knowns = Masses();
   knowns.moving_mass_kg = Quantity{1.4, 0};
-  EXPECT_THAT(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns).doubts,
-              Contains(HasSubstr("g or mg")));
+  EXPECT_TRUE(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns)
+                  .findings.Has(FindingKind::kUnusualMovingMass));
   knowns = Masses();
   knowns.resistance_ohm = Quantity{22, 0};
-  EXPECT_THAT(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns).doubts,
-              Contains(HasSubstr("22 ohm are stated")));
+  EXPECT_EQ(tests::NumberOf(Fit(Points({GoodFrequencies(), 1e-3, 1e-3}), knowns).findings,
+                            FindingKind::kResistanceDiffers, "stated_ohm"),
+            22);
   // a second resonance
   auto second = Points({GoodFrequencies(), 1e-3, 1e-3});
   for (auto& point : second) {
     const Complex s(0, kTwoPi * point.frequency_hz);
     point.ohm += 0.02 / (1e-4 * s + 0.02 + 400.0 / s);
   }
-  EXPECT_THAT(Fit(second).doubts, Contains(HasSubstr("follow each other")));
+  EXPECT_TRUE(Fit(second).findings.Has(FindingKind::kResidualsCorrelated));
 }
 
 }  // namespace

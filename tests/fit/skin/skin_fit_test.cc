@@ -13,6 +13,7 @@
 
 #include "sim/linear/steady_state.h"
 #include "tests/fit/bound.h"
+#include "tests/fit/found.h"
 #include "tests/fit/pulls.h"
 #include "tests/repetitions.h"
 #include "tests/residual.h"
@@ -20,8 +21,6 @@
 namespace haptometer::fit {
 namespace {
 
-using ::testing::Contains;
-using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using Complex = std::complex<double>;
 
@@ -137,8 +136,7 @@ TEST(SkinFit, CleanSweepsGiveTheSkinToRounding) {
     EXPECT_REL(fit.damping.value, 2.2189, 1e-13, "noise-free");
     EXPECT_REL(fit.mass.value, 1e-3, 1e-13, "noise-free");
     EXPECT_TRUE(fit.stiffness.determined && fit.damping.determined && fit.mass.determined);
-    EXPECT_THAT(fit.undetermined, IsEmpty());
-    EXPECT_THAT(fit.doubts, IsEmpty());
+    EXPECT_THAT(fit.findings.list(), IsEmpty());
   }
 }
 
@@ -196,7 +194,7 @@ TEST_P(SkinSweeps, ErrorsAreAtTheBoundAndAsStated) {
     damping.Add(std::log(fit.damping.value), std::log(truth.damping),
                 fit.damping.standard_uncertainty / fit.damping.value);
     mass.Add(fit.mass.value, truth.mass_kg, fit.mass.standard_uncertainty);
-    doubted += fit.doubts.empty() ? 0 : 1;
+    doubted += tests::DoubtsOf(fit.findings).empty() ? 0 : 1;
   }
   const auto bounds = Bounds(GetParam().sweep);
   std::printf("bounds: Ks %.2g %%, Bs %.2g %%, m %.2g g\n", 100 * bounds[0], 100 * bounds[1],
@@ -282,7 +280,7 @@ TEST(SkinFit, APolarityThatIsTurnedIsSaid) {
       {.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01, .phase_noise_rad = 0.01});
   for (auto& point : sweep.points) *point.phase_rad += std::numbers::pi;
   const auto fit = Fit(sweep);
-  EXPECT_THAT(fit.assumptions, Contains(HasSubstr("polarity")));
+  EXPECT_TRUE(fit.findings.Has(FindingKind::kPolarityTurned));
   EXPECT_REL(fit.stiffness.value, 1861.7, 0.1, "noise");
 }
 
@@ -290,14 +288,14 @@ TEST(SkinFit, WhatTheFrequenciesDoNotHoldIsNotDetermined) {
   // 1 % around the actuator's resonance
   const auto fit = Fit(Measure({.frequencies_hz = Spaced(224, 226, 12), .magnitude_noise = 0.02}));
   EXPECT_FALSE(fit.stiffness.determined && fit.mass.determined);
-  EXPECT_FALSE(fit.undetermined.empty());
+  EXPECT_FALSE(fit.findings.list().empty());
 }
 
 TEST(SkinFit, WrongUnitsAreDoubted) {
   auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 30), .magnitude_noise = 0.01});
   const auto is_named = [](const SkinSweep& mistaken) {
     const auto fit = FitSkin(mistaken, Actuator());
-    return !fit || !fit->doubts.empty();
+    return !fit || !tests::DoubtsOf(fit->findings).empty();
   };
   auto in_um = sweep;
   for (auto& point : in_um.points) point.displacement_m *= 1e6;
@@ -320,7 +318,8 @@ TEST(SkinFit, ASlipIsNamed) {
   auto sweep = Measure({.frequencies_hz = Spaced(40, 500, 25), .magnitude_noise = 0.01});
   sweep.points[12].displacement_m *= 10;  // a decimal point
   const auto fit = Fit(sweep);
-  EXPECT_THAT(fit.doubts, Contains(HasSubstr("the point at 141.42 Hz")));
+  EXPECT_REL(tests::NumberOf(fit.findings, FindingKind::kOutlyingPoint, "frequency_hz"), 141.42,
+             1e-4, "the middle of 40 to 500 Hz");
 }
 
 TEST(SkinFit, BadSweepsAreRefused) {

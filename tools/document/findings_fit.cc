@@ -1,0 +1,328 @@
+#include "tools/document/findings_fit.h"
+
+namespace haptometer::fit {
+
+document::Sentence SentenceOf(FindingKind kind) {
+  using enum FindingKind;
+  switch (kind) {
+    case kHeaderKeyUnknown:
+      return {"header-key-unknown", "header key {key} is not known; did you mean {nearest}?"};
+    case kSeveralDrops:
+      return {"several-drops", "{drops} drops in one record, each taken by itself"};
+    case kHeightOfFirstDrop:
+      return {"height-of-first-drop", "the drop height is taken for the first drop alone"};
+    case kTooFewDrops:
+      return {"too-few-drops",
+              "{good} of its {drops} drops could be fitted, too few for a file of drops: not used"};
+    case kThinned:
+      return {"averaged",
+              "{samples} samples, averaged over {block} at a time[; {clipped} at the recorder's "
+              "limits are left out]"};
+    case kClipped:
+      return {"clipped", "clipped: {samples} sample{samples s} at the recorder's limits left out"};
+    case kLaterImpact:
+      return {"later-impact",
+              "an impact at {at_s}[, {amplitude_v} beside a ringing of {ringing_v}][, "
+              "{amplitude_m} beside a ringing of {ringing_m}]: the part {kept} it is fitted"};
+    case kQuantisedTail:
+      return {"quantised-tail",
+              "a tail below one step of the converter[, {step_v}][, {step_m}]: left out from "
+              "{from_s} on"};
+    case kDryFriction:
+      return {"dry-friction",
+              "dry friction of {share %} of the spring's force at the first swing: fitted along"};
+    case kHum:
+      return {"hum", "hum of {frequency_hz}[, {amplitude_v}][, {amplitude_m}]: fitted along"};
+    case kDrift:
+      return {"drift",
+              "a drift[ of {amplitude_v}][ of {amplitude_m}] over the record: fitted along"};
+    case kOtherMode:
+      return {"other-mode",
+              "{misfit_share %} of its power is explained by no single decaying oscillation: "
+              "another mode or a slow tail is beside it"};
+    case kHeightWithoutImpact:
+      return {"height-without-impact", "nothing quiet before it: the drop height is not used"};
+    case kCurrentWithoutRelease:
+      return {"current-without-release",
+              "nothing quiet before it: the released current is not used"};
+    case kHeightOfFirstImpact:
+      return {"height-of-first-impact", "the drop height is that of the first impact: not used"};
+    case kReleaseBehindSlow:
+      return {"release-behind-slow",
+              "an oscillation sets in behind something slow at {at_s}: fitted from {from_s} on"};
+    case kDownweighted:
+      return {"downweighted", "{samples} of {of} samples lie far off and weigh less than half"};
+    case kNotQuietBefore:
+      return {"not-quiet-before",
+              "what precedes the impact has a larger RMS than the residual: it is not taken for "
+              "noise"};
+    case kOpenAssumed:
+      return {"open-assumed", "open circuit: no load is stated"};
+    case kHeldAssumed:
+      return {"held-assumed",
+              "the case was held: neither --held nor --free is given, and records of one kind "
+              "cannot show it; free, Kv and Bv would be smaller by the factor Mc/(Mv+Mc)["
+              ": {ratio} times, and a Km from two loads {root_ratio} times]"};
+    case kInductanceAssumedZero:
+      return {"inductance-assumed-zero",
+              "coil inductance 0: none is given; a coil of 130 uH and 27 ohm moves Kv by 0.003 %"};
+    case kVoltageScaleExact:
+      return {"voltage-scale-exact",
+              "the recorder's voltage scale is taken as exact (--voltage-scale states it): 1 % of "
+              "it moves Km by 1 %"};
+    case kReboundStated:
+      return {"rebound",
+              "impact speed (1 + e) sqrt(2 g h) with g = 9.80665 m/s^2 and rebound e = {rebound}[ "
+              "+- {standard_uncertainty}]"};
+    case kReboundAssumed:
+      return {"rebound-assumed",
+              "impact speed (1 + e) sqrt(2 g h) with g = 9.80665 m/s^2 and rebound e = {rebound} "
+              "+- {standard_uncertainty}: no --rebound is stated, 0 to 0.3 is assumed"};
+    case kContactUnseen:
+      return {"contact-unseen",
+              "the impact is taken as short, since nothing quiet before it shows how long it "
+              "lasts: a contact of 0.5 ms makes Km by the height {share %} too small"};
+    case kContactAtMost:
+      return {"contact-at-most",
+              "the impact may last up to {longest_s}, which makes Km by the height up to {share %} "
+              "too small; its interval holds that"};
+    case kContactCorrected:
+      return {"contact-corrected",
+              "the impact lasts {shortest_s} to {longest_s}, as a half sine of force; Km by the "
+              "height is corrected for it, by {share %}"};
+    case kKmByLoads:
+      return {"km-by-loads",
+              "Km rests on the loads' damping; with the drop height it would be {other_n_per_a} +- "
+              "{half_interval_n_per_a} (95 %)"};
+    case kKmByHeight:
+      return {"km-by-height",
+              "Km rests on the drop height and the loads; by the loads alone it is "
+              "{other_n_per_a} +- {half_interval_n_per_a} (95 %)"};
+    case kRobustLoss:
+      return {"robust-loss",
+              "robust: beyond {bend} of the residuals' scale a sample has a constant influence "
+              "(Huber)"};
+    case kMassMissing:
+      return {"mass-missing",
+              "Kv and Bv, and Km of an impedance sweep, are determined over the mass only: state "
+              "--moving-mass 1.4g"};
+    case kMassesMissing:
+      return {"masses-missing",
+              "Kv and Bv, and Km of an impedance sweep, are determined over the mass only: state "
+              "--moving-mass 1.4g and --case-mass 0.6g"};
+    case kNoDecay:
+      return {"no-decay",
+              "Bv and Q are not determined: the record shows no decay beyond its uncertainty; "
+              "record at least three decay times of one free ring-down"};
+    case kDampingsTogether:
+      return {"dampings-together",
+              "Bv and Km: only (Bv + Km^2/(R+RL))/M = {sum_per_s} is determined; record an open "
+              "circuit too"};
+    case kDampingsWithoutResistance:
+      return {"dampings-without-resistance",
+              "Bv and Km: only (Bv + Km^2/(R+RL))/M = {sum_per_s} is determined; record an open "
+              "circuit too, or state the coil's --resistance"};
+    case kDampingsWithoutHeight:
+      return {"dampings-without-height",
+              "Bv and Km: only (Bv + Km^2/(R+RL))/M = {sum_per_s} is determined; record an open "
+              "circuit too, or state the --drop-height and the coil's --resistance"};
+    case kKmOfDisplacement:
+      return {"km-of-displacement",
+              "Km: a displacement does not show it; record the voltage, with and without a load"};
+    case kKmOfReleaseWithoutMass:
+      return {"km-of-release-without-mass",
+              "Km: a voltage after a released current shows only Km^2/M; state --moving-mass"};
+    case kKmTimesSpeedOnly:
+      return {"km-times-speed-only",
+              "Km: an open circuit shows only Km x impact speed = {product_v}; state the drop "
+              "height (--drop-height), or record again with 27 to 50 ohm across the terminals"};
+    case kKmLostInDamping:
+      return {
+          "km-lost-in-damping",
+          "Km: what these loads change in the damping is within its uncertainty, or the mass or "
+          "the coil's resistance is missing; state those, or record with 27 to 50 ohm across "
+          "the terminals"};
+    case kSmallerLoadDecaysSlower:
+      return {"smaller-load-decays-slower",
+              "the records contradict each other: those with the smaller load decay more slowly, "
+              "as no coil does: are files or loads exchanged? Do not use Bv and Km"};
+    case kMotionBeginsBefore:
+      return {"motion-begins-before",
+              "the motion would begin {apart_s} before the signal does: a long contact, or a blow "
+              "for a released current or the reverse; do not use Km by height or current"};
+    case kMotionBeginsAfter:
+      return {"motion-begins-after",
+              "the motion would begin {apart_s} after the signal does: a long contact, or a blow "
+              "for a released current or the reverse; do not use Km by height or current"};
+    case kRecordOfAnother:
+      return {"record-of-another",
+              "the fit of all records together leaves {ratio} times what its own ring-down leaves: "
+              "its load, case or mass is not as stated, or it is of another actuator; do not use "
+              "the constants"};
+    case kSpringStiffens:
+      return {"spring-stiffens",
+              "one decay time later the resonance is {share %} off ({deviations} times its "
+              "uncertainty): the spring stiffens with travel, and Kv is an average over this "
+              "ring-down"};
+    case kSpringSoftens:
+      return {"spring-softens",
+              "one decay time later the resonance is {share %} off ({deviations} times its "
+              "uncertainty): the spring softens with travel, and Kv is an average over this "
+              "ring-down"};
+    case kFrictionSlows:
+      return {"friction-slows",
+              "one decay time later the decay is {share %} off ({deviations} times its "
+              "uncertainty): dry friction slows small motions more, and Bv is an average over this "
+              "ring-down"};
+    case kDampingGrows:
+      return {
+          "damping-grows",
+          "one decay time later the decay is {share %} off ({deviations} times its "
+          "uncertainty): the damping grows with travel or speed, and Bv is an average over this "
+          "ring-down"};
+    case kFrequenciesScatter:
+      return {"frequencies-scatter",
+              "the drops' resonances scatter {birge_ratio} times as much as their noise explains "
+              "(Birge ratio): the statistical uncertainties of Kv and f0 are widened to that"};
+    case kDecaysScatter:
+      return {"decays-scatter",
+              "the drops' decays scatter {birge_ratio} times as much as their noise explains "
+              "(Birge ratio): the statistical uncertainties of Bv, Km and Q are widened to that"};
+    case kResidualsCorrelated:
+      return {"residuals-correlated",
+              "the residuals follow each other: a second resonance, a spring that is not linear, "
+              "losses of the coil that grow with frequency, or another actuator's constants; the "
+              "intervals are too narrow then"};
+    case kOutlyingPoint:
+      return {"outlying-point",
+              "the point at {frequency_hz} lies {spread} times the others' spread off the model: "
+              "is it a slip? All constants lean towards it"};
+    case kUnusualFrequency:
+      return {"unusual-frequency",
+              "a resonance of {natural_frequency_hz} is unusual: are the times in ms or us, or the "
+              "frequencies in kHz or rad/s?"};
+    case kUnusualQuality:
+      return {"unusual-quality",
+              "a quality factor of {quality_factor} is unusual: is it one resonance's ring-down or "
+              "impedance?"};
+    case kUnusualForceConstant:
+      return {"unusual-force-constant",
+              "a force constant of {force_constant_n_per_a} is unusual: check the units, the mass "
+              "and the drop height"};
+    case kUnusualMovingMass:
+      return {"unusual-moving-mass",
+              "a moving mass of {moving_mass_kg} is unusual: was it meant in g or mg?"};
+    case kUnusualCaseMass:
+      return {"unusual-case-mass",
+              "a case mass of {case_mass_kg} is unusual: was it meant in g or mg?"};
+    case kUnusualAdapterMass:
+      return {"unusual-adapter-mass",
+              "a mass of {mass_kg} is unlike an adapter's: was it meant in g or mg?"};
+    case kUnusualResistance:
+      return {"unusual-resistance",
+              "a coil of {resistance_ohm} is unusual: is the magnitude in kohm or mohm?"};
+    case kUnusualVoltage:
+      return {"unusual-voltage",
+              "a largest voltage of {peak_v} is unusual: is the column in mV or uV?"};
+    case kUnusualHeight:
+      return {"unusual-height", "a drop height of {drop_height_m} is unusual: was it meant in mm?"};
+    case kUnusualAmplitude:
+      return {"unusual-amplitude",
+              "an amplitude of {amplitude_m} is unusual: is the column in mm or um?"};
+    case kUnusualSkinStiffness:
+      return {"unusual-skin-stiffness",
+              "Ks of {stiffness_n_per_m} is unlike skin's: check the units of displacement and "
+              "drive"};
+    case kUnusualSkinDamping:
+      return {"unusual-skin-damping",
+              "Bs of {damping_n_s_per_m} is unlike skin's: check the units of displacement and "
+              "drive"};
+    case kUnusualDrive:
+      return {"unusual-drive",
+              "a drive of[ {current_a}][ {voltage_v}] is unusual: is the column in mA or mV?"};
+    case kUnusualFrequencies:
+      return {"unusual-frequencies",
+              "frequencies from {lowest_hz} to {highest_hz} are unlike a haptic sweep's: are they "
+              "in kHz?"};
+    case kResistanceAsStated:
+      return {"resistance-as-stated", "the sweep does not determine R: it is taken as stated"};
+    case kInductanceBelow:
+      return {"inductance-below",
+              "L: it is below {at_most_h} (95 %), which does not affect the constants; points at 1 "
+              "to 10 kHz would show it"};
+    case kSweepTooCoarse:
+      return {
+          "sweep-too-coarse",
+          "{constants}: the sweep determines them to worse than 25 %; {near} of {points} points "
+          "lie within the resonance's width, measure ten there (steps of {step_hz}) and some an "
+          "octave away on both sides"};
+    case kResonanceOutside:
+      return {"resonance-outside",
+              "the resonance, {natural_frequency_hz}, lies outside of the sweep"};
+    case kResistanceDiffers:
+      return {"resistance-differs",
+              "the sweep gives R = {fitted_ohm}, and {stated_ohm} are stated: a series resistor, "
+              "leads, or a warm coil (+0.39 %/K)?"};
+    case kPolarityTurned:
+      return {"polarity-turned",
+              "the coil's polarity is free: the phases are turned by 180 degrees"};
+    case kKsNotDetermined:
+      return {"ks-not-determined",
+              "Ks: damping or mass dominates the motion at these frequencies; sweep lower, and "
+              "measure the phase against the current"};
+    case kBsNotDetermined:
+      return {"bs-not-determined",
+              "Bs: the sweep shows no width of a resonance; more points around the largest "
+              "amplitude, or the phase against the current, would"};
+    case kSkinMassNotDetermined:
+      return {"skin-mass-not-determined",
+              "m: inertia is small beside stiffness and damping; sweep higher, where w^2 (Mc + m) "
+              "exceeds w Bs"};
+    case kFarOffModel:
+      return {"far-off-model",
+              "the amplitudes lie {share %} off the model: is it this actuator, are amplitude and "
+              "drive both peak or both RMS, does the contact break?"};
+    case kBeyondStated:
+      return {"beyond-stated-uncertainty",
+              "the amplitudes lie {ratio} times their stated uncertainties off the model"};
+    case kNegativeMass:
+      return {"negative-mass",
+              "an effective mass of {mass_kg} is negative: is the case's mass stated too large?"};
+    case kSecondSolution:
+      return {"second-solution",
+              "Ks {stiffness_n_per_m}, Bs {damping_n_s_per_m}, m {mass_kg} fit nearly as well: "
+              "measure the phase against the drive, or sweep further"};
+    case kOneSideHeld:
+      return {"one-side-held",
+              "one side is held, and the given mass is all that rings on the spring (about a third "
+              "of the spring's own mass counts)"};
+    case kTimeBaseExact:
+      return {"time-base-exact",
+              "the time base is taken as exact: 100 ppm of it are 200 ppm of Ka"};
+    case kKaNotDetermined:
+      return {
+          "ka-not-determined",
+          "Ka: its frequency is known to worse than 25 %; a longer record or a stronger tap would "
+          "show it"};
+    case kBaBelow:
+      return {"ba-below",
+              "Ba: it is below {at_most_n_s_per_m} (95 %); a longer record or a stronger tap would "
+              "show the decay"};
+    case kDampingChangesLater:
+      return {"damping-changes-later",
+              "Ba changes by {share %} when the first {skipped_s} are left out: a joint rubs, or "
+              "the air or the mount takes energy"};
+    case kStiffnessChangesLater:
+      return {"stiffness-changes-later",
+              "Ka changes by {share %} when the first {skipped_s} are left out: a spring that is "
+              "not linear at this amplitude; tap more softly"};
+    case kManyImpacts:
+      break;
+  }
+  return {
+      "many-impacts",
+      "{impacts} impacts were cut off: several small ones in a row are usually a spring that is "
+      "not linear at this amplitude, or a joint that rubs; tap more softly"};
+}
+
+}  // namespace haptometer::fit
