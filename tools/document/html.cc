@@ -49,6 +49,9 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
   }
   if (section.shape == Section::Shape::kTable) {
     AddTable(section, page);
+    for (const Section* below : SectionsBelow(section)) {
+      if (auto added = AddSection(*below, level, page); !added) return added;
+    }
     return {};
   }
   for (const Section& inner : section.sections) {
