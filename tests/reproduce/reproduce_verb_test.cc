@@ -61,7 +61,7 @@ TEST(ReproduceVerb, JsonHasEveryNumberOfTheThesisOnceAndIsComplete) {
                 document.at("explained_by_tuned").get<int>(),
             document.at("explained").get<int>());
   EXPECT_EQ(document.at("files"), json::array());
-  EXPECT_EQ(document.at("data_source"), json({"simulated"}));
+  EXPECT_EQ(document.at("data_source"), json::array({"simulated"}));
   std::set<std::string> kinds;
   for (const json& finding : document.at("findings")) {
     EXPECT_EQ(finding.at("severity"), "note");

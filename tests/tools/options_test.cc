@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -21,7 +22,8 @@ using tools::Outcome;
 // what the sample verb is asked
 struct Words {
   std::optional<double> drop_m;
-  double pad_m = 15e-3, low_hz = 20, high_hz = 500, limit_m = 1.0 / 0.0, part = 0;
+  double pad_m = 15e-3, low_hz = 20, high_hz = 500,
+         limit_m = std::numeric_limits<double>::infinity(), part = 0;
   std::optional<Quantity> mass_kg;
   std::size_t values = 20;
   std::string skin = "text", output, note;
@@ -88,7 +90,7 @@ TEST(Options, RefuseWhatLiesOutsideAndStateTheBounds) {
       {{"--mass", "0.9g"}, "'0.9g' is not at least 1 g"},
       {{"--limit", "3mm"}, "'3mm' is not at most 2 mm"},
       {{"--part", "1"}, "'1' is not from 0 to below 1"},
-      {{"--band", "0:5"}, "'0:5' is not above 0"},
+      {{"--band", "0:5"}, "'0' is not above 0"},
       {{"--band", "9:5"}, "the lower end of '9:5' lies above the upper one"},
       {{"--values", "61"}, "'61' is not a whole number from 1 to 60"},
       {{"--skin", "pig"}, "use one of text, table"},
