@@ -16,7 +16,7 @@ from programs import DEADLINE_S, check, program  # noqa: E402
 DESCRIBE = "--describe-options"
 ALIKE = {"--help", "--help-all", "--version", "--json"}  # common.md
 # where a verb's options are, if not on the page of its name
-PAGES = {"trial": ["trial.md"], "study": ["study.md"], "acquire": ["acquire.md", "daemon.md"]}
+PAGES = {"acquire": ["acquire.md", "daemon.md"]}
 STEP = 1e-3  # by how much a value lies outside, relative to the bound
 
 
@@ -24,8 +24,13 @@ def answer(words):
     return subprocess.run([program("haptometer"), *words], capture_output=True, text=True, timeout=DEADLINE_S)
 
 
+def names_of(option):
+    """"-o,--output" is --output."""
+    return [name for name in option["name"].split(",") if name.startswith("--")]
+
+
 def name_of(option):
-    return option["name"].split(",")[-1]
+    return names_of(option)[0]
 
 
 def text_of(option, number):
@@ -81,19 +86,18 @@ def options_of_page(name):
 
 
 def check_pages(verbs):
-    described = {}
+    options = {}
     for verb in verbs:
-        word = verb["name"].split()[0]
-        described.setdefault(word, set())
-        described[word] |= {name_of(option) for option in verb["options"]}
+        options.setdefault(verb["name"].split()[0], []).extend(verb["options"])
     wrong = []
-    for word, names in described.items():
+    for word, of_word in options.items():
         said = set().union(*(options_of_page(page) for page in PAGES.get(word, [word + ".md"]))) - ALIKE
-        missing, unknown = sorted(names - said), sorted(said - names)
+        missing = {name_of(option) for option in of_word if not said.intersection(names_of(option))}
+        unknown = said.difference(*map(names_of, of_word))
         if missing:
-            wrong.append(f"{word}: no table names {' '.join(missing)}")
+            wrong.append(f"{word}: no table names {' '.join(sorted(missing))}")
         if unknown:
-            wrong.append(f"{word}: a table names {' '.join(unknown)}, which is no option")
+            wrong.append(f"{word}: a table names {' '.join(sorted(unknown))}, which is no option")
     check(not wrong, "\n".join(wrong))
 
 
