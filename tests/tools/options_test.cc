@@ -55,14 +55,14 @@ int Sample(int argc, const char* const* argv) {
   return options.Parse(argc, argv).value_or(0);
 }
 
-Outcome Run(const std::vector<std::string>& typed) {
-  return tools::Captured(Sample, "sample", typed);
+Outcome Typed(const std::vector<std::string>& asked) {
+  return tools::Captured(Sample, "sample", asked);
 }
 
 TEST(Options, TakeValuesWithinTheirBounds) {
   const Outcome outcome =
-      Run({"--drop", "10mm", "--mass", "1.40(3)g", "--values", "60", "--skin", "table", "--limit",
-           "2mm", "--part", "0", "--note", "good", "-o", "a.csv", "--all"});
+      Typed({"--drop", "10mm", "--mass", "1.40(3)g", "--values", "60", "--skin", "table", "--limit",
+             "2mm", "--part", "0", "--note", "good", "-o", "a.csv", "--all"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(words.drop_m, 10e-3);
   EXPECT_REL(words.mass_kg->standard_uncertainty, 0.03e-3, 1e-12, "one product");
@@ -75,10 +75,10 @@ TEST(Options, TakeValuesWithinTheirBounds) {
 }
 
 TEST(Options, ARangeIsTwoEndsOrOneNumberForBoth) {
-  EXPECT_EQ(Run({"--band", "50:0.4kHz"}).status, 0);
+  EXPECT_EQ(Typed({"--band", "50:0.4kHz"}).status, 0);
   EXPECT_EQ(words.low_hz, 50);
   EXPECT_EQ(words.high_hz, 400);
-  EXPECT_EQ(Run({"--band", "225"}).status, 0);
+  EXPECT_EQ(Typed({"--band", "225"}).status, 0);
   EXPECT_EQ(words.low_hz, 225);
   EXPECT_EQ(words.high_hz, 225);
 }
@@ -99,14 +99,14 @@ TEST(Options, RefuseWhatLiesOutsideAndStateTheBounds) {
       {{"--drop", "1mm", "--band", "5"},
        "--band: does not go with --drop: they measure different things; leave out one of the two"}};
   for (const auto& [typed, said] : cases) {
-    const Outcome outcome = Run(typed);
+    const Outcome outcome = Typed(typed);
     EXPECT_EQ(outcome.status, 2) << said;
     EXPECT_THAT(outcome.err, HasSubstr(said));
   }
 }
 
 TEST(Options, HelpStatesBoundsAndDefaults) {
-  const std::string help = Run({"--help"}).out;
+  const std::string help = Typed({"--help"}).out;
   for (const char* said :
        {"Height of the drop [above 0]", "Band [above 0; default 20 Hz:500 Hz]",
         "Limit [at most 2 mm]", "Values [from 1 to 60; default 20]", "Law [default text]",
@@ -115,11 +115,11 @@ TEST(Options, HelpStatesBoundsAndDefaults) {
   }
   EXPECT_THAT(help, Not(HasSubstr("--pad")));
   EXPECT_THAT(help, Not(HasSubstr("describe-options")));
-  EXPECT_THAT(Run({"--help-all"}).out, HasSubstr("Side [from 0 to 1 m; default 15 mm]"));
+  EXPECT_THAT(Typed({"--help-all"}).out, HasSubstr("Side [from 0 to 1 m; default 15 mm]"));
 }
 
 TEST(Options, AreDescribedAsJson) {
-  const Outcome outcome = Run({"--drop", "1mm", "--describe-options"});
+  const Outcome outcome = Typed({"--drop", "1mm", "--describe-options"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json.at("name"), "sample");
@@ -139,7 +139,7 @@ TEST(Options, AreDescribedAsJson) {
   EXPECT_EQ(options.at(0).at("above"), true);
   EXPECT_EQ(options.at(4).at("below"), true);
   EXPECT_EQ(options.at(7).at("choices"), nlohmann::json({"text", "table"}));
-  EXPECT_EQ(Run({"--drop", "-1mm", "--describe-options"}).status, 2);
+  EXPECT_EQ(Typed({"--drop", "-1mm", "--describe-options"}).status, 2);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct TuneQuestion {
   std::string name;  ///< of the scene, or "thesis"
   sim::TuningProblem problem;
   sim::Objective objective = sim::Objective::kSkinRms;
-  sim::ReceptorField receptors;
+  sim::ReceptorField receptors{};
   std::size_t grid_values = 20;
   std::optional<double> latency_limit_s{};  ///< only of skin-rms without other limits
   std::vector<double> springs_n_per_m{};    ///< to choose from; empty: any within the bounds
