@@ -100,7 +100,7 @@ TEST(ReproduceVerb, TextIsATableForEachGroupOfRows) {
         "LRA with adapter, 1 mm2 +Table 2.3, p. 12 +equals +0.1917 mm +0.20018 mm +4.42 "
         "+explained\n",
         "Ks: \"less than 2 percent\" +2.2.2, p. 14 +below +2 +1.859[0-9]* +reproduced\n",
-        "IA#1 over stock LRA +3.1.2, p. 24 +equals +3.26 +3.[0-9]+ +3.[0-9]+ to 3.[0-9]+ .* "
+        "IA#1 over stock LRA +3.1.2, p. 24 +equals +3.26 +3.[0-9]+ +[0-9.]+ to [0-9.]+ .* "
         "yes\n"}) {
     EXPECT_THAT(outcome.out, ContainsRegex(said));
   }

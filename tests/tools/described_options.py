@@ -17,6 +17,7 @@ DESCRIBE = "--describe-options"
 ALIKE = {"--help", "--help-all", "--version", "--json"}  # common.md
 # where a verb's options are, if not on the page of its name
 PAGES = {"acquire": ["acquire.md", "daemon.md"]}
+EXACT = 2**53  # bounds are doubles, which are no exact whole numbers from here on
 STEP = 1e-3  # by how much a value lies outside, relative to the bound
 
 
@@ -35,7 +36,7 @@ def name_of(option):
 
 def text_of(option, number):
     if option["kind"] == "count":
-        return str(round(number))
+        return str(number)
     return repr(number) + (option["unit"] or "").replace(" ", "")
 
 
@@ -44,8 +45,9 @@ def values(option):
     whole = option["kind"] == "count"
     for end, sign, is_open in (("least", -1, option["above"]), ("most", 1, option["below"])):
         number = option[end]
-        if number is None:
+        if number is None or (whole and abs(number) >= EXACT):
             continue
+        number = round(number) if whole else number
         beyond = number + sign if whole else number + sign * STEP * (abs(number) or 1)
         yield number, not is_open
         yield beyond, False

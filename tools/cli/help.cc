@@ -27,13 +27,13 @@ constexpr std::array kUnits{document::kNone,
                             document::kNewtonSecondPerMetre,
                             document::kNewtonPerAmpere};
 
-// as people say it, but for magnitudes that they do not
+// as people say it; magnitudes that they do not say in the SI unit
 std::string EndText(const Option& option, double end) {
-  constexpr double kLeast = 1e-6, kMost = 1e6;
-  const std::string_view unit = SiUnit(option.dimension);
   if (end == 0) return "0";
-  if (std::abs(end) >= kLeast && std::abs(end) <= kMost) return NumberText(end, option.dimension);
-  return fmt::format("{:g}{}{}", end, unit.empty() ? "" : " ", unit);
+  const std::string text = NumberText(end, option.dimension);
+  const std::string_view unit = SiUnit(option.dimension);
+  if (text.find('e') == std::string::npos || unit.empty()) return text;
+  return fmt::format("{:g} {}", end, unit);
 }
 
 std::string_view NameOf(Option::Kind kind) {

@@ -16,6 +16,7 @@ using document::Value;
 
 // one digit more than is printed
 constexpr double kFurtherDigit = 0.1;
+constexpr double kHalf = 0.5;
 // of a deviation
 constexpr double kLeastShare = 1e-4;
 
@@ -124,8 +125,10 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add({"what", "quantity"}, number.what);
   section.Add({"where", "in the thesis"}, KnownText(number.where));
   section.Add({"relation", "relation"}, Name(number.relation));
+  // zeros behind the point are printed too; before it a digit is as it stands, whatever it is true
+  // to
   section.Add({"printed", "printed", unit}, is_printed ? Value(SiValue(number)) : Value())
-      .resolution = step;
+      .resolution = number.half_step < kHalf ? step : 0;
   section.Add({"printed_half_step"}, step > 0 ? Value(step / 2) : Value());
   section.Add({"unit"}, number.unit.si_name);
   section.Add({"ours", "computed", unit}, row.ours).resolution = kFurtherDigit * step;
