@@ -108,7 +108,7 @@ struct Section {
     kObject,  ///< an object in JSON
     kTable,   ///< an array of its sections; a table with a row for each, rows in CSV. The columns
               ///< are the labelled items of a row and of the sections within it; a section within
-              ///< it that has a heading is no part of the table and stands below it
+              ///< it that has a heading, of items alone, is no part of the table and stands below
     kArray,   ///< an array of its sections, which stand one below the other
   };
   /// In JSON; of an object empty: its keys are those of the one around it. Tables and arrays of one
