@@ -8,8 +8,10 @@
 #include <cstdio>
 #include <exception>
 #include <span>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "base/text.h"
 #include "tools/cli/terminal.h"
@@ -42,6 +44,19 @@ constexpr auto kVerbs = std::to_array<Verb>({
     {"emulate", "A scene or a trial played as a real sensor would", RunEmulate},
 });
 
+// verbs with a part of their own, which has options of its own
+struct Part {
+  std::string_view verb;
+  const char* name;
+};
+constexpr auto kParts = std::to_array<Part>({{"trial", "info"},
+                                             {"trial", "label"},
+                                             {"trial", "plot"},
+                                             {"trial", "export"},
+                                             {"study", "matching"},
+                                             {"study", "linearity"}});
+constexpr std::string_view kOnlyParts = "trial";
+
 const Verb* Find(std::string_view name) {
   const auto found = std::ranges::find(kVerbs, name, &Verb::name);
   return found == kVerbs.end() ? nullptr : &*found;
@@ -63,6 +78,27 @@ Error UnknownVerb(std::string_view word) {
           nearest.empty() ? "see haptometer --help" : fmt::format("did you mean {}?", nearest)};
 }
 
+// All options of all verbs as one JSON list; hidden, because it is for pages, tests and packages.
+int DescribeOptions() {
+  int status = 0;
+  std::string_view before = "[\n";
+  const auto describe = [&](const Verb& verb, std::vector<const char*> words) {
+    words.insert(words.begin(), verb.name.data());
+    words.push_back("--describe-options");
+    cli::Print(before);
+    before = ",\n";
+    status = cli::WorseStatus(status, verb.run(static_cast<int>(words.size()), words.data()));
+  };
+  for (const Verb& verb : kVerbs) {
+    if (verb.name != kOnlyParts) describe(verb, {});
+    for (const Part& part : kParts) {
+      if (part.verb == verb.name) describe(verb, {part.name});
+    }
+  }
+  cli::Print("]\n");
+  return status;
+}
+
 int Run(int argc, const char* const* argv) {
   const std::string_view path = argv[0];
   if (const Verb* own = Find(path.substr(path.rfind('/') + 1))) return own->run(argc, argv);
@@ -75,6 +111,7 @@ int Run(int argc, const char* const* argv) {
     fmt::print("haptometer {}\n", HAPTOMETER_VERSION);
     return 0;
   }
+  if (word == "--describe-options") return DescribeOptions();
   if (const Verb* verb = Find(word)) return verb->run(argc - 1, argv + 1);
   return cli::ReportError("", UnknownVerb(word));
 }

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "tests/residual.h"
-#include "tools/reproduce/sensor_chain.h"
+#include "tools/reproduce/reproduce.h"
 #include "tools/reproduce/thesis_numbers.h"
 
 namespace haptometer::tools {

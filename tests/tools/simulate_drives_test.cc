@@ -314,7 +314,7 @@ TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
 TEST_F(SimulateDrives, OthersNameWhatTheyCannotTake) {
   const Outcome tuned = Captured(RunTune, "tune", {Scene(kBurst)});
   EXPECT_EQ(tuned.status, 3);
-  EXPECT_THAT(tuned.err, HasSubstr("drives with a burst, and tune knows a sine alone"));
+  EXPECT_THAT(tuned.err, HasSubstr("drives with a burst, and tune takes a sine alone"));
 }
 
 TEST_F(SimulateDrives, ASweepHasTheRunUnderABurst) {

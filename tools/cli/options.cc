@@ -5,10 +5,14 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <cstdio>
+#include <deque>
+#include <utility>
 
 #include "base/input_file.h"
 #include "base/text.h"
+#include "tools/cli/help.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
 
@@ -20,6 +24,17 @@ constexpr const char* kMoreOptions = "More options";
 // carries one of our errors out of CLI11's parser
 struct Refused {
   Error error;
+};
+
+void ThrowWhereWrong(const Result<void>& result) {
+  if (!result) throw Refused{result.error()};
+}
+
+// options that cannot stand beside each other
+struct Exclusion {
+  std::string name;
+  std::vector<std::string> others;
+  std::string why;
 };
 
 // a whole number, all of the text
@@ -43,26 +58,29 @@ std::string Joined(const std::vector<std::string>& words, std::string_view separ
 }  // namespace
 
 struct Options::State {
-  std::string verb;
+  VerbText verb;
   CLI::App app;
-  std::vector<CLI::Option*> hidden;         // shown by --help-all only
+  std::deque<Option> declared;              // but those that are alike in all verbs
   std::vector<const CLI::Option*> files;    // options whose words name files to read
   std::vector<const CLI::Option*> outputs;  // options whose words name files to write
+  std::vector<Exclusion> exclusions;
   bool help = false;
   bool help_all = false;
   bool version = false;
   bool json = false;
+  bool describe = false;
 
-  void Show(CLI::Option* option, Shown shown) {
-    if (shown == Shown::kHelp) return;
-    option->group("");
-    hidden.push_back(option);
+  Option& Add(Option option, CLI::Option* parsed, Shown shown = Shown::kHelp) {
+    option.parsed = parsed;
+    option.is_rare = shown == Shown::kHelpAll;
+    if (option.kind != Option::Kind::kFlag) parsed->type_name(option.placeholder);
+    return declared.emplace_back(std::move(option));
   }
   // an option whose text is read by `read`, which may throw Refused
-  CLI::Option* Add(std::string_view name, std::string_view placeholder, std::string_view help_text,
-                   const std::function<void(const std::string&)>& read) {
-    return app.add_option_function<std::string>(std::string(name), read, std::string(help_text))
-        ->type_name(std::string(placeholder));
+  Option& AddRead(Option option, const std::function<void(const std::string&)>& read,
+                  Shown shown = Shown::kHelp) {
+    auto* parsed = app.add_option_function<std::string>(option.name, read);
+    return Add(std::move(option), parsed, shown);
   }
   std::vector<std::string> Names() const {
     std::vector<std::string> names;
@@ -71,16 +89,41 @@ struct Options::State {
     }
     return names;
   }
+  bool IsGiven(const std::string& name) const { return app.count(name) > 0; }
   bool IsOutput(const CLI::Option* option) const {
     return std::ranges::find(outputs, option) != outputs.end();
   }
+  // what help says of each option, and which it shows
+  void DescribeToParser() const;
   void NoteInputs() const;
   std::optional<Error> TwiceWritten() const;
+  std::optional<Error> Excluded() const;
   // the first word that an option other than of files takes and that is not printable
   std::optional<Error> NotPrintable() const;
   // our own sentence for what CLI11 found wrong
   Error Explain(const CLI::ParseError& error, int argc, const char* const* argv) const;
 };
+
+void Options::State::DescribeToParser() const {
+  for (const Option& option : declared) {
+    option.parsed->description(HelpOf(option));
+    if (!option.is_rare) continue;
+    option.parsed->group(help_all ? kMoreOptions : "");
+  }
+}
+
+std::optional<Error> Options::State::Excluded() const {
+  for (const Exclusion& exclusion : exclusions) {
+    if (!IsGiven(exclusion.name)) continue;
+    for (const std::string& other : exclusion.others) {
+      if (!IsGiven(other)) continue;
+      return Error{Cause::kUsage, exclusion.name,
+                   fmt::format("does not go with {}: {}", other, exclusion.why),
+                   "leave out one of the two"};
+    }
+  }
+  return std::nullopt;
+}
 
 void Options::State::NoteInputs() const {
   ForgetInputs();
@@ -120,7 +163,7 @@ std::optional<Error> Options::State::NotPrintable() const {
 
 Error Options::State::Explain(const CLI::ParseError& error, int argc,
                               const char* const* argv) const {
-  const std::string help_remedy = fmt::format("see haptometer {} --help", verb);
+  const std::string help_remedy = fmt::format("see haptometer {} --help", verb.name);
   const std::vector<std::string> names = Names();
   if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
     for (int i = 1; i < argc; ++i) {
@@ -141,7 +184,7 @@ Error Options::State::Explain(const CLI::ParseError& error, int argc,
 }
 
 Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
-  state_->verb = text.name;
+  state_->verb = text;
   CLI::App& app = state_->app;
   app.name("haptometer " + std::string(text.name));
   app.description(std::string(text.summary));
@@ -153,6 +196,7 @@ Options::Options(const VerbText& text) : state_(std::make_unique<State>()) {
   app.add_flag("--help-all", state_->help_all, "Show every option");
   app.add_flag("--version", state_->version, "Show the version");
   app.add_flag("--json", state_->json, "Print one JSON document (docs/reference/)");
+  app.add_flag("--describe-options", state_->describe)->group("");
 }
 
 Options::~Options() = default;
@@ -168,94 +212,218 @@ void Options::Positionals(std::string_view name, std::vector<std::string>* value
   if (at_least > 0) option->required()->expected(static_cast<int>(at_least), -1);
 }
 
-void Options::Flag(std::string_view name, bool* value, std::string_view help, Shown shown) {
-  state_->Show(state_->app.add_flag(std::string(name), *value, std::string(help)), shown);
+namespace {
+
+Option Declared(std::string_view name, Option::Kind kind, std::string_view placeholder,
+                std::string_view help) {
+  return {.name = std::string(name),
+          .kind = kind,
+          .placeholder = std::string(placeholder),
+          .text = std::string(help)};
 }
 
-void Options::Text(std::string_view name, std::string* value, std::string_view placeholder,
-                   std::string_view help, Shown shown) {
-  state_->Show(
-      state_->Add(name, placeholder, help, [value](const std::string& text) { *value = text; }),
-      shown);
+// of a number or a range
+Option DeclaredNumber(std::string_view name, Option::Kind kind, std::string_view placeholder,
+                      Dimension dimension, Bounds bounds, std::string_view help) {
+  Option option = Declared(name, kind, placeholder, help);
+  option.dimension = dimension;
+  option.bounds = bounds;
+  return option;
 }
 
-void Options::Output(std::string_view name, std::string* value, std::string_view placeholder,
-                     std::string_view help, Shown shown) {
-  auto* option =
-      state_->Add(name, placeholder, help, [value](const std::string& text) { *value = text; });
-  state_->outputs.push_back(option);
-  state_->Show(option, shown);
+std::string PlaceholderOf(Dimension dimension) {
+  const std::string_view unit = SiUnit(dimension);
+  return std::string(unit.empty() ? "NUMBER" : unit);
 }
 
-void Options::OptionalText(std::string_view name, bool* given, std::string* value,
-                           std::string_view placeholder, std::string_view help, Shown shown) {
-  auto* option = state_->Add(name, placeholder, help, [given, value](const std::string& text) {
+// within the bounds of the option
+Quantity ReadNumber(const Option& option, const std::string& text) {
+  auto quantity = ParseQuantity(text, option.dimension, option.name);
+  if (!quantity) throw Refused{quantity.error()};
+  ThrowWhereWrong(CheckBounds(option, quantity->value, text));
+  return *quantity;
+}
+
+Result<void> CheckExact(std::string_view name, const Quantity& quantity) {
+  if (quantity.exact()) return {};
+  return Usage(std::string(name), "has an uncertainty, which is not used here", "leave it out");
+}
+
+std::function<void(const std::string&)> KeepIn(std::string* value) {
+  return [value](const std::string& text) { *value = text; };
+}
+
+}  // namespace
+
+Option& Options::Flag(std::string_view name, bool* value, std::string_view help, Shown shown) {
+  auto* parsed = state_->app.add_flag(std::string(name), *value);
+  return state_->Add(Declared(name, Option::Kind::kFlag, "", help), parsed, shown);
+}
+
+Option& Options::Text(std::string_view name, std::string* value, std::string_view placeholder,
+                      std::string_view help, Shown shown) {
+  return state_
+      ->AddRead(Declared(name, Option::Kind::kText, placeholder, help), KeepIn(value), shown)
+      .Default(*value);
+}
+
+Option& Options::Parsed(std::string_view name, std::string_view placeholder,
+                        std::function<Result<void>(const std::string&)> read,
+                        std::string_view help) {
+  return state_->AddRead(
+      Declared(name, Option::Kind::kText, placeholder, help),
+      [read = std::move(read)](const std::string& text) { ThrowWhereWrong(read(text)); });
+}
+
+Option& Options::Output(std::string_view name, std::string* value, std::string_view placeholder,
+                        std::string_view help, Shown shown) {
+  Option& option = Text(name, value, placeholder, help, shown);
+  state_->outputs.push_back(option.parsed);
+  return option;
+}
+
+Option& Options::OptionalText(std::string_view name, bool* given, std::string* value,
+                              std::string_view placeholder, std::string_view help, Shown shown) {
+  const auto read = [given, value](const std::string& text) {
     *given = true;
     *value = text;
-  });
-  state_->Show(option->expected(0, 1), shown);
+  };
+  Option& option =
+      state_->AddRead(Declared(name, Option::Kind::kText, placeholder, help), read, shown);
+  option.parsed->expected(0, 1);
+  return option;
 }
 
-void Options::Choice(std::string_view name, std::string* value,
-                     const std::vector<std::string>& choices, std::string_view help, Shown shown) {
-  const std::string placeholder = Joined(choices, "|");
-  const auto read = [name = std::string(name), value, choices](const std::string& text) {
+Option& Options::Choice(std::string_view name, std::string* value,
+                        const std::vector<std::string>& choices, std::string_view help,
+                        Shown shown) {
+  Option option = Declared(name, Option::Kind::kChoice, Joined(choices, "|"), help);
+  option.choices = choices;
+  const auto read = [name = option.name, value, choices](const std::string& text) {
     if (std::ranges::find(choices, text) == choices.end()) {
       throw Refused{{Cause::kUsage, name, fmt::format("'{}' is not known", text),
                      "use one of " + Joined(choices, ", ")}};
     }
     *value = text;
   };
-  state_->Show(state_->Add(name, placeholder, help, read), shown);
+  return state_->AddRead(std::move(option), read, shown).Default(*value);
 }
 
-void Options::Count(std::string_view name, std::optional<std::int64_t>* value, std::int64_t least,
-                    std::int64_t most, std::string_view help, Shown shown) {
-  const auto read = [name = std::string(name), value, least, most](const std::string& text) {
+Option& Options::AddCount(std::string_view name, std::function<void(std::int64_t)> keep,
+                          std::int64_t least, std::int64_t most, std::string_view help) {
+  Option option = Declared(name, Option::Kind::kCount, "N", help);
+  option.bounds = Within(static_cast<double>(least), static_cast<double>(most));
+  const auto read = [name = option.name, keep = std::move(keep), least,
+                     most](const std::string& text) {
     const auto number = WholeNumber(text);
     if (!number || *number < least || *number > most) {
       throw Refused{{Cause::kUsage, name,
                      fmt::format("'{}' is not a whole number from {} to {}", text, least, most),
                      "write one within"}};
     }
-    *value = number;
+    keep(*number);
   };
-  state_->Show(state_->Add(name, "N", help, read), shown);
+  return state_->AddRead(std::move(option), read);
 }
 
-void Options::Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
-                     std::string_view help, Shown shown) {
-  const auto read = [name = std::string(name), value, dimension](const std::string& text) {
-    auto quantity = ParseQuantity(text, dimension, name);
-    if (!quantity) throw Refused{quantity.error()};
-    *value = *quantity;
+Option& Options::Count(std::string_view name, std::optional<std::int64_t>* value,
+                       std::int64_t least, std::int64_t most, std::string_view help, Shown shown) {
+  Option& option =
+      AddCount(name, [value](std::int64_t number) { *value = number; }, least, most, help);
+  return shown == Shown::kHelpAll ? option.Rare() : option;
+}
+
+Option& Options::AddNumber(std::string_view name, std::function<Result<void>(const Quantity&)> keep,
+                           Dimension dimension, Bounds bounds, std::string_view help) {
+  const Option option = DeclaredNumber(name, Option::Kind::kNumber, PlaceholderOf(dimension),
+                                       dimension, bounds, help);
+  return state_->AddRead(option, [option, keep = std::move(keep)](const std::string& text) {
+    ThrowWhereWrong(keep(ReadNumber(option, text)));
+  });
+}
+
+Option& Options::Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
+                        Bounds bounds, std::string_view help) {
+  const auto keep = [value](const Quantity& quantity) -> Result<void> {
+    *value = quantity;
+    return {};
   };
-  const std::string_view unit = SiUnit(dimension);
-  state_->Show(state_->Add(name, unit.empty() ? "NUMBER" : unit, help, read), shown);
+  return AddNumber(name, keep, dimension, bounds, help);
 }
 
-void Options::Repeated(std::string_view name, std::vector<std::string>* values,
-                       std::string_view placeholder, std::string_view help, Shown shown) {
-  auto* option = state_->app.add_option(std::string(name), *values, std::string(help));
-  option->type_name(std::string(placeholder))->expected(1)->take_all()->allow_extra_args(false);
-  state_->Show(option, shown);
+Option& Options::Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
+                        std::string_view help, Shown shown) {
+  Option& option = Number(name, value, dimension, Bounds{}, help);
+  return shown == Shown::kHelpAll ? option.Rare() : option;
 }
 
-void Options::Groups(std::string_view name, std::vector<std::vector<std::string>>* groups,
-                     std::string_view placeholder, std::string_view help, Shown shown) {
-  auto* option = state_->app.add_option(std::string(name), *groups, std::string(help));
-  option->type_name(std::string(placeholder));
-  state_->files.push_back(option);
-  state_->Show(option, shown);
+Option& Options::Number(std::string_view name, std::optional<double>* value, Dimension dimension,
+                        Bounds bounds, std::string_view help) {
+  const auto keep = [value, name = std::string(name)](const Quantity& quantity) {
+    *value = quantity.value;
+    return CheckExact(name, quantity);
+  };
+  return AddNumber(name, keep, dimension, bounds, help);
+}
+
+Option& Options::Number(std::string_view name, double* value, Dimension dimension, Bounds bounds,
+                        std::string_view help) {
+  const auto keep = [value, name = std::string(name)](const Quantity& quantity) {
+    *value = quantity.value;
+    return CheckExact(name, quantity);
+  };
+  return AddNumber(name, keep, dimension, bounds, help)
+      .Default(std::isfinite(*value) ? NumberText(*value, dimension) : "");
+}
+
+Option& Options::Range(std::string_view name, double* low, double* high, Dimension dimension,
+                       Bounds bounds, std::string_view help) {
+  const Option option =
+      DeclaredNumber(name, Option::Kind::kRange, "LOW:HIGH", dimension, bounds, help);
+  const auto read = [option, low, high](const std::string& text) {
+    const std::size_t colon = text.find(':');
+    *low = *high = ReadNumber(option, text.substr(0, colon)).value;
+    if (colon != std::string::npos) *high = ReadNumber(option, text.substr(colon + 1)).value;
+    if (*low <= *high) return;
+    throw Refused{{Cause::kUsage, option.name,
+                   fmt::format("the lower end of '{}' lies above the upper one", text),
+                   "write it as LOW:HIGH"}};
+  };
+  return state_->AddRead(option, read)
+      .Default(fmt::format("{}:{}", NumberText(*low, dimension), NumberText(*high, dimension)));
+}
+
+Option& Options::Repeated(std::string_view name, std::vector<std::string>* values,
+                          std::string_view placeholder, std::string_view help, Shown shown) {
+  auto* parsed = state_->app.add_option(std::string(name), *values);
+  Option& option =
+      state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
+  parsed->expected(1)->take_all()->allow_extra_args(false);
+  return option;
+}
+
+Option& Options::Groups(std::string_view name, std::vector<std::vector<std::string>>* groups,
+                        std::string_view placeholder, std::string_view help, Shown shown) {
+  auto* parsed = state_->app.add_option(std::string(name), *groups);
+  state_->files.push_back(parsed);
+  return state_->Add(Declared(name, Option::Kind::kText, placeholder, help), parsed, shown);
+}
+
+void Options::Exclude(std::string_view name, std::initializer_list<std::string_view> others,
+                      std::string_view why) {
+  state_->exclusions.push_back(
+      {std::string(name), {others.begin(), others.end()}, std::string(why)});
 }
 
 std::optional<int> Options::Parse(int argc, const char* const* argv) {
   std::optional<Error> error;
+  bool is_incomplete = false;  // but nothing else is wrong
   try {
     state_->app.parse(argc, argv);
   } catch (const Refused& refused) {
     error = refused.error;
   } catch (const CLI::ParseError& parse_error) {
+    is_incomplete = dynamic_cast<const CLI::RequiredError*>(&parse_error) != nullptr;
     error = state_->Explain(parse_error, argc, argv);
   }
   if (state_->version) {
@@ -263,15 +431,18 @@ std::optional<int> Options::Parse(int argc, const char* const* argv) {
     return 0;
   }
   if (state_->help || state_->help_all) {
-    if (state_->help_all) {
-      for (CLI::Option* option : state_->hidden) option->group(kMoreOptions);
-    }
+    state_->DescribeToParser();
     cli::Print(state_->app.help());
     return 0;
   }
+  if (state_->describe && (!error || is_incomplete)) {
+    cli::Print(DescriptionOf(state_->verb, state_->declared));
+    return 0;
+  }
+  if (!error) error = state_->Excluded();
   if (!error) error = state_->NotPrintable();
   if (!error) error = state_->TwiceWritten();
-  if (error) return ReportError(state_->verb, *error);
+  if (error) return ReportError(state_->verb.name, *error);
   state_->NoteInputs();
   return std::nullopt;
 }

@@ -1,14 +1,23 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/error.h"
 #include "base/quantity.h"
+
+namespace CLI {
+class Option;
+}
 
 namespace haptometer::cli {
 
@@ -19,15 +28,58 @@ struct VerbText {
   std::array<std::string_view, 3> examples;
 };
 
+/// The ends of what an option takes, in its SI unit.
+struct Bounds {
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool is_above = false;  ///< `least` itself is refused
+  bool is_below = false;  ///< `most` itself is refused
+};
+
+[[nodiscard]] constexpr Bounds Above(double least) { return {.least = least, .is_above = true}; }
+[[nodiscard]] constexpr Bounds AtLeast(double least) { return {.least = least}; }
+[[nodiscard]] constexpr Bounds Within(double least, double most) {
+  return {.least = least, .most = most};
+}
+
 /// Where an option is shown: in --help, or only in --help-all.
 enum class Shown : std::uint8_t { kHelp, kHelpAll };
+
+/// An option as it was declared: all that help, the manual and the tests say of it.
+struct Option {
+  enum class Kind : std::uint8_t { kFlag, kText, kChoice, kCount, kNumber, kRange };
+
+  std::string name;  ///< "--drop-height", "-o,--output"; of a positional argument "scene"
+  Kind kind = Kind::kText;
+  std::string placeholder;  ///< "LOW:HIGH"; of a number its unit
+  std::string text;
+  Dimension dimension = Dimension::kNone;
+  Bounds bounds{};
+  std::vector<std::string> choices{};
+  std::string default_text{};  ///< what holds without it; empty: nothing
+  bool is_rare = false;        ///< shown by --help-all alone
+  CLI::Option* parsed = nullptr;
+
+  /// Shown by --help-all alone.
+  Option& Rare() {
+    is_rare = true;
+    return *this;
+  }
+  /// What holds without it, where the variable does not say so itself.
+  Option& Default(std::string text_of) {
+    default_text = std::move(text_of);
+    return *this;
+  }
+};
 
 /// The command line of one verb. Declare every option with the variable that takes it, then
 /// Parse().
 ///
-/// --help, --help-all, --version and --json are declared here, so they are alike in all verbs.
-/// Names carry their dashes ("--drop-height"). A variable keeps its value when its option is
-/// absent. CLI11 does the work and is included only in options.cc.
+/// --help, --help-all, --version, --json and --describe-options are declared here, so they are
+/// alike in all verbs. Names carry their dashes ("--drop-height"). A variable keeps its value when
+/// its option is absent; the value that it has when it is declared is the default that help states.
+/// Bounds are stated by help, and what lies outside is refused. CLI11 does the work and is included
+/// only in options.cc.
 class Options {
  public:
   explicit Options(const VerbText& text);
@@ -40,31 +92,56 @@ class Options {
   /// Any number of positional arguments, at least `at_least`.
   void Positionals(std::string_view name, std::vector<std::string>* values, std::string_view help,
                    std::size_t at_least = 1);
-  void Flag(std::string_view name, bool* value, std::string_view help, Shown shown = Shown::kHelp);
-  void Text(std::string_view name, std::string* value, std::string_view placeholder,
-            std::string_view help, Shown shown = Shown::kHelp);
+  Option& Flag(std::string_view name, bool* value, std::string_view help,
+               Shown shown = Shown::kHelp);
+  Option& Text(std::string_view name, std::string* value, std::string_view placeholder,
+               std::string_view help, Shown shown = Shown::kHelp);
+  /// A text that `read` takes apart; its error is that of the command line.
+  Option& Parsed(std::string_view name, std::string_view placeholder,
+                 std::function<Result<void>(const std::string&)> read, std::string_view help);
   /// A file or folder that the verb writes: no input, and none that another such option names.
-  void Output(std::string_view name, std::string* value, std::string_view placeholder,
-              std::string_view help, Shown shown = Shown::kHelp);
+  Option& Output(std::string_view name, std::string* value, std::string_view placeholder,
+                 std::string_view help, Shown shown = Shown::kHelp);
   /// An option whose value may be left out; `given` says whether it is there.
-  void OptionalText(std::string_view name, bool* given, std::string* value,
-                    std::string_view placeholder, std::string_view help,
-                    Shown shown = Shown::kHelp);
+  Option& OptionalText(std::string_view name, bool* given, std::string* value,
+                       std::string_view placeholder, std::string_view help,
+                       Shown shown = Shown::kHelp);
   /// One of `choices`; anything else is refused with the list.
-  void Choice(std::string_view name, std::string* value, const std::vector<std::string>& choices,
-              std::string_view help, Shown shown = Shown::kHelp);
+  Option& Choice(std::string_view name, std::string* value, const std::vector<std::string>& choices,
+                 std::string_view help, Shown shown = Shown::kHelp);
   /// A whole number from `least` to `most`.
-  void Count(std::string_view name, std::optional<std::int64_t>* value, std::int64_t least,
-             std::int64_t most, std::string_view help, Shown shown = Shown::kHelp);
-  /// A number with its unit (base/quantity.h).
-  void Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
-              std::string_view help, Shown shown = Shown::kHelp);
+  Option& Count(std::string_view name, std::optional<std::int64_t>* value, std::int64_t least,
+                std::int64_t most, std::string_view help, Shown shown = Shown::kHelp);
+  template <std::integral T>
+  Option& Count(std::string_view name, T* value, std::int64_t least, std::int64_t most,
+                std::string_view help) {
+    const auto keep = [value](std::int64_t number) { *value = static_cast<T>(number); };
+    return AddCount(name, keep, least, most, help).Default(std::to_string(*value));
+  }
+  /// A number with its unit (base/quantity.h), and its uncertainty.
+  Option& Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
+                 Bounds bounds, std::string_view help);
+  Option& Number(std::string_view name, std::optional<Quantity>* value, Dimension dimension,
+                 std::string_view help, Shown shown = Shown::kHelp);
+  /// A number with its unit, which is exact: one with an uncertainty is refused.
+  Option& Number(std::string_view name, std::optional<double>* value, Dimension dimension,
+                 Bounds bounds, std::string_view help);
+  /// The same; a default that is not finite is none.
+  Option& Number(std::string_view name, double* value, Dimension dimension, Bounds bounds,
+                 std::string_view help);
+  /// "LOW:HIGH", or one number for both. Each within the bounds, and LOW not above HIGH.
+  Option& Range(std::string_view name, double* low, double* high, Dimension dimension,
+                Bounds bounds, std::string_view help);
   /// May be given several times, one value each: --label subject=3 --label condition=stock.
-  void Repeated(std::string_view name, std::vector<std::string>* values,
-                std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
+  Option& Repeated(std::string_view name, std::vector<std::string>* values,
+                   std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
   /// May be given several times, several values each: --load 33ohm a.csv b.csv --load 50ohm c.csv.
-  void Groups(std::string_view name, std::vector<std::vector<std::string>>* groups,
-              std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
+  Option& Groups(std::string_view name, std::vector<std::vector<std::string>>* groups,
+                 std::string_view placeholder, std::string_view help, Shown shown = Shown::kHelp);
+
+  /// `name` is refused beside any of `others`, all with their dashes; `why` says why not.
+  void Exclude(std::string_view name, std::initializer_list<std::string_view> others,
+               std::string_view why);
 
   /// Reads the command line. Returns the exit status to leave with (0 after --help or --version, 2
   /// after a wrong option, which is reported on stderr in one line), or nothing to go on. What an
@@ -73,12 +150,21 @@ class Options {
   /// and Groups(). Files that other words than those of Output() name are noted as inputs
   /// (base/input_file.h); those that the verb finds in folders, scenes and manifests are noted when
   /// they are opened.
+  ///
+  /// Beside --describe-options the options are printed as a JSON object (tools/cli/help.h) where
+  /// nothing else is wrong than what is missing.
   [[nodiscard]] std::optional<int> Parse(int argc, const char* const* argv);
 
   [[nodiscard]] bool json() const;  ///< one JSON document on stdout instead of text
 
  private:
   struct State;
+
+  Option& AddCount(std::string_view name, std::function<void(std::int64_t)> keep,
+                   std::int64_t least, std::int64_t most, std::string_view help);
+  Option& AddNumber(std::string_view name, std::function<Result<void>(const Quantity&)> keep,
+                    Dimension dimension, Bounds bounds, std::string_view help);
+
   std::unique_ptr<State> state_;
 };
 

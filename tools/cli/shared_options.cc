@@ -29,13 +29,17 @@ Result<Band> ParseBand(const std::string& text) {
 }
 
 void DeclareBand(Options* options, BandWords* words, Shown order_shown) {
-  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass; 20-500Hz");
-  options->Count("--order", &words->order, 1, dsp::kHighestOrder,
-                 "Butterworth order, kept whatever it leaves settled (default: 6, lowered where a "
-                 "record is too short for it)",
-                 order_shown);
-  options->Choice("--corner", &words->corner, {"whole", "each"},
-                  "-3 dB at the corners of both passes together or of each", Shown::kHelpAll);
+  const dsp::BandQuestion usual;
+  options->Text("--band", &words->band, "LOWER-UPPERHz", "Corners of the band-pass")
+      .Default(fmt::format("{:g}-{:g}Hz", usual.band.lower_hz, usual.band.upper_hz));
+  options
+      ->Count("--order", &words->order, 1, dsp::kHighestOrder,
+              "Butterworth order, kept even where a record is too short for it", order_shown)
+      .Default(fmt::format("{}, lowered where a record is too short for it", usual.band.order));
+  options
+      ->Choice("--corner", &words->corner, {"whole", "each"},
+               "-3 dB at the corners of both passes together or of each", Shown::kHelpAll)
+      .Default("whole");
 }
 
 Result<dsp::BandQuestion> BandQuestionOf(const BandWords& words) {
@@ -79,10 +83,11 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
   options->Text("--columns", &words->columns, "NAME,NAME,...",
                 "Columns of a foreign table: time_s, displacement_mm, voltage_v, ...; - for none",
                 Shown::kHelpAll);
-  options->Number("--rate", &words->rate_hz, Dimension::kFrequency,
-                  "Rows a second of a foreign table without times, or whose times contradict its "
-                  "header",
-                  Shown::kHelpAll);
+  options
+      ->Number("--rate", &words->rate_hz, Dimension::kFrequency, Above(0),
+               "Rows a second of a foreign table without times, or whose times contradict its "
+               "header")
+      .Rare();
   if (scaled == Scaled::kVoltage) {
     options->Number("--scale", &words->scale_v, Dimension::kVoltage,
                     "Voltage for one printed unit of a foreign table's voltage", Shown::kHelpAll);
@@ -93,7 +98,7 @@ void DeclareImport(Options* options, ImportWords* words, Scaled scaled, bool has
   }
   if (!has_format) {
     options->Choice("--format", &words->format, FormatNames(),
-                    "Layout of a foreign table, in place of the one that its first lines speak of",
+                    "Layout of a foreign table, in place of the one that its first lines state",
                     Shown::kHelpAll);
   }
   options->Text("--channel", &words->channel, "NAME",
@@ -112,10 +117,7 @@ Result<trial::ImportOptions> ImportOf(const ImportWords& words) {
     options.columns.emplace_back(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
   }
-  if (words.rate_hz) {
-    if (!(words.rate_hz->value > 0)) return Usage("--rate", "must be above 0", "write e.g. 10kHz");
-    options.rate_hz = words.rate_hz->value;
-  }
+  if (words.rate_hz) options.rate_hz = words.rate_hz->value;
   const auto scale_m = ScaleOf(words.scale_m, "write e.g. 1mm");
   if (!scale_m) return std::unexpected(scale_m.error());
   options.scale_m = *scale_m;

@@ -58,7 +58,7 @@ enum class Scaled : std::uint8_t { kDisplacement, kVoltage };
 void DeclareImport(Options* options, ImportWords* words, Scaled scaled = Scaled::kDisplacement,
                    bool has_format = false);
 
-/// Errors (Cause::kUsage): a rate that is not above 0, a scale of 0, an empty name among the
+/// Errors (Cause::kUsage): a scale of 0, an empty name among the
 /// columns, a format that is not known.
 [[nodiscard]] Result<trial::ImportOptions> ImportOf(const ImportWords& words);
 

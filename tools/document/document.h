@@ -116,10 +116,13 @@ struct Section {
   enum class Shape : std::uint8_t {
     kObject,  ///< an object in JSON
     kTable,   ///< an array of its sections; a table with a row for each, rows in CSV. The columns
-              ///< are the labelled items of a row and of the sections within it
+              ///< are the labelled items of a row and of the sections within it; a section within
+              ///< it that has a heading, of items alone, is no part of the table and stands below
     kArray,   ///< an array of its sections, which stand one below the other
   };
-  std::string name{};     ///< in JSON; of an object empty: its keys are those of the one around it
+  /// In JSON; of an object empty: its keys are those of the one around it. Tables and arrays of one
+  /// name within one object are one array.
+  std::string name{};
   std::string heading{};  ///< empty: stands below the section around it without one
   Shape shape = Shape::kObject;
   Detail detail = Detail::kShort;

@@ -10,12 +10,32 @@ namespace {
 
 using Rows = std::vector<std::vector<std::string>>;
 
-void AddItems(const Section& section, report::HtmlPage& page) {
-  Rows rows;
-  if (!section.sources.empty()) rows.push_back({"data", SourcesText(section.sources)});
+// label and value of each item
+void AddItemRows(const Section& section, Rows& rows) {
   for (const Item& item : section.items) {
     std::string value = item.label.empty() ? "" : ItemText(item);
     if (!value.empty()) rows.push_back({item.label, std::move(value)});
+  }
+}
+
+void AddItems(const Section& section, report::HtmlPage& page) {
+  Rows rows;
+  if (!section.sources.empty()) rows.push_back({"data", SourcesText(section.sources)});
+  AddItemRows(section, rows);
+  if (!rows.empty()) page.Table({}, rows);
+}
+
+// a line of one table for each, because each row of the table may have one
+void AddBelow(const Section& table, report::HtmlPage& page) {
+  Rows rows;
+  for (const Section* below : SectionsBelow(table)) {
+    Rows items;
+    for (const Section* part : AllSections(*below)) AddItemRows(*part, items);
+    std::string text;
+    for (const auto& item : items) {
+      text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", item[0], item[1]);
+    }
+    if (!text.empty()) rows.push_back({below->heading, std::move(text)});
   }
   if (!rows.empty()) page.Table({}, rows);
 }
@@ -49,6 +69,7 @@ Result<void> AddSection(const Section& section, int level, report::HtmlPage& pag
   }
   if (section.shape == Section::Shape::kTable) {
     AddTable(section, page);
+    AddBelow(section, page);
     return {};
   }
   for (const Section& inner : section.sections) {

@@ -1,6 +1,7 @@
 #include "tools/cli/json.h"
 
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "tools/cli/csv_cell.h"
 #include "tools/document/render.h"
@@ -51,7 +52,13 @@ void AddParts(const Section& section, bool is_known, Json& json) {
   for (const DataSource source : section.sources) json["data_source"].push_back(NameOf(source));
   for (const Section& inner : section.sections) {
     if (!inner.name.empty()) {
-      json[inner.name] = is_known ? JsonOfSection(inner) : Json(nullptr);
+      Json part = is_known ? JsonOfSection(inner) : Json(nullptr);
+      Json& there = json[inner.name];
+      if (!there.is_array() || !part.is_array()) {
+        there = std::move(part);
+      } else {
+        for (Json& element : part) there.push_back(std::move(element));
+      }
     } else if (inner.shape == Section::Shape::kObject) {
       AddParts(inner, is_known && inner.is_known, json);
     }
@@ -112,7 +119,7 @@ void AddCells(const Section& section, bool is_known, std::string& names, std::st
     }
   }
   for (const Section& inner : section.sections) {
-    AddCells(inner, is_known && inner.is_known, names, cells);
+    if (inner.heading.empty()) AddCells(inner, is_known && inner.is_known, names, cells);
   }
 }
 
@@ -129,6 +136,8 @@ std::string JsonOf(const Document& document) {
   json["provenance"] = ProvenanceJson(document.provenance);
   return cli::JsonText(json);
 }
+
+std::string JsonOf(const Section& section) { return cli::JsonText(ObjectOf(section)); }
 
 std::string CsvOf(const Section& table, const Provenance& provenance) {
   std::string csv = CommentOf(provenance, "# ");

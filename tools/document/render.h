@@ -20,6 +20,9 @@ namespace haptometer::document {
 /// behind the keys of the root.
 [[nodiscard]] std::string JsonOf(const Document& document);
 
+/// The section alone, without findings and provenance.
+[[nodiscard]] std::string JsonOf(const Section& section);
+
 /// A section of shape kTable as a table with commas: behind a comment with the provenance a column
 /// for each field (FieldsOf) of its first row. Values as in JSON, texts as cli::CellOf(); what is
 /// not known is empty.
@@ -30,20 +33,26 @@ namespace haptometer::document {
 
 // --- what text and page share ---
 
-/// Whether there is anything to show: neither not known nor a list of nothing.
+/// Whether there is anything to show: neither not known nor without parts that are shown.
 [[nodiscard]] bool IsShown(const Section& section);
 
 /// The value as a reader sees it: number, unit, interval and note. Empty where it is not known.
 [[nodiscard]] std::string ItemText(const Item& item);
 
 /// A column of a table: heading, with the unit of all its numbers ("vibration / um"), and cells.
+/// Where the rows differ in unit, it stands in the cells.
 struct Column {
   std::string heading;
+  bool is_text = false;  ///< no cell is a number
   std::vector<std::string> cells;
 };
 
-/// One for each labelled item of a row and of the sections within it.
+/// One for each labelled item of a row and of the sections within it without a heading, of which
+/// some row has a value.
 [[nodiscard]] std::vector<Column> ColumnsOf(const Section& table);
+
+/// The sections with a heading within the rows.
+[[nodiscard]] std::vector<const Section*> SectionsBelow(const Section& table);
 
 /// "doubt: SUBJECT: TEXT"; a refusal is "not answered". Without the subject below a heading that
 /// says it.

@@ -67,8 +67,34 @@ void AddCells(const Section& section, bool is_known, std::vector<Item>& cells) {
     cells.push_back(is_known ? item : Item{.name = {}, .label = item.label, .unit = item.unit});
   }
   for (const Section& inner : section.sections) {
-    AddCells(inner, is_known && inner.is_known, cells);
+    if (inner.heading.empty()) AddCells(inner, is_known && inner.is_known, cells);
   }
+}
+
+// Whether all are said in the units of the first, so that those can stand in the heading.
+bool AreInOneUnit(const std::vector<Item>& items) {
+  return std::ranges::all_of(items, [&](const Item& item) {
+    return item.unit.spoken[0].symbol == items.front().unit.spoken[0].symbol;
+  });
+}
+
+bool HasValue(const Item& item) { return item.value.IsKnown() || item.at_most; }
+
+Column ColumnOf(const std::vector<Item>& items) {
+  double size = 0;
+  for (const Item& item : items) size = std::max(size, SizeOf(item));
+  const bool is_one = AreInOneUnit(items);
+  Column column{.heading = items.front().label, .is_text = true, .cells = {}};
+  const std::string_view heading_unit = is_one ? items.front().unit.For(size).symbol : "";
+  if (!heading_unit.empty()) column.heading += fmt::format(" / {}", heading_unit);
+  for (const Item& item : items) {
+    const SpokenUnit unit = item.unit.For(is_one ? size : SizeOf(item));
+    std::string cell = Printable(CellText(item, unit));
+    if (!is_one && !unit.symbol.empty() && HasValue(item)) cell += fmt::format(" {}", unit.symbol);
+    column.is_text &= !item.value.IsKnown() || std::holds_alternative<std::string>(item.value);
+    column.cells.push_back(std::move(cell));
+  }
+  return column;
 }
 
 // characters as a terminal counts them
@@ -127,29 +153,38 @@ struct TextWriter {
 
   void AddTable(const Section& table, std::size_t indent) {
     const std::vector<Column> columns = ColumnsOf(table);
-    // to the right, so that numbers of as many decimals stand one below the other
+    // numbers to the right, so that those of as many decimals stand one below the other
     for (std::size_t row = 0; !columns.empty() && row <= table.sections.size(); ++row) {
       std::string line;
       for (const Column& column : columns) {
         std::size_t width = WidthOf(column.heading);
         for (const std::string& cell : column.cells) width = std::max(width, WidthOf(cell));
         const std::string& cell = row == 0 ? column.heading : column.cells[row - 1];
-        line += std::string((line.empty() ? 0 : kIndent) + width - WidthOf(cell), ' ') + cell;
+        const std::string fill(width - WidthOf(cell), ' ');
+        if (!line.empty()) line += std::string(kIndent, ' ');
+        line += column.is_text ? cell + fill : fill + cell;
       }
-      AddLine(indent, line);
+      AddLine(indent, line.substr(0, line.find_last_not_of(' ') + 1));
     }
+    for (const Section* below : SectionsBelow(table)) AddSection(*below, indent, 0);
   }
 };
 
 }  // namespace
 
 bool IsShown(const Section& section) {
-  return section.is_known &&
-         (section.shape == Section::Shape::kObject || !section.sections.empty());
+  if (!section.is_known) return false;
+  if (section.shape != Section::Shape::kObject) return !section.sections.empty();
+  const auto is_shown = [](const Item& item) {
+    return !item.label.empty() && !ItemText(item).empty();
+  };
+  return !section.sources.empty() || !section.figures.empty() || !section.findings.empty() ||
+         std::ranges::any_of(section.items, is_shown) ||
+         std::ranges::any_of(section.sections, IsShown);
 }
 
 std::string ItemText(const Item& item) {
-  if (!item.value.IsKnown() && !item.at_most) return {};
+  if (!HasValue(item)) return {};
   const SpokenUnit unit = item.unit.For(SizeOf(item));
   const std::string symbol = unit.symbol.empty() ? "" : fmt::format(" {}", unit.symbol);
   std::string text = CellText(item, unit) + symbol;
@@ -173,16 +208,23 @@ std::vector<Column> ColumnsOf(const Section& table) {
     HAPTOMETER_CHECK(rows.back().size() == rows.front().size(), "a row of {} has {} cells",
                      table.name, rows.back().size());
   }
-  std::vector<Column> columns(rows.empty() ? 0 : rows.front().size());
-  for (std::size_t k = 0; k < columns.size(); ++k) {
-    double size = 0;
-    for (const auto& row : rows) size = std::max(size, SizeOf(row[k]));
-    const SpokenUnit unit = rows.front()[k].unit.For(size);
-    columns[k].heading = rows.front()[k].label;
-    if (!unit.symbol.empty()) columns[k].heading += fmt::format(" / {}", unit.symbol);
-    for (const auto& row : rows) columns[k].cells.push_back(Printable(CellText(row[k], unit)));
+  std::vector<Column> columns;
+  for (std::size_t k = 0; !rows.empty() && k < rows.front().size(); ++k) {
+    std::vector<Item> items;
+    for (const auto& row : rows) items.push_back(row[k]);
+    if (std::ranges::any_of(items, HasValue)) columns.push_back(ColumnOf(items));
   }
   return columns;
+}
+
+std::vector<const Section*> SectionsBelow(const Section& table) {
+  std::vector<const Section*> sections;
+  for (const Section& row : table.sections) {
+    for (const Section& inner : row.sections) {
+      if (!inner.heading.empty()) sections.push_back(&inner);
+    }
+  }
+  return sections;
 }
 
 std::string FindingText(const Finding& finding, std::string_view heading) {

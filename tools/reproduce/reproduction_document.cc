@@ -1,344 +1,245 @@
-#include "tools/reproduce/reproduction_document.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iterator>
-#include <nlohmann/json.hpp>
 #include <utility>
 
-#include "base/clock.h"
-#include "tools/cli/json.h"
+#include "tools/reproduce/reproduce.h"
 
 namespace haptometer::tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using document::Detail;
+using document::Key;
+using document::Section;
+using document::Unit;
+using document::Value;
 
-std::string_view Name(Relation relation) {
-  switch (relation) {
-    case Relation::kEquals:
-      return "equals";
-    case Relation::kBelow:
-      return "below";
-    case Relation::kAbove:
-      return "above";
-    case Relation::kNotPrinted:
-      return "not printed";
-  }
-  return "not printed";
+// one digit more than is printed
+constexpr double kFurtherDigit = 0.1;
+constexpr double kHalf = 0.5;
+// of a deviation
+constexpr double kLeastShare = 1e-4;
+
+Value KnownText(std::string_view text) { return text.empty() ? Value() : Value(text); }
+
+Value RangeOf(const std::optional<dsp::Interval>& interval) {
+  if (!interval) return {};
+  return document::Range{interval->lower, interval->upper};
 }
 
-Json IntervalJson(const std::optional<dsp::Interval>& interval) {
-  if (!interval) return nullptr;
-  return Json::array({cli::NumberOrNull(interval->lower), cli::NumberOrNull(interval->upper)});
-}
+// said in the unit that the thesis prints
+Unit UnitOf(const ThesisUnit& unit) { return {"", unit.si_name, {{{1 / unit.si, unit.name}}}}; }
 
-std::string_view KindWord(CauseKind kind) {
+// the last printed digit in SI; 0 where no value is printed, or only a bound
+double StepOf(const ThesisNumber& number) { return 2 * number.half_step * number.unit.si; }
+
+// --- findings ---
+
+enum class ReproduceFinding : std::uint8_t {
+  kHalfDigit,
+  kCoilReaction,
+  kSkinRange,
+  kReading,
+  kTuned,
+  kRounding,
+  kGenerated,
+};
+
+document::Sentence SentenceOf(ReproduceFinding kind) {
   switch (kind) {
-    case CauseKind::kReading:
-      return "reading";
-    case CauseKind::kTuned:
-      return "tuned";
-    case CauseKind::kRounding:
-      return "rounding";
-  }
-  return "reading";
-}
-
-Json CandidatesJson(const ThesisRow& row) {
-  Json list = Json::array();
-  for (const CandidateCause& cause : row.candidates) {
-    list.push_back({{"text", cause.text},
-                    {"kind", KindWord(cause.kind)},
-                    {"gives", cli::NumberOrNull(cause.gives)},
-                    {"from_rounded_interval", IntervalJson(cause.from_rounded)},
-                    {"as_printed", Hits(row.number(), cause)}});
-  }
-  return list;
-}
-
-Json RowJson(const ThesisRow& row) {
-  const ThesisNumber& number = row.number();
-  const bool printed = number.relation != Relation::kNotPrinted;
-  return {{"key", row.key},
-          {"group", number.group},
-          {"where", cli::TextOrNull(std::string(number.where))},
-          {"what", number.what},
-          {"relation", Name(number.relation)},
-          {"printed", printed ? cli::NumberOrNull(SiValue(number)) : Json(nullptr)},
-          {"printed_half_step", number.relation == Relation::kEquals
-                                    ? cli::NumberOrNull(number.half_step * number.unit.si)
-                                    : Json(nullptr)},
-          {"unit", number.unit.si_name},
-          {"ours", cli::NumberOrNull(row.ours)},
-          {"ours_interval_95", IntervalJson(row.interval)},
-          {"deviation", cli::NumberOrNull(DeviationOf(row))},
-          {"verdict", Name(VerdictOf(row))},
-          {"generated", row.generated},
-          {"candidates", CandidatesJson(row)},
-          {"remark", cli::TextOrNull(row.remark)}};
-}
-
-Json ChainJson(const std::optional<std::vector<ChainRow>>& rows) {
-  if (!rows) return nullptr;
-  Json list = Json::array();
-  for (const ChainRow& row : *rows) {
-    list.push_back({{"key", row.key},
-                    {"sensor", row.sensor},
-                    {"scene", row.scene},
-                    {"quantity", row.quantity},
-                    {"unit", row.unit},
-                    {"truth", cli::NumberOrNull(row.truth)},
-                    {"answer", cli::NumberOrNull(row.answer)},
-                    {"answer_interval_95", IntervalJson(row.interval)},
-                    {"holds", row.holds()},
-                    {"remark", cli::TextOrNull(row.remark)}});
-  }
-  return list;
-}
-
-}  // namespace
-
-std::string ReproductionJson(const Reproduction& reproduction,
-                             const std::vector<std::string>& written) {
-  Json rows = Json::array();
-  for (const ThesisRow& row : reproduction.rows) rows.push_back(RowJson(row));
-  return cli::JsonText({{"rows", std::move(rows)},
-                        {"reproduced", CountOf(reproduction, RowVerdict::kReproduced)},
-                        {"explained", CountOf(reproduction, RowVerdict::kExplained)},
-                        {"explained_by_rounding", CountOf(reproduction, CauseKind::kRounding)},
-                        {"explained_by_tuned", CountOf(reproduction, CauseKind::kTuned)},
-                        {"disagree", CountOf(reproduction, RowVerdict::kDisagrees)},
-                        {"not_printed", CountOf(reproduction, RowVerdict::kNotPrinted)},
-                        {"circular", CircularRows(reproduction)},
-                        {"chain", ChainJson(reproduction.chain)},
-                        {"files", written},
-                        {"assumptions", ReproductionAssumptions()}});
-}
-
-namespace {
-
-std::string WithUnit(std::string number, std::string_view unit) {
-  return unit.empty() ? number : fmt::format("{} {}", number, unit);
-}
-
-// as many decimals as are printed
-std::string PrintedText(const ThesisNumber& number) {
-  switch (number.relation) {
-    case Relation::kNotPrinted:
-      return "-";
-    case Relation::kBelow:
-      return WithUnit(fmt::format("< {:g}", number.value), number.unit.name);
-    case Relation::kAbove:
-      return WithUnit(fmt::format("> {:g}", number.value), number.unit.name);
-    case Relation::kEquals:
+    case ReproduceFinding::kHalfDigit:
+      return {"half-digit",
+              "a printed value is true to half of its last digit, 8200 N/m to 50 N/m, 220 Hz to 5 "
+              "Hz"};
+    case ReproduceFinding::kCoilReaction:
+      return {"coil-reaction",
+              "equation 2.3 is taken with the coil's reaction on the case, as matrix 2.5 has it"};
+    case ReproduceFinding::kSkinRange:
+      return {"skin-range",
+              "the skin's stiffness goes up to 2000 N/m (text of 2.1.1); Table 2.1 has 1200 N/m"};
+    case ReproduceFinding::kReading:
+      return {"reading",
+              "\"reading\" is a candidate cause that is computed; no cause is proved (--all shows "
+              "the causes)"};
+    case ReproduceFinding::kTuned:
+      return {"tuned", "\"tuned\" is a candidate cause with a number chosen by what is printed"};
+    case ReproduceFinding::kRounding:
+      return {"rounding",
+              "\"rounding\" is the set of inputs, among those that round to the printed ones, that "
+              "comes nearest to what is printed; it may miss it"};
+    case ReproduceFinding::kGenerated:
       break;
   }
-  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(2 * number.half_step))));
-  return WithUnit(fmt::format("{:.{}f}", number.value, decimals), number.unit.name);
+  return {"generated",
+          "{circular} rows are of trials generated with the printed number, not of the thesis's "
+          "recordings: they test the analysis alone and are counted separately"};
 }
 
-std::string IntervalText(const std::optional<dsp::Interval>& interval, double si, int digits) {
-  if (!interval) return {};
-  return fmt::format(" [{:.{}g}, {:.{}g}]", interval->lower / si, digits, interval->upper / si,
-                     digits);
-}
-
-std::string OursText(const ThesisRow& row) {
-  if (!row.ours) return "not determined";
-  const ThesisUnit& unit = row.number().unit;
-  return WithUnit(
-      fmt::format("{:.5g}{}", *row.ours / unit.si, IntervalText(row.interval, unit.si, 4)),
-      unit.name);
-}
-
-std::string CauseText(const ThesisNumber& number, const CandidateCause& cause) {
-  return fmt::format(
-      "{}: {}: {}{}", Name(cause.kind), cause.text,
-      WithUnit(fmt::format("{:.5g}", cause.gives / number.unit.si), number.unit.name),
-      Hits(number, cause) ? ", as printed" : "");
-}
-
-std::string DeviationText(const std::optional<double>& deviation) {
-  return deviation ? fmt::format("{:+.2f} %", 100 * *deviation) : std::string();
-}
-
-// broken at spaces into lines of kWhyColumns, six columns in
-std::string Wrapped(std::string_view line) {
-  constexpr std::size_t kWhyColumns = 110;
-  std::string text = "      ";
-  std::size_t column = 0;
-  while (!line.empty()) {
-    const std::size_t end = std::min(line.find(' '), line.size());
-    if (column > 0 && column + 1 + end > kWhyColumns) {
-      text += "\n        ";
-      column = 2;
-    } else if (column > 0) {
-      text += ' ';
-      ++column;
-    }
-    text += line.substr(0, end);
-    column += end;
-    line.remove_prefix(std::min(end + 1, line.size()));
+Findings<ReproduceFinding> FindingsOf(std::size_t circular) {
+  using enum ReproduceFinding;
+  Findings<ReproduceFinding> findings;
+  for (const auto kind : {kHalfDigit, kCoilReaction, kSkinRange, kReading, kTuned, kRounding}) {
+    findings.Note(kind);
   }
-  return text + '\n';
+  findings.Note(kGenerated, {{"circular", circular}});
+  return findings;
 }
 
-void AppendRow(std::string& text, std::string_view what, const RowWords& words) {
-  fmt::format_to(std::back_inserter(text), "  {:<49} {:>12} {:>25} {:>10}  {}\n", what,
-                 words.printed, words.ours, words.deviation, words.verdict);
-  for (const std::string& line : words.why) text += Wrapped(line);
+// --- rows ---
+
+// a remark, and candidate causes with what each gives; stands below the row's table
+Section ReasonsSection(std::string heading, const std::string& remark) {
+  Section reasons{.heading = std::move(heading), .detail = Detail::kAll};
+  reasons.Add({"remark", "remark"}, KnownText(remark));
+  return reasons;
 }
 
-std::string ChainText(const std::vector<ChainRow>& rows) {
-  std::string text = "\nScene -> sensor -> record -> analyze: the answer beside the truth\n";
-  std::string_view sensor;
-  for (const ChainRow& row : rows) {
-    if (row.sensor != sensor) {
-      sensor = row.sensor;
-      fmt::format_to(std::back_inserter(text), "\n{}\n", sensor);
-    }
-    AppendRow(text, fmt::format("{}: {}", row.scene, row.quantity), WordsOf(row));
-  }
-  const auto holding = std::ranges::count_if(rows, &ChainRow::holds);
-  return text + fmt::format("\n{} of {} hold\n", holding, rows.size());
-}
-
-}  // namespace
-
-RowWords WordsOf(const ThesisRow& row) {
+Section CandidatesSection(const ThesisRow& row) {
   const ThesisNumber& number = row.number();
-  RowWords words{.printed = PrintedText(number),
-                 .ours = OursText(row),
-                 .deviation = DeviationText(DeviationOf(row)),
-                 .verdict = std::string(Name(VerdictOf(row))) + (row.generated ? " *" : ""),
-                 .why = {}};
-  if (!row.remark.empty()) words.why.push_back(row.remark);
-  if (VerdictOf(row) == RowVerdict::kReproduced) return words;
-  for (const CandidateCause& cause : row.candidates) words.why.push_back(CauseText(number, cause));
-  return words;
-}
-
-RowWords WordsOf(const ChainRow& row) {
-  const bool length = row.unit == "m";
-  const double si = length ? 1e-6 : 1;
-  const std::string_view unit = length ? "um" : row.unit;
-  RowWords words{.printed = "-", .ours = "not answered", .deviation = {}, .verdict = {}, .why = {}};
-  if (row.truth) words.printed = WithUnit(fmt::format("{:.6g}", *row.truth / si), unit);
-  if (row.answer) {
-    words.ours = WithUnit(
-        fmt::format("{:.6g}{}", *row.answer / si, IntervalText(row.interval, si, 6)), unit);
+  Section list{.name = "candidates", .shape = Section::Shape::kArray};
+  for (const CandidateCause& cause : row.candidates) {
+    const bool hits = Hits(number, cause);
+    const double gives = cause.gives / number.unit.si;
+    Section& section = list.sections.emplace_back();
+    section.Add({"text", Name(cause.kind)}, cause.text).note = fmt::format(
+        "gives {}{}{}{}",
+        document::NumberText(gives, 0, kFurtherDigit * StepOf(number) / number.unit.si),
+        number.unit.name.empty() ? "" : " ", number.unit.name, hits ? ", as printed" : "");
+    section.Add({"kind"}, Name(cause.kind));
+    section.Add({"gives"}, cause.gives);
+    section.Add({"from_rounded_interval"}, RangeOf(cause.from_rounded));
+    section.Add({"as_printed"}, hits);
   }
-  if (row.truth && row.answer) words.deviation = DeviationText(*row.answer / *row.truth - 1);
-  words.verdict = row.holds() ? "holds" : "misses";
-  if (!row.remark.empty()) words.why.push_back(row.remark);
-  return words;
+  return list;
 }
 
-std::string CountsText(const Reproduction& reproduction) {
-  return fmt::format(
-      "{} reproduced, {} explained by a candidate (of these {} only by the rounding of inputs, {} "
-      "only by a tuned number), {} disagree; {} not printed; {} are of trials made with the "
-      "printed "
-      "number itself and not counted",
-      CountOf(reproduction, RowVerdict::kReproduced), CountOf(reproduction, RowVerdict::kExplained),
-      CountOf(reproduction, CauseKind::kRounding), CountOf(reproduction, CauseKind::kTuned),
-      CountOf(reproduction, RowVerdict::kDisagrees), CountOf(reproduction, RowVerdict::kNotPrinted),
-      CircularRows(reproduction));
+// `some_generated`: some row of its group is
+Section RowSection(const ThesisRow& row, bool some_generated) {
+  const ThesisNumber& number = row.number();
+  const Unit unit = UnitOf(number.unit);
+  const double step = StepOf(number);
+  const bool is_printed = number.relation != Relation::kNotPrinted;
+  Section section;
+  section.Add({"key"}, row.key);
+  section.Add({"group"}, number.group);
+  section.Add({"what", "quantity"}, number.what);
+  section.Add({"where", "in the thesis"}, KnownText(number.where));
+  section.Add({"relation", "relation"}, Name(number.relation));
+  // zeros behind the point are printed too; before it a digit is as it stands, whatever it is true
+  // to
+  section.Add({"printed", "printed", unit}, is_printed ? Value(SiValue(number)) : Value())
+      .resolution = number.half_step < kHalf ? step : 0;
+  section.Add({"printed_half_step"}, step > 0 ? Value(step / 2) : Value());
+  section.Add({"unit"}, number.unit.si_name);
+  section.Add({"ours", "computed", unit}, row.ours).resolution = kFurtherDigit * step;
+  section.Add({"ours_interval_95", "95 %", unit}, RangeOf(row.interval)).resolution =
+      kFurtherDigit * step;
+  section.Add({"deviation", "deviation", document::kShare}, DeviationOf(row)).resolution =
+      kLeastShare;
+  section.Add({"verdict", "verdict"}, Name(VerdictOf(row)));
+  section.Add({"generated", some_generated ? "generated" : ""}, row.generated);
+  section.sections.push_back(ReasonsSection(std::string(number.what), row.remark));
+  section.sections.back().sections.push_back(CandidatesSection(row));
+  return section;
 }
 
-std::string ReproductionText(const Reproduction& reproduction) {
-  std::string text = fmt::format(
-      "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of Washington, "
-      "2013,\n"
-      "computed anew: {}\n\n  {:<49} {:>12} {:>25} {:>10}  verdict\n",
-      CountsText(reproduction), "", "printed", "ours", "deviation");
-  std::string_view group;
-  for (const ThesisRow& row : reproduction.rows) {
-    const ThesisNumber& number = row.number();
-    if (number.group != group) {
-      group = number.group;
-      fmt::format_to(std::back_inserter(text), "\n{}\n", group);
-    }
-    RowWords words = WordsOf(row);
-    if (!number.where.empty()) words.verdict += fmt::format(" ({})", number.where);
-    AppendRow(text, number.what, words);
+// a table for each group
+std::vector<Section> GroupsOf(const std::vector<ThesisRow>& rows) {
+  std::vector<Section> groups;
+  for (auto row = rows.begin(); row != rows.end();) {
+    const std::string_view group = row->number().group;
+    const auto end = std::find_if(
+        row, rows.end(), [&](const ThesisRow& other) { return other.number().group != group; });
+    const bool some_generated =
+        std::any_of(row, end, [](const ThesisRow& of) { return of.generated; });
+    Section& table = groups.emplace_back(
+        Section{.name = "rows", .heading = std::string(group), .shape = Section::Shape::kTable});
+    for (; row != end; ++row) table.sections.push_back(RowSection(*row, some_generated));
   }
-  text += '\n';
-  for (const std::string& assumption : ReproductionAssumptions()) {
-    fmt::format_to(std::back_inserter(text), "assumed: {}\n", assumption);
-  }
-  return reproduction.chain ? text + ChainText(*reproduction.chain) : text;
+  return groups;
 }
 
-namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
-
-std::vector<std::string> CellsOf(std::string what, const RowWords& words) {
-  std::string verdict = words.verdict;
-  for (const std::string& line : words.why) verdict += fmt::format("; {}", line);
-  return {std::move(what), words.printed, words.ours, words.deviation, std::move(verdict)};
+void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
+  const auto count = [&](const auto& is_counted) {
+    return std::ranges::count_if(
+        rows, [&](const ThesisRow& row) { return !row.generated && is_counted(row); });
+  };
+  const auto of_verdict = [&](RowVerdict verdict) {
+    return count([&](const ThesisRow& row) { return VerdictOf(row) == verdict; });
+  };
+  const auto by_cause = [&](CauseKind kind) {
+    return count([&](const ThesisRow& row) { return ExplainedBy(row) == kind; });
+  };
+  root.Add({"reproduced", "reproduced"}, of_verdict(RowVerdict::kReproduced));
+  root.Add({"explained", "explained by a candidate"}, of_verdict(RowVerdict::kExplained));
+  root.Add({"explained_by_rounding", "of these by rounding alone"}, by_cause(CauseKind::kRounding));
+  root.Add({"explained_by_tuned", "of these by a tuned one alone"}, by_cause(CauseKind::kTuned));
+  root.Add({"disagree", "disagree"}, of_verdict(RowVerdict::kDisagrees));
+  root.Add({"not_printed", "not printed"}, of_verdict(RowVerdict::kNotPrinted));
+  root.Add({"circular", "of generated trials"},
+           std::ranges::count(rows, true, &ThesisRow::generated));
 }
 
-void AddGroup(const Reproduction& reproduction, std::string_view group, report::HtmlPage& page) {
-  Rows rows;
-  for (const ThesisRow& row : reproduction.rows) {
-    const ThesisNumber& number = row.number();
-    if (number.group != group) continue;
-    rows.push_back(CellsOf(number.where.empty() ? std::string(number.what)
-                                                : fmt::format("{} ({})", number.what, number.where),
-                           WordsOf(row)));
-  }
-  page.Subsection(group);
-  page.Table({"", "printed", "ours", "deviation", "verdict"}, rows);
+// --- chain ---
+
+Section ChainRowSection(const ChainRow& row) {
+  constexpr double kDigits = 1e-6;  // of the truth
+  Section section;
+  section.Add({"key"}, row.key);
+  section.Add({"sensor", "sensor"}, row.sensor);
+  section.Add({"scene", "scene"}, row.scene);
+  section.Add({"quantity", "quantity"}, row.quantity);
+  section.Add({"unit"}, row.unit.symbol);
+  section.Add({"truth", "truth", row.unit}, row.truth).resolution = kDigits * row.truth.value_or(0);
+  document::Item& answer = section.Add({"answer", "answer", row.unit, document::Form::kInterval},
+                                       row.answer, row.standard_uncertainty);
+  if (row.interval) answer.interval = document::Range{row.interval->lower, row.interval->upper};
+  const bool is_compared = row.truth && row.answer;
+  section
+      .Add({"", "deviation", document::kShare},
+           is_compared ? Value(*row.answer / *row.truth - 1) : Value())
+      .resolution = kLeastShare;
+  section.Add({"holds", "holds"}, row.holds());
+  section.sections.push_back(
+      ReasonsSection(fmt::format("{}, {}: {}", row.sensor, row.scene, row.quantity), row.remark));
+  return section;
 }
 
-void AddRows(const Reproduction& reproduction, report::HtmlPage& page) {
-  page.Section("Row by row");
-  std::string_view group;
-  for (const ThesisRow& row : reproduction.rows) {
-    if (row.number().group == group) continue;
-    group = row.number().group;
-    AddGroup(reproduction, group, page);
-  }
-}
-
-void AddChain(const std::vector<ChainRow>& chain, report::HtmlPage& page) {
-  Rows rows;
-  rows.reserve(chain.size());
-  for (const ChainRow& row : chain) {
-    rows.push_back(
-        CellsOf(fmt::format("{}; {}, {}", row.sensor, row.scene, row.quantity), WordsOf(row)));
-  }
-  page.Section("Scene, sensor, record, analysis");
-  page.Table({"", "truth", "answer", "deviation", "interval"}, rows);
+Section ChainSection(const std::optional<std::vector<ChainRow>>& rows) {
+  Section chain{.name = "chain",
+                .heading = "Scene, sensor, record, analysis",
+                .shape = Section::Shape::kTable,
+                .is_known = rows.has_value()};
+  if (!rows) return chain;
+  for (const ChainRow& row : *rows) chain.sections.push_back(ChainRowSection(row));
+  chain.Add({"", "rows that hold"}, std::ranges::count_if(*rows, &ChainRow::holds));
+  return chain;
 }
 
 }  // namespace
 
-Result<report::HtmlPage> ReproductionReport(const Reproduction& reproduction,
-                                            const std::vector<ThesisFigure>& figures,
-                                            const std::string& command) {
-  report::HtmlPage page(
-      "A Mechanical Amplifier for Haptic Feedback, computed anew",
-      fmt::format("haptometer {}, {}: {}", HAPTOMETER_VERSION, UtcNow(), command));
-  page.Paragraph(
-      "Every number of J. Lindsay's thesis (University of Washington, 2013) beside what this "
-      "program computes.");
-  page.Paragraph(CountsText(reproduction) + ".");
-  page.List(ReproductionAssumptions());
-  AddRows(reproduction, page);
-  if (reproduction.chain) AddChain(*reproduction.chain, page);
-  page.Section("Figures");
+document::Document ReproductionDocument(const Reproduction& reproduction,
+                                        const std::vector<ThesisFigure>& figures,
+                                        const std::vector<std::string>& files) {
+  document::Document document{
+      .verb = "reproduce",
+      .title =
+          "J. Lindsay, \"A Mechanical Amplifier for Haptic Feedback\", University of "
+          "Washington, 2013, computed anew"};
+  Section& root = document.root;
+  root.sources = {document::DataSource::kSimulated};
+  AddCounts(reproduction.rows, root);
+  root.sections = GroupsOf(reproduction.rows);
+  root.sections.push_back(ChainSection(reproduction.chain));
+  Section drawn{.heading = "Figures"};
+  drawn.Add({"files", "written"}, files);
   for (const ThesisFigure& figure : figures) {
-    if (auto drawn = page.Figure(figure.caption, figure.panels); !drawn) {
-      return std::unexpected(drawn.error());
-    }
+    drawn.figures.push_back({.caption = figure.caption, .panels = figure.panels});
   }
-  return page;
+  root.sections.push_back(std::move(drawn));
+  const auto circular = std::ranges::count(reproduction.rows, true, &ThesisRow::generated);
+  document::AddFindings(root, FindingsOf(static_cast<std::size_t>(circular)));
+  return document;
 }
 
 }  // namespace haptometer::tools

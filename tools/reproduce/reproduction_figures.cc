@@ -1,5 +1,3 @@
-#include "tools/reproduce/reproduction_figures.h"
-
 #include <fmt/core.h>
 
 #include <cmath>
@@ -11,7 +9,10 @@
 #include "sim/linear/steady_state.h"
 #include "sim/sensor_model.h"
 #include "sim/skin/skin.h"
-#include "tools/study/study_document.h"
+#include "tools/reproduce/reproduce.h"
+#include "tools/study/linearity.h"
+#include "tools/study/matching.h"
+#include "tools/study/study_result.h"
 
 // Figures 2.2 to 2.7.
 

@@ -1,5 +1,3 @@
-#include "tools/reproduce/sensor_chain.h"
-
 #include <fmt/core.h>
 
 #include <array>
@@ -13,7 +11,7 @@
 #include "sim/linear/time_response.h"
 #include "sim/sensor_model.h"
 #include "tools/document/findings_dsp.h"
-#include "tools/reproduce/study_rows.h"
+#include "tools/reproduce/reproduce.h"
 #include "tools/simulate/simulated_trial.h"
 #include "trial/import/read_recording.h"
 #include "trial/sensor_head.h"
@@ -88,7 +86,7 @@ Result<dsp::BandAnalysis> Analyzed(const trial::Record& record,
 }
 
 ChainRow RowOf(const ChainSensor& sensor, const ChainScene& scene, std::string_view key,
-               std::string quantity, std::string_view unit) {
+               std::string quantity, const document::Unit& unit) {
   return {.key = fmt::format("{}-{}-{}", sensor.key, scene.key, key),
           .sensor = sensor.words,
           .scene = scene.words,
@@ -96,37 +94,39 @@ ChainRow RowOf(const ChainSensor& sensor, const ChainScene& scene, std::string_v
           .unit = unit};
 }
 
-void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer,
+void Answer(const dsp::BandAnalysis& analysis, ChainRow& row, double answer, double uncertainty,
             dsp::Interval interval) {
   if (!analysis.answered) {
     row.remark = document::RefusalOf(analysis.findings);
     return;
   }
   row.answer = answer;
+  row.standard_uncertainty = uncertainty;
   row.interval = interval;
 }
 
 ChainRow RmsRow(const ChainSensor& sensor, const ChainScene& scene,
                 const dsp::BandAnalysis& analysis, double truth_m) {
-  ChainRow row = RowOf(sensor, scene, "rms", "RMS", "m");
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS", document::kMetre);
   row.truth = truth_m;
   if (!analysis.numbers) return row;
   const dsp::RmsEstimate& rms = analysis.numbers->rms;
-  Answer(analysis, row, rms.rms_m, {rms.lower_m, rms.upper_m});
+  Answer(analysis, row, rms.rms_m, rms.standard_uncertainty_m, {rms.lower_m, rms.upper_m});
   return row;
 }
 
 std::vector<ChainRow> SteadyRows(const ChainSensor& sensor, const ChainScene& scene,
                                  const dsp::BandAnalysis& analysis) {
   const double rms_m = sim::SolveSteadyState(scene.scene).skin_rms_m;
-  ChainRow amplitude = RowOf(sensor, scene, "amplitude", "tone's amplitude", "m");
-  ChainRow frequency = RowOf(sensor, scene, "frequency", "tone's frequency", "Hz");
+  ChainRow amplitude = RowOf(sensor, scene, "amplitude", "tone's amplitude", document::kMetre);
+  ChainRow frequency = RowOf(sensor, scene, "frequency", "tone's frequency", document::kHertz);
   amplitude.truth = std::numbers::sqrt2 * rms_m;
   frequency.truth = scene.scene.drive.frequency_hz;
   if (analysis.numbers && analysis.numbers->tone) {
     const dsp::ToneNumbers& tone = *analysis.numbers->tone;
-    Answer(analysis, amplitude, tone.amplitude_m, {tone.amplitude_lower_m, tone.amplitude_upper_m});
-    Answer(analysis, frequency, tone.fit.frequency_hz,
+    Answer(analysis, amplitude, tone.amplitude_m, tone.amplitude_uncertainty_m,
+           {tone.amplitude_lower_m, tone.amplitude_upper_m});
+    Answer(analysis, frequency, tone.fit.frequency_hz, tone.fit.frequency_uncertainty_hz,
            {tone.frequency_lower_hz, tone.frequency_upper_hz});
   }
   return {RmsRow(sensor, scene, analysis, rms_m), amplitude, frequency};
@@ -169,7 +169,7 @@ Result<ChainRow> FileRow(const ThesisModel& model) {
   if (!in_memory) return std::unexpected(in_memory.error());
   const auto from_file = Analyzed(read->record, std::nullopt);
   if (!from_file) return std::unexpected(from_file.error());
-  ChainRow row = RowOf(sensor, scene, "rms", "RMS from trial.bin", "m");
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS from trial.bin", document::kMetre);
   if (in_memory->numbers) row.truth = in_memory->numbers->rms.rms_m;
   if (from_file->numbers) row.answer = from_file->numbers->rms.rms_m;
   row.remark = "the same as of the record in memory, bit by bit";
@@ -182,7 +182,7 @@ Result<ChainRow> FactoryRow(const ThesisModel& model) {
   const ChainScene scene{"adapter", "adapter", WithAdapter(model, kIa2AreaM2)};
   const auto analysis = Analyzed(Sensed(scene.scene, sensor), std::nullopt);
   if (!analysis) return std::unexpected(analysis.error());
-  ChainRow row = RowOf(sensor, scene, "rms", "RMS: none can be given", "m");
+  ChainRow row = RowOf(sensor, scene, "rms", "RMS: none can be given", document::kMetre);
   if (analysis->answered && analysis->numbers) row.answer = analysis->numbers->rms.rms_m;
   row.remark = document::RefusalOf(analysis->findings);
   return row;

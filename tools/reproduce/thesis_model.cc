@@ -135,13 +135,22 @@ double DistanceOf(const ThesisNumber& number, double value) {
                                              : std::min(off - 1e-3, 0.0);
 }
 
-std::vector<double> DistancesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
-                                const Place& place) {
+// the rows' numbers where the inputs are at that place
+std::vector<double> ValuesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
+                             const Place& place) {
   const ThesisModel moved = ModelAt(model, place);
+  std::vector<double> values;
+  values.reserve(rows.size());
+  for (const RowMeasure& row : rows) values.push_back(row.measure(moved));
+  return values;
+}
+
+std::vector<double> DistancesOf(std::span<const RowMeasure> rows,
+                                const std::vector<double>& values) {
   std::vector<double> distances;
   distances.reserve(rows.size());
-  for (const RowMeasure& row : rows) {
-    distances.push_back(DistanceOf(ThesisNumberOf(row.key), row.measure(moved)));
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    distances.push_back(DistanceOf(ThesisNumberOf(rows[k].key), values[k]));
   }
   return distances;
 }
@@ -152,22 +161,21 @@ double SquareOf(const std::vector<double>& distances) {
   return sum;
 }
 
-// by how much each value grows with each input, in the units of DistanceOf
+// by how much each of `values`, which are those of the place, grows with each input, in the units
+// of DistanceOf
 std::vector<Place> SlopesAt(const ThesisModel& model, std::span<const RowMeasure> rows,
-                            const Place& place) {
+                            const Place& place, const std::vector<double>& values) {
   constexpr double kStep = 1e-3;
   std::vector<Place> slopes(rows.size());
   for (std::size_t i = 0; i < kInputs.size(); ++i) {
     Place moved = place;
     moved[i] += moved[i] > 0 ? -kStep : kStep;
-    const ThesisModel here = ModelAt(model, place);
-    const ThesisModel there = ModelAt(model, moved);
+    const std::vector<double> there = ValuesAt(model, rows, moved);
     for (std::size_t k = 0; k < rows.size(); ++k) {
       const ThesisNumber& number = ThesisNumberOf(rows[k].key);
       const double scale = number.relation == Relation::kEquals ? number.half_step * number.unit.si
                                                                 : SiValue(number);
-      slopes[k][i] =
-          (rows[k].measure(there) - rows[k].measure(here)) / (scale * (moved[i] - place[i]));
+      slopes[k][i] = (there[k] - values[k]) / (scale * (moved[i] - place[i]));
     }
   }
   return slopes;
@@ -208,18 +216,20 @@ struct SearchEnd {
 // The end of a search from a place: where every distance is 0, or where no step makes them smaller.
 SearchEnd NearestFrom(Place place, const ThesisModel& model, std::span<const RowMeasure> rows) {
   constexpr int kMostSteps = 12;
-  std::vector<double> distances = DistancesAt(model, rows, place);
+  std::vector<double> values = ValuesAt(model, rows, place);
+  std::vector<double> distances = DistancesOf(rows, values);
   for (int step = 0; step < kMostSteps && SquareOf(distances) > 0; ++step) {
-    const Place wanted = LinearBest(distances, SlopesAt(model, rows, place), place);
+    const Place wanted = LinearBest(distances, SlopesAt(model, rows, place, values), place);
     bool is_nearer = false;
     for (double part = 1; part > 1e-3 && !is_nearer; part /= 2) {
       Place tried = place;
       for (std::size_t i = 0; i < place.size(); ++i) tried[i] += part * (wanted[i] - place[i]);
-      std::vector<double> there = DistancesAt(model, rows, tried);
-      is_nearer = SquareOf(there) < SquareOf(distances);
+      std::vector<double> there = ValuesAt(model, rows, tried);
+      is_nearer = SquareOf(DistancesOf(rows, there)) < SquareOf(distances);
       if (!is_nearer) continue;
       place = tried;
-      distances = std::move(there);
+      values = std::move(there);
+      distances = DistancesOf(rows, values);
     }
     if (!is_nearer) break;
   }

@@ -97,7 +97,7 @@ struct RowMeasure {
 /// from seven places spread over them, on the rows' distances from their printed intervals;
 /// derivatives are differences over a thousandth of a bound. It is deterministic, and what it finds
 /// is evaluated by the model itself. That it finds nothing is no proof that there is nothing. Cost:
-/// at most 8 searches of 12 steps of 40 evaluations of each row.
+/// at most 8 searches of 12 steps of 25 evaluations of each row.
 ///
 /// @return one cause a row, in the order of `rows`, of kind kRounding, which names the inputs
 [[nodiscard]] std::vector<CandidateCause> FromRoundedInputs(const ThesisModel& model,

@@ -214,13 +214,27 @@ std::string_view Name(RowVerdict verdict) {
 std::string_view Name(CauseKind kind) {
   switch (kind) {
     case CauseKind::kReading:
-      return "candidate cause";
+      return "reading";
     case CauseKind::kTuned:
-      return "tuned candidate";
+      return "tuned";
     case CauseKind::kRounding:
-      return "within rounding";
+      return "rounding";
   }
-  return "candidate cause";
+  return "reading";
+}
+
+std::string_view Name(Relation relation) {
+  switch (relation) {
+    case Relation::kEquals:
+      return "equals";
+    case Relation::kBelow:
+      return "below";
+    case Relation::kAbove:
+      return "above";
+    case Relation::kNotPrinted:
+      return "not printed";
+  }
+  return "not printed";
 }
 
 bool IsAsPrinted(const ThesisNumber& number, double value) {

@@ -26,6 +26,9 @@ enum class Relation : std::uint8_t {
   kNotPrinted,  ///< nothing: ours stands alone
 };
 
+/// "equals", "below", "above", "not printed".
+[[nodiscard]] std::string_view Name(Relation relation);
+
 /// A quantity of J. Lindsay, "A Mechanical Amplifier for Haptic Feedback", University of
 /// Washington, 2013, with what that thesis prints of it.
 struct ThesisNumber {
@@ -56,7 +59,7 @@ enum class CauseKind : std::uint8_t {
   kRounding,  ///< inputs that round to the printed ones, sought so that it comes near
 };
 
-/// "candidate cause", "tuned candidate", "within rounding".
+/// "reading", "tuned", "rounding".
 [[nodiscard]] std::string_view Name(CauseKind kind);
 
 /// A reading of the thesis, or a fault in its simulation, under which our model gives another

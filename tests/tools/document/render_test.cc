@@ -135,6 +135,53 @@ TEST(ColumnsOf, ATableAreInOneUnitEach) {
   EXPECT_EQ(columns[0].cells, (std::vector<std::string>{"0.00900(10)", "1.50000(10)"}));
 }
 
+TEST(ColumnsOf, WhereRowsDifferInUnitItStandsInTheCells) {
+  Section table{.shape = Section::Shape::kTable, .sections = {{}, {}}};
+  table.sections[0].Add({"", "value", kMetre}, 2e-3);
+  table.sections[1].Add({"", "value", kHertz}, 225.0);
+  EXPECT_EQ(ColumnsOf(table)[0].heading, "value");
+  EXPECT_EQ(ColumnsOf(table)[0].cells, (std::vector<std::string>{"2 mm", "225 Hz"}));
+}
+
+TEST(ColumnsOf, AColumnWithoutAnyValueIsLeftOut) {
+  Section table{.shape = Section::Shape::kTable, .sections = {Trial("", kNan), Trial("", kNan)}};
+  EXPECT_TRUE(ColumnsOf(table).empty());
+}
+
+// a table of two groups, the first with more to say of a row
+Document Groups() {
+  Document document{.verb = "sample", .title = "t"};
+  for (const char* name : {"one", "other"}) {
+    Section& group = document.root.sections.emplace_back(
+        Section{.name = "rows", .heading = name, .shape = Section::Shape::kTable});
+    Section& row = group.sections.emplace_back();
+    row.Add({"what", "what"}, name);
+    row.Add({"count", "count"}, 1);
+    Section& why = row.sections.emplace_back(Section{.heading = "why"});
+    why.Add({"remark", "remark"}, name == std::string("one") ? Value("because") : Value());
+  }
+  return document;
+}
+
+TEST(TextOf, ASectionOfARowWithAHeadingStandsBelowTheTable) {
+  EXPECT_EQ(TextOf(Groups(), Detail::kShort),
+            "t\n"
+            "  one\n"
+            "    what  count\n"
+            "    one       1\n"
+            "    why\n"
+            "      remark  because\n"
+            "  other\n"
+            "    what   count\n"
+            "    other      1\n");
+}
+
+TEST(JsonOf, TablesOfOneNameAreOneArray) {
+  EXPECT_EQ(nlohmann::json::parse(JsonOf(Groups())).at("rows").dump(),
+            R"([{"count":1,"remark":"because","what":"one"},)"
+            R"({"count":1,"remark":null,"what":"other"}])");
+}
+
 TEST(JsonOf, ADocumentHoldsFlatNamesWithCompanions) {
   const auto json = nlohmann::json::parse(JsonOf(Sample()));
   EXPECT_EQ(json.at("rms_m").get<double>(), 12.3456e-6) << "round-trip";
