@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/findings.h"
 #include "dsp/analysis/segments.h"
 #include "trial/row_source.h"
 
@@ -22,7 +23,7 @@ struct SweepPiece {
 
 /// The longest of `segments`, 2^24 samples at most, and beside it the first voltage channel, or
 /// else the first current; where that has holes, both are cut to its longest measured run. A
-/// channel that does not move is no drive. Says in `remarks` what was left out. Empty where there
+/// channel that does not move is no drive. Adds to `findings` what was left out. Empty where there
 /// is no segment. Errors: as RowSource::Read.
 [[nodiscard]] Result<SweepPiece> ReadSweepPiece(const trial::RowSource& source, std::size_t channel,
                                                 const Segments& segments, Findings& findings);

@@ -30,7 +30,7 @@ std::string TextOf(const document::Document& document) {
   return document::TextOf(document, document::Detail::kShort);
 }
 
-json JsonOf(const document::Document& document) { return json::parse(document::JsonOf(document)); }
+json Parsed(const document::Document& document) { return json::parse(document::JsonOf(document)); }
 
 TEST(PortList, SaysWhatIsKnownAndWhatItCosts) {
   const std::string text = TextOf(PortsDocument({kAdapter, {.path = "/dev/ttyS0"}}));
@@ -44,7 +44,7 @@ TEST(PortList, SaysWhatIsKnownAndWhatItCosts) {
 }
 
 TEST(PortList, WhatIsNotKnownIsNull) {
-  const json document = JsonOf(PortsDocument({kAdapter, {.path = "/dev/ttyS0"}}));
+  const json document = Parsed(PortsDocument({kAdapter, {.path = "/dev/ttyS0"}}));
   const json& usb = document["ports"][0];
   EXPECT_EQ(usb["usb_vendor"], 0x0403);
   EXPECT_EQ(usb["latency_s"], 0.016);
@@ -76,7 +76,7 @@ TEST(SensorList, AsksWhatTheOptionsSay) {
 TEST(SensorList, TextAndJsonSayTheSame) {
   const document::Document made = SensorsDocument({});
   const std::string text = TextOf(made);
-  const json document = JsonOf(made);
+  const json document = Parsed(made);
   for (const json& sensor : document["sensors"]) {
     const std::string verdict = sensor["can_answer"] ? "yes: " : "cannot: ";
     EXPECT_THAT(text, HasSubstr(verdict + sensor["name"].get<std::string>() +
@@ -127,7 +127,7 @@ TEST(RecordingDocument, SaysWhatCameOfIt) {
   EXPECT_THAT(text, Not(HasSubstr("lost to a slow disk"))) << "0 is not worth a line";
   EXPECT_THAT(text, Not(HasSubstr("are not read"))) << "was said before the recording";
   EXPECT_THAT(document::TextOf(made, document::Detail::kAll), HasSubstr("are not read"));
-  const json document = JsonOf(made);
+  const json document = Parsed(made);
   EXPECT_EQ(document["bad"], 2);
   EXPECT_EQ(document["bad_by_kind"]["late"], 2);
   EXPECT_EQ(document["distinct"], 30'003);
@@ -145,7 +145,7 @@ TEST(RecordingDocument, ShowsAnInterruptionAndWhatIsNotKnown) {
   EXPECT_THAT(TextOf(made), ::testing::StartsWith("nothing kept: 30005 readings"));
   EXPECT_THAT(TextOf(made), HasSubstr("data: emulated, interrupted\n"));
   EXPECT_THAT(TextOf(made), HasSubstr("lost to a slow disk  7\n"));
-  const json document = JsonOf(made);
+  const json document = Parsed(made);
   EXPECT_TRUE(document["file"].is_null() && document["time_uncertainty_s"].is_null());
   EXPECT_EQ(document["interrupted"], true);
 }

@@ -18,7 +18,8 @@
 #include "tools/analyze/sweep_document.h"
 #include "tools/cli/output_file.h"
 #include "tools/cli/terminal.h"
-#include "tools/document/document.h"
+#include "tools/document/findings_dsp.h"
+#include "tools/document/present.h"
 #include "tools/verbs.h"
 #include "trial/import/read_recording.h"
 

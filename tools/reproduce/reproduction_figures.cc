@@ -10,9 +10,7 @@
 #include "sim/sensor_model.h"
 #include "sim/skin/skin.h"
 #include "tools/reproduce/reproduce.h"
-#include "tools/study/linearity.h"
-#include "tools/study/matching.h"
-#include "tools/study/study_result.h"
+#include "tools/study/study_document.h"
 
 // Figures 2.2 to 2.7.
 

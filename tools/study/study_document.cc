@@ -154,8 +154,12 @@ Section FurtherSection(const Contrast& contrast) {
                         contrast.difference.n);
   }
   section.Add({"", "sign flips"}, contrast.difference.n > 0 ? Value(flips) : Value());
-  const std::optional<dsp::Interval> fieller = means ? means->interval : std::nullopt;
-  const double resolution = fieller ? ResolutionBy((fieller->upper - fieller->lower) / 4) : 0;
+  std::optional<dsp::Interval> fieller;
+  double resolution = 0;
+  if (means && means->interval) {
+    fieller = means->interval;
+    resolution = ResolutionBy((fieller->upper - fieller->lower) / 4);
+  }
   AddRounded(section, {"ratio_of_means", "ratio of means"},
              MemberOf(means, &dsp::RatioOfMeans::ratio), resolution);
   AddRounded(section, {"ratio_of_means_interval_95", "95 %, by Fieller"}, RangeOf(fieller),

@@ -30,7 +30,7 @@ std::string DataText(const StudyResult& study) {
   for (const StudyTrial& trial : study.table.trials) {
     if (!trial.answered) continue;
     for (const document::DataSource source : trial.sources) {
-      ++sources[std::string(document::NameOf(source))];
+      ++sources[std::string(trial::NameOf(source))];
     }
     ++sensors[trial.sensor.empty() ? "not stated" : trial.sensor];
   }
