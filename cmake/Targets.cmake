@@ -2,7 +2,7 @@
 
 # haptometer_join(TARGET)
 # Where HAPTOMETER_JOIN_SOURCES is on (set by presets), the target's sources are compiled in groups, each
-# of files whose names agree (tools/source_groups.py): headers, dearer than what reads them, are read
+# of files whose names agree (dev/source_groups.py): headers, dearer than what reads them, are read
 # once per group.
 function(haptometer_join target)
   if(NOT HAPTOMETER_JOIN_SOURCES)
@@ -12,7 +12,7 @@ function(haptometer_join target)
   list(FILTER sources INCLUDE REGEX "\\.cc$")
   list(TRANSFORM sources PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   execute_process(
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/source_groups.py ${sources}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/dev/source_groups.py ${sources}
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE "\n" ";" groups "${groups}")
