@@ -1,26 +1,27 @@
 #!/usr/bin/env python3
-"""Which sources can be read as one: no name that one keeps to itself means something else to another.
+"""Groups sources that a compiler can read as one text: no name that is private to one file of a group
+means something else in another.
 
-    source_groups.py FILE...   prints each file with the number of its group
+    source_groups.py FILE...   prints a line per file: the number of its group, and the file
 
-Headers cost a compiler more than the files that read them, and a group walks them once: the sanitizers'
-build compiles groups (cmake/Targets.cmake), and tidy reads them (tidy-groups). Run from the tree's root.
+Headers cost a compiler more than the files that include them, and a group reads them once.
+cmake/Targets.cmake compiles such groups, tidy-groups hands them to clang-tidy. Run it from the tree's root.
 """
 import functools
 import os
 import re
 import sys
 
-LARGEST_GROUP = 16  # of what is compiled: two are in memory at once
-# A name that nothing qualifies, so that another file's name of that kind would be found instead.
+LARGEST_GROUP = 16  # limits memory: two groups are compiled at once
+# A name without qualification: as one text, it could find another file's name instead.
 BARE_NAME = re.compile(r"(?<![\w:.>])[A-Za-z_]\w*")
-# What a file keeps to itself: its unnamed namespaces (whose lines are not indented), its macros, its
-# test cases, and the function that a program has once.
+# What is private to a file: its unnamed namespaces, its macros, its entry point, its test cases. Lines
+# inside namespaces are not indented, so a declaration begins in the first column.
 UNNAMED = re.compile(r"^namespace \{$(.*?)^\}  // namespace$", re.MULTILINE | re.DOTALL)
-KEPT = re.compile(r"^(?![\s/}#]|TEST|namespace |using [\w:]+;|static_assert|[A-Z_]+\()"
-                  r"[^(={;\[]*?[\s*&](\w+) ?[(={;\[]", re.MULTILINE)
-KEPT_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)", re.MULTILINE)
-KEPT_ELSEWHERE = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzerTestOneInput)\(", re.MULTILINE)
+DECLARED = re.compile(r"^(?![\s/}#]|namespace |using [\w:]+;|static_assert|[A-Z_]+\()"
+                      r"[^(={;\[]*?[\s*&](\w+) ?[(={;\[]", re.MULTILINE)
+DECLARED_TYPE = re.compile(r"^(?:template .*)?(?:struct|(?:enum )?class) (\w+)", re.MULTILINE)
+MACRO_OR_ENTRY = re.compile(r"^#define (\w+)|^\w.* (main|LLVMFuzzerTestOneInput)\(", re.MULTILINE)
 TEST_CASE = re.compile(r"^TEST\w*\((\w+),\s*(\w+)\)", re.MULTILINE)
 USING = re.compile(r"^ *using ([\w:]*::(\w+));$", re.MULTILINE)
 INCLUDE = re.compile(r"^#include .*$", re.MULTILINE)
@@ -35,23 +36,26 @@ def read(path):
 
 @functools.cache
 def headers(path):
-    """The tree's own headers that a file reads, at any depth."""
+    """The tree's own headers that a file includes, at any depth."""
     found = set()
     for name in QUOTED.findall(read(path)):
-        header = os.path.abspath(name)  # all but the consumer's are named from the tree's root
+        header = os.path.abspath(name)  # includes name them from the tree's root
         found |= {header} | headers(header)
     return frozenset(found)
 
 
+def declared_in(text):
+    """The names that lines in the first column declare."""
+    return frozenset(DECLARED.findall(text) + DECLARED_TYPE.findall(text))
+
+
 @functools.cache
 def declared(path):
-    """What a header declares in its namespaces, whose lines are not indented."""
-    text = read(path)
-    return frozenset(KEPT.findall(text) + KEPT_TYPE.findall(text))
+    return declared_in(read(path))
 
 
 @functools.cache
-def words(path):
+def bare_names(path):
     return frozenset(BARE_NAME.findall(read(path)))
 
 
@@ -60,35 +64,36 @@ class Source:
         text = read(path)
         self.path = path
         self.headers = headers(path)
-        self.kept = {name for part in UNNAMED.findall(text)
-                     for name in KEPT.findall(part) + KEPT_TYPE.findall(part)}
-        self.kept |= {name for names in KEPT_ELSEWHERE.findall(text) for name in names if name}
-        self.renamed = self.renamable(text) if can_rename else frozenset()
-        self.kept -= self.renamed
-        self.kept |= {f"{suite}_{case}" for suite, case in TEST_CASE.findall(text)}
-        self.own = {name: path for name in self.kept}
-        self.own |= {name: of for of, name in USING.findall(text)}
-        # rooms' headers agree with each other; tests' belong to programs of their own
+        private = {name for part in UNNAMED.findall(text) for name in declared_in(part)}
+        private |= {name for names in MACRO_OR_ENTRY.findall(text) for name in names if name}
+        self.renamed = self.renamable(private, text) if can_rename else frozenset()
+        private -= self.renamed
+        private |= {f"{suite}_{case}" for suite, case in TEST_CASE.findall(text)}
+        # each name that means something of its own here, with what tells this meaning from another
+        self.meanings = {name: path for name in private}
+        self.meanings |= {name: target for target, name in USING.findall(text)}
+        # the rooms' headers agree with each other; headers of tests are written for one program each
         for header in self.headers:
             if os.path.relpath(header).startswith("tests/"):
-                self.own |= {name: header for name in declared(header)}
-        self.names = set(BARE_NAME.findall(text)) | set(self.own)
+                self.meanings |= {name: header for name in declared(header)}
+        self.names = bare_names(path) | set(self.meanings)
 
-    def renamable(self, text):
-        """What the file keeps and never qualifies, and no header of it says, too."""
-        said = frozenset().union(*map(words, self.headers))
-        return frozenset(name for name in self.kept - said
+    def renamable(self, private, text):
+        """The private names that the file never qualifies and none of its headers uses."""
+        used = frozenset().union(*map(bare_names, self.headers))
+        return frozenset(name for name in private - used
                          if not re.search(rf"(?:\.|->|::){name}\b", text))
 
     def text(self, number):
-        """The file's, what is renamable numbered."""
+        """The file's text, with `number` appended to each renamed name."""
         return BARE_NAME.sub(lambda found: f"{found[0]}_{number}" if found[0] in self.renamed
                              else found[0], read(self.path))
 
     def hides_from(self, other):
-        return (any(name in other.names and other.own.get(name) != meaning
-                    for name, meaning in self.own.items())
-                or any(not declared(header).isdisjoint(self.own)
+        """Whether a name of this file would mean something else in the other file or in its headers."""
+        return (any(name in other.names and other.meanings.get(name) != meaning
+                    for name, meaning in self.meanings.items())
+                or any(not declared(header).isdisjoint(self.meanings)
                        for header in other.headers - self.headers))
 
     def agrees_with(self, other):
@@ -96,8 +101,8 @@ class Source:
 
 
 def grouped(files, largest=LARGEST_GROUP, can_rename=False):
-    """Groups of sources out of pairs of a path and its kind; each group is of one kind. A caller that can
-    rename what a file keeps to itself takes a member's text(number) for the file's."""
+    """Groups, each a pair of a kind and its sources, out of pairs of a path and its kind. With
+    `can_rename` private names may clash: the caller takes each member's text(number) for its file."""
     groups = []
     for path, kind in files:
         source = Source(path, can_rename)
