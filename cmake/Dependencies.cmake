@@ -1,12 +1,12 @@
-# Every third-party part, in one place; Debian's package is named beside each (tools/packages.txt
-# installs them). cmake/haptometerConfig.cmake.in repeats those that the installed libraries need.
+# All third-party libraries, each with the name of its Debian package (tools/install-packages installs
+# them). cmake/haptometerConfig.cmake.in repeats those that the installed libraries need.
 find_package(Threads REQUIRED)
 find_package(PkgConfig REQUIRED)
 find_package(fmt REQUIRED)                 # libfmt-dev
 find_package(ZLIB REQUIRED)                # zlib1g-dev: crc32
 find_package(nlohmann_json REQUIRED)       # nlohmann-json3-dev
 find_package(Eigen3 REQUIRED NO_MODULE)    # libeigen3-dev
-find_package(Boost 1.74 REQUIRED)         # libboost-dev: Boost.Math, headers only
+find_package(Boost 1.74 REQUIRED)          # libboost-dev: headers only
 find_package(Ceres REQUIRED)               # libceres-dev
 pkg_check_modules(tomlplusplus REQUIRED IMPORTED_TARGET tomlplusplus)    # libtomlplusplus-dev
 pkg_check_modules(fftw3 REQUIRED IMPORTED_TARGET fftw3)                  # libfftw3-dev
@@ -15,9 +15,12 @@ pkg_check_modules(libmodbus REQUIRED IMPORTED_TARGET libmodbus)          # libmo
 pkg_check_modules(hdf5 REQUIRED IMPORTED_TARGET hdf5-serial)             # libhdf5-dev
 pkg_check_modules(matio REQUIRED IMPORTED_TARGET matio)                  # libmatio-dev
 pkg_check_modules(libcrypto REQUIRED IMPORTED_TARGET libcrypto)          # libssl-dev: SHA-256
-# From archives where there are some (Debian's packages hold both forms): the shared HDF5 reads Amazon's S3
-# too, for which every start of the program would load libcurl and 30 libraries behind it, 7 ms; the shared
-# libcrypto takes 3 ms of every start, 0.3 ms from its archive.
+pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
+find_package(CLI11 REQUIRED)               # libcli11-dev
+
+# HDF5, matio and libcrypto are linked from their archives where these exist, as in Debian's packages. The
+# shared HDF5 also reads Amazon's S3 and so loads libcurl with 30 libraries at every start of the program,
+# which takes 7 ms; the shared libcrypto takes 3 ms of every start, the archive 0.3 ms.
 find_library(hdf5_archive libhdf5.a HINTS ${hdf5_LIBRARY_DIRS})
 find_library(matio_archive libmatio.a HINTS ${matio_LIBRARY_DIRS})
 find_library(crypto_archive libcrypto.a HINTS ${libcrypto_LIBRARY_DIRS})
@@ -37,18 +40,20 @@ if(crypto_archive)
     "${crypto_archive};${CMAKE_DL_LIBS};Threads::Threads")
 endif()
 mark_as_advanced(hdf5_archive matio_archive szip_library crypto_archive)
-pkg_check_modules(libsystemd REQUIRED IMPORTED_TARGET libsystemd)        # libsystemd-dev
-find_package(CLI11 REQUIRED)               # libcli11-dev
-# libsundials-dev: its own config wants OpenMP, which clang lacks. CVODES, not CVODE: the same functions
-# under the same names, and integrals besides; a program can hold only one of the two.
+
+# libsundials-dev: its CMake package needs OpenMP, which clang lacks. CVODES, not CVODE: it has the same
+# functions under the same names, and integrals too; a program can link only one of the two.
 foreach(part cvodes nvecserial sunlinsoldense sunmatrixdense generic)
   find_library(SUNDIALS_${part} NAMES sundials_${part} REQUIRED)
-  # by name, so that the installed package does not carry this machine's paths
+  # by name, so that the installed package does not contain the paths of the machine that built it
   list(APPEND SUNDIALS_LIBRARIES sundials_${part})
 endforeach()
-if(BUILD_TESTING OR NOT DEFINED BUILD_TESTING)
+
+if(BUILD_TESTING)
   find_package(GTest REQUIRED)             # libgtest-dev libgmock-dev
   find_package(rapidcheck REQUIRED)        # librapidcheck-dev
   find_package(benchmark REQUIRED)         # libbenchmark-dev
-  find_package(Python3 COMPONENTS Interpreter)
+endif()
+if(HAPTOMETER_JOIN_SOURCES)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)                  # python3
 endif()

@@ -1,11 +1,10 @@
-# What makes a defect in a program harder to use: a stack protector and checked buffers in the code, the
-# program at an address that is not known, its tables of functions read-only once it runs. For every
-# configuration and whoever configures, with presets or without; not under sanitizers, which check more
-# and clash with _FORTIFY_SOURCE. tests/system/hardening_test.py reads the programs.
+# Flags that make a defect in a program harder to exploit: a stack protector, checked buffers, a random load
+# address, tables of functions that are read-only once the program runs. They apply to every configuration,
+# with presets or without, except under sanitizers, which check more and clash with _FORTIFY_SOURCE.
+# tests/system/hardening_test.py checks the programs.
 include(CheckCXXCompilerFlag)
 
-string(TOUPPER "${CMAKE_BUILD_TYPE}" configuration)
-if("${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${configuration}}" MATCHES "-fsanitize=")
+if(HAPTOMETER_SANITIZED)
   return()
 endif()
 
@@ -17,11 +16,11 @@ foreach(flag -fstack-protector-strong -fstack-clash-protection -fcf-protection)
   endif()
 endforeach()
 
-# it needs optimised code; a distribution may have set another level
+# _FORTIFY_SOURCE needs optimised code; -U because a distribution may have set another level
 add_compile_options(
   "$<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
 
-# a target that becomes part of a shared library asks for more by itself
+# a target that becomes part of a shared library has -fPIC instead
 add_compile_options("$<$<NOT:$<BOOL:$<TARGET_PROPERTY:POSITION_INDEPENDENT_CODE>>>:-fPIE>")
 add_link_options("$<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:-pie>"
                  LINKER:-z,relro LINKER:-z,now)

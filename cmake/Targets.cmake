@@ -1,9 +1,8 @@
-# One function per kind of target.
+# One function per kind of target, and two that these use: haptometer_join, haptometer_rooms_first.
 
 # haptometer_join(TARGET)
-# Where HAPTOMETER_JOIN_SOURCES is on (set by presets), the target's sources are compiled in groups, each
-# of files whose names agree (tools/source_groups.py): headers, dearer than what reads them, are read
-# once per group.
+# If HAPTOMETER_JOIN_SOURCES is on, compiles the target's sources in groups of files whose names agree
+# (dev/source_groups.py). Headers take longer than the files that include them, and a group reads them once.
 function(haptometer_join target)
   if(NOT HAPTOMETER_JOIN_SOURCES)
     return()
@@ -12,7 +11,7 @@ function(haptometer_join target)
   list(FILTER sources INCLUDE REGEX "\\.cc$")
   list(TRANSFORM sources PREPEND "${CMAKE_CURRENT_SOURCE_DIR}/")
   execute_process(
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/source_groups.py ${sources}
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/dev/source_groups.py ${sources}
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
     OUTPUT_VARIABLE groups OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   string(REPLACE "\n" ";" groups "${groups}")
@@ -23,14 +22,15 @@ function(haptometer_join target)
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${group})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # g++ takes an unnamed namespace in an included file for one in a header
+  # g++ takes a source that a group includes for a header, and warns of its unnamed namespaces
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
 # haptometer_room(NAME HEADERS ... SOURCES ... DEPENDS ... PARTS ...)
-# A room: the static library haptometer_NAME, also known as haptometer::NAME. DEPENDS are lower rooms
-# and parts that its headers show; PARTS are third-party libraries that only its sources use. Each header
-# is compiled on its own when CMAKE_VERIFY_INTERFACE_HEADER_SETS is on.
+# A room: the static library haptometer_NAME with the alias haptometer::NAME. DEPENDS are lower rooms, and
+# third-party libraries that its headers include; PARTS are third-party libraries that only its sources use.
+# Each header is compiled on its own if CMAKE_VERIFY_INTERFACE_HEADER_SETS is on. What links a room includes
+# headers from the tree's root.
 function(haptometer_room name)
   cmake_parse_arguments(PARSE_ARGV 1 room "" "" "HEADERS;SOURCES;DEPENDS;PARTS")
   set(target haptometer_${name})
@@ -48,9 +48,9 @@ function(haptometer_room name)
 endfunction()
 
 # haptometer_rooms_first(TARGET PART...)
-# Has the linker see the rooms among the parts, and those that they show, ahead of the program's own
-# objects. What both compile of a header (most of Eigen) is linked as it was seen first: a program whose
-# own code is not optimised keeps fast rooms, five times as fast under the sanitizers.
+# Puts the rooms among the parts, and the rooms that these depend on, ahead of the program's own objects for
+# the linker. Of a function that both compile from a header (most of Eigen) the linker keeps the first: a
+# program whose own code is not optimised so keeps fast rooms, five times as fast under the sanitizers.
 function(haptometer_rooms_first target)
   set(rooms ${ARGN})
   foreach(part IN LISTS ARGN)
@@ -68,15 +68,12 @@ function(haptometer_rooms_first target)
 endfunction()
 
 # haptometer_test(NAME SOURCES ... DEPENDS ...)
-# The program NAME_test with one ctest entry per GoogleTest case. Fixtures and programs are found
-# through compile definitions, so a test runs from any directory. HAPTOMETER_TEST_FLAGS and
-# HAPTOMETER_PRECOMPILE_TESTS (set by presets) spare compile time: a test's own code need not be fast. (At -O1
-# g++ 12 sees std::string write beyond its own buffer when it moves: -Wno-array-bounds.)
+# The program NAME_test with one ctest entry per GoogleTest case. It finds fixtures and programs through
+# compile definitions, so it runs from any directory.
 function(haptometer_test name)
   cmake_parse_arguments(PARSE_ARGV 1 test "" "" "SOURCES;DEPENDS")
   set(target ${name}_test)
   add_executable(${target} ${test_SOURCES})
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_definitions(${target} PRIVATE
     HAPTOMETER_FIXTURES="${PROJECT_SOURCE_DIR}/fixtures"
     HAPTOMETER_PROGRAMS="${CMAKE_RUNTIME_OUTPUT_DIRECTORY}")
@@ -96,9 +93,9 @@ function(haptometer_test name)
                        PROPERTIES TIMEOUT 600 DISCOVERY_TIMEOUT 60)
 endfunction()
 
-# haptometer_script_test(NAME SCRIPT ... DEPENDS ...)
-# A test written in Python, run with Debian's interpreter (the one that sees SciPy). A script that
-# exits with 77 says what it misses and counts as skipped.
+# haptometer_script_test(NAME SCRIPT ARGUMENT...)
+# A test written in Python, run from the tree's root by Debian's interpreter (which has Debian's SciPy). A
+# script that ends with status 77 has printed what is missing, and counts as skipped.
 function(haptometer_script_test name script)
   add_test(NAME ${name} COMMAND /usr/bin/python3 ${script} ${ARGN}
            WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
@@ -107,13 +104,12 @@ function(haptometer_script_test name script)
 endfunction()
 
 # haptometer_bench(NAME SOURCES ... DEPENDS ...)
-# The Google Benchmark program NAME_bench, and a ctest entry that runs each of its cases once, so that
-# a bench cannot rot. Its times are read by hand, never asserted.
+# The Google Benchmark program NAME_bench, and a ctest entry that runs each of its cases once, so that it is
+# known to work. No test checks its times.
 function(haptometer_bench name)
   cmake_parse_arguments(PARSE_ARGV 1 bench "" "" "SOURCES;DEPENDS")
   set(target ${name}_bench)
   add_executable(${target} ${bench_SOURCES})
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${target} PRIVATE ${bench_DEPENDS} benchmark::benchmark_main)
   add_test(NAME bench.${name} COMMAND ${target} --benchmark_min_time=0.001)
 endfunction()
@@ -124,7 +120,6 @@ function(haptometer_fuzz name)
   cmake_parse_arguments(PARSE_ARGV 1 fuzz "" "" "DEPENDS")
   set(target ${name}_fuzz)
   add_executable(${target} EXCLUDE_FROM_ALL ${name}_fuzz.cc)
-  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${target} PRIVATE ${fuzz_DEPENDS})
   target_link_options(${target} PRIVATE -fsanitize=fuzzer)
   add_dependencies(fuzzers ${target})

@@ -111,7 +111,7 @@ def check_links():
 
 def check_paths():
     """A path of a file or folder of the tree, in code, exists; NAME stands for a name to be chosen."""
-    rooms = "acquire|base|bench|cmake|dsp|fit|fixtures|fuzz|packaging|sim|tests|tools|trial|docs"
+    rooms = "acquire|base|bench|cmake|dev|dsp|fit|fixtures|fuzz|packaging|sim|tests|tools|trial|docs"
     lost = []
     for page in pages():
         for path in re.findall(rf"`((?:{rooms})/[\w./-]*)`", page.read_text(encoding="utf-8")):
