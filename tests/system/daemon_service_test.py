@@ -184,7 +184,7 @@ def answers_at_its_default(directory, *words):
 def default_socket(directory):
     """It is below $XDG_RUNTIME_DIR, and the file leads there."""
     said = answers_at_its_default(directory, os.path.join(directory, "rig.toml"))
-    check(said.startswith("a: "), f"the file does not lead to the socket: {said}")
+    check("recording; a: " in said, f"the file does not lead to the socket: {said}")
 
 
 def only_daemon(directory):
@@ -192,7 +192,7 @@ def only_daemon(directory):
     if os.path.isdir("/run/haptometer"):
         skip("the system's own daemons are found first (/run/haptometer)")
     said = answers_at_its_default(directory)
-    check(said.startswith("a: "), f"the only daemon is not found: {said}")
+    check("recording; a: " in said, f"the only daemon is not found: {said}")
 
 
 def refused(directory):

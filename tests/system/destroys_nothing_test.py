@@ -72,6 +72,8 @@ def of(question, name, endings, makes="picture", can_overwrite=False, more=(), s
 WRITES = [
     Option("acquire", "-o,--output", ["--sensor", "replay", "--port", "t.bin", "--speed", "max"], ["t.bin"], [".bin"],
            "recording", True),
+    Option("acquire", "--report", ["--sensor", "replay", "--port", "t.bin", "--speed", "max", "-o", "x.bin"], ["t.bin"],
+           [".html"], "page"),
     Option("trial export", "-o,--output", ["t.bin"], ["t.bin"], [".csv", ".h5", ".npy", ".wav", ".mat"], "export", True),
     Option("trial plot", "-o,--output,--plot", ["t.bin"], ["t.bin"], [".png"]),
     of(ANALYZE, "--plot", [".svg"]),
@@ -101,6 +103,7 @@ WRITES = [
     of(SIMULATE, "-o,--output", [".bin"], "recording", True),
     of(SIMULATE, "--waveforms", [".csv", ".h5", ".bin"], "export", True),
     of(SIMULATE, "--plot", [".svg"], can_overwrite=True),
+    of(SIMULATE, "--report", [".html"], "page", True),
     of(SWEEP, "-o,--output", [".csv"], "table", True),
     of(SWEEP, "--plot", [".svg"], can_overwrite=True),
     Option("tune", "--plot", ["scene.toml", "--springs", "8200"], ["scene.toml", "actuator.toml"], [".svg"]),

@@ -69,8 +69,8 @@ TEST_F(LineSensors, ADlRs1aWithTwoAmplifiersIsSetZeroedAndRecorded) {
   const Outcome acquired = Acquire({"--baud", "38400", "--set", "averaging=1", "--set",
                                     "sampling=0.33ms", "--device-zero", "--command", "ms"});
   ASSERT_EQ(acquired.status, 0) << acquired.err;
-  EXPECT_THAT(acquired.err, HasSubstr("changed amplifier 00: sampling 1ms -> 0.33ms"));
-  EXPECT_THAT(acquired.err, HasSubstr("changed amplifier 01: averaging 16 -> 1"));
+  EXPECT_THAT(acquired.err, HasSubstr("amplifier 00: changed sampling 1ms -> 0.33ms"));
+  EXPECT_THAT(acquired.err, HasSubstr("amplifier 01: changed averaging 16 -> 1"));
   const json summary = json::parse(acquired.out);
   EXPECT_EQ(summary["readings"], 150);
   ExpectAllGoodOrLate(summary);

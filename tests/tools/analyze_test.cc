@@ -172,7 +172,7 @@ TEST_F(AnalyzeVerb, AllNamesFilterBudgetAndSensor) {
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   for (const char* words :
        {"20-500 Hz, Butterworth of order 6, forward and backward", "uncertainty of the RMS",
-        "noise     A", "filter's ends     B", "standard uncertainty", "2 averages at 1 ms",
+        "noise          A", "filter's ends  B", "standard uncertainty", "2 averages at 1 ms",
         "velocity", "acceleration", "command: haptometer analyze --all", "SHA-256"}) {
     EXPECT_THAT(outcome.out, HasSubstr(words));
   }

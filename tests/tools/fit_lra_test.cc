@@ -318,12 +318,12 @@ TEST_F(FitLraFiles, AMistypedHeaderKeyIsNamed) {
 
 TEST_F(FitLraFiles, WhereTheCausesOfTheUncertaintyStand) {
   const auto outcome = FitLra({kOpenFile, "--moving-mass", "1.40(3)g", "--time-scale", "1+-0.001"});
-  for (const char* line : {"moving mass 1.400(30) g     B     2.1     2.1",
-                           "time scale 1.0000(10)     B     0.2     0.1"}) {
-    EXPECT_THAT(outcome.out, HasSubstr(line));
+  for (const char* line : {"moving mass 1.400\\(30\\) g +B +2.1 +2.1",
+                           "time scale 1.0000\\(10\\) +B +0.2 +0.1"}) {
+    EXPECT_THAT(outcome.out, ::testing::ContainsRegex(line));
   }
   EXPECT_THAT(FitLra({kOpenFile, "--moving-mass", "1.40(3)g", "--all"}).out,
-              HasSubstr("Kv and Bv  1.000"));
+              HasSubstr("Kv and Bv  0.999"));
   EXPECT_EQ(FitLra({kOpenFile, "--time-scale", "1ms"}).status, 2);
   EXPECT_EQ(FitLra({kOpenFile, "--voltage-scale", "1e-3"}).status, 2);
 }

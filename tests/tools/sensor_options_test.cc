@@ -32,7 +32,7 @@ TEST(SensorOptions, OfAnIlAreReadBeforeThePortIsOpened) {
   SensorOptions wanted = On("keyence-il");
   wanted.settings = {"sampling=0.33ms", "averaging=7"};
   EXPECT_EQ(Complaint(wanted),
-            "--set: an IL amplifier has no averaging '7'; use one of 1, 2, 4, 8, 16, 32, 64, 128, "
+            "<set>: an IL amplifier has no averaging '7'; use one of 1, 2, 4, 8, 16, 32, 64, 128, "
             "256, 512, 1024, 2048, 4096, difference, high-pass");
   wanted.settings = {"averaging=8"};
   EXPECT_EQ(Complaint(wanted), "");

@@ -330,7 +330,7 @@ TEST(TuneVerb, SaysWhatItFindsInSentences) {
       {{kFixtures + "/lra_stops.toml"},
        "these effects of the scene: gravity, travel_stops, contact_loss; check"},
       {{kFixtures + "/lra_stops.toml"}, "note: the stops are left out: --mover-travel keeps off"},
-      {{"--frequency", "0.1Hz"}, "doubt: the latency is not known: a run of 400 s has too many"}};
+      {{"--frequency", "0.1Hz"}, "doubt: rise and latency are not known: a run of 400 s has too many"}};
   for (const auto& [words, said] : cases) EXPECT_THAT(Tune(words).out, HasSubstr(said));
 }
 

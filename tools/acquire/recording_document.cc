@@ -164,6 +164,10 @@ Section PortSection(const PortInfo& port) {
   section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
   section.Add({"description", "description"}, TextOrNotKnown(port.description));
   section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
+  // a port of the machine itself has none of these
+  if (port.by_id.empty() && port.description.empty() && port.driver.empty()) {
+    section.Add({"", "adapter"}, "none is known");
+  }
   section.Add({"", "USB"}, TextOrNotKnown(usb));
   section.Add({"usb_vendor"}, port.usb_vendor);
   section.Add({"usb_product"}, port.usb_product);

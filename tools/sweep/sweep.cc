@@ -235,7 +235,7 @@ document::Sentence SentenceOf(SweepFinding kind) {
 Findings<SweepFinding> FindingsOf(const SweepSummary& summary) {
   Findings<SweepFinding> findings;
   if (summary.mended > 0) findings.Doubt(SweepFinding::kMended, {{"mended", summary.mended}});
-  if (summary.answered == 0) {
+  if (summary.answered == 0 && summary.rows > 0) {
     findings.Refuse(SweepFinding::kNothingAnswered, {{"first", summary.first_remark}});
     return findings;
   }

@@ -104,7 +104,7 @@ const std::vector<Case> kCases{
      "cannot be distinguished from the next (longest_reply_s, check_address and check_count)"},
     {kIdealSensor,
      {{"rate_hz", 1e4}},
-     "the scene has no [sensor]: an ideal one on the skin at 10000 Hz is assumed"},
+     "the scene has no sensor: an ideal one on the skin at 10000 Hz is assumed"},
     {kHeadingLines,
      {{"lines", 2}, {"first", "volts"}},
      "2 lines before the first row are no rows: \"volts\""},

@@ -460,7 +460,7 @@ TEST(FindingsOfDsp, LeaveOutWhatIsNotThere) {
   };
   EXPECT_THAT(
       text(kTooShort, {{"settled_s", 0.0}, {"order", 6}, {"needed_s", 0.1}, {"record_s", 2.0}}),
-      ::testing::EndsWith("0.1 s are needed: record at least 2 s without a gap"));
+      ::testing::EndsWith("100 ms are needed: record at least 2 s without a gap"));
   EXPECT_EQ(text(kStandsOut, {{"of", "drive"s}, {"ratio", 2.0}, {"from_s", 1.0}, {"to_s", 2.0}}),
             "the drive stands out 2 times in RMS, from 1 s to 2 s");
   EXPECT_THAT(text(kDriveNotSettled, {{"from_s", 1.0}, {"to_s", 2.0}, {"settled_s", 0.0}}),
