@@ -1,0 +1,308 @@
+#!/usr/bin/env python3
+"""Runs every command of README.md, CONTRIBUTING.md and docs/, each page in a temporary folder with a link to fixtures/,
+in the order in which they stand. Each must end with status 0, or with the status that its page states (REFUSED).
+
+    tests/system/commands_of_pages_test.py [--times] [PAGE ...]
+
+A command is a line of a code block that begins with a program, perhaps behind `$ `, or that pipes into one, with the
+lines that continue it; a block of shell (```sh) that uses a program is one command. `emulate` and `acquire --daemon`
+run until the next of them, or until the page ends. Files and devices that a page supposes are in PREPARED, EMULATED and
+CHANGED.
+"""
+import contextlib
+import functools
+import math
+import os
+import pathlib
+import random
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from typing import NamedTuple
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(ROOT / "tests"), str(ROOT / "tests/golden")]
+from golden import impedance, tap  # noqa: E402
+from programs import DEADLINE_S, Emulator, check, program, wait_for  # noqa: E402
+
+PROGRAM = r"(?:haptometer|acquire|analyze|fit-lra)(?= |$)"
+COMMAND = re.compile(rf"(?:\$ )?(?:\./|build/release/bin/)?((?:\S+ \| )?{PROGRAM}.*)")
+FENCED = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
+INDENTED = re.compile(r"(?<=\n\n)(?: {4,}\S.*\n+)+")
+SERVER = re.compile(r"(haptometer emulate|acquire --daemon) (?!--help)")
+
+
+class Command(NamedTuple):
+    page: str
+    line: int
+    text: str
+
+
+# --- what the pages need ---
+
+DAQ, DAYS, STUDY = (f"docs/how-to/{name}.md" for name in ("record-with-a-daq", "record-for-days", "run-a-study"))
+
+
+def block(page, language):
+    """The first fenced block of a language on a page."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    found = [match[2] for match in FENCED.finditer(text) if match[1] == language]
+    check(found, f"{page} has no block of {language} any more")
+    return found[0]
+
+
+def laser(amplitude_mm):
+    """A table of a laser that states no units: 225 Hz at 10 kHz for 1 s, 1 um of noise."""
+    draw, step = random.Random(4), 2 * math.pi * 225 / 1e4
+    return "t;laser\n" + "".join(f"{n / 1e4:.4f};{amplitude_mm * math.sin(step * n) + draw.gauss(0, 1e-3):.5f}\n"
+                                 for n in range(10000))
+
+
+def drive_off():
+    """Samples of a DAQ with the drive off: 1 mV of noise at 10 kHz for 3 s."""
+    draw = random.Random(5)
+    return "".join(f"{draw.gauss(0, 1e-3):.6f}\n" for _ in range(30000))
+
+
+def drives():
+    """The table of study.md."""
+    text = (ROOT / "docs/reference/study.md").read_text(encoding="utf-8")
+    return re.search(r"^ +drive_v,rms_m\n(?: +[\d.e,-]+\n)+", text, re.MULTILINE)[0].replace(" ", "")
+
+
+DAQ_FILES = {"il030.toml": lambda: block(DAQ, "toml"), "my_daq.py": lambda: block(DAQ, "python")}
+RIG = {"trials": "mkdir trials", "rig.toml": lambda: block(DAYS, "toml").replace("/var/lib/haptometer", "trials")}
+HEADS = {"/dev/haptometer/FT4ABCDE-00": ["--baud", "38400"],
+         "192.168.1.20:5000": ["--protocol", "stream", "--tcp", "127.0.0.1:0"]}
+TAP = {"tap.csv": lambda: tap(1, 214),
+       "tap.bin": "cut -d, -f2 tap.csv |"
+                  " acquire --sensor pipe --format text --rate 2kHz --channels displacement:m -o tap.bin"}
+IMPEDANCE = {"z.csv": impedance}
+
+# What a page's commands read and none of them makes, in order: the text that a function gives, or what a command makes.
+PREPARED = {
+    "README.md": {"trial.bin": "cp fixtures/recorded_trial.bin trial.bin", "mine.csv": lambda: laser(0.28),
+                  "off.csv": lambda: laser(0)},
+    "docs/how-to/bring-your-own-csv.md": {"mine.csv": lambda: laser(0.28)},
+    "docs/how-to/drop-test.md": {**TAP, "open": "for n in 1 2; do grep -v '^#' fixtures/impulse.csv >open$n.csv; done",
+                                 "load": "for n in 1 2; do grep -v '^#' fixtures/impulse_33ohm.csv >loaded$n.csv;"
+                                         " done"},
+    "docs/how-to/measure-impedance.md": IMPEDANCE,
+    DAYS: RIG,
+    DAQ: {**DAQ_FILES, "off.txt": drive_off,
+          "off.bin": "acquire --sensor pipe --format text --rate 10kHz --channels displacement:V"
+                     " --calibration il030.toml -o off.bin <off.txt"},
+    STUDY: {"recorded": "mkdir recorded"},
+    "docs/reference/daemon.md": RIG,
+    "docs/reference/fit-adapter.md": TAP,
+    "docs/reference/fit-impedance.md": IMPEDANCE,
+    "docs/reference/sensors.md": DAQ_FILES,
+    "docs/reference/study.md": {"trials": block(STUDY, "sh"), "drive.csv": drives},
+    "docs/tutorial.md": {"mine.toml": lambda: block("docs/tutorial.md", "toml")},
+}
+
+# Ports in the commands or prepared files of a page, and the options of the emulator whose port takes the place.
+EMULATED = {
+    "docs/reference/acquire.md": {"/dev/ttyUSB0": []},
+    "docs/reference/daemon.md": HEADS,
+    DAYS: HEADS,
+    STUDY: {"/dev/ttyUSB0": ["--protocol", "stream"]},
+}
+
+# Other texts in the commands of a page, what takes their place, and why.
+CHANGED = {
+    "docs/reference/acquire.md": [("--duration 10s", "--duration 1s", "a second shows as much")],
+    "docs/reference/sensors.md": [("my_daq |", "/usr/bin/python3 my_daq.py |", "the program of the page on DAQs")],
+    DAQ: [("my_daq |", "/usr/bin/python3 my_daq.py |", "what the page puts in place of a DAQ")],
+    STUDY: [("--duration 3s -o trials/", "--duration 1s -o recorded/", "the study is that of the simulated trials"),
+            ("trials/FILE.bin", "trials/*adapter_repeat-1_subject-4.bin", "FILE has the time in it")],
+}
+
+# The beginning of a command that a page shows refused, its status, and what the page says.
+REFUSED = {
+    "README.md": [("haptometer trial info mine.csv", 3, "what it does not state")],
+    "docs/how-to/bring-your-own-csv.md": [("haptometer trial info mine.csv", 3, "the answer has status 3")],
+}
+
+
+# --- commands of a page ---
+
+def blocks(text):
+    """(number of the first line, language, lines) of each block of code."""
+    found = [(match.start(2), match[1], match[2]) for match in FENCED.finditer(text)]
+    blank = FENCED.sub(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
+    found += [(match.start(), "", match[0]) for match in INDENTED.finditer(blank)]
+    return [(text.count("\n", 0, at) + 1, language, code.splitlines()) for at, language, code in sorted(found)]
+
+
+def commands_of(page, text):
+    for first, language, lines in blocks(text):
+        if language == "sh" and any(COMMAND.match(line.strip()) for line in lines):
+            yield Command(page, first, "\n".join(lines))
+        if language == "sh":
+            continue
+        for number, line in enumerate(lines):
+            command = COMMAND.fullmatch(line.strip())
+            last = number
+            while lines[last].endswith("\\") and last + 1 < len(lines):
+                last += 1
+            if command:
+                yield Command(page, first + number, "\n".join([command[1], *lines[number + 1:last + 1]]))
+
+
+def pages():
+    """The commands of each page that has some."""
+    paths = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    names = [str(path.relative_to(ROOT)) for path in paths]
+    found = {name: list(commands_of(name, path.read_text(encoding="utf-8"))) for name, path in zip(names, paths)}
+    return {name: commands for name, commands in found.items() if commands}
+
+
+def check_search():
+    """Commands are found where they stand, with their continuation, and prose is none."""
+    text = ("analyze a\n\n1. Do:\n\n       $ analyze a \\\n         b\n       a: 1 um\n\n   analyze c\n\n"
+            "```sh\nfor f in a; do\n  analyze $f\ndone\n```\n\n    x | acquire d\n    acquire: e\n")
+    found = [(command.line, command.text) for command in commands_of("p", text)]
+    wanted = [(5, "analyze a \\\n         b"), (12, "for f in a; do\n  analyze $f\ndone"), (17, "x | acquire d")]
+    check(found == wanted, found)
+
+
+def check_tables(found):
+    """What the tables name has commands, and is refused where the page says it."""
+    for page in {*PREPARED, *EMULATED, *CHANGED, *REFUSED}:
+        check(page in found, f"{page} has no command any more")
+    for page, refused in REFUSED.items():
+        text = (ROOT / page).read_text(encoding="utf-8")
+        for beginning, _, statement in refused:
+            check(any(command.text.startswith(beginning) for command in found[page]), f"{page} has no '{beginning}'")
+            check(statement in text, f"{page} does not say '{statement}' any more")
+
+
+# --- running them ---
+
+class Folder:
+    """A temporary folder in which the commands of one page run, with the programs of the build on the path."""
+
+    def __init__(self, page, path, changes):
+        self.page, self.path, self.changes = page, pathlib.Path(path), changes
+        self.used, self.server = set(), None
+        self.environment = {**os.environ, "PATH": os.path.dirname(program("haptometer")) + ":" + os.environ["PATH"],
+                            "XDG_RUNTIME_DIR": path}
+        os.symlink(ROOT / "fixtures", self.path / "fixtures")
+
+    def changed(self, text):
+        """A text of the page as it is run here."""
+        for old, new in self.changes.items():
+            if old in text:
+                self.used.add(old)
+                text = text.replace(old, new)
+        return text
+
+    def start(self, text, **streams):
+        """A shell in a session of its own, so that all of it can be ended."""
+        return subprocess.Popen(["sh", "-ec", text], cwd=self.path, env=self.environment, stdin=subprocess.DEVNULL,
+                                start_new_session=True, **streams)
+
+    def run(self, text):
+        """Exit status and standard error of a command that ends by itself."""
+        process = self.start(text, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        try:
+            said = process.communicate(timeout=DEADLINE_S)[1]
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            said = process.communicate()[1] + f"is not done after {DEADLINE_S} s".encode()
+        return process.returncode, said.decode(errors="replace")
+
+    def serve(self, text):
+        """Begins a command that runs until it is ended; 0 once it answers, else its exit status, and what it said."""
+        self.end_server()
+        log = self.path / "server.log"
+        with open(log, "w", encoding="utf-8") as file:
+            self.server = self.start("exec " + text.rstrip("& "), stdout=file, stderr=file)
+        ready = functools.partial(self.is_ready, text, log)
+        wait_for(f"{self.page}: readiness of '{text}'", lambda: self.server.poll() is not None or ready())
+        status = 0
+        if not ready():
+            status, self.server = self.server.poll() or "no readiness", None
+        return status, log.read_text()
+
+    def is_ready(self, text, log):
+        """An emulator says so; all sensors of a daemon record."""
+        if "--daemon" not in text:
+            return "ready " in log.read_text()
+        asked = text.partition("#")[0].replace("--daemon", "--status")
+        return self.run(rf"{asked} | grep -q ': \([0-9]*\) of \1 recording'")[0] == 0
+
+    def end_server(self):
+        """By SIGTERM, after which a daemon has status 0; an emulator may have come to the end of its duration."""
+        server, self.server = self.server, None
+        if not server:
+            return
+        server.terminate()
+        try:
+            status = server.wait(DEADLINE_S)
+        except subprocess.TimeoutExpired:
+            os.killpg(server.pid, signal.SIGKILL)
+            status = server.wait()
+        text = server.args[-1]
+        check(status in ((0,) if "--daemon" in text else (0, 143)), f"{self.page}: {text} ends with {status}")
+
+    def prepare(self, files):
+        for name, maker in files.items():
+            if callable(maker):
+                (self.path / name).write_text(self.changed(maker()), encoding="utf-8")
+            else:
+                status, said = self.run(maker)
+                check(status == 0, f"{self.page}: {name} is not made: status {status}: {said}")
+
+    def failure(self, command):
+        """What is wrong with a command's end, or None."""
+        text = self.changed(command.text)
+        refused = [status for beginning, status, _ in REFUSED.get(self.page, []) if command.text.startswith(beginning)]
+        wanted = refused[0] if refused else 0
+        begin = time.monotonic()
+        status, said = self.serve(text) if SERVER.match(text) else self.run(text)
+        if "--times" in sys.argv:
+            print(f"{time.monotonic() - begin:6.2f} s  {command.page}:{command.line}: {text}")
+        if status == wanted:
+            return None
+        return f"{command.page}:{command.line}: {text}\n  ends with {status} in place of {wanted}: {said.strip()}"
+
+
+def changes_of(page, stack):
+    """What takes the place of which text; the emulators end with the stack."""
+    emulated = EMULATED.get(page, {})
+    ports = {text: stack.enter_context(Emulator(*options)).port for text, options in emulated.items()}
+    return {**ports, **{old: new for old, new, _ in CHANGED.get(page, [])}}
+
+
+def failures_of(page, commands):
+    """Runs a page's commands; a text for each that fails."""
+    with contextlib.ExitStack() as stack:
+        path = stack.enter_context(tempfile.TemporaryDirectory())
+        folder = Folder(page, path, changes_of(page, stack))
+        stack.callback(folder.end_server)
+        folder.prepare(PREPARED.get(page, {}))
+        failures = [failure for failure in map(folder.failure, commands) if failure]
+        unused = set(folder.changes) - folder.used
+        return failures + [f"{page}: '{text}', which is to be changed, stands in no command" for text in unused]
+
+
+def main():
+    check_search()
+    found = pages()
+    check_tables(found)
+    chosen = [word for word in sys.argv[1:] if not word.startswith("--")] or list(found)
+    failures = [failure for page in chosen for failure in failures_of(page, found[page])]
+    print("".join(failure + "\n" for failure in failures), end="")
+    count = sum(len(found[page]) for page in chosen)
+    check(chosen != list(found) or count > 70, f"{count} commands found")
+    check(not failures, f"{len(failures)} failures in {count} commands")
+    print(f"{count} commands of {len(chosen)} pages")
+
+
+if __name__ == "__main__":
+    main()
