@@ -72,9 +72,10 @@ def of(question, name, endings, makes="picture", can_overwrite=False, more=(), s
 WRITES = [
     Option("acquire", "-o,--output", ["--sensor", "replay", "--port", "t.bin", "--speed", "max"], ["t.bin"], [".bin"],
            "recording", True),
-    Option("acquire", "--report", ["--sensor", "replay", "--port", "t.bin", "--speed", "max", "-o", "x.bin"], ["t.bin"],
+    Option("acquire", "--report", ["--list-sensors"], [],
            [".html"], "page"),
     Option("trial export", "-o,--output", ["t.bin"], ["t.bin"], [".csv", ".h5", ".npy", ".wav", ".mat"], "export", True),
+    Option("trial info", "--report", ["t.bin"], ["t.bin"], [".html"], "page"),
     Option("trial plot", "-o,--output,--plot", ["t.bin"], ["t.bin"], [".png"]),
     of(ANALYZE, "--plot", [".svg"]),
     of(ANALYZE, "--report", [".html"], "page"),
