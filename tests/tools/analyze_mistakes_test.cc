@@ -173,7 +173,7 @@ TEST_F(AnalyzeMistakes, WhatNoBudgetHoldsIsSaidOnce) {
   const std::string out = Analyze({trial, trial}).out;
   ASSERT_THAT(out, HasSubstr(words));
   EXPECT_EQ(out.find(words), out.rfind(words));
-  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("in no uncertainty  " + words));
+  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("uncertainty excludes  " + words));
   EXPECT_EQ(Json::parse(Analyze({"--json", trial}).out)["uncertainty_excludes"], words);
 }
 

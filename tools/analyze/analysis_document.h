@@ -22,7 +22,7 @@ namespace haptometer::tools {
 /// Says of the section where its data come from.
 void AddSources(std::vector<trial::DataSource> sources, document::Section& section);
 
-/// What holds for all trials: what is in no uncertainty. `has_numbers`: some of them have one.
+/// What holds for all trials: what the uncertainties exclude. `has_numbers`: some of them have one.
 [[nodiscard]] document::Section ClosingSection(bool has_numbers);
 
 /// What a latency is to a user (Lindsay 2013, p. 4): from 25 ms on it costs errors, from 50 ms on

@@ -265,7 +265,7 @@ document::Sentence SentenceOf(PlanFinding kind) {
       return {"five-of-each", "five drops of each kind show whether they repeat"};
     case PlanFinding::kMassAssumed:
       return {"mass-assumed",
-              "a moving mass of {moving_mass_kg}, weighed to 0.01 g, is assumed: state "
+              "a moving mass of {moving_mass_kg}, on scales right within 0.01 g, is assumed: state "
               "--moving-mass 1.4g+-0.006g"};
     case PlanFinding::kMassExact:
       return {"mass-exact",
