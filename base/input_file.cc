@@ -17,11 +17,12 @@ struct InputList {
   std::mutex mutex;
   std::vector<NotedInput> files;
 
-  [[nodiscard]] bool Has(const struct stat& status) const {
-    return std::ranges::any_of(files, [&](const NotedInput& file) {
+  [[nodiscard]] auto Find(const struct stat& status) const {
+    return std::ranges::find_if(files, [&](const NotedInput& file) {
       return file.status.st_dev == status.st_dev && file.status.st_ino == status.st_ino;
     });
   }
+  [[nodiscard]] bool Has(const struct stat& status) const { return Find(status) != files.end(); }
 };
 
 InputList& Noted() {
@@ -46,6 +47,15 @@ bool IsNotedInput(const struct stat& status) {
 std::vector<NotedInput> NotedInputs() {
   const std::scoped_lock lock(Noted().mutex);
   return Noted().files;
+}
+
+void ForgetInput(const std::string& path) {
+  struct stat status{};
+  if (stat(path.c_str(), &status) != 0) return;
+  const std::scoped_lock lock(Noted().mutex);
+  if (const auto found = Noted().Find(status); found != Noted().files.end()) {
+    Noted().files.erase(found);
+  }
 }
 
 void ForgetInputs() {

@@ -34,6 +34,9 @@ struct NotedInput {
 /// All that were noted, in the order in which they were. Thread-safe.
 [[nodiscard]] std::vector<NotedInput> NotedInputs();
 
+/// Of a file that the command wrote and read again: it is no input. Thread-safe; one stat.
+void ForgetInput(const std::string& path);
+
 /// Begins with no inputs: what a command does before anything else, where a process runs several.
 void ForgetInputs();
 

@@ -39,6 +39,16 @@ TEST_F(InputFile, MissingDirectoryAndEmptyAreTold) {
   EXPECT_EQ(ReadInputFile(missing).error().cause, Cause::kCannotAnswer);
 }
 
+TEST_F(InputFile, AFileThatTheCommandWroteIsForgotten) {
+  const std::string read = Write("read", "1"), written = Write("written", "2");
+  for (const std::string& path : {read, written}) NoteInput(path);
+  ForgetInput(written);
+  const auto noted = NotedInputs();
+  ForgetInputs();
+  ASSERT_EQ(noted.size(), 1U);
+  EXPECT_EQ(noted.front().path, read);
+}
+
 TEST_F(InputFile, TooLargeIsRefusedBeforeMemoryRunsOut) {
   const std::string path = Write("large", std::string(2 << 20, 'x'));
   EXPECT_EQ(ReadInputFile(path, 1 << 20).error().what, "is larger than 1 MiB");

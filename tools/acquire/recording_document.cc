@@ -7,6 +7,7 @@
 #include "acquire/protocol/keyence/dl_rs1a.h"
 #include "acquire/protocol/wire.h"
 #include "acquire/sensor/stream_sensor.h"
+#include "base/input_file.h"
 #include "tools/cli/shared_options.h"
 #include "trial/import/table_cells.h"
 #include "trial/trial_reader.h"
@@ -83,6 +84,7 @@ std::optional<TimeBaseReview> ReviewTimeBase(const std::string& file, trial::Tim
   if (file.empty() || timing != trial::Timing::kArrival) return std::nullopt;
   if (summary.readings == 0 || summary.readings > kMostRows) return std::nullopt;
   const auto recording = trial::ReadRecord(file);
+  ForgetInput(file);
   if (!recording || recording->record.stretches.empty()) return std::nullopt;
   TimeBaseReview review;
   review.gaps = recording->record.stretches.size() - 1;

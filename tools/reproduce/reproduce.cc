@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "base/input_file.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/present.h"
@@ -113,6 +114,8 @@ int RunReproduce(int argc, const char* const* argv) {
   if (auto places = CheckPlaces(wanted); !places) return cli::ReportError(kVerb, places.error());
   const auto reproduction = Reproduce({}, wanted.chain);
   if (!reproduction) return cli::ReportError(kVerb, reproduction.error());
+  // the trials that were generated are no inputs
+  ForgetInputs();
   const auto document = Answer(wanted, *reproduction);
   if (!document) return cli::ReportError(kVerb, document.error());
   const int status = document::Present(*document, wanted.outputs, argc, argv);

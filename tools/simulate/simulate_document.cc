@@ -502,6 +502,7 @@ document::Document SimulateDocument(const SimulateAnswer& answer) {
   const SceneAnswer& solved = answer.solved;
   document::Document document{.verb = "simulate", .title = TitleOf(answer)};
   Section& root = document.root;
+  root.sources = {document::DataSource::kSimulated};
   root.Add({"scene"}, answer.scene_path);
   root.sections = {SteadySection(solved),
                    ContactSection(answer),

@@ -290,6 +290,7 @@ document::Document SweepDocument(const SweepSummary& summary) {
   };
   document::Document document{.verb = std::string(kVerb), .title = Printable(summary.table)};
   Section& root = document.root;
+  root.sources = {document::DataSource::kSimulated};
   root.Add({"table"}, summary.table);
   root.Add({"points", "points"}, header.points);
   root.Add({"shard", "shard"}, known(header.shard));

@@ -443,6 +443,7 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
   const TuneQuestion& question = answer.question;
   document::Document document{.verb = "tune", .title = TitleOf(question)};
   Section& root = document.root;
+  root.sources = {document::DataSource::kSimulated};
   root.Add({"scene"}, question.name);
   root.sections = {
       AdapterSection(answer.optimum.point, question.problem),
