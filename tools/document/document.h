@@ -59,8 +59,8 @@ using AnyValue =
 struct Value : AnyValue {
   Value() = default;
   template <typename T>
-    requires(std::constructible_from<AnyValue, T> && !std::integral<T>)
-  Value(T value) : AnyValue(std::move(value)) {}
+  requires(std::constructible_from<AnyValue, T> && !std::integral<T>) Value(T value)
+      : AnyValue(std::move(value)) {}
   Value(bool yes) : AnyValue(yes) {}
   Value(std::integral auto count) : AnyValue(static_cast<std::int64_t>(count)) {}
   Value(std::string_view text) : AnyValue(std::string(text)) {}
@@ -122,7 +122,7 @@ struct Section {
   };
   /// In JSON; of an object empty: its keys are those of the one around it. Tables and arrays of one
   /// name within one object are one array.
-  std::string name{};
+  std::string_view name{};
   std::string heading{};  ///< empty: stands below the section around it without one
   Shape shape = Shape::kObject;
   Detail detail = Detail::kShort;
