@@ -156,9 +156,10 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
       .note =
       fmt::format("where {:.0f} % of the steady amplitude are reached", 100 * edge.low_level);
   section.Add({"level_of_steady"}, edge.low_level);
-  section.Add({document::kRise.name, document::kRise.label, document::kSecond, Form::kUncertain},
-              edge.rise_s, edge.rise_s ? std::optional(edge.rise_uncertainty_s) : std::nullopt);
-  section.Add({document::kRiseAtMost.name, edge.rise_s ? "" : "rise at most", document::kSecond},
+  section.Add(document::kRise.As(Form::kUncertain), edge.rise_s,
+              edge.rise_s ? std::optional(edge.rise_uncertainty_s) : std::nullopt);
+  section.Add({document::kRiseAtMost.name, edge.rise_s ? "" : document::kRiseAtMost.label,
+               document::kSecond},
               edge.rise_at_most_s);
   if (!edge.rise_s && !edge.rise_at_most_s) {
     AddWords(section, "rise", "not determined: the noise hides its beginning");
@@ -259,8 +260,7 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
   section.Add(document::kDuration, record.duration_s);
   section.Add(document::kSampleRate, record.rate_hz);
   section.Add(document::kNewReadings, record.fresh_rate_hz);
-  section.Add({document::kObservableUpper.name, "observable up to", document::kHertz},
-              record.observable_upper_hz);
+  section.Add(document::kObservableUpper, record.observable_upper_hz);
   section.Add(document::kOffsetM, record.offset_m);
   section.Add({"peak_to_peak_m", "peak to peak", document::kMetre}, record.peak_to_peak_m).note =
       "unfiltered";
@@ -376,9 +376,9 @@ Section HarmonicsSection(const std::optional<dsp::Harmonics>& found, bool is_kno
     Section& row = list.sections.emplace_back();
     row.Add({document::kOrder.name, "order"}, harmonic.order);
     row.Add(document::kFrequency, harmonic.frequency_hz);
-    row.Add({kToneAmplitude.name, kToneAmplitude.label, kToneAmplitude.unit, Form::kUncertain},
-            harmonic.amplitude, harmonic.amplitude_uncertainty);
-    row.Add(document::kPhase, harmonic.phase_rad);
+    row.Add(kToneAmplitude.As(Form::kUncertain), harmonic.amplitude,
+            harmonic.amplitude_uncertainty);
+    row.Add({document::kPhase.name}, harmonic.phase_rad);
     row.Add({"stands_out", "above the noise"}, harmonic.stands_out);
   }
   section.sections.push_back(std::move(list));
@@ -454,7 +454,7 @@ Section ElectricalSection(const std::optional<dsp::ElectricalState>& found) {
   add(document::kCurrentRms, state.current_rms_a);
   add({"real_power_w", "real power", document::kWatt}, state.real_power_w);
   add({"apparent_power_va", "apparent power", document::kVoltAmpere}, state.apparent_power_va);
-  add({document::kPhase.name, "phase of the current", document::kRadian}, state.phase_rad);
+  add(document::kPhase, state.phase_rad);
   add({document::kResistance.name, "resistance", document::kOhm}, state.resistance_ohm);
   add({"reactance_ohm", "reactance", document::kOhm}, state.reactance_ohm);
   return section;

@@ -102,8 +102,8 @@ Section ResonanceSection(const dsp::SweepAnswer& answer) {
   Section section{.name = "resonance", .is_known = answer.resonance.has_value()};
   AddEstimate(section, {document::kFrequency.name, "natural frequency", document::kHertz},
               {"frequency_interval_95_hz"}, found.fit.frequency_hz, found.frequency_hz);
-  AddEstimate(section, {document::kQualityFactor.name, "quality factor"},
-              {"quality_factor_interval_95"}, found.fit.quality_factor, found.quality_factor);
+  AddEstimate(section, document::kQualityFactor, {"quality_factor_interval_95"},
+              found.fit.quality_factor, found.quality_factor);
   section.Add({document::kGain.name}, found.fit.gain);
   section.Add({"residual_share"}, found.fit.residual_share);
   section.Add({document::kDegreesOfFreedom.name}, found.fit.degrees_of_freedom);

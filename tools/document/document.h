@@ -41,6 +41,8 @@ struct Key {
   std::string_view label = {};  ///< "vibration"; empty: not in text and HTML
   Unit unit = kNone;
   Form form = Form::kNumber;
+
+  [[nodiscard]] constexpr Key As(Form other) const { return {name, label, unit, other}; }
 };
 
 /// Two ends: of a window, an interval, a band.

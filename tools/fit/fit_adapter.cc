@@ -104,9 +104,7 @@ Section ConstantsOf(const fit::AdapterFit& fit) {
 Section ResonanceOf(const fit::AdapterFit& fit) {
   Section section;
   AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
-  AddFitted(section,
-            {document::kQualityFactor.name, "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
   return section;
 }
 
@@ -142,8 +140,7 @@ Section TapOf(const fit::FittedTap& tap) {
   section.Add({document::kFirst.name, "from", document::kSecond}, tap.first_s);
   section.Add({"end_s", "to", document::kSecond}, tap.end_s);
   section.Add(document::kSamples, tap.samples);
-  section.Add({document::kNaturalFrequencyHz.name, "natural frequency", document::kHertz},
-              tap.natural_frequency_hz);
+  section.Add(document::kNaturalFrequencyHz, tap.natural_frequency_hz);
   section.Add(document::kDecayRate, tap.decay_per_s);
   ShowDigits(section.Add({"amplitude", "amplitude", unit}, tap.amplitude), 3);
   ShowDigits(section.Add({"residual_rms", "residual (RMS)", unit}, tap.residual_rms), 3);

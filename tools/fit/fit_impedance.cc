@@ -76,13 +76,8 @@ Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
 Section RatiosSection(const ImpedanceFit& fit) {
   constexpr document::Unit kCoupling{"", "N^2/(A^2 kg)", {{{1, "N^2/(A^2 kg)"}}}};
   Section section{.detail = fit.stiffness.determined ? Detail::kAll : Detail::kShort};
-  AddFitted(
-      section,
-      {document::kKvOverMass.name, "Kv over mass", document::kPerSecondSquared, Form::kEstimate},
-      fit.stiffness_over_mass);
-  AddFitted(section,
-            {document::kBvOverMass.name, "Bv over mass", document::kPerSecond, Form::kEstimate},
-            fit.damping_over_mass);
+  AddFitted(section, document::kKvOverMass.As(Form::kEstimate), fit.stiffness_over_mass);
+  AddFitted(section, document::kBvOverMass.As(Form::kEstimate), fit.damping_over_mass);
   AddFitted(section, {"km_squared_over_mass", "Km^2 over mass", kCoupling, Form::kEstimate},
             fit.coupling_over_mass);
   section.Add(document::kMass, fit.mass_symbol).note = "which rings";
@@ -92,9 +87,7 @@ Section RatiosSection(const ImpedanceFit& fit) {
 Section CircuitSection(const ImpedanceFit& fit) {
   Section section;
   AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
-  AddFitted(section,
-            {document::kQualityFactor.name, "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
   AddFitted(section, {"resistance", "resistance R", document::kOhm, Form::kEstimate},
             fit.resistance);
   AddFitted(section, {"inductance", "inductance L", document::kHenry, Form::kEstimate},

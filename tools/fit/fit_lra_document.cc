@@ -42,13 +42,8 @@ Section ResonanceSection(const DropTestFit& fit) {
   const FittedValue& frequency = fit.natural_frequency;
   const FittedValue& quality = fit.quality_factor;
   Section section;
-  AddFitted(section,
-            {document::kNaturalFrequencyHz.name, "natural frequency f0", document::kHertz,
-             Form::kInterval},
-            frequency);
-  AddFitted(section,
-            {document::kQualityFactor.name, "quality factor Q", document::kNone, Form::kInterval},
-            quality);
+  AddFitted(section, document::kNaturalFrequencyHz.As(Form::kInterval), frequency);
+  AddFitted(section, document::kQualityFactor.As(Form::kInterval), quality);
   section.Add({"natural_frequency_statistical_standard_uncertainty_hz"},
               frequency.determined ? frequency.standard_uncertainty : kNaN);
   section.Add({"quality_factor_statistical_standard_uncertainty"},
@@ -61,22 +56,15 @@ Section MassSection(const DropTestFit& fit) {
   const FittedValue& stiffness = fit.stiffness_over_mass;
   const FittedValue& damping = fit.damping_over_mass;
   Section section{.detail = fit.stiffness.determined ? Detail::kAll : Detail::kShort};
-  AddFitted(
-      section,
-      {document::kKvOverMass.name, "Kv over mass", document::kPerSecondSquared, Form::kInterval},
-      stiffness);
-  AddFitted(section,
-            {document::kBvOverMass.name, "Bv over mass", document::kPerSecond, Form::kInterval},
-            damping);
+  AddFitted(section, document::kKvOverMass.As(Form::kInterval), stiffness);
+  AddFitted(section, document::kBvOverMass.As(Form::kInterval), damping);
   section.Add({"kv_over_mass_statistical_standard_uncertainty"},
               stiffness.determined ? stiffness.standard_uncertainty : kNaN);
   section.Add({"bv_over_mass_statistical_standard_uncertainty"},
               damping.determined ? damping.standard_uncertainty : kNaN);
   section.Add({"bv_over_mass_at_most_95"}, damping.at_most);
   section.Add(document::kMass, fit.mass_symbol).note = "which rings";
-  AddFitted(section,
-            {document::kMovingMass.name, "moving mass Mv", document::kKilogram, Form::kEstimate},
-            fit.moving_mass);
+  AddFitted(section, document::kMovingMass.As(Form::kEstimate), fit.moving_mass);
   return section;
 }
 
@@ -213,8 +201,8 @@ Section PoleSection(const fit::UncertainPole& pole) {
   const auto known = [&pole](double value) { return pole.determined ? value : kNaN; };
   section.Add({document::kFrequency.name, "damped frequency", document::kHertz, Form::kUncertain},
               known(pole.frequency_hz), known(std::sqrt(covariance[0][0])));
-  section.Add({document::kDecayRate.name, "decay rate", document::kPerSecond, Form::kUncertain},
-              known(pole.decay_per_s), known(std::sqrt(covariance[1][1])));
+  section.Add(document::kDecayRate.As(Form::kUncertain), known(pole.decay_per_s),
+              known(std::sqrt(covariance[1][1])));
   section.Add(document::kCorrelation,
               known(covariance[0][1] / std::sqrt(covariance[0][0] * covariance[1][1])));
   return section;

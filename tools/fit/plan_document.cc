@@ -133,8 +133,7 @@ Section ActuatorSection(const TestCard& card) {
               drops.speed_m_per_s);
   guesses.Add({"time_scale_standard_uncertainty"}, drops.time_scale_uncertainty);
   section.sections.push_back(std::move(guesses));
-  AddQuantity(section, {document::kMovingMass.name, "moving mass Mv", document::kKilogram},
-              drops.moving_mass_kg);
+  AddQuantity(section, document::kMovingMass, drops.moving_mass_kg);
   AddQuantity(section, {document::kResistance.name, "resistance R", document::kOhm},
               drops.resistance_ohm);
   section.Add({"drop_height_m", "drop from", document::kMetre}, card.height_m);

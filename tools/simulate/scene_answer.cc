@@ -337,8 +337,7 @@ constexpr auto kSteadyNumbers = std::to_array<AnswerNumber>({
              &sim::SceneRun::current_rms_a>},
     {document::kPower,
      Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
-    {{document::kPhase.name, "phase of the current", document::kRadian},
-     Steady<&sim::SteadyState::phase_rad>},
+    {document::kPhase, Steady<&sim::SteadyState::phase_rad>},
     {document::kSkinForcePeak,
      SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
 });

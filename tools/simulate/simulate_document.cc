@@ -473,10 +473,7 @@ document::Section RiseSection(const std::optional<sim::SkinRise>& known) {
   const sim::SkinRise rise = known.value_or(sim::SkinRise{});
   Section section{.name = "rise", .is_known = known.has_value()};
   section.Add(document::kRise, rise.rise_s, rise.uncertainty_s);
-  section
-      .Add({document::kRiseAtMost.name, "rise from 10 % to 90 %, at most", document::kSecond},
-           rise.rise_at_most_s)
-      .resolution = rise.uncertainty_s / 10;
+  section.Add(document::kRiseAtMost, rise.rise_at_most_s).resolution = rise.uncertainty_s / 10;
   // a latency that is not above its uncertainty is a limit alone
   const bool is_limit = !rise.TellsLatency();
   section.Add(
