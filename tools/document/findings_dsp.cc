@@ -78,7 +78,17 @@ constexpr auto kRows = std::to_array<Row>({
      {"times-uncertain",
       "each reading's time is uncertain by {time_uncertainty_s}; motion at {upper_hz} needs less "
       "than {limit_s}: use a sensor that samples on a clock of its own"}},
-    {kNoRegularGrid, {"no-regular-grid", "{error}"}},
+    {kFewUnevenTimes,
+     {"few-uneven-times", "{rows} rows at uneven times are too few: record longer"}},
+    {kTimesTooUneven,
+     {"times-too-uneven",
+      "the times of its readings scatter by {jitter_s} about a grid of {grid_s}, up to "
+      "{largest_jitter_s}: dropped readings cannot be told from late ones: record with a clocked "
+      "source"}},
+    {kReadingsTooFarApart,
+     {"readings-too-far-apart",
+      "its readings at uneven times are too far apart for motion at {upper_hz}: {readings_per_s}: "
+      "ask for a lower band, or record with a clocked source"}},
     {kRegularGrid,
      {"regular-grid",
       "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
