@@ -200,13 +200,34 @@ namespace {
 using acquire::Capability;
 using acquire::CapabilityQuestion;
 
+std::string_view TextOf(acquire::RateLimit limit) {
+  using enum acquire::RateLimit;
+  switch (limit) {
+    case kWire:
+      return "the wire";
+    case kWireAlone:
+      return "the wire alone";
+    case kWireAndSensor:
+      return "the wire and the sensor";
+    case kUnitRefresh:
+      return "the unit's refresh";
+    case kUnitProcessing:
+      return "the unit's processing";
+    case kAmplifierSampling:
+      break;
+  }
+  return "the amplifier's sampling";
+}
+
 Section CapabilitySection(const Capability& capability) {
   const acquire::SensorAbility& sensor = capability.sensor;
   Section section{.heading =
                       fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
   section.Add(document::kName, sensor.name);
   section.Add({"can_answer"}, capability.can_answer);
-  section.Add({"reason", "because"}, document::WordsOf(capability.reason));
+  acquire::Finding reason = capability.reason;
+  reason.numbers.emplace_back("limit", std::string(TextOf(sensor.limit)));
+  section.Add({"reason", "because"}, document::WordsOf(reason));
   std::string options;
   for (const auto& [setting, value] : sensor.settings) {
     options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);

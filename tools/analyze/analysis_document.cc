@@ -349,11 +349,12 @@ Section BudgetSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
   Section budget{
       .name = "uncertainty_budget", .shape = Section::Shape::kTable, .is_known = is_known};
   for (const dsp::UncertaintyLine& line : numbers.rms.budget) {
+    const document::CauseText text = document::TextOf(line.cause);
     Section& row = budget.sections.emplace_back();
-    row.Add({document::kName.name, "cause"}, line.name);
+    row.Add({document::kName.name, "cause"}, text.name);
     row.Add(document::kType, line.evaluation == dsp::Evaluation::kStatistical ? "A" : "B");
     row.Add(kStandardUncertainty, line.standard_uncertainty_m).resolution = whole_m / 100;
-    row.Add({"how", "how it is evaluated"}, line.how);
+    row.Add({"how", "how it is evaluated"}, text.how);
   }
   Section section{
       .heading = "uncertainty of the RMS", .detail = Detail::kAll, .sections = {budget}};
@@ -406,7 +407,7 @@ Section ToneSection(const dsp::BandNumbers& numbers) {
 Section SensorSection(const dsp::BandAnalysis& analysis, const dsp::SensorNumbers& sensor) {
   Section section{
       .heading = "sensor", .detail = Detail::kAll, .is_known = analysis.numbers.has_value()};
-  section.Add(document::kSensorAveraging, Describe(sensor.averaging));
+  section.Add(document::kSensorAveraging, document::TextOf(sensor.averaging));
   section.Add({"sensor_gain_at_tone", "gain at the tone"}, sensor.gain_at_tone).note =
       sensor.divided_out ? "corrected for" : "";
   section.Add({"sensor_gain_in_band", "gain in the band"},
@@ -522,7 +523,8 @@ void AddSources(std::vector<trial::DataSource> sources, Section& section) {
 
 Section ClosingSection(bool has_numbers) {
   Section section;
-  section.Add({"uncertainty_excludes", has_numbers ? "in no uncertainty" : ""}, dsp::kNotInBudget);
+  section.Add({"uncertainty_excludes", has_numbers ? "in no uncertainty" : ""},
+              "the sensor's calibration and linearity");
   return section;
 }
 

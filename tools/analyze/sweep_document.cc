@@ -157,7 +157,7 @@ Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bo
       is_measured ? Value(document::Range{answer.window.begin_s, answer.window.end_s}) : Value());
   trial.Add({document::kSampleRate.name}, is_measured ? Value(answer.rate_hz) : Value());
   trial.Add({document::kSensorAveraging.name},
-            is_measured ? Value(Describe(answer.sensor)) : Value());
+            is_measured ? Value(document::TextOf(answer.sensor)) : Value());
   trial.Add({document::kAmplitudeVerified.name}, answer.amplitude_verified);
   trial.sections = {ResonanceSection(answer), SweptSection(answer),
                     PointsTable(answer, "amplitude")};

@@ -360,4 +360,28 @@ std::string RefusalOf(const dsp::Findings& findings) {
   return texts.empty() ? std::string() : texts.front();
 }
 
+std::string TextOf(const dsp::SensorAveraging& sensor) {
+  const std::string held = sensor.repeats > 1
+                               ? fmt::format(", each reading held for {} rows", sensor.repeats)
+                               : std::string();
+  if (sensor.knowledge == dsp::SensorKnowledge::kUnknown) return "averaging unknown" + held;
+  if (sensor.averages == 1) return "no averaging" + held;
+  return fmt::format("{} averages at {:g} ms{}", sensor.averages, sensor.sampling_s * 1e3, held);
+}
+
+CauseText TextOf(dsp::RmsCause cause) {
+  constexpr std::array<CauseText, dsp::kRmsCauseCount> kTexts{{
+      {"noise", "periodogram of what the tone leaves"},
+      {"noise floor", "scatter of the floor that is taken off"},
+      {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
+      {"quantisation", "step / sqrt(12), white up to half the rate"},
+      {"bridged readings", "the error of the same bridging beside each hole"},
+      {"filter's ends", "what lay beyond the ends, as far as it may still show"},
+      {"drive's edges", "what a window shorter by a period at either end would change"},
+      {"spikes", "their energy within the band"},
+      {"steps", "their energy within the band"},
+  }};
+  return kTexts.at(static_cast<std::size_t>(cause));
+}
+
 }  // namespace haptometer::document

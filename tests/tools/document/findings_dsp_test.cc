@@ -489,5 +489,21 @@ TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
   EXPECT_EQ(RefusalOf(findings), "none of its readings is a measurement");
 }
 
+TEST(FindingsOfDsp, SayASensorsAveraging) {
+  using enum dsp::SensorKnowledge;
+  EXPECT_EQ(
+      TextOf(dsp::SensorAveraging{.knowledge = kKnown, .sampling_s = 0.33e-3, .averages = 16}),
+      "16 averages at 0.33 ms");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{}), "averaging unknown");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{.knowledge = kNone}), "no averaging");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{.knowledge = kNone, .repeats = 5}),
+            "no averaging, each reading held for 5 rows");
+}
+
+TEST(FindingsOfDsp, NameEachCauseOfAnUncertainty) {
+  EXPECT_EQ(TextOf(dsp::RmsCause::kNoise).name, "noise");
+  EXPECT_EQ(TextOf(dsp::RmsCause::kSteps).name, "steps");
+}
+
 }  // namespace
 }  // namespace haptometer::document
