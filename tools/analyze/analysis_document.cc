@@ -22,7 +22,6 @@ using document::Value;
 
 // keys of more than one place
 constexpr Key kThd{"thd", "THD", document::kShare, Form::kUncertain};
-constexpr Key kToneAmplitude{"amplitude_m", "amplitude", document::kMetre};
 constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertainty",
                                    document::kMetre};
 
@@ -279,7 +278,7 @@ Section KnownToneSection(const std::optional<dsp::KnownTone>& found) {
   Section section{.name = "known_tone", .is_known = found.has_value()};
   section.Add({document::kFrequency.name, "at the drive's frequency", document::kHertz},
               known.fit.frequency_hz);
-  section.Add(kToneAmplitude, known.fit.amplitude, known.fit.amplitude_uncertainty).note =
+  section.Add(document::kAmplitude, known.fit.amplitude, known.fit.amplitude_uncertainty).note =
       known.aliased ? "as an alias" : "";
   section.Add({kStandardUncertainty.name}, known.fit.amplitude_uncertainty);
   section.Add({"aliased"}, known.aliased);
@@ -294,7 +293,7 @@ Section BelowBandSection(const std::optional<dsp::BelowBand>& found) {
                   .heading = "strongest tone below the band",
                   .is_known = found.has_value()};
   section.Add(document::kFrequency, below.frequency_hz);
-  section.Add(kToneAmplitude, below.amplitude_m);
+  section.Add(document::kAmplitude, below.amplitude_m);
   section.Add({"leaked_rms_m", "of which in the band (RMS)", document::kMetre}, below.leaked_rms_m);
   section.Add({"modelled", "modelled and subtracted"}, below.modelled);
   return section;
@@ -377,7 +376,7 @@ Section HarmonicsSection(const std::optional<dsp::Harmonics>& found, bool is_kno
     Section& row = list.sections.emplace_back();
     row.Add({document::kOrder.name, "order"}, harmonic.order);
     row.Add(document::kFrequency, harmonic.frequency_hz);
-    row.Add(kToneAmplitude.As(Form::kUncertain), harmonic.amplitude,
+    row.Add(document::kAmplitude.As(Form::kUncertain), harmonic.amplitude,
             harmonic.amplitude_uncertainty);
     row.Add({document::kPhase.name}, harmonic.phase_rad);
     row.Add({"stands_out", "above the noise"}, harmonic.stands_out);

@@ -6,6 +6,7 @@
 namespace haptometer::document {
 
 inline constexpr Key kAmplitudeVerified{"amplitude_verified", "amplitude verified"};
+inline constexpr Key kAmplitude{"amplitude_m", "amplitude", kMetre};
 inline constexpr Key kAnswered{"answered"};
 inline constexpr Key kBand{"band"};
 inline constexpr Key kBandRms{"band_rms_m"};
