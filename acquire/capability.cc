@@ -81,7 +81,6 @@ std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQu
   if (capability.highest_hz < question.upper_hz * (1 - kRounding)) {
     return Finding{.kind = FindingKind::kRateTooLow,
                    .numbers = {{"rate_hz", sensor.rate_hz},
-                               {"limit", sensor.limit},
                                {"observable_hz", capability.highest_hz},
                                {"asked_hz", question.upper_hz},
                                {"needed_hz", kReadingsPerPeriod * question.upper_hz}}};
@@ -104,7 +103,6 @@ std::optional<Finding> Obstacle(const Capability& capability, const CapabilityQu
 Finding Praise(const Capability& capability, const CapabilityQuestion& question) {
   Finding reason{.kind = FindingKind::kCanAnswer,
                  .numbers = {{"rate_hz", capability.sensor.rate_hz},
-                             {"limit", capability.sensor.limit},
                              {"observable_hz", capability.highest_hz}}};
   if (capability.smallest_rms_10_percent_m) {
     reason.numbers.emplace_back("noise_m", *capability.noise_in_band_m);
@@ -169,7 +167,7 @@ SensorAbility DlRs1a(int baud) {
   sensor.name = fmt::format("IL-030 through a DL-RS1A, {} baud", baud);
   sensor.settings = {{"sensor", "keyence-il"}, {"baud", std::to_string(baud)}};
   sensor.rate_hz = 1 / SecondsFromNs(std::max(poll_ns, refresh_ns));
-  sensor.limit = poll_ns > refresh_ns ? "the wire" : "the unit's refresh";
+  sensor.limit = poll_ns > refresh_ns ? RateLimit::kWire : RateLimit::kUnitRefresh;
   return sensor;
 }
 
@@ -179,7 +177,7 @@ SensorAbility DlEn1() {
   sensor.name = "IL-030 through a DL-EN1";
   sensor.settings = {{"sensor", "keyence-en1"}};
   sensor.rate_hz = 1 / SecondsFromNs(dl_en1::RefreshNs(1));
-  sensor.limit = "the unit's processing";
+  sensor.limit = RateLimit::kUnitProcessing;
   return sensor;
 }
 
@@ -190,7 +188,7 @@ SensorAbility LkG() {
   return {.name = "LK-G asked over RS-232C, at an assumed 115200 baud",
           .settings = {{"sensor", "keyence-lkg"}, {"baud", "115200"}},
           .rate_hz = 1 / SecondsFromNs(WireTimeNs(kExchangeBytes, kBaud)),
-          .limit = "the wire alone",
+          .limit = RateLimit::kWireAlone,
           .resolution_m = 1e-7};
 }
 
@@ -199,7 +197,7 @@ SensorAbility Stream(int baud) {
   return {.name = fmt::format("lines of 9 characters that come unasked, {} baud", baud),
           .settings = {{"sensor", "stream"}, {"baud", std::to_string(baud)}},
           .rate_hz = MostLinesPerSecond(format, baud),
-          .limit = "the wire",
+          .limit = RateLimit::kWire,
           .resolution_m = MetresPerCount(format)};
 }
 
@@ -207,7 +205,7 @@ SensorAbility Modbus(const SensorProfile& profile) {
   return {.name = fmt::format("{} {}, Modbus", profile.maker, profile.model),
           .settings = {{"sensor", "modbus"}, {"profile", profile.name}},
           .rate_hz = HighestRateHz(profile),
-          .limit = "the wire and the sensor",
+          .limit = RateLimit::kWireAndSensor,
           .resolution_m = profile.resolution_m,
           .noise_rms_m = profile.noise_rms_m,
           .range_min_m = profile.range_min_m,
@@ -221,7 +219,7 @@ SensorAbility AnalogOutput(double sampling_s, int averages) {
                             1e3 * sampling_s, averages, averages == 1 ? "" : "s");
   sensor.settings = {{"sensor", "pipe"}, {"calibration", "FILE"}};
   sensor.rate_hz = 1 / sampling_s;
-  sensor.limit = "the amplifier's sampling";
+  sensor.limit = RateLimit::kAmplifierSampling;
   sensor.resolution_m.reset();
   return sensor;
 }

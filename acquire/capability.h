@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -35,13 +36,23 @@ struct NoiseInBand {
 /// What each sensor can be asked, before anything is bought, wired or recorded: arithmetic on what
 /// makers state and wires carry.
 
+/// What sets the rate of new readings.
+enum class RateLimit : std::uint8_t {
+  kWire,
+  kWireAlone,  ///< of the unit nothing is known
+  kWireAndSensor,
+  kUnitRefresh,
+  kUnitProcessing,
+  kAmplifierSampling,
+};
+
 /// What a sensor, its wire and its settings give; empty where nobody states it.
 struct SensorAbility {
   std::string name{};  ///< "IL-030 through a DL-RS1A, 38400 baud"
   /// How it is asked for, by settings: {"sensor", "keyence-il"}, {"baud", "38400"}.
   std::vector<std::pair<std::string, std::string>> settings{};
-  double rate_hz = 0;     ///< fastest new readings a second, > 0
-  std::string limit{};    ///< what sets the rate: "the wire", "the unit's refresh"
+  double rate_hz = 0;  ///< fastest new readings a second, > 0
+  RateLimit limit = RateLimit::kWire;
   double sampling_s = 0;  ///< of the raw samples in an averaged reading; 0: no averaging is known
   int averages = 1;       ///< raw samples in a reading
   std::optional<double> resolution_m{};  ///< one step

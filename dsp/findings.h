@@ -29,7 +29,9 @@ enum class FindingKind : std::uint8_t {
   // rate and times
   kTooFewReadings,        ///< new_readings_per_s, observable_hz, lower_hz, upper_hz, needed_per_s
   kTimesUncertain,        ///< time_uncertainty_s, upper_hz, limit_s
-  kNoRegularGrid,         ///< error: of OnRegularGrid()
+  kFewUnevenTimes,        ///< rows: too few for a regular grid
+  kTimesTooUneven,        ///< jitter_s, grid_s, largest_jitter_s: no regular grid
+  kReadingsTooFarApart,   ///< upper_hz, readings_per_s, at uneven times
   kRegularGrid,           ///< jitter_s, largest_jitter_s, readings_per_s, readings, missing,
                           ///< excluded, error: of a tone, at most
   kSamplingContradicted,  ///< sampling_s, samples_per_s, new_readings_per_s

@@ -240,14 +240,8 @@ Result<BandAnalysis> AnalyzeBand(const trial::RowSource& source, const BandQuest
   if (auto checked = CheckQuestion(question); !checked) return std::unexpected(checked.error());
   if (!source.head().times_are_known) return AnalyzeRows(source, question, threads, {});
   const auto grid = OnRegularGrid(source, question.band.upper_hz);
-  if (!grid && grid.error().cause != Cause::kCannotAnswer) return std::unexpected(grid.error());
-  if (!grid) {
-    const std::string error = fmt::format("{}: {}", grid.error().what, grid.error().remedy);
-    return AnalyzeRows(source, question, threads,
-                       Finding{.severity = Severity::kRefusal,
-                               .kind = FindingKind::kNoRegularGrid,
-                               .numbers = {{"error", error}}});
-  }
+  if (!grid) return std::unexpected(grid.error());
+  if (grid->refusal) return AnalyzeRows(source, question, threads, grid->refusal);
   auto analysis = AnalyzeRows(trial::RecordRows(grid->record), question, threads, {});
   if (analysis) CountReadings(*grid, &*analysis);
   return analysis;

@@ -203,7 +203,7 @@ struct BandAnalysis {
 /// RMS^2 = tone / gain^2 + rest - floor (dsp/analysis/rms_estimate.h): the floor is the question's
 /// or that of the quiet parts (0.1 s at least), the gain the sensor's at the tone. Type B bounds:
 /// what leaks from below the band, quantisation, bridging, and what settling leaves. The sensor's
-/// calibration and linearity are not included (kNotInBudget).
+/// calibration and linearity are not included.
 ///
 /// Not answered: fewer new readings a second than 2.56 x the upper corner; a polled sensor whose
 /// times are uncertain by 0.1/upper corner or more (its readings are of unknown age; a free-running

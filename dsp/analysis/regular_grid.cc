@@ -1,7 +1,5 @@
 #include "dsp/analysis/regular_grid.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -253,32 +251,28 @@ trial::Channel OnRows(const trial::Channel& channel, const Places& places,
   return gridded;
 }
 
-Error TooUneven(const RegularGrid& grid) {
-  return CannotAnswer(
-             "",
-             fmt::format(
-                 "the times of its readings scatter by {:.3g} ms about a grid of {:.4g} ms, "
-                 "up to {:.3g} ms: dropped readings cannot be told from late ones",
-                 grid.jitter_s * 1e3, 1e3 / grid.rate_hz, grid.largest_jitter_s * 1e3),
-             "record with a clocked source")
-      .error();
+RegularGrid Refused(FindingKind kind, std::vector<FindingNumber> numbers) {
+  RegularGrid none;
+  none.refusal = {.severity = Severity::kRefusal, .kind = kind, .numbers = std::move(numbers)};
+  return none;
 }
 
 }  // namespace
 
-Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz) {
+RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz) {
   HAPTOMETER_CHECK(record.times_are_known && record.raw_times_s.size() == record.rows,
                    "{} times of {} rows", record.raw_times_s.size(), record.rows);
   if (record.rows < kPoints.front()) {
-    return CannotAnswer("", fmt::format("{} rows at uneven times are too few", record.rows),
-                        "record longer");
+    return Refused(FindingKind::kFewUnevenTimes, {{"rows", record.rows}});
   }
   const std::span<const double> times_s = record.raw_times_s;
   const Places places = PlacesOf(times_s);
   RegularGrid grid;
   DescribeJitter(times_s, places, grid);
   if (!(grid.largest_jitter_s <= kFarthestPeriods * places.period_s)) {
-    return std::unexpected(TooUneven(grid));
+    return Refused(FindingKind::kTimesTooUneven, {{"jitter_s", grid.jitter_s},
+                                                  {"grid_s", 1 / grid.rate_hz},
+                                                  {"largest_jitter_s", grid.largest_jitter_s}});
   }
 
   grid.record.metadata = record.metadata;
@@ -292,12 +286,8 @@ Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz) 
       const std::size_t left_out_before = grid.left_out;
       values = interpolator.Values(grid.points, grid);
       if (2 * (grid.left_out - left_out_before) > interpolator.readings()) {
-        return CannotAnswer(
-            "",
-            fmt::format("its readings at uneven times are too far apart for motion at {:g} Hz: "
-                        "{:.4g} a second",
-                        upper_hz, grid.rate_hz),
-            "ask for a lower band, or record with a clocked source");
+        return Refused(FindingKind::kReadingsTooFarApart,
+                       {{"upper_hz", upper_hz}, {"readings_per_s", grid.rate_hz}});
       }
     }
     grid.record.channels.push_back(OnRows(channel, places, values, grid.record.rows));

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "base/error.h"
+#include "dsp/findings.h"
 #include "trial/record.h"
 #include "trial/row_source.h"
 
@@ -23,8 +25,9 @@ struct RegularGrid {
   /// What interpolation adds at most to a tone at `upper_hz`, as a part of its amplitude (less to
   /// lower ones); of the worst row that is kept.
   double error_bound = 0;
-  std::vector<std::size_t> rows;  ///< the grid's row of each reading
-  std::size_t left_out = 0;       ///< rows whose bound would be above kLargestInterpolationError
+  std::vector<std::size_t> rows;   ///< the grid's row of each reading
+  std::size_t left_out = 0;        ///< rows whose bound would be above kLargestInterpolationError
+  std::optional<Finding> refusal;  ///< why there is no grid; the record is empty then
 };
 
 /// Puts the readings of `record`, whose own times are known (Record::times_are_known) but lie on no
@@ -44,12 +47,11 @@ struct RegularGrid {
 /// Motion above `upper_hz` has no such bound. Ignored, jitter of s would add 2 pi f s of the tone
 /// as noise.
 ///
-/// Errors (Cause::kCannotAnswer): fewer than four rows; a time farther than 0.3 periods from its
-/// place, so that dropped readings and jitter cannot be told apart; the bound above
-/// kLargestInterpolationError in more than half of the rows. Programmer's error: no known times.
-/// Cost: O(rows points^2).
-[[nodiscard]] Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz);
-/// The same of a source whose head has the known times. Further errors: as RowSource::Read.
+/// Refused: fewer than four rows; a time farther than 0.3 periods from its place, so that dropped
+/// readings and jitter cannot be told apart; the bound above kLargestInterpolationError in more
+/// than half of the rows. Programmer's error: no known times. Cost: O(rows points^2).
+[[nodiscard]] RegularGrid OnRegularGrid(const trial::Record& record, double upper_hz);
+/// The same of a source whose head has the known times. Errors: as RowSource::Read.
 [[nodiscard]] Result<RegularGrid> OnRegularGrid(const trial::RowSource& source, double upper_hz);
 
 }  // namespace haptometer::dsp

@@ -101,11 +101,10 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   const auto share = [&](double variance) {
     return total > 0 ? random * std::sqrt(variance) / total : 0;
   };
-  estimate.budget.push_back({"noise", Evaluation::kStatistical, share(sum.variance),
-                             "periodogram of what the tone leaves"});
+  estimate.budget.push_back({RmsCause::kNoise, Evaluation::kStatistical, share(sum.variance)});
   if (power.floor) {
-    estimate.budget.push_back({"noise floor", Evaluation::kStatistical, share(sum.floor_variance),
-                               "scatter of the floor that is taken off"});
+    estimate.budget.push_back(
+        {RmsCause::kNoiseFloor, Evaluation::kStatistical, share(sum.floor_variance)});
   }
   // an error of the RMS behind the filter, in terms of the RMS that is stated
   const double scale = known ? estimate.as_measured_m / (gain_square * estimate.rms_m) : 1;
@@ -113,7 +112,7 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
   for (const RmsBound& bound : bounds) {
     const double u = scale * bound.half_width_m / std::numbers::sqrt3;
     bound_square += u * u;
-    estimate.budget.push_back({bound.name, Evaluation::kBound, u, bound.how});
+    estimate.budget.push_back({bound.cause, Evaluation::kBound, u});
   }
   estimate.standard_uncertainty_m = std::hypot(random, std::sqrt(bound_square));
   const double widening = kNormal95 * std::sqrt(bound_square);

@@ -1,10 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 #include <vector>
 
 #include "dsp/analysis/band_noise.h"
@@ -17,22 +16,32 @@ enum class Evaluation : std::uint8_t {
   kBound,        ///< Type B: a rectangle of half width a, whose standard deviation is a / sqrt(3)
 };
 
-/// What no budget of an RMS or an amplitude holds: a record does not tell it.
-inline constexpr std::string_view kNotInBudget = "the sensor's calibration and linearity";
+/// What an RMS is uncertain by. No budget holds the sensor's calibration and linearity: a record
+/// does not tell them.
+enum class RmsCause : std::uint8_t {
+  kNoise,         ///< periodogram of what the tone leaves
+  kNoiseFloor,    ///< scatter of the floor that is taken off
+  kBelowBand,     ///< motion there: its amplitude times |H|^2, as power and as a beat with the tone
+  kQuantisation,  ///< step / sqrt(12), white up to half the rate
+  kBridged,       ///< readings: the error of the same bridging beside each hole
+  kFilterEnds,    ///< what lay beyond the ends, as far as it may still show
+  kDriveEdges,    ///< what a window shorter by a period at either end would change
+  kSpikes,        ///< their energy within the band
+  kSteps,         ///< their energy within the band
+};
+inline constexpr std::size_t kRmsCauseCount = 9;
 
 /// One line of an uncertainty budget.
 struct UncertaintyLine {
-  std::string name;  ///< "noise", "tremor that leaks in", ...
+  RmsCause cause{};
   Evaluation evaluation = Evaluation::kStatistical;
   double standard_uncertainty_m = 0;  ///< of the RMS
-  std::string how;                    ///< the reasoning, in a phrase
 };
 
 /// A bound on an error of the RMS as the filter put it out.
 struct RmsBound {
-  std::string name;
+  RmsCause cause{};
   double half_width_m = 0;
-  std::string how;
 };
 
 /// What a window holds, in mean squares behind the filter.

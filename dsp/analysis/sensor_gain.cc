@@ -1,7 +1,5 @@
 #include "dsp/analysis/sensor_gain.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -75,15 +73,6 @@ int MostAverages(double frequency_hz, double sampling_s) {
     --averages;
   }
   return averages;
-}
-
-std::string Describe(const SensorAveraging& sensor) {
-  const std::string held = sensor.repeats > 1
-                               ? fmt::format(", each reading held for {} rows", sensor.repeats)
-                               : std::string();
-  if (sensor.knowledge == SensorKnowledge::kUnknown) return "averaging unknown" + held;
-  if (sensor.averages == 1) return "no averaging" + held;
-  return fmt::format("{} averages at {:g} ms{}", sensor.averages, sensor.sampling_s * 1e3, held);
 }
 
 }  // namespace haptometer::dsp

@@ -2,8 +2,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
-#include <string_view>
 
 #include "trial/record.h"
 
@@ -49,9 +47,5 @@ struct GainBounds {
 
 /// The most averages that leave at least kLeastSensorGain at `frequency_hz`; at least 1.
 [[nodiscard]] int MostAverages(double frequency_hz, double sampling_s);
-
-/// "16 averages at 0.33 ms", "no averaging", "averaging unknown", each with ", each reading held
-/// for 5 rows" where that is so.
-[[nodiscard]] std::string Describe(const SensorAveraging& sensor);
 
 }  // namespace haptometer::dsp

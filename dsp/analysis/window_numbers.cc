@@ -192,27 +192,24 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
   const BandNumbers& numbers = window.numbers;
   const double rms = std::sqrt(numbers.power.mean_square);
   std::vector<RmsBound> bounds;
-  const auto add = [&](std::string name, double half_width, std::string how) {
-    if (half_width > 0) bounds.push_back({std::move(name), half_width, std::move(how)});
+  const auto add = [&](RmsCause cause, double half_width) {
+    if (half_width > 0) bounds.push_back({cause, half_width});
   };
   if (rms == 0) return bounds;
   if (numbers.below_band) {
     const double leaked = numbers.below_band->leaked_rms_m;
     const double apart_hz = window.band().lower_hz - numbers.below_band->frequency_hz;
     const double beat = std::min(1.0, 1 / (std::numbers::pi * apart_hz * window.duration_s()));
-    add("motion below the band", leaked * leaked / (2 * rms) + leaked * beat,
-        "its amplitude times |H|^2, as power and as a beat with the tone");
+    add(RmsCause::kBelowBand, leaked * leaked / (2 * rms) + leaked * beat);
   }
   const double steps =
       window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
-  add("quantisation", std::min(steps, steps * steps / (2 * rms)),
-      "step / sqrt(12), white up to half the rate");
-  add("bridged readings", numbers.bridged_rms_m, "the error of the same bridging beside each hole");
-  add("filter's ends", kSettledError * rms,
-      "what lay beyond the ends, as far as it may still show");
-  add("drive's edges", edges_m, "what a window shorter by a period at either end would change");
-  add("spikes", 0.5 * rms * FaultShare(window, FaultKind::kSpike), "their energy within the band");
-  add("steps", 0.5 * rms * FaultShare(window, FaultKind::kStep), "their energy within the band");
+  add(RmsCause::kQuantisation, std::min(steps, steps * steps / (2 * rms)));
+  add(RmsCause::kBridged, numbers.bridged_rms_m);
+  add(RmsCause::kFilterEnds, kSettledError * rms);
+  add(RmsCause::kDriveEdges, edges_m);
+  add(RmsCause::kSpikes, 0.5 * rms * FaultShare(window, FaultKind::kSpike));
+  add(RmsCause::kSteps, 0.5 * rms * FaultShare(window, FaultKind::kStep));
   return bounds;
 }
 

@@ -56,6 +56,7 @@ Result<WindowSamples> ReadWindow(const trial::RowSource& source, const BandAnaly
   if (!source.head().times_are_known) return ReadFrom(source, analysis, most);
   const auto grid = OnRegularGrid(source, analysis.band.upper_hz);
   if (!grid) return std::unexpected(grid.error());
+  HAPTOMETER_CHECK(!grid->refusal, "an analysis of times without a grid");
   return ReadFrom(trial::RecordRows(grid->record), analysis, most);
 }
 

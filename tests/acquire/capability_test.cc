@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 
 const SensorAbility kFast{.name = "fast",
                           .rate_hz = 10'000,
-                          .limit = "the wire",
+                          .limit = RateLimit::kWire,
                           .resolution_m = 1e-7,
                           .noise_rms_m = 5e-7};
 
@@ -38,7 +38,7 @@ TEST(Capability, TheRateDecidesFirst) {
   EXPECT_FALSE(Judge(slow, {}).can_answer);
   EXPECT_EQ(Judge(slow, {}).reason.kind, FindingKind::kRateTooLow);
   EXPECT_EQ(tests::NumbersOf(Judge(slow, {}).reason),
-            "rate_hz=1279 limit=the wire observable_hz=499.609 asked_hz=500 needed_hz=1280");
+            "rate_hz=1279 observable_hz=499.609 asked_hz=500 needed_hz=1280");
   slow.rate_hz = 1280;
   EXPECT_TRUE(Judge(slow, {}).can_answer);
   EXPECT_TRUE(Judge(kFast, {}).can_answer);

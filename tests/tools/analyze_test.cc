@@ -254,7 +254,7 @@ TEST_F(AnalyzeVerb, TooSlowIsSaidInWords) {
   const Outcome outcome = Analyze({Trial("slow.csv", 48, 3)});
   EXPECT_EQ(outcome.status, 3);
   EXPECT_THAT(outcome.out, HasSubstr("not answered: 48 new readings/s show vibration up to"));
-  EXPECT_THAT(outcome.out, ContainsRegex("observable up to +18.75 Hz"));
+  EXPECT_THAT(outcome.out, ContainsRegex("observable to +18.75 Hz"));
   EXPECT_THAT(outcome.out, ::testing::Not(HasSubstr("RMS")));
 }
 

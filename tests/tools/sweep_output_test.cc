@@ -58,7 +58,7 @@ TEST(SweepDocument, SaysF0AndQWithTheirIntervals) {
   EXPECT_THAT(text, ContainsRegex("largest amplitude +20 um/V, at 200 Hz"));
   EXPECT_THAT(text,
               ContainsRegex("natural frequency +200.00\\(50\\) Hz; 95 %: 199.00 to 201.00 Hz"));
-  EXPECT_THAT(text, ContainsRegex("quality factor +10.00\\(25\\); 95 %: 9.50 to 10.50"));
+  EXPECT_THAT(text, ContainsRegex("quality factor Q +10.00\\(25\\); 95 %: 9.50 to 10.50"));
 }
 
 TEST(SweepDocument, WritesColumnsNamedByTheirUnit) {
@@ -68,7 +68,8 @@ TEST(SweepDocument, WritesColumnsNamedByTheirUnit) {
   EXPECT_THAT(driven, HasSubstr("\n# haptometer 0.0"));
   EXPECT_THAT(driven,
               HasSubstr("\nfrequency_hz,amplitude_m_per_v,phase_rad,coherence\n100.0,2.66"));
-  EXPECT_THAT(driven, ContainsRegex("\n200.0,(2e-05|1.9999999999999998e-05),-1.5707963267948966,0.875\n"));
+  EXPECT_THAT(driven,
+              ContainsRegex("\n200.0,(2e-05|1.9999999999999998e-05),-1.5707963267948966,0.875\n"));
   const std::string alone = SweepCsv(Answered(false), {});
   EXPECT_THAT(alone, HasSubstr("\nfrequency_hz,amplitude_m,phase_rad,coherence\n100.0,2.66"));
   EXPECT_THAT(alone, ContainsRegex("\n200.0,(2e-05|1.9999999999999998e-05),,\n"));

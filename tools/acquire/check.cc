@@ -14,6 +14,7 @@
 #include "tools/acquire/check_list.h"
 #include "tools/acquire/recording_document.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/keys.h"
 #include "trial/byte_io.h"
 #include "trial/record.h"
 #include "trial/trial_reader.h"
@@ -111,8 +112,8 @@ constexpr std::string_view MarkOf(Verdict verdict) {
 // a line for the finding, behind mark and point, and below it one for the remedy
 Section ItemSection(const CheckItem& item) {
   Section section;
-  section.Add({"name"}, item.name);
-  section.Add({"verdict"}, Name(item.verdict));
+  section.Add(document::kName, item.name);
+  section.Add(document::kVerdict, Name(item.verdict));
   section.Add({"finding"}, item.finding).label =
       fmt::format("{:<4} {}", MarkOf(item.verdict), item.name);
   section.Add({"remedy", "            ->"}, document::TextOrNotKnown(item.remedy));
@@ -127,8 +128,8 @@ Section GainsSection(const std::vector<ToneGain>& gains) {
                .is_known = !gains.empty()};
   for (const ToneGain& tone : gains) {
     Section& row = list.sections.emplace_back();
-    row.Add({"frequency_hz", "frequency", document::kHertz}, tone.frequency_hz);
-    row.Add({"gain", "gain"}, tone.gain).resolution = 1e-4;
+    row.Add(document::kFrequency, tone.frequency_hz);
+    row.Add(document::kGain, tone.gain).resolution = 1e-4;
   }
   return list;
 }
@@ -137,28 +138,27 @@ Section GainsSection(const std::vector<ToneGain>& gains) {
 Section NumbersSection(const CheckFindings& findings, const dsp::BandPass& band) {
   const acquire::RecordingSummary& summary = findings.summary;
   Section section{.heading = "numbers", .detail = document::Detail::kAll};
-  section.Add(kReadingsKey, summary.readings);
+  section.Add(document::kReadings, summary.readings);
   section.Add(kBadKey, summary.bad());
   section.Add(kRepeatedKey, summary.repeated());
-  section.Add(kGapsKey, summary.gaps);
-  section.Add({"duration_s", "duration", document::kSecond}, findings.duration_s);
-  section.Add({"new_readings_per_s", "new readings", document::kPerSecond}, findings.fresh_rate_hz);
-  section.Add({"observable_upper_hz", "observable to", document::kHertz},
-              findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner);
+  section.Add(document::kGaps, summary.gaps);
+  section.Add(document::kDuration, findings.duration_s);
+  section.Add(document::kNewReadings, findings.fresh_rate_hz);
+  section.Add(document::kObservableUpper, findings.fresh_rate_hz / dsp::kLeastRatePerUpperCorner);
   section.Add(kJitterKey, summary.interval_sd_s);
-  section.Add(kTimeUncertaintyKey, findings.time_uncertainty_s);
+  section.Add(document::kTimeUncertainty, findings.time_uncertainty_s);
   const auto add_length = [&](const document::Key& key, std::optional<double> length_m) {
     section.Add(key, length_m).resolution = findings.resolution_m / 10;
   };
   add_length({"level_m", "mean", document::kMetre}, findings.level_m);
   add_length({"least_m", "least", document::kMetre}, findings.least_m);
   add_length({"greatest_m", "greatest", document::kMetre}, findings.greatest_m);
-  add_length({"noise_rms_m", "noise in the band (RMS)", document::kMetre}, findings.noise_m);
-  add_length({"smallest_rms_10_percent_m", "smallest RMS to 10 %", document::kMetre},
-             SmallestRmsOf(findings, band, 0.1));
-  add_length({"smallest_rms_1_percent_m", "smallest RMS to 1 %", document::kMetre},
-             SmallestRmsOf(findings, band, 0.01));
-  section.Add({"tone_frequency_hz", "strongest tone", document::kHertz}, findings.tone_hz);
+  add_length({document::kNoiseRms.name, "noise in the band (RMS)", document::kMetre},
+             findings.noise_m);
+  add_length(document::kSmallestRms10, SmallestRmsOf(findings, band, 0.1));
+  add_length(document::kSmallestRms1, SmallestRmsOf(findings, band, 0.01));
+  section.Add({document::kToneFrequency.name, "strongest tone", document::kHertz},
+              findings.tone_hz);
   add_length({"tone_rms_m", "its RMS", document::kMetre}, findings.tone_rms_m);
   return section;
 }
@@ -175,11 +175,11 @@ document::Document CheckDocument(const trial::TrialHeader& header, const CheckFi
   Section& root = document.root;
   root.sources = trial::SourcesOf(header.metadata, {.closed = !findings.summary.interrupted});
   root.Add({"ready"}, fixes == 0);
-  root.Add({kSensorKey.name}, header.metadata.sensor);
-  root.Add({kSourceKey.name}, header.metadata.source);
-  Section band{.name = "band"};
-  band.Add({"lower_hz"}, question.band.lower_hz);
-  band.Add({"upper_hz"}, question.band.upper_hz);
+  root.Add({document::kSensor.name}, header.metadata.sensor);
+  root.Add({document::kSource.name}, header.metadata.source);
+  Section band{.name = document::kBand.name};
+  band.Add(document::kLowerHz, question.band.lower_hz);
+  band.Add(document::kUpperHz, question.band.upper_hz);
   Section list{.name = "items", .shape = Section::Shape::kArray};
   for (const CheckItem& item : items) list.sections.push_back(ItemSection(item));
   root.sections = {std::move(band), std::move(list), NumbersSection(findings, question.band),

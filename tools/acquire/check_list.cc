@@ -63,9 +63,7 @@ CheckFindings FindingsOf(const trial::Record& record, const acquire::RecordingSu
   findings.fresh_rate_hz = analysis->record.fresh_rate_hz;
   findings.level_m = analysis->record.offset_m;
   if (!analysis->answered) {
-    // without its remedy: the list has its own
-    const std::string reason = document::RefusalOf(analysis->findings);
-    findings.no_noise_because = reason.substr(0, reason.find(": "));
+    findings.no_noise_because = document::RefusalOf(analysis->findings);
   }
   if (!analysis->numbers) return findings;
   findings.noise_m = analysis->numbers->residual_rms_m;

@@ -9,6 +9,7 @@
 #include "acquire/sensor/stream_sensor.h"
 #include "base/input_file.h"
 #include "tools/cli/shared_options.h"
+#include "tools/document/keys.h"
 #include "trial/import/table_cells.h"
 #include "trial/trial_reader.h"
 
@@ -111,18 +112,17 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   root.sections = {BadByKind(summary, bad_words), {.detail = document::Detail::kAll}};
   document::AddFindings(root.sections.back(), found);
 
-  root.Add(kFileKey, TextOrNotKnown(file));
-  root.Add(kSensorKey, metadata.sensor);
-  root.Add(kSourceKey, metadata.source);
-  root.Add({kReadingsKey.name}, summary.readings);
-  root.Add(kRateKey, summary.rate_hz).resolution = 0.1;
+  root.Add(document::kFile, TextOrNotKnown(file));
+  root.Add(document::kSensor, metadata.sensor);
+  root.Add(document::kSource, metadata.source);
+  root.Add({document::kReadings.name}, summary.readings);
+  root.Add(document::kRate, summary.rate_hz).resolution = 0.1;
   root.Add(kJitterKey, summary.interval_sd_s).resolution = 1e-6;
-  root.Add({"highest_observable_hz", "observable to", document::kHertz}, observable_hz).note =
-      "rate / 2.56";
+  root.Add(document::kHighestObservable, observable_hz).note = "rate / 2.56";
   root.Add(kBadKey, summary.bad()).note = bad_words;
   root.Add(kRepeatedKey, summary.repeated());
   root.Add({"distinct"}, summary.distinct());
-  root.Add(kGapsKey, summary.gaps);
+  root.Add(document::kGaps, summary.gaps);
   AddRare(root, kLostKey, summary.lost);
   AddRare(root, kReconnectsKey, summary.reconnects);
   AddRare(root, {"triggers", "triggers"}, summary.triggers);
@@ -130,7 +130,7 @@ document::Document RecordingDocument(const std::string& file, const trial::Metad
   root.Add({"elapsed_s"}, summary.elapsed_s);
   root.Add({"connection_lost"}, summary.connection_lost);
   root.Add({"interrupted"}, summary.interrupted);
-  root.Add({kTimeUncertaintyKey.name}, uncertainty_s);
+  root.Add({document::kTimeUncertainty.name}, uncertainty_s);
   if (time_base) document::AddFindings(root, FindingsOf(*time_base, metadata));
   return document;
 }
@@ -162,7 +162,7 @@ Section PortSection(const PortInfo& port) {
   if (port.usb_vendor && port.usb_product) {
     usb = fmt::format("{:04x}:{:04x} {}", *port.usb_vendor, *port.usb_product, port.usb_serial);
   }
-  section.Add({"port"}, port.path);
+  section.Add(document::kPort, port.path);
   section.Add({"by_id", "by id"}, TextOrNotKnown(port.by_id));
   section.Add({"description", "description"}, TextOrNotKnown(port.description));
   section.Add({"driver", "driver"}, TextOrNotKnown(port.driver));
@@ -174,7 +174,7 @@ Section PortSection(const PortInfo& port) {
   section.Add({"usb_vendor"}, port.usb_vendor);
   section.Add({"usb_product"}, port.usb_product);
   section.Add({"usb_serial"}, TextOrNotKnown(port.usb_serial));
-  section.Add({"latency_s", "latency timer", document::kSecond}, latency_s);
+  section.Add({document::kLatency.name, "latency timer", document::kSecond}, latency_s);
   section.Add({"dl_rs1a_38400_baud_rate_hz", "fastest DL-RS1A", document::kHertz}, rate_hz)
       .resolution = 0.1;
   section.Add({"in_use_by", "in use by"}, TextOrNotKnown(port.held_by));
@@ -202,27 +202,48 @@ namespace {
 using acquire::Capability;
 using acquire::CapabilityQuestion;
 
+std::string_view TextOf(acquire::RateLimit limit) {
+  using enum acquire::RateLimit;
+  switch (limit) {
+    case kWire:
+      return "the wire";
+    case kWireAlone:
+      return "the wire alone";
+    case kWireAndSensor:
+      return "the wire and the sensor";
+    case kUnitRefresh:
+      return "the unit's refresh";
+    case kUnitProcessing:
+      return "the unit's processing";
+    case kAmplifierSampling:
+      break;
+  }
+  return "the amplifier's sampling";
+}
+
 Section CapabilitySection(const Capability& capability) {
   const acquire::SensorAbility& sensor = capability.sensor;
   Section section{.heading =
                       fmt::format("{}: {}", capability.can_answer ? "yes" : "cannot", sensor.name)};
-  section.Add({"name"}, sensor.name);
+  section.Add(document::kName, sensor.name);
   section.Add({"can_answer"}, capability.can_answer);
-  section.Add({"reason", "because"}, document::WordsOf(capability.reason));
+  acquire::Finding reason = capability.reason;
+  reason.numbers.emplace_back("limit", std::string(TextOf(sensor.limit)));
+  section.Add({"reason", "because"}, document::WordsOf(reason));
   std::string options;
   for (const auto& [setting, value] : sensor.settings) {
     options += fmt::format("{}--{} {}", options.empty() ? "" : " ", setting, value);
   }
   section.Add({"option", "acquire with"}, options);
-  section.Add(kRateKey, sensor.rate_hz).label.clear();
-  section.Add({"highest_observable_hz"}, capability.highest_hz);
+  section.Add(document::kRate, sensor.rate_hz).label.clear();
+  section.Add({document::kHighestObservable.name}, capability.highest_hz);
   section.Add({"gain_at_lower"}, capability.gain_lower);
   section.Add({"gain_at_upper"}, capability.gain_upper);
   section.Add({"resolution_m"}, sensor.resolution_m);
-  section.Add({"noise_rms_m"}, sensor.noise_rms_m);
+  section.Add(document::kNoiseRms, sensor.noise_rms_m);
   section.Add({"noise_in_band_m"}, capability.noise_in_band_m);
-  section.Add({"smallest_rms_10_percent_m"}, capability.smallest_rms_10_percent_m);
-  section.Add({"smallest_rms_1_percent_m"}, capability.smallest_rms_1_percent_m);
+  section.Add({document::kSmallestRms10.name}, capability.smallest_rms_10_percent_m);
+  section.Add({document::kSmallestRms1.name}, capability.smallest_rms_1_percent_m);
   section.Add({"range_min_m"}, sensor.range_min_m);
   section.Add({"range_max_m"}, sensor.range_max_m);
   return section;
@@ -254,7 +275,7 @@ document::Document SensorsDocument(const CapabilityQuestion& question) {
   root.Add({"band_hz"}, document::Range{question.lower_hz, question.upper_hz});
   root.Add({"wanted_resolution_m"}, question.resolution_m);
   root.Add({"record_s"}, question.record_s);
-  Section list{.name = "sensors", .shape = Section::Shape::kArray};
+  Section list{.name = document::kSensors.name, .shape = Section::Shape::kArray};
   for (const Capability& capability : Judge(acquire::KnownSensors(), question)) {
     list.sections.push_back(CapabilitySection(capability));
   }

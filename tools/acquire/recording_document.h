@@ -12,24 +12,17 @@
 #include "base/error.h"
 #include "base/quantity.h"
 #include "tools/document/document.h"
+#include "tools/document/keys.h"
 #include "trial/trial_format.h"
 
 namespace haptometer::tools {
 
 // keys of a recording, of a check and of a daemon's status
-inline constexpr document::Key kSensorKey{"sensor", "sensor"};
-inline constexpr document::Key kSourceKey{"source", "source"};
-inline constexpr document::Key kFileKey{"file"};
-inline constexpr document::Key kReadingsKey{"readings", "readings"};
 inline constexpr document::Key kBadKey{"bad", "bad"};
 inline constexpr document::Key kRepeatedKey{"repeated", "repeated"};
-inline constexpr document::Key kGapsKey{"gaps", "gaps"};
 inline constexpr document::Key kLostKey{"lost", "lost to a slow disk"};
 inline constexpr document::Key kReconnectsKey{"reconnects", "reconnections"};
-inline constexpr document::Key kRateKey{"rate_hz", "rate", document::kHertz};
 inline constexpr document::Key kJitterKey{"jitter_s", "jitter", document::kSecond};
-inline constexpr document::Key kTimeUncertaintyKey{
-    "time_uncertainty_s", "standard uncertainty of a time", document::kSecond};
 
 /// What the cleaned time base of a finished recording shows (trial/time_base.h).
 struct TimeBaseReview {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "tools/document/findings_dsp.h"
+#include "tools/document/keys.h"
 
 namespace haptometer::tools {
 namespace {
@@ -20,10 +21,7 @@ using document::Unit;
 using document::Value;
 
 // keys of more than one place
-constexpr Key kReadings{"readings", "readings"};
 constexpr Key kThd{"thd", "THD", document::kShare, Form::kUncertain};
-constexpr Key kToneAmplitude{"amplitude_m", "amplitude", document::kMetre};
-constexpr Key kFrequency{"frequency_hz", "frequency", document::kHertz};
 constexpr Key kStandardUncertainty{"standard_uncertainty_m", "standard uncertainty",
                                    document::kMetre};
 
@@ -97,7 +95,8 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
     item.standard_uncertainty = rms.standard_uncertainty_m;
     item.interval = {rms.lower_m, rms.upper_m};
   };
-  add({"band_rms_m", is_shown ? "vibration (RMS)" : "", document::kMetre, Form::kInterval},
+  add({document::kBandRms.name, is_shown ? "vibration (RMS)" : "", document::kMetre,
+       Form::kInterval},
       is_number && analysis.answered);
   add({"band_rms_estimate_m", is_shown ? "estimate (RMS), no answer" : "", document::kMetre},
       is_number && !analysis.answered);
@@ -120,8 +119,9 @@ void AddRms(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, 
 void AddTone(const dsp::BandAnalysis& analysis, const dsp::BandNumbers& numbers, Section& section) {
   const dsp::ToneNumbers tone = numbers.tone.value_or(dsp::ToneNumbers{});
   const bool is_number = numbers.tone && !numbers.is_lower_limit;
-  Item& frequency = section.Add({"tone_frequency_hz", "", document::kHertz, Form::kInterval},
-                                If(numbers.tone.has_value(), tone.fit.frequency_hz));
+  Item& frequency =
+      section.Add({document::kToneFrequency.name, "", document::kHertz, Form::kInterval},
+                  If(numbers.tone.has_value(), tone.fit.frequency_hz));
   if (numbers.tone) {
     frequency.standard_uncertainty = tone.fit.frequency_uncertainty_hz;
     frequency.interval = {tone.frequency_lower_hz, tone.frequency_upper_hz};
@@ -150,14 +150,15 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   const dsp::Edge& edge = onset.edge;
   Section section{.name = "onset", .is_known = found.has_value()};
   section
-      .Add({"time_s", "onset", document::kSecond, Form::kUncertain}, edge.time_s,
+      .Add({document::kTime.name, "onset", document::kSecond, Form::kUncertain}, edge.time_s,
            edge.time_uncertainty_s)
       .note =
       fmt::format("where {:.0f} % of the steady amplitude are reached", 100 * edge.low_level);
   section.Add({"level_of_steady"}, edge.low_level);
-  section.Add({"rise_s", "rise from 10 % to 90 %", document::kSecond, Form::kUncertain},
-              edge.rise_s, edge.rise_s ? std::optional(edge.rise_uncertainty_s) : std::nullopt);
-  section.Add({"rise_at_most_s", edge.rise_s ? "" : "rise at most", document::kSecond},
+  section.Add(document::kRise.As(Form::kUncertain), edge.rise_s,
+              edge.rise_s ? std::optional(edge.rise_uncertainty_s) : std::nullopt);
+  section.Add({document::kRiseAtMost.name, edge.rise_s ? "" : document::kRiseAtMost.label,
+               document::kSecond},
               edge.rise_at_most_s);
   if (!edge.rise_s && !edge.rise_at_most_s) {
     AddWords(section, "rise", "not determined: the noise hides its beginning");
@@ -165,11 +166,11 @@ Section OnsetSection(const std::optional<dsp::OnsetNumbers>& found) {
   section.Add({"drive_s"}, onset.drive_s);
   if (onset.latency_s) {
     section
-        .Add({"latency_s", "latency", document::kSecond, Form::kUncertain}, *onset.latency_s,
-             onset.latency_uncertainty_s)
+        .Add({document::kLatency.name, "latency", document::kSecond, Form::kUncertain},
+             *onset.latency_s, onset.latency_uncertainty_s)
         .note = LatencyVerdict(*onset.latency_s);
   } else {
-    section.Add({"latency_s", "", document::kSecond, Form::kUncertain}, Value());
+    section.Add({document::kLatency.name, "", document::kSecond, Form::kUncertain}, Value());
     AddWords(section, "latency", "not known: no drive channel or trigger");
   }
   return section;
@@ -186,8 +187,7 @@ Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
   Section section{.is_known = analysis.numbers.has_value()};
   const std::string because = WindowText(numbers.part);
   AddRms(analysis, numbers, section);
-  section.Add({"window_s", "window", document::kSecond}, RangeOf(numbers.part.window)).note =
-      because;
+  section.Add(document::kWindowS, RangeOf(numbers.part.window)).note = because;
   section.Add({"window_because"}, because);
   section.Add({"band_rms_whole_m", "whole record (RMS)", document::kMetre}, numbers.whole_rms_m)
       .note = "unsettled ends and pauses included";
@@ -199,11 +199,11 @@ Section AnswerSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
 // --- the record ---
 
 Section BandSection(const AnalyzedFile& file, const dsp::BandPass& band) {
-  Section section{.name = "band", .is_known = file.analysis.has_value()};
-  section.Add({"lower_hz"}, band.lower_hz);
-  section.Add({"upper_hz"}, band.upper_hz);
-  section.Add({"order"}, band.order);
-  section.Add({"corner"}, band.corners == dsp::Corners::kWhole ? "whole" : "each");
+  Section section{.name = document::kBand.name, .is_known = file.analysis.has_value()};
+  section.Add(document::kLowerHz, band.lower_hz);
+  section.Add(document::kUpperHz, band.upper_hz);
+  section.Add(document::kOrder, band.order);
+  section.Add(document::kCorner, band.corners == dsp::Corners::kWhole ? "whole" : "each");
   return section;
 }
 
@@ -218,16 +218,16 @@ Section ArtifactSection(const AnalyzedFile& file, const dsp::Faults& faults) {
     Section& one = section.sections.emplace_back();
     one.name = dsp::Name(kind);
     const bool is_shown = faults.Count(kind) > 0;
-    one.Add({"count", is_shown ? kArtifacts[k] : ""}, faults.Count(kind)).note =
+    one.Add({document::kCount.name, is_shown ? kArtifacts[k] : ""}, faults.Count(kind)).note =
         fmt::format("{} readings in all", faults.Rows(kind));
-    one.Add({kReadings.name}, faults.Rows(kind));
+    one.Add({document::kReadings.name}, faults.Rows(kind));
   }
-  Section list{.name = "list", .shape = Section::Shape::kArray};
+  Section list{.name = document::kList.name, .shape = Section::Shape::kArray};
   for (const dsp::Fault& fault : faults.list) {
     Section& one = list.sections.emplace_back();
-    one.Add({"kind"}, dsp::Name(fault.kind));
-    one.Add({"first_row"}, fault.first_row);
-    one.Add({"rows"}, fault.rows);
+    one.Add(document::kKind, dsp::Name(fault.kind));
+    one.Add({document::kFirstRow.name}, fault.first_row);
+    one.Add({document::kRows.name}, fault.rows);
     one.Add({"size_m"}, fault.size);
   }
   section.sections.push_back(std::move(list));
@@ -252,16 +252,15 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
                   .detail = analysis.numbers ? Detail::kAll : Detail::kShort,
                   .is_known = file.analysis.has_value()};
   if (!file.source.empty()) AddWords(section, "source", file.source);
-  section.Add(kReadings, record.rows);
+  section.Add(document::kReadings, record.rows);
   section.Add({"measured", "of which measured"}, record.measured);
   section.Add({"bridged", "interpolated"}, record.bridged);
   section.Add({"segments", "segments"}, record.segments);
-  section.Add({"duration_s", "duration", document::kSecond}, record.duration_s);
-  section.Add({"sample_rate_hz", "sample rate", document::kHertz}, record.rate_hz);
-  section.Add({"new_readings_per_s", "new readings", document::kPerSecond}, record.fresh_rate_hz);
-  section.Add({"observable_upper_hz", "observable up to", document::kHertz},
-              record.observable_upper_hz);
-  section.Add({"offset_m", "offset", document::kMetre}, record.offset_m);
+  section.Add(document::kDuration, record.duration_s);
+  section.Add(document::kSampleRate, record.rate_hz);
+  section.Add(document::kNewReadings, record.fresh_rate_hz);
+  section.Add(document::kObservableUpper, record.observable_upper_hz);
+  section.Add(document::kOffsetM, record.offset_m);
   section.Add({"peak_to_peak_m", "peak to peak", document::kMetre}, record.peak_to_peak_m).note =
       "unfiltered";
   AddSlowMotion(analysis.slow_motion, section);
@@ -277,9 +276,9 @@ Section RecordSection(const AnalyzedFile& file, const dsp::BandAnalysis& analysi
 Section KnownToneSection(const std::optional<dsp::KnownTone>& found) {
   const dsp::KnownTone known = found.value_or(dsp::KnownTone{});
   Section section{.name = "known_tone", .is_known = found.has_value()};
-  section.Add({kFrequency.name, "at the drive's frequency", document::kHertz},
+  section.Add({document::kFrequency.name, "at the drive's frequency", document::kHertz},
               known.fit.frequency_hz);
-  section.Add(kToneAmplitude, known.fit.amplitude, known.fit.amplitude_uncertainty).note =
+  section.Add(document::kAmplitude, known.fit.amplitude, known.fit.amplitude_uncertainty).note =
       known.aliased ? "as an alias" : "";
   section.Add({kStandardUncertainty.name}, known.fit.amplitude_uncertainty);
   section.Add({"aliased"}, known.aliased);
@@ -293,8 +292,8 @@ Section BelowBandSection(const std::optional<dsp::BelowBand>& found) {
   Section section{.name = "below_band",
                   .heading = "strongest tone below the band",
                   .is_known = found.has_value()};
-  section.Add(kFrequency, below.frequency_hz);
-  section.Add(kToneAmplitude, below.amplitude_m);
+  section.Add(document::kFrequency, below.frequency_hz);
+  section.Add(document::kAmplitude, below.amplitude_m);
   section.Add({"leaked_rms_m", "of which in the band (RMS)", document::kMetre}, below.leaked_rms_m);
   section.Add({"modelled", "modelled and subtracted"}, below.modelled);
   return section;
@@ -311,7 +310,7 @@ Section DriveSection(const dsp::UsedPart& part) {
     quiet_s.push_back({quiet.begin_s, quiet.end_s});
   }
   section.Add({"quiet_s"}, std::move(quiet_s));
-  Section on{.name = "on", .shape = Section::Shape::kTable};
+  Section on{.name = document::kOn.name, .shape = Section::Shape::kTable};
   for (const dsp::OnPart& one : part.drive.on) {
     Section& row = on.sections.emplace_back();
     row.Add({"whole_s", "on", document::kSecond}, RangeOf(one.whole));
@@ -329,10 +328,11 @@ Section VibrationSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbe
   AddWords(section, "filter", FilterText(analysis.band));
   section.Add({"band_peak_to_peak_m", "peak to peak in the window", document::kMetre},
               numbers.peak_to_peak_m);
-  section.Add({"residual_rms_m", "without the tone (RMS)", document::kMetre},
+  section.Add({document::kResidualRms.name, "without the tone (RMS)", document::kMetre},
               numbers.residual_rms_m);
-  section.Add({"noise_rms_m", "noise floor (RMS)", document::kMetre}, numbers.rms.floor_m).note =
-      numbers.floor ? "from " + numbers.floor->source : "";
+  section
+      .Add({document::kNoiseRms.name, "noise floor (RMS)", document::kMetre}, numbers.rms.floor_m)
+      .note = numbers.floor ? "from " + numbers.floor->source : "";
   if (!numbers.floor) AddWords(section, "noise floor", "not known, not subtracted");
   section.Add({"noise_from"}, numbers.floor ? Value(numbers.floor->source) : Value());
   section.Add({"bridged_rms_m", "error of interpolation (RMS) at most", document::kMetre},
@@ -348,11 +348,12 @@ Section BudgetSection(const dsp::BandAnalysis& analysis, const dsp::BandNumbers&
   Section budget{
       .name = "uncertainty_budget", .shape = Section::Shape::kTable, .is_known = is_known};
   for (const dsp::UncertaintyLine& line : numbers.rms.budget) {
+    const document::CauseText text = document::TextOf(line.cause);
     Section& row = budget.sections.emplace_back();
-    row.Add({"name", "cause"}, line.name);
-    row.Add({"type", "type"}, line.evaluation == dsp::Evaluation::kStatistical ? "A" : "B");
+    row.Add({document::kName.name, "cause"}, text.name);
+    row.Add(document::kType, line.evaluation == dsp::Evaluation::kStatistical ? "A" : "B");
     row.Add(kStandardUncertainty, line.standard_uncertainty_m).resolution = whole_m / 100;
-    row.Add({"how", "how it is evaluated"}, line.how);
+    row.Add({"how", "how it is evaluated"}, text.how);
   }
   Section section{
       .heading = "uncertainty of the RMS", .detail = Detail::kAll, .sections = {budget}};
@@ -369,14 +370,15 @@ Section HarmonicsSection(const std::optional<dsp::Harmonics>& found, bool is_kno
   if (harmonics.thd) thd.standard_uncertainty = harmonics.thd_uncertainty;
   thd.at_most = harmonics.thd_at_most;
   section.Add({"thd_at_most"}, harmonics.thd_at_most);
-  Section list{.name = "list", .heading = "harmonics", .shape = Section::Shape::kTable};
+  Section list{
+      .name = document::kList.name, .heading = "harmonics", .shape = Section::Shape::kTable};
   for (const dsp::Harmonic& harmonic : harmonics.harmonics) {
     Section& row = list.sections.emplace_back();
-    row.Add({"order", "order"}, harmonic.order);
-    row.Add(kFrequency, harmonic.frequency_hz);
-    row.Add({kToneAmplitude.name, kToneAmplitude.label, kToneAmplitude.unit, Form::kUncertain},
-            harmonic.amplitude, harmonic.amplitude_uncertainty);
-    row.Add({"phase_rad"}, harmonic.phase_rad);
+    row.Add({document::kOrder.name, "order"}, harmonic.order);
+    row.Add(document::kFrequency, harmonic.frequency_hz);
+    row.Add(document::kAmplitude.As(Form::kUncertain), harmonic.amplitude,
+            harmonic.amplitude_uncertainty);
+    row.Add({document::kPhase.name}, harmonic.phase_rad);
     row.Add({"stands_out", "above the noise"}, harmonic.stands_out);
   }
   section.sections.push_back(std::move(list));
@@ -404,7 +406,7 @@ Section ToneSection(const dsp::BandNumbers& numbers) {
 Section SensorSection(const dsp::BandAnalysis& analysis, const dsp::SensorNumbers& sensor) {
   Section section{
       .heading = "sensor", .detail = Detail::kAll, .is_known = analysis.numbers.has_value()};
-  section.Add({"sensor_averaging", "averaging"}, Describe(sensor.averaging));
+  section.Add(document::kSensorAveraging, document::TextOf(sensor.averaging));
   section.Add({"sensor_gain_at_tone", "gain at the tone"}, sensor.gain_at_tone).note =
       sensor.divided_out ? "corrected for" : "";
   section.Add({"sensor_gain_in_band", "gain in the band"},
@@ -412,7 +414,7 @@ Section SensorSection(const dsp::BandAnalysis& analysis, const dsp::SensorNumber
                                                           sensor.gain_in_band->greatest})
                                   : Value());
   section.Add({"sensor_gain_divided_out"}, sensor.divided_out);
-  section.Add({"amplitude_verified", "amplitude verified"}, sensor.amplitude_verified);
+  section.Add(document::kAmplitudeVerified, sensor.amplitude_verified);
   return section;
 }
 
@@ -442,20 +444,19 @@ Section ElectricalSection(const std::optional<dsp::ElectricalState>& found) {
                   .heading = "electrical, at the tone",
                   .detail = Detail::kAll,
                   .is_known = found.has_value()};
-  const auto add = [&](std::string name, std::string_view label, const Unit& unit,
-                       const dsp::Estimate& estimate) {
+  const auto add = [&](const Key& key, const dsp::Estimate& estimate) {
     Section& one = section.sections.emplace_back();
-    one.name = std::move(name);
-    one.Add({"value", label, unit}, estimate.value, estimate.uncertainty);
-    one.Add({"standard_uncertainty"}, estimate.uncertainty);
+    one.name = key.name;
+    one.Add({document::kValue.name, key.label, key.unit}, estimate.value, estimate.uncertainty);
+    one.Add(document::kStandardUncertainty, estimate.uncertainty);
   };
-  add("voltage_rms_v", "voltage (RMS)", document::kVolt, state.voltage_rms_v);
-  add("current_rms_a", "current (RMS)", document::kAmpere, state.current_rms_a);
-  add("real_power_w", "real power", document::kWatt, state.real_power_w);
-  add("apparent_power_va", "apparent power", document::kVoltAmpere, state.apparent_power_va);
-  add("phase_rad", "phase of the current", document::kRadian, state.phase_rad);
-  add("resistance_ohm", "resistance", document::kOhm, state.resistance_ohm);
-  add("reactance_ohm", "reactance", document::kOhm, state.reactance_ohm);
+  add({"voltage_rms_v", "voltage (RMS)", document::kVolt}, state.voltage_rms_v);
+  add(document::kCurrentRms, state.current_rms_a);
+  add({"real_power_w", "real power", document::kWatt}, state.real_power_w);
+  add({"apparent_power_va", "apparent power", document::kVoltAmpere}, state.apparent_power_va);
+  add(document::kPhase, state.phase_rad);
+  add({document::kResistance.name, "resistance", document::kOhm}, state.resistance_ohm);
+  add({"reactance_ohm", "reactance", document::kOhm}, state.reactance_ohm);
   return section;
 }
 
@@ -475,7 +476,7 @@ void AddFindings(const AnalyzedFile& file, bool is_alone, Section& section) {
                                 .numbers = {}});
   }
   document::AddFindings(section, file.findings);
-  section.Add({"reasons"}, std::move(reasons));
+  section.Add(document::kReasons, std::move(reasons));
   for (document::Finding& finding : section.findings) {
     if (!is_alone && finding.subject.empty()) finding.subject = file.path;
   }
@@ -487,7 +488,7 @@ document::Document AnalysisDocument(const std::string& first, std::size_t count)
   document::Document document{
       .verb = "analyze",
       .title = count == 1 ? first : fmt::format("vibration of {} trials", count)};
-  document.root.sections = {{.name = "trials", .shape = Section::Shape::kArray}};
+  document.root.sections = {{.name = document::kTrials.name, .shape = Section::Shape::kArray}};
   return document;
 }
 
@@ -500,9 +501,9 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
   Section trial{.heading = is_alone ? "" : file.path,
                 .detail = file.analysis ? Detail::kShort : Detail::kAll,
                 .figures = file.figures};
-  trial.Add({"file"}, file.path);
-  trial.Add({"answered"}, analysis.answered);
-  trial.Add({"source"}, file.source.empty() ? Value() : Value(file.source));
+  trial.Add(document::kFile, file.path);
+  trial.Add(document::kAnswered, analysis.answered);
+  trial.Add({document::kSource.name}, file.source.empty() ? Value() : Value(file.source));
   AddSources(file.sources, trial);
   trial.sections = {AnswerSection(analysis, numbers),        RecordSection(file, analysis),
                     KnownToneSection(analysis.known_tone),   VibrationSection(analysis, numbers),
@@ -515,13 +516,14 @@ Section TrialSection(const AnalyzedFile& file, bool is_alone) {
 }
 
 void AddSources(std::vector<trial::DataSource> sources, Section& section) {
-  if (sources.empty()) section.Add({"data_source"}, Value());
+  if (sources.empty()) section.Add(document::kDataSources, Value());
   section.sources = std::move(sources);
 }
 
 Section ClosingSection(bool has_numbers) {
   Section section;
-  section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""}, dsp::kNotInBudget);
+  section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""},
+              "the sensor's calibration and linearity");
   return section;
 }
 

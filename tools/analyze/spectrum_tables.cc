@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <iterator>
 #include <string>
+#include <string_view>
 
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/output_file.h"
+#include "tools/document/keys.h"
 
 namespace haptometer::tools {
 namespace {
@@ -17,6 +19,7 @@ namespace {
 constexpr double kDefaultResolutionHz = 1;
 constexpr std::size_t kSegmentsOfShort = 8;  // half overlapping, in a window too short for 1 Hz
 constexpr double kUm = 1e-6;                 // in metres
+constexpr std::string_view kDensity = "density_m2_per_hz";
 
 Result<dsp::WelchOptions> OptionsOf(const dsp::WindowSamples& window,
                                     const SpectrumQuestion& question) {
@@ -53,7 +56,8 @@ std::string SpectrumCsv(const dsp::PowerSpectrum& spectrum, const SpectrumQuesti
   std::string text = HeadOf(spectrum.grid, question);
   const std::vector<double> values =
       question.amplitude ? dsp::AmplitudeSpectrum(spectrum) : spectrum.density;
-  text += question.amplitude ? "frequency_hz,amplitude_m\n" : "frequency_hz,density_m2_per_hz\n";
+  text += fmt::format("{},{}\n", document::kFrequency.name,
+                      question.amplitude ? document::kAmplitude.name : kDensity);
   for (std::size_t k = 0; k < values.size(); ++k) {
     fmt::format_to(std::back_inserter(text), "{:.9g},{:.9g}\n",
                    static_cast<double>(k) * spectrum.grid.resolution_hz, values[k]);
@@ -66,7 +70,7 @@ std::string SpectrogramCsv(const dsp::Spectrogram& spectrogram, const SpectrumQu
   std::string text =
       fmt::format("# window = {}\n# overlap = {:g}\n# noise_bandwidth_hz = {:.12g}\n",
                   NameOf(question.window), question.overlap, spectrogram.noise_bandwidth_hz);
-  text += "time_s,frequency_hz,density_m2_per_hz\n";
+  text += fmt::format("{},{},{}\n", document::kTime.name, document::kFrequency.name, kDensity);
   for (std::size_t n = 0; n < spectrogram.density.size(); ++n) {
     const double time_s =
         start_s + spectrogram.start_s + static_cast<double>(n) * spectrogram.step_s;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tools/document/findings_dsp.h"
+#include "tools/document/keys.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {
@@ -21,7 +22,6 @@ using document::Unit;
 using document::Value;
 
 // keys of more than one place
-constexpr Key kFrequency{"frequency_hz", "frequency", document::kHertz};
 
 constexpr double kUm = 1e-6;  // in metres
 constexpr Unit kMetrePerAmpere{"_m_per_a", "m/A", {{{1e6, "um/A"}, {1e3, "mm/A"}}}};
@@ -100,27 +100,27 @@ void AddEstimate(Section& section, const Key& key, const Key& interval_key, doub
 Section ResonanceSection(const dsp::SweepAnswer& answer) {
   const dsp::SweepResonance found = answer.resonance.value_or(dsp::SweepResonance{});
   Section section{.name = "resonance", .is_known = answer.resonance.has_value()};
-  AddEstimate(section, {kFrequency.name, "natural frequency", document::kHertz},
+  AddEstimate(section, {document::kFrequency.name, "natural frequency", document::kHertz},
               {"frequency_interval_95_hz"}, found.fit.frequency_hz, found.frequency_hz);
-  AddEstimate(section, {"quality_factor", "quality factor"}, {"quality_factor_interval_95"},
+  AddEstimate(section, document::kQualityFactor, {"quality_factor_interval_95"},
               found.fit.quality_factor, found.quality_factor);
-  section.Add({"gain"}, found.fit.gain);
+  section.Add({document::kGain.name}, found.fit.gain);
   section.Add({"residual_share"}, found.fit.residual_share);
-  section.Add({"degrees_of_freedom"}, found.fit.degrees_of_freedom);
+  section.Add({document::kDegreesOfFreedom.name}, found.fit.degrees_of_freedom);
   return section;
 }
 
 // the amplitude stands under `amplitude`
 Section PointsTable(const dsp::SweepAnswer& answer, std::string_view amplitude) {
-  Section table{.name = "points",
+  Section table{.name = document::kPoints.name,
                 .heading = "points",
                 .shape = Section::Shape::kTable,
                 .detail = document::Detail::kAll};
   for (const dsp::SweepPoint& point : answer.points) {
     Section& row = table.sections.emplace_back();
-    row.Add(kFrequency, point.frequency_hz);
+    row.Add(document::kFrequency, point.frequency_hz);
     row.Add({amplitude, "amplitude", AmplitudeUnit(answer)}, point.amplitude);
-    row.Add({"phase_rad", "phase", document::kRadian}, point.phase_rad);
+    row.Add({document::kPhase.name, "phase", document::kRadian}, point.phase_rad);
     row.Add({"coherence", "coherence"}, point.coherence);
   }
   return table;
@@ -147,17 +147,18 @@ Section SweptSection(const dsp::SweepAnswer& answer) {
 Section SweepSection(const std::string& path, const dsp::SweepAnswer& answer, bool is_alone) {
   const bool is_measured = answer.rate_hz > 0;
   Section trial{.heading = is_alone ? "" : path};
-  trial.Add({"file"}, path);
-  trial.Add({"answered"}, answer.answered);
-  trial.Add({"reasons"}, document::RefusalsOf(answer.findings));
+  trial.Add(document::kFile, path);
+  trial.Add(document::kAnswered, answer.answered);
+  trial.Add(document::kReasons, document::RefusalsOf(answer.findings));
   trial.Add({"drive_channel"}, answer.drive.empty() ? Value() : Value(answer.drive));
   trial.Add({"amplitude_unit"}, answer.amplitude_unit);
-  trial.Add({"window_s"}, is_measured
-                              ? Value(document::Range{answer.window.begin_s, answer.window.end_s})
-                              : Value());
-  trial.Add({"sample_rate_hz"}, is_measured ? Value(answer.rate_hz) : Value());
-  trial.Add({"sensor_averaging"}, is_measured ? Value(Describe(answer.sensor)) : Value());
-  trial.Add({"amplitude_verified"}, answer.amplitude_verified);
+  trial.Add(
+      {document::kWindowS.name},
+      is_measured ? Value(document::Range{answer.window.begin_s, answer.window.end_s}) : Value());
+  trial.Add({document::kSampleRate.name}, is_measured ? Value(answer.rate_hz) : Value());
+  trial.Add({document::kSensorAveraging.name},
+            is_measured ? Value(document::TextOf(answer.sensor)) : Value());
+  trial.Add({document::kAmplitudeVerified.name}, answer.amplitude_verified);
   trial.sections = {ResonanceSection(answer), SweptSection(answer),
                     PointsTable(answer, "amplitude")};
   if (!answer.points.empty()) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "tools/document/keys.h"
 #include "tools/document/render.h"
 
 namespace haptometer::cli {
@@ -48,10 +49,10 @@ Section SectionOf(const Option& option) {
   const bool is_number =
       option.kind == Option::Kind::kNumber || option.kind == Option::Kind::kRange;
   Section section;
-  section.Add({"name"}, option.name);
-  section.Add({"kind"}, NameOf(option.kind));
+  section.Add(document::kName, option.name);
+  section.Add(document::kKind, NameOf(option.kind));
   section.Add({"placeholder"}, KnownText(option.placeholder));
-  section.Add({"unit"}, is_number ? KnownText(SiUnit(option.dimension)) : Value());
+  section.Add(document::kUnit, is_number ? KnownText(SiUnit(option.dimension)) : Value());
   section.Add({"least"}, option.bounds.least);
   section.Add({"most"}, option.bounds.most);
   section.Add({"above"}, option.bounds.is_above);
@@ -59,7 +60,7 @@ Section SectionOf(const Option& option) {
   section.Add({"choices"}, option.choices);
   section.Add({"default"}, KnownText(option.default_text));
   section.Add({"rare"}, option.is_rare);
-  section.Add({"text"}, option.text);
+  section.Add(document::kText, option.text);
   return section;
 }
 
@@ -101,7 +102,7 @@ Result<void> CheckBounds(const Option& option, double number, const std::string&
 
 std::string DescriptionOf(const VerbText& verb, const std::deque<Option>& options) {
   Section section;
-  section.Add({"name"}, verb.name);
+  section.Add(document::kName, verb.name);
   section.Add({"summary"}, verb.summary);
   section.Add({"examples"}, std::vector<std::string>(verb.examples.begin(), verb.examples.end()));
   Section& list =

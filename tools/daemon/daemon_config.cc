@@ -160,23 +160,23 @@ struct QuantityKey {
   Dimension dimension;
 };
 
-struct Key {
+struct SensorKey {
   std::string_view name;
   std::variant<TextKey, CountKey, QuantityKey> kind;
 };
 
 // one line a key
 constexpr std::array kKeys{
-    Key{"sensor", TextKey{&SensorOptions::sensor}},
-    Key{"port", TextKey{&SensorOptions::port}},
-    Key{"format", TextKey{&SensorOptions::format}},
-    Key{"baud", CountKey{&SensorOptions::baud, 50, 4'000'000}},
-    Key{"refresh_s", QuantityKey{&SensorOptions::refresh_s, Dimension::kTime}},
-    Key{"rate_hz", QuantityKey{&SensorOptions::rate_hz, Dimension::kFrequency}},
-    Key{"command", TextKey{&SensorOptions::command}},
-    Key{"decimals", CountKey{&SensorOptions::decimals, 0, 5}},
-    Key{"profile", TextKey{&SensorOptions::profile}},
-    Key{"slave", CountKey{&SensorOptions::slave, 0, 255}},
+    SensorKey{"sensor", TextKey{&SensorOptions::sensor}},
+    SensorKey{"port", TextKey{&SensorOptions::port}},
+    SensorKey{"format", TextKey{&SensorOptions::format}},
+    SensorKey{"baud", CountKey{&SensorOptions::baud, 50, 4'000'000}},
+    SensorKey{"refresh_s", QuantityKey{&SensorOptions::refresh_s, Dimension::kTime}},
+    SensorKey{"rate_hz", QuantityKey{&SensorOptions::rate_hz, Dimension::kFrequency}},
+    SensorKey{"command", TextKey{&SensorOptions::command}},
+    SensorKey{"decimals", CountKey{&SensorOptions::decimals, 0, 5}},
+    SensorKey{"profile", TextKey{&SensorOptions::profile}},
+    SensorKey{"slave", CountKey{&SensorOptions::slave, 0, 255}},
 };
 
 // how each kind of key is read
@@ -205,14 +205,14 @@ struct ReadInto {
 
 SensorOptions ReadSensorKeys(TomlTable& table) {
   SensorOptions options;
-  for (const Key& key : kKeys) std::visit(ReadInto{table, key.name, options}, key.kind);
+  for (const SensorKey& key : kKeys) std::visit(ReadInto{table, key.name, options}, key.kind);
   return options;
 }
 
 std::vector<std::string_view> SensorKeyNames() {
   std::vector<std::string_view> names;
   names.reserve(kKeys.size());
-  for (const Key& key : kKeys) names.push_back(key.name);
+  for (const SensorKey& key : kKeys) names.push_back(key.name);
   return names;
 }
 

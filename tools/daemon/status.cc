@@ -19,6 +19,7 @@
 
 #include "base/text.h"
 #include "tools/acquire/recording_document.h"
+#include "tools/document/keys.h"
 #include "tools/document/render.h"
 
 namespace haptometer::tools {
@@ -35,10 +36,6 @@ constexpr std::array kStates{LoopState::kStarting,       LoopState::kWaitingForD
 
 // the names are those of the answer on the socket too, which ParseStatus() reads
 constexpr Key kConfig{"config"};
-constexpr Key kUtc{"utc"};
-constexpr Key kSensors{"sensors"};
-constexpr Key kName{"name", "sensor"};
-constexpr Key kPort{"port"};
 constexpr Key kState{"state", "state"};
 constexpr Key kSince{"since_utc", "since"};
 constexpr Key kDiskWaits{"disk_waits", "waits for disk"};
@@ -46,19 +43,19 @@ constexpr Key kLastError{"last_error"};
 
 Section SensorSection(const SensorStatus& sensor) {
   Section row;
-  row.Add(kName, sensor.name);
-  row.Add(kPort, sensor.port);
-  row.Add({kSensorKey.name}, sensor.sensor);
+  row.Add({document::kName.name, "sensor"}, sensor.name);
+  row.Add(document::kPort, sensor.port);
+  row.Add({document::kSensor.name}, sensor.sensor);
   row.Add(kState, Name(sensor.state));
   row.Add(kSince, TextOrNotKnown(sensor.since_utc));
-  row.Add(kReadingsKey, sensor.readings);
-  row.Add(kRateKey, sensor.rate_hz).resolution = 0.1;
+  row.Add(document::kReadings, sensor.readings);
+  row.Add(document::kRate, sensor.rate_hz).resolution = 0.1;
   row.Add(kBadKey, sensor.bad);
-  row.Add(kGapsKey, sensor.gaps);
+  row.Add(document::kGaps, sensor.gaps);
   row.Add(kLostKey, sensor.lost);
   row.Add(kReconnectsKey, sensor.reconnects);
   row.Add(kDiskWaits, sensor.disk_waits);
-  row.Add({kFileKey.name, "file"}, TextOrNotKnown(sensor.file));
+  row.Add({document::kFile.name, "file"}, TextOrNotKnown(sensor.file));
   row.Add(kLastError, TextOrNotKnown(sensor.last_error));
   return row;
 }
@@ -87,16 +84,16 @@ std::optional<SensorStatus> FromJson(const ordered_json& object) {
   const std::string state = Text(object, kState);
   const auto found = std::ranges::find_if(kStates, [&](LoopState s) { return Name(s) == state; });
   if (!object.is_object() || found == kStates.end()) return std::nullopt;
-  return SensorStatus{.name = Text(object, kName),
-                      .port = Text(object, kPort),
-                      .sensor = Text(object, kSensorKey),
+  return SensorStatus{.name = Text(object, document::kName),
+                      .port = Text(object, document::kPort),
+                      .sensor = Text(object, document::kSensor),
                       .state = *found,
                       .since_utc = Text(object, kSince),
-                      .file = Text(object, kFileKey),
-                      .readings = Count(object, kReadingsKey),
-                      .rate_hz = Number(object, kRateKey),
+                      .file = Text(object, document::kFile),
+                      .readings = Count(object, document::kReadings),
+                      .rate_hz = Number(object, document::kRate),
                       .bad = Count(object, kBadKey),
-                      .gaps = Count(object, kGapsKey),
+                      .gaps = Count(object, document::kGaps),
                       .lost = Count(object, kLostKey),
                       .reconnects = Count(object, kReconnectsKey),
                       .disk_waits = Count(object, kDiskWaits),
@@ -128,8 +125,8 @@ document::Document StatusDocument(const DaemonStatus& status) {
                               .title = fmt::format("{}: {}", status.config, StatusLine(status))};
   Section& root = document.root;
   root.Add(kConfig, status.config);
-  root.Add(kUtc, status.utc);
-  Section sensors{.name = std::string(kSensors.name), .shape = Section::Shape::kTable};
+  root.Add(document::kUtc, status.utc);
+  Section sensors{.name = document::kSensors.name, .shape = Section::Shape::kTable};
   for (const SensorStatus& sensor : status.sensors) {
     sensors.sections.push_back(SensorSection(sensor));
     if (sensor.last_error.empty()) continue;
@@ -153,9 +150,9 @@ Result<DaemonStatus> ParseStatus(std::string_view json, const std::string& where
   const auto refused = CannotAnswer(where, "answers with no status of a daemon",
                                     "is it haptometer's, and of this version?");
   const ordered_json document = ordered_json::parse(json, nullptr, false);
-  if (!document.is_object() || !document.contains(std::string(kSensors.name))) return refused;
-  DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, kUtc)};
-  for (const ordered_json& object : document[std::string(kSensors.name)]) {
+  if (!document.is_object() || !document.contains(document::kSensors.name)) return refused;
+  DaemonStatus status{.config = Text(document, kConfig), .utc = Text(document, document::kUtc)};
+  for (const ordered_json& object : document[document::kSensors.name]) {
     auto sensor = FromJson(object);
     if (!sensor) return refused;
     status.sensors.push_back(std::move(*sensor));

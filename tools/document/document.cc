@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "base/error.h"
+#include "tools/document/keys.h"
 
 namespace haptometer::document {
 namespace {
@@ -25,14 +26,17 @@ std::vector<std::pair<std::string, Value>> EstimateFields(const Item& item) {
   const bool is_known = item.value.IsKnown();
   const auto known = [&](const Number& number) { return is_known ? number : Number(); };
   const auto [lower, upper] = item.interval.value_or(Range{kNan, kNan});
-  return {{"value", item.value},
-          {"standard_uncertainty", known(item.statistical)},
-          {"combined_standard_uncertainty", known(item.standard_uncertainty)},
-          {"lower_95", known(lower)},
-          {"upper_95", known(upper)},
-          {"at_most_95", is_known ? Number() : item.at_most},
-          {"unit", item.unit.symbol},
-          {"determined", is_known}};
+  const auto field = [](const Key& key, Value value) {
+    return std::pair(std::string(key.name), std::move(value));
+  };
+  return {field(kValue, item.value),
+          field(kStandardUncertainty, known(item.statistical)),
+          field(kCombinedUncertainty, known(item.standard_uncertainty)),
+          field(Key{"lower_95"}, known(lower)),
+          field(Key{"upper_95"}, known(upper)),
+          field(Key{"at_most_95"}, is_known ? Number() : item.at_most),
+          field(kUnit, item.unit.symbol),
+          field(Key{"determined"}, is_known)};
 }
 
 // what stands for a place, "name" or "name how"; nothing where the number is not there
@@ -77,9 +81,9 @@ std::vector<std::pair<std::string, Value>> FieldsOf(const Item& item) {
   if (item.form == Form::kEstimate) return EstimateFields(item);
   std::vector<std::pair<std::string, Value>> fields{{item.name, item.value}};
   if (item.form == Form::kNumber) return fields;
-  fields.emplace_back(Companion(item, "standard_uncertainty"), item.standard_uncertainty);
+  fields.emplace_back(Companion(item, kStandardUncertainty.name), item.standard_uncertainty);
   if (item.form == Form::kUncertain) return fields;
-  fields.emplace_back(Companion(item, "interval_95"), item.interval);
+  fields.emplace_back(Companion(item, kInterval95.name), item.interval);
   return fields;
 }
 

@@ -41,6 +41,8 @@ struct Key {
   std::string_view label = {};  ///< "vibration"; empty: not in text and HTML
   Unit unit = kNone;
   Form form = Form::kNumber;
+
+  [[nodiscard]] constexpr Key As(Form other) const { return {name, label, unit, other}; }
 };
 
 /// Two ends: of a window, an interval, a band.
@@ -59,8 +61,8 @@ using AnyValue =
 struct Value : AnyValue {
   Value() = default;
   template <typename T>
-    requires(std::constructible_from<AnyValue, T> && !std::integral<T>)
-  Value(T value) : AnyValue(std::move(value)) {}
+  requires(std::constructible_from<AnyValue, T> && !std::integral<T>) Value(T value)
+      : AnyValue(std::move(value)) {}
   Value(bool yes) : AnyValue(yes) {}
   Value(std::integral auto count) : AnyValue(static_cast<std::int64_t>(count)) {}
   Value(std::string_view text) : AnyValue(std::string(text)) {}
@@ -122,7 +124,7 @@ struct Section {
   };
   /// In JSON; of an object empty: its keys are those of the one around it. Tables and arrays of one
   /// name within one object are one array.
-  std::string name{};
+  std::string_view name{};
   std::string heading{};  ///< empty: stands below the section around it without one
   Shape shape = Shape::kObject;
   Detail detail = Detail::kShort;

@@ -78,7 +78,17 @@ constexpr auto kRows = std::to_array<Row>({
      {"times-uncertain",
       "each reading's time is uncertain by {time_uncertainty_s}; motion at {upper_hz} needs less "
       "than {limit_s}: use a sensor that samples on a clock of its own"}},
-    {kNoRegularGrid, {"no-regular-grid", "{error}"}},
+    {kFewUnevenTimes,
+     {"few-uneven-times", "{rows} rows at uneven times are too few: record longer"}},
+    {kTimesTooUneven,
+     {"times-too-uneven",
+      "the times of its readings scatter by {jitter_s} about a grid of {grid_s}, up to "
+      "{largest_jitter_s}: dropped readings cannot be told from late ones: record with a clocked "
+      "source"}},
+    {kReadingsTooFarApart,
+     {"readings-too-far-apart",
+      "its readings at uneven times are too far apart for motion at {upper_hz}: {readings_per_s}: "
+      "ask for a lower band, or record with a clocked source"}},
     {kRegularGrid,
      {"regular-grid",
       "times scatter by {jitter_s} ({largest_jitter_s} at most) about a grid of {readings_per_s "
@@ -348,6 +358,30 @@ std::vector<std::string> RefusalsOf(const dsp::Findings& findings) {
 std::string RefusalOf(const dsp::Findings& findings) {
   const std::vector<std::string> texts = RefusalsOf(findings);
   return texts.empty() ? std::string() : texts.front();
+}
+
+std::string TextOf(const dsp::SensorAveraging& sensor) {
+  const std::string held = sensor.repeats > 1
+                               ? fmt::format(", each reading held for {} rows", sensor.repeats)
+                               : std::string();
+  if (sensor.knowledge == dsp::SensorKnowledge::kUnknown) return "averaging unknown" + held;
+  if (sensor.averages == 1) return "no averaging" + held;
+  return fmt::format("{} averages at {:g} ms{}", sensor.averages, sensor.sampling_s * 1e3, held);
+}
+
+CauseText TextOf(dsp::RmsCause cause) {
+  constexpr std::array<CauseText, dsp::kRmsCauseCount> kTexts{{
+      {"noise", "periodogram of what the tone leaves"},
+      {"noise floor", "scatter of the floor that is taken off"},
+      {"motion below the band", "its amplitude times |H|^2, as power and as a beat with the tone"},
+      {"quantisation", "step / sqrt(12), white up to half the rate"},
+      {"bridged readings", "the error of the same bridging beside each hole"},
+      {"filter's ends", "what lay beyond the ends, as far as it may still show"},
+      {"drive's edges", "what a window shorter by a period at either end would change"},
+      {"spikes", "their energy within the band"},
+      {"steps", "their energy within the band"},
+  }};
+  return kTexts.at(static_cast<std::size_t>(cause));
 }
 
 }  // namespace haptometer::document

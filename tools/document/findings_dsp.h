@@ -4,10 +4,12 @@
 #include <string_view>
 #include <vector>
 
+#include "dsp/analysis/rms_estimate.h"
+#include "dsp/analysis/sensor_gain.h"
 #include "dsp/findings.h"
 #include "tools/document/document.h"
 
-/// What dsp's findings say.
+/// What dsp's findings say, and other results of it that are no numbers.
 namespace haptometer::document {
 
 /// What is said of a trial whose sensor's averaging is not known, and how to make it known.
@@ -25,5 +27,16 @@ inline constexpr std::string_view kAveragingRemedy =
 
 /// The first refusal in words; empty where there is none.
 [[nodiscard]] std::string RefusalOf(const dsp::Findings& findings);
+
+/// "16 averages at 0.33 ms", "no averaging", "averaging unknown", each with ", each reading held
+/// for 5 rows" where that is so.
+[[nodiscard]] std::string TextOf(const dsp::SensorAveraging& sensor);
+
+/// A cause of an RMS's uncertainty: "noise", "periodogram of what the tone leaves".
+struct CauseText {
+  std::string_view name;
+  std::string_view how;  ///< it is evaluated
+};
+[[nodiscard]] CauseText TextOf(dsp::RmsCause cause);
 
 }  // namespace haptometer::document

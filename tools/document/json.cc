@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "tools/cli/csv_cell.h"
+#include "tools/document/keys.h"
 #include "tools/document/render.h"
 
 namespace haptometer::document {
@@ -49,7 +50,7 @@ void AddParts(const Section& section, bool is_known, Json& json) {
   for (const Item& item : section.items) {
     if (!item.name.empty()) AddItem(item, is_known, json);
   }
-  for (const DataSource source : section.sources) json["data_source"].push_back(NameOf(source));
+  for (const DataSource source : section.sources) json[kDataSources.name].push_back(NameOf(source));
   for (const Section& inner : section.sections) {
     if (!inner.name.empty()) {
       Json part = is_known ? JsonOfSection(inner) : Json(nullptr);
@@ -84,23 +85,24 @@ Json FindingJson(const Finding& finding) {
   for (const FindingNumber& number : finding.numbers) {
     numbers[std::string(number.name)] = std::visit(JsonVisitor{}, number.value);
   }
-  return {{"kind", finding.kind},
+  return {{kKind.name, finding.kind},
           {"severity", NameOf(finding.severity)},
-          {"text", finding.text},
-          {"subject", cli::TextOrNull(finding.subject)},
+          {kText.name, finding.text},
+          {kSubject.name, cli::TextOrNull(finding.subject)},
           {"numbers", numbers}};
 }
 
 Json ProvenanceJson(const Provenance& provenance) {
   Json inputs = Json::array();
   for (const InputFile& input : provenance.inputs) {
-    inputs.push_back(
-        {{"path", input.path}, {"bytes", input.bytes}, {"sha256", cli::TextOrNull(input.sha256)}});
+    inputs.push_back({{"path", input.path},
+                      {kBytes.name, input.bytes},
+                      {"sha256", cli::TextOrNull(input.sha256)}});
   }
   return {{"version", provenance.version},
-          {"command", provenance.command},
-          {"utc", provenance.utc},
-          {"inputs", inputs}};
+          {kCommand.name, provenance.command},
+          {kUtc.name, provenance.utc},
+          {kInputs.name, inputs}};
 }
 
 // --- tables with commas ---
@@ -127,10 +129,10 @@ void AddCells(const Section& section, bool is_known, std::string& names, std::st
 
 std::string JsonOf(const Document& document) {
   Json json = ObjectOf(document.root);
-  json["findings"] = Json::array();
+  Json& findings = json["findings"] = Json::array();
   for (const Section* section : AllSections(document.root)) {
     for (const Finding& finding : section->findings) {
-      json["findings"].push_back(FindingJson(finding));
+      findings.push_back(FindingJson(finding));
     }
   }
   json["provenance"] = ProvenanceJson(document.provenance);

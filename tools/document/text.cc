@@ -192,10 +192,10 @@ std::string ItemText(const Item& item) {
     text += " (95 %)";
   } else if (item.interval) {
     // of ends that look alike none is shown
-    const std::string range = CellVisitor{item, unit}(*item.interval);
-    const std::size_t middle = range.find(" to ");
-    if (range.substr(0, middle) != range.substr(middle + 4)) {
-      text += fmt::format("; 95 %: {}{}", range, symbol);
+    const CellVisitor said{item, unit};
+    const auto [lower, upper] = *item.interval;
+    if (said(Range{lower, lower}) != said(Range{upper, upper})) {
+      text += fmt::format("; 95 %: {}{}", said(*item.interval), symbol);
     }
   }
   return item.note.empty() ? text : text + ", " + item.note;

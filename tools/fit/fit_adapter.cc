@@ -14,6 +14,7 @@
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_fit.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/fit/fit_document.h"
 #include "tools/verbs.h"
@@ -88,22 +89,22 @@ Taps ReadTaps(const std::vector<std::string>& paths, const trial::ImportOptions&
 
 // --- the document ---
 
+constexpr document::Key kKa{"Ka"};
+constexpr document::Key kBa{"Ba"};
+
 Section ConstantsOf(const fit::AdapterFit& fit) {
-  Section parameters{.name = "parameters"};
-  AddFitted(parameters, {"Ka", "stiffness Ka", document::kNewtonPerMetre, Form::kEstimate},
+  Section parameters{.name = document::kParameters.name};
+  AddFitted(parameters, {kKa.name, "stiffness Ka", document::kNewtonPerMetre, Form::kEstimate},
             fit.stiffness);
-  AddFitted(parameters, {"Ba", "damping Ba", document::kNewtonSecondPerMetre, Form::kEstimate},
+  AddFitted(parameters, {kBa.name, "damping Ba", document::kNewtonSecondPerMetre, Form::kEstimate},
             fit.damping);
   return parameters;
 }
 
 Section ResonanceOf(const fit::AdapterFit& fit) {
   Section section;
-  AddFitted(section,
-            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
-            fit.natural_frequency);
-  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
+  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
   return section;
 }
 
@@ -116,8 +117,8 @@ Section MassOf(const fit::AdapterFit& fit, const Quantity& mass_kg) {
   section.Add({"", "mass", document::kKilogram}, mass_kg.value, mass_kg.standard_uncertainty).note =
       "1 % of it moves Ka and Ba by 1 %";
   Section mass{.name = "mass_kg"};
-  mass.Add({"value"}, mass_kg.value);
-  mass.Add({"standard_uncertainty"}, mass_kg.standard_uncertainty);
+  mass.Add(document::kValue, mass_kg.value);
+  mass.Add(document::kStandardUncertainty, mass_kg.standard_uncertainty);
   section.sections.push_back(std::move(mass));
   return section;
 }
@@ -126,25 +127,24 @@ Section MassOf(const fit::AdapterFit& fit, const Quantity& mass_kg) {
 Section BirgeOf(const fit::AdapterFit& fit) {
   const bool is_known = fit.taps.size() > 1;
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  Section ratios{.name = "birge_ratio"};
-  AddRatio(ratios, {"Ka", "Birge ratio of Ka"}, is_known ? fit.stiffness_birge_ratio : kNaN);
-  AddRatio(ratios, {"Ba", "Birge ratio of Ba"}, is_known ? fit.damping_birge_ratio : kNaN);
+  Section ratios{.name = document::kBirgeRatio.name};
+  AddRatio(ratios, {kKa.name, "Birge ratio of Ka"}, is_known ? fit.stiffness_birge_ratio : kNaN);
+  AddRatio(ratios, {kBa.name, "Birge ratio of Ba"}, is_known ? fit.damping_birge_ratio : kNaN);
   return ratios;
 }
 
 Section TapOf(const fit::FittedTap& tap) {
   const document::Unit unit = tap.unit == "m" ? document::kMetre : document::kNone;
   Section section{.heading = tap.name};
-  section.Add({"file"}, tap.name);
-  section.Add({"first_s", "from", document::kSecond}, tap.first_s);
+  section.Add(document::kFile, tap.name);
+  section.Add({document::kFirst.name, "from", document::kSecond}, tap.first_s);
   section.Add({"end_s", "to", document::kSecond}, tap.end_s);
-  section.Add({"samples", "samples"}, tap.samples);
-  section.Add({"natural_frequency_hz", "natural frequency", document::kHertz},
-              tap.natural_frequency_hz);
-  section.Add({"decay_per_s", "decay rate", document::kPerSecond}, tap.decay_per_s);
+  section.Add(document::kSamples, tap.samples);
+  section.Add(document::kNaturalFrequencyHz, tap.natural_frequency_hz);
+  section.Add(document::kDecayRate, tap.decay_per_s);
   ShowDigits(section.Add({"amplitude", "amplitude", unit}, tap.amplitude), 3);
   ShowDigits(section.Add({"residual_rms", "residual (RMS)", unit}, tap.residual_rms), 3);
-  section.Add({"unit"}, tap.unit);
+  section.Add(document::kUnit, tap.unit);
   AddDensity(section, tap.density);
   document::AddFindings(section, tap.found);
   return section;

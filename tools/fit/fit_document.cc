@@ -6,9 +6,11 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.h"
+#include "tools/document/keys.h"
+
 namespace haptometer::tools {
 
-using trial::DataSource;
 using document::Form;
 using document::Item;
 using document::Key;
@@ -16,6 +18,7 @@ using document::Section;
 using document::SpokenUnit;
 using document::Unit;
 using fit::FittedValue;
+using trial::DataSource;
 
 Item& AddFitted(Section& section, const Key& key, const FittedValue& value) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -31,7 +34,7 @@ Item& AddFitted(Section& section, const Key& key, const FittedValue& value) {
 
 Section ConstantsSection(const FittedValue& stiffness, const FittedValue& damping,
                          const FittedValue& force_constant) {
-  Section parameters{.name = "parameters"};
+  Section parameters{.name = document::kParameters.name};
   AddFitted(parameters, {"Kv", "stiffness Kv", document::kNewtonPerMetre, Form::kEstimate},
             stiffness);
   AddFitted(parameters, {"Bv", "damping Bv", document::kNewtonSecondPerMetre, Form::kEstimate},
@@ -54,18 +57,18 @@ std::string AmountText(double value, double standard_uncertainty, std::string_vi
 }
 
 Section InputsSection(const std::vector<fit::InputInfluence>& influences) {
-  Section table{.name = "inputs",
+  Section table{.name = document::kInputs.name,
                 .heading = "given, and the change in percent by 1 % of it (rebound: of 1 + e)",
                 .shape = Section::Shape::kTable,
                 .detail = document::Detail::kAll};
   for (const fit::InputInfluence& input : influences) {
     Section& row = table.sections.emplace_back();
-    row.Add({"input", "given"}, input.input);
-    row.Add({"value"}, input.value);
-    row.Add({"standard_uncertainty"}, input.standard_uncertainty);
+    row.Add(document::kInput, input.input);
+    row.Add(document::kValue, input.value);
+    row.Add(document::kStandardUncertainty, input.standard_uncertainty);
     row.Add({"", "value"}, AmountText(input.value, input.standard_uncertainty, input.unit));
-    row.Add({"relative_standard_uncertainty"}, input.relative_standard_uncertainty);
-    row.Add({"unit"}, input.unit);
+    row.Add(document::kRelativeUncertainty, input.relative_standard_uncertainty);
+    row.Add(document::kUnit, input.unit);
     AddRatio(row, {"kv_percent_per_percent", "Kv", kPercent}, input.percent_per_percent[0]);
     AddRatio(row, {"bv_percent_per_percent", "Bv", kPercent}, input.percent_per_percent[1]);
     AddRatio(row, {"km_percent_per_percent", "Km", kPercent}, input.percent_per_percent[2]);
@@ -138,8 +141,7 @@ void AddLeftOut(Section& section, const std::vector<Error>& errors) {
 
 void NoteReading(const trial::Recording& recording, const std::string& path,
                  trial::Findings& findings, std::vector<DataSource>& sources) {
-  for (const DataSource source :
-       trial::SourcesOf(recording.record.metadata, recording.report)) {
+  for (const DataSource source : trial::SourcesOf(recording.record.metadata, recording.report)) {
     if (std::ranges::count(sources, source) == 0) sources.push_back(source);
   }
   for (trial::Finding found : recording.report.AllFindings().list()) {

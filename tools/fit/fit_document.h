@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "fit/drop_test/drop_test_fit.h"
 #include "tools/document/document.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "trial/import/read_recording.h"
 
@@ -55,13 +56,13 @@ void AddPointNoise(document::Section& section, double magnitude, std::optional<d
 /// How the search of a fit to a sweep ended, and what its residuals look like.
 template <typename SweepFit>
 void AddSweepSearch(document::Section& section, const SweepFit& fit) {
-  section.Add({"degrees_of_freedom", "degrees of freedom"}, fit.degrees_of_freedom).resolution = 1;
+  section.Add(document::kDegreesOfFreedom, fit.degrees_of_freedom).resolution = 1;
   ShowDigits(section.Add({"coverage_factor_95", "coverage factor (Student)"}, fit.coverage_95), 3);
   section.Add({"serial_correlation"}, fit.residuals.serial_correlation);
   section.Add({"farthest_spread"}, fit.residuals.farthest_spread);
   section.Add({"singular_values"}, fit.singular_values);
-  section.Add({"converged", "converged"}, fit.converged);
-  section.Add({"iterations", "iterations"}, fit.iterations);
+  section.Add(document::kConverged, fit.converged);
+  section.Add(document::kIterations, fit.iterations);
 }
 
 /// A square matrix by rows, of `size` columns.

@@ -11,6 +11,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
 #include "tools/document/findings_fit.h"
+#include "tools/document/keys.h"
 #include "tools/fit/actuator_options.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
@@ -75,23 +76,18 @@ Result<std::vector<fit::ImpedancePoint>> ReadSweep(const std::string& path) {
 Section RatiosSection(const ImpedanceFit& fit) {
   constexpr document::Unit kCoupling{"", "N^2/(A^2 kg)", {{{1, "N^2/(A^2 kg)"}}}};
   Section section{.detail = fit.stiffness.determined ? Detail::kAll : Detail::kShort};
-  AddFitted(section, {"kv_over_mass", "Kv over mass", document::kPerSecondSquared, Form::kEstimate},
-            fit.stiffness_over_mass);
-  AddFitted(section, {"bv_over_mass", "Bv over mass", document::kPerSecond, Form::kEstimate},
-            fit.damping_over_mass);
+  AddFitted(section, document::kKvOverMass.As(Form::kEstimate), fit.stiffness_over_mass);
+  AddFitted(section, document::kBvOverMass.As(Form::kEstimate), fit.damping_over_mass);
   AddFitted(section, {"km_squared_over_mass", "Km^2 over mass", kCoupling, Form::kEstimate},
             fit.coupling_over_mass);
-  section.Add({"mass", "mass"}, fit.mass_symbol).note = "which rings";
+  section.Add(document::kMass, fit.mass_symbol).note = "which rings";
   return section;
 }
 
 Section CircuitSection(const ImpedanceFit& fit) {
   Section section;
-  AddFitted(section,
-            {"natural_frequency", "natural frequency f0", document::kHertz, Form::kEstimate},
-            fit.natural_frequency);
-  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kEstimate},
-            fit.quality_factor);
+  AddFitted(section, document::kNaturalFrequency, fit.natural_frequency);
+  AddFitted(section, document::kQualityFactor.As(Form::kEstimate), fit.quality_factor);
   AddFitted(section, {"resistance", "resistance R", document::kOhm, Form::kEstimate},
             fit.resistance);
   AddFitted(section, {"inductance", "inductance L", document::kHenry, Form::kEstimate},
@@ -102,7 +98,7 @@ Section CircuitSection(const ImpedanceFit& fit) {
 // of a point, by the residuals
 Section PointsSection(const ImpedanceFit& fit) {
   Section section{.heading = "sweep", .detail = Detail::kAll, .is_known = fit.points > 0};
-  section.Add({"points", "points"}, fit.points);
+  section.Add(document::kPoints, fit.points);
   section.Add({"lowest_hz", "from", document::kHertz}, fit.lowest_hz);
   section.Add({"highest_hz", "to", document::kHertz}, fit.highest_hz);
   section.Add({"points_near_resonance", "points within the resonance's width"},
@@ -120,7 +116,7 @@ Section CorrelationSection(const ImpedanceFit& fit) {
   for (const auto& row : fit.relative_covariance) relative.emplace_back(row.begin(), row.end());
   Section section;
   section.Add({"relative_covariance_kv_bv_km_r_l"}, std::move(relative));
-  Section correlation{.name = "correlation"};
+  Section correlation{.name = document::kCorrelation.name};
   correlation.Add({"of"}, std::vector<std::string>{"Kv/M", "Bv/M", "Km^2/M", "R", "L"});
   correlation.Add({"matrix"}, RowsOf(fit.correlation, fit::kImpedanceParameters));
   section.sections.push_back(std::move(correlation));
@@ -165,7 +161,7 @@ document::Document ImpedanceDocument(const std::string& path, const ImpedanceFit
                               .title = fmt::format("Constants of an actuator from {}", path)};
   Section& root = document.root;
   root.sources = {document::DataSource::kImported};
-  root.Add({"file"}, path);
+  root.Add(document::kFile, path);
   root.sections = {ConstantsSection(fit.stiffness, fit.damping, fit.force_constant),
                    CircuitSection(fit),
                    RatiosSection(fit),

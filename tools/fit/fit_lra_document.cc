@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "tools/document/findings_fit.h"
+#include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 
@@ -41,11 +42,8 @@ Section ResonanceSection(const DropTestFit& fit) {
   const FittedValue& frequency = fit.natural_frequency;
   const FittedValue& quality = fit.quality_factor;
   Section section;
-  AddFitted(section,
-            {"natural_frequency_hz", "natural frequency f0", document::kHertz, Form::kInterval},
-            frequency);
-  AddFitted(section, {"quality_factor", "quality factor Q", document::kNone, Form::kInterval},
-            quality);
+  AddFitted(section, document::kNaturalFrequencyHz.As(Form::kInterval), frequency);
+  AddFitted(section, document::kQualityFactor.As(Form::kInterval), quality);
   section.Add({"natural_frequency_statistical_standard_uncertainty_hz"},
               frequency.determined ? frequency.standard_uncertainty : kNaN);
   section.Add({"quality_factor_statistical_standard_uncertainty"},
@@ -58,18 +56,15 @@ Section MassSection(const DropTestFit& fit) {
   const FittedValue& stiffness = fit.stiffness_over_mass;
   const FittedValue& damping = fit.damping_over_mass;
   Section section{.detail = fit.stiffness.determined ? Detail::kAll : Detail::kShort};
-  AddFitted(section, {"kv_over_mass", "Kv over mass", document::kPerSecondSquared, Form::kInterval},
-            stiffness);
-  AddFitted(section, {"bv_over_mass", "Bv over mass", document::kPerSecond, Form::kInterval},
-            damping);
+  AddFitted(section, document::kKvOverMass.As(Form::kInterval), stiffness);
+  AddFitted(section, document::kBvOverMass.As(Form::kInterval), damping);
   section.Add({"kv_over_mass_statistical_standard_uncertainty"},
               stiffness.determined ? stiffness.standard_uncertainty : kNaN);
   section.Add({"bv_over_mass_statistical_standard_uncertainty"},
               damping.determined ? damping.standard_uncertainty : kNaN);
   section.Add({"bv_over_mass_at_most_95"}, damping.at_most);
-  section.Add({"mass", "mass"}, fit.mass_symbol).note = "which rings";
-  AddFitted(section, {"moving_mass_kg", "moving mass Mv", document::kKilogram, Form::kEstimate},
-            fit.moving_mass);
+  section.Add(document::kMass, fit.mass_symbol).note = "which rings";
+  AddFitted(section, document::kMovingMass.As(Form::kEstimate), fit.moving_mass);
   return section;
 }
 
@@ -146,16 +141,15 @@ std::vector<BudgetRow> BudgetOf(const DropTestFit& fit) {
 
 // to two digits of what all causes make together
 Section BudgetSection(const DropTestFit& fit) {
-  constexpr std::array<Key, 3> kCells{{{"kv_percent", "Kv", kPercent},
-                                       {"bv_percent", "Bv", kPercent},
-                                       {"km_percent", "Km", kPercent}}};
+  constexpr std::array kCells{Key{"kv_percent", "Kv", kPercent}, Key{"bv_percent", "Bv", kPercent},
+                              Key{"km_percent", "Km", kPercent}};
   Section table{.name = "budget",
                 .heading = "standard uncertainty by cause",
                 .shape = Section::Shape::kTable};
   for (const BudgetRow& budget : BudgetOf(fit)) {
     Section& row = table.sections.emplace_back();
     row.Add({"cause", "cause"}, budget.cause);
-    row.Add({"type", "type"}, budget.type);
+    row.Add(document::kType, budget.type);
     for (std::size_t k = 0; k < kCells.size(); ++k) {
       Item& cell = row.Add(kCells[k], budget.percent[k]);
       if (!cell.value.IsKnown()) continue;
@@ -205,11 +199,11 @@ Section PoleSection(const fit::UncertainPole& pole) {
   const auto& covariance = pole.covariance;
   Section section{.name = "pole"};
   const auto known = [&pole](double value) { return pole.determined ? value : kNaN; };
-  section.Add({"frequency_hz", "damped frequency", document::kHertz, Form::kUncertain},
+  section.Add({document::kFrequency.name, "damped frequency", document::kHertz, Form::kUncertain},
               known(pole.frequency_hz), known(std::sqrt(covariance[0][0])));
-  section.Add({"decay_per_s", "decay rate", document::kPerSecond, Form::kUncertain},
-              known(pole.decay_per_s), known(std::sqrt(covariance[1][1])));
-  section.Add({"correlation"},
+  section.Add(document::kDecayRate.As(Form::kUncertain), known(pole.decay_per_s),
+              known(std::sqrt(covariance[1][1])));
+  section.Add(document::kCorrelation,
               known(covariance[0][1] / std::sqrt(covariance[0][0] * covariance[1][1])));
   return section;
 }
@@ -217,8 +211,9 @@ Section PoleSection(const fit::UncertainPole& pole) {
 Section StartSection(const fit::PolePair& start) {
   const double square = start.stiffness_per_s2 - start.decay_per_s * start.decay_per_s;
   Section section{.name = "start"};
-  section.Add({"frequency_hz"}, square > 0 ? std::sqrt(square) / (2 * std::numbers::pi) : kNaN);
-  section.Add({"decay_per_s"}, start.decay_per_s);
+  section.Add({document::kFrequency.name},
+              square > 0 ? std::sqrt(square) / (2 * std::numbers::pi) : kNaN);
+  section.Add({document::kDecayRate.name}, start.decay_per_s);
   return section;
 }
 
@@ -228,10 +223,10 @@ void AddSignals(const fit::FittedRecord& record, Section& section) {
     AddSignal(section, record.signal, volts, metres, value, note);
   };
   using document::kMetre, document::kVolt;
-  add({"offset_v", "offset", kVolt}, {"offset_m", "offset", kMetre}, record.offset_v);
+  add({"offset_v", "offset", kVolt}, document::kOffsetM, record.offset_v);
   add({"peak_v", "peak", kVolt}, {"peak_m", "peak", kMetre}, record.peak_v);
-  add({"residual_rms_v", "residual (RMS)", kVolt}, {"residual_rms_m", "residual (RMS)", kMetre},
-      record.residual_rms_v,
+  add({"residual_rms_v", "residual (RMS)", kVolt},
+      {document::kResidualRms.name, "residual (RMS)", kMetre}, record.residual_rms_v,
       fmt::format("{:.2g} % of the peak, {} samples", 100 * record.residual_rms_v / record.peak_v,
                   record.samples));
   add({"quiet_noise_rms_v", "noise before the impact (RMS)", kVolt},
@@ -242,17 +237,17 @@ void AddSignals(const fit::FittedRecord& record, Section& section) {
 Section RecordSection(const fit::FittedRecord& record) {
   const bool is_voltage = record.signal == fit::RecordedSignal::kVoltage;
   Section section{.heading = fmt::format("{} ({})", record.name, LoadText(record.load_ohm))};
-  section.Add({"file"}, record.name);
+  section.Add(document::kFile, record.name);
   section.Add({"signal"}, is_voltage ? "voltage" : "displacement");
   section.Add({"open_circuit"}, std::isinf(record.load_ohm));
-  section.Add({"load_ohm"}, record.load_ohm);
+  section.Add({document::kLoad.name}, record.load_ohm);
   section.Add({"impact_s", "impact at", document::kSecond}, record.impact_s);
   section.Add({"impact_speed_m_per_s", "speed of the impact", document::kMetrePerSecond},
               record.speed_determined ? record.impact_speed_m_per_s : kNaN);
-  section.Add({"decay_per_s"}, record.decay_per_s);
+  section.Add({document::kDecayRate.name}, record.decay_per_s);
   section.Add({"damped_frequency_hz"}, PositiveOrNaN(record.damped_frequency_hz));
   section.Add({"first_sample"}, record.first_sample);
-  section.Add({"samples"}, record.samples);
+  section.Add({document::kSamples.name}, record.samples);
   AddSignals(record, section);
   AddDensity(section, record.density);
   section.sections = {PoleSection(record.pole), StartSection(record.start)};
@@ -270,9 +265,9 @@ Section RecordsSection(const DropTestFit& fit) {
 
 Section SearchSection(const DropTestFit& fit) {
   Section search{.heading = "search", .detail = Detail::kAll};
-  search.Add({"converged", "converged"}, fit.converged);
+  search.Add(document::kConverged, fit.converged);
   search.Add({"termination", "ended by"}, fit.termination);
-  search.Add({"iterations", "iterations"}, fit.iterations);
+  search.Add(document::kIterations, fit.iterations);
   search.Add({"chi_square_per_degree", "chi^2 over degrees of freedom"},
              PositiveOrNaN(fit.chi_square_per_degree));
   AddRatio(search, {"frequency_birge_ratio", "Birge ratio of the drops' frequencies"},

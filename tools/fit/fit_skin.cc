@@ -18,6 +18,7 @@
 #include "sim/scene/actuator.h"
 #include "tools/cli/options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_skin_document.h"
@@ -84,16 +85,14 @@ struct Known {
 };
 
 constexpr double kRms = std::numbers::sqrt2;
-constexpr Known kDisplacements[]{{"displacement_amplitude_m", 1},
-                                 {"displacement_amplitude_mm", 1e-3},
-                                 {"displacement_amplitude_um", 1e-6},
-                                 {"displacement_rms_m", kRms},
-                                 {"displacement_rms_mm", kRms * 1e-3},
-                                 {"displacement_rms_um", kRms * 1e-6},
-                                 {"skin_rms_m", kRms}};  // of sweep
+constexpr Known kDisplacements[]{
+    {"displacement_amplitude_m", 1},      {"displacement_amplitude_mm", 1e-3},
+    {"displacement_amplitude_um", 1e-6},  {"displacement_rms_m", kRms},
+    {"displacement_rms_mm", kRms * 1e-3}, {"displacement_rms_um", kRms * 1e-6},
+    {document::kSkinRms.name, kRms}};  // of sweep
 constexpr Known kCurrents[]{{"current_amplitude_a", 1},
                             {"current_amplitude_ma", 1e-3},
-                            {"current_rms_a", kRms},
+                            {document::kCurrentRms.name, kRms},
                             {"current_rms_ma", kRms * 1e-3}};
 constexpr Known kVoltages[]{{"voltage_amplitude_v", 1}, {"voltage_rms_v", kRms}};
 constexpr Known kUncertainties[]{{"displacement_standard_uncertainty_m", 1},
@@ -146,14 +145,14 @@ struct Columns {
 // displacements over the drive's amplitude, with the phase between the two; false where the table
 // has none
 Result<bool> ReadResponse(const TextTable& table, Columns* columns) {
-  constexpr Known kPhase[]{{"phase_rad", 180 / std::numbers::pi}};
+  constexpr Known kPhase[]{{document::kPhase.name, 180 / std::numbers::pi}};
   auto per_current = Find(table, kPerCurrent);
   if (!per_current) return std::unexpected(per_current.error());
   auto per_voltage = Find(table, kPerVoltage);
   if (!per_voltage) return std::unexpected(per_voltage.error());
   if (!*per_current && !*per_voltage) {
-    const bool is_response =
-        table.columns.contains("amplitude_m") || table.columns.contains("amplitude_m_per_unit");
+    const bool is_response = table.columns.contains(std::string(document::kAmplitude.name)) ||
+                             table.columns.contains("amplitude_m_per_unit");
     if (!is_response) return false;
     return CannotAnswer(
         table.name, "is the response of a sweep whose drive was not recorded in A or V",
@@ -185,7 +184,7 @@ Result<void> ReadDrive(const TextTable& table, Columns* columns) {
 }
 
 Result<Columns> ReadColumns(const TextTable& table) {
-  constexpr Known kFrequency[]{{"frequency_hz", 1}, {"drive.frequency_hz", 1}};
+  constexpr Known kFrequency[]{{document::kFrequency.name, 1}, {"drive.frequency_hz", 1}};
   constexpr Known kPhase[]{{"phase_deg", 1}};
   constexpr Known kArea[]{{"contact_area_mm2", 1}, {"skin.contact_area_m2", 1e6}};
   Columns columns;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tools/document/findings_fit.h"
+#include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
 #include "tools/fit/fit_figures.h"
 
@@ -27,7 +28,7 @@ constexpr double kLeastMassKg = 1e-9;  // no scale of the trade shows less
 // --- a contact ---
 
 Section ParametersOf(const SkinFit& contact) {
-  Section parameters{.name = "parameters"};
+  Section parameters{.name = document::kParameters.name};
   AddFitted(parameters, {"Ks", "stiffness Ks", document::kNewtonPerMetre, Form::kEstimate},
             contact.stiffness);
   AddFitted(parameters, {"Bs", "damping Bs", document::kNewtonSecondPerMetre, Form::kEstimate},
@@ -39,16 +40,17 @@ Section ParametersOf(const SkinFit& contact) {
 
 // the response to 1 % of each given number
 Section InputsOf(const SkinFit& contact) {
-  Section table{.name = "inputs",
+  Section table{.name = document::kInputs.name,
                 .heading = "given, and the change by 1 % of it",
                 .shape = Section::Shape::kTable,
                 .detail = Detail::kAll};
   for (const fit::SkinInfluence& input : contact.influences) {
     Section& row = table.sections.emplace_back();
-    row.Add({"input", "given"}, input.input);
-    ShowDigits(row.Add({"relative_standard_uncertainty", "standard uncertainty", document::kShare},
-                       input.relative_standard_uncertainty),
-               2);
+    row.Add(document::kInput, input.input);
+    ShowDigits(
+        row.Add({document::kRelativeUncertainty.name, "standard uncertainty", document::kShare},
+                input.relative_standard_uncertainty),
+        2);
     AddRatio(row, {"ks_percent_per_percent", "Ks", kPercent}, input.stiffness_percent_per_percent);
     AddRatio(row, {"bs_percent_per_percent", "Bs", kPercent}, input.damping_percent_per_percent);
     row.Add({"m_kg_per_percent", "m", document::kKilogram}, input.mass_kg_per_percent).resolution =
@@ -59,7 +61,7 @@ Section InputsOf(const SkinFit& contact) {
 
 Section SearchOf(const SkinFit& contact) {
   Section section{.detail = Detail::kAll};
-  section.Add({"points", "points"}, contact.points);
+  section.Add(document::kPoints, contact.points);
   section.Add({"uncertainties_stated"}, contact.uncertainties_stated);
   AddPointNoise(section, contact.magnitude_noise, contact.phase_noise_rad,
                 contact.uncertainties_stated);
@@ -68,14 +70,14 @@ Section SearchOf(const SkinFit& contact) {
   AddRatio(section, {"", "correlation of Ks and m"}, contact.correlation[2]);
   AddRatio(section, {"", "correlation of Bs and m"}, contact.correlation[5]);
   const std::vector<double> matrix(contact.correlation.begin(), contact.correlation.end());
-  section.Add({"correlation"}, RowsOf(matrix, fit::kContactParameters));
+  section.Add(document::kCorrelation, RowsOf(matrix, fit::kContactParameters));
   return section;
 }
 
 Section ContactSection(const SkinFit& contact) {
   Section section{.heading = contact.name, .sources = {document::DataSource::kImported}};
-  section.Add({"name"}, contact.name);
-  section.Add({"contact_area_m2"}, contact.area_m2);
+  section.Add(document::kName, contact.name);
+  section.Add(document::kContactArea, contact.area_m2);
   section.sections = {ParametersOf(contact), SearchOf(contact), InputsOf(contact)};
   document::AddFindings(section, contact.findings);
   for (document::Finding& finding : section.findings) finding.subject = contact.name;
@@ -107,13 +109,14 @@ Section LawSection(const char* name, const std::optional<AreaDependence>& known)
            dependence.thesis_text);
   exponent({"thesis_exponent_600_1200", "mean of the thesis's formula, 600 to 1200 N/m"},
            dependence.thesis_table);
-  section.Add({"standard_uncertainty"}, law.standard_uncertainty);
-  section.Add({"combined_standard_uncertainty"}, law.combined_standard_uncertainty);
-  section.Add({"interval_95"},
+  section.Add(document::kStandardUncertainty, law.standard_uncertainty);
+  section.Add(document::kCombinedUncertainty, law.combined_standard_uncertainty);
+  section.Add(document::kInterval95,
               document::Range{.lower = dependence.lower_95, .upper = dependence.upper_95});
   section.Add({"at_1_mm2", "at 1 mm2"}, law.at_one_mm2);
   section.Add({"one_third_inside"}, dependence.holds_one_third);
-  section.Add({"birge_ratio"}, law.birge_ratio > 0 ? std::optional(law.birge_ratio) : std::nullopt);
+  section.Add(document::kBirgeRatio,
+              law.birge_ratio > 0 ? std::optional(law.birge_ratio) : std::nullopt);
   section.Add({"scatters"}, law.scatters);
   return section;
 }

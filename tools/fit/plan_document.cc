@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "fit/drop_test/drop_test_fit.h"
+#include "tools/document/keys.h"
 #include "tools/fit/fit_document.h"
 
 namespace haptometer::tools {
@@ -110,13 +111,12 @@ void AddWishes(const TestCard& card, Findings<PlanFinding>& findings) {
 // --- sections ---
 
 // an object {value, standard_uncertainty} in JSON, and a line in text
-Section& AddQuantity(Section& section, std::string_view name, std::string_view label,
-                     const document::Unit& unit, const Quantity& quantity) {
+Section& AddQuantity(Section& section, const document::Key& key, const Quantity& quantity) {
   Section& object = section.sections.emplace_back();
-  object.Add({"", label, unit}, quantity.value, quantity.standard_uncertainty);
-  Section& inner = object.sections.emplace_back(Section{.name = std::string(name)});
-  inner.Add({"value"}, quantity.value);
-  inner.Add({"standard_uncertainty"}, quantity.standard_uncertainty);
+  object.Add({"", key.label, key.unit}, quantity.value, quantity.standard_uncertainty);
+  Section& inner = object.sections.emplace_back(Section{.name = key.name});
+  inner.Add(document::kValue, quantity.value);
+  inner.Add(document::kStandardUncertainty, quantity.standard_uncertainty);
   return object;
 }
 
@@ -124,9 +124,8 @@ Section ActuatorSection(const TestCard& card) {
   const fit::PlannedDrops& drops = card.drops;
   Section section{.heading = "actuator, as stated or supposed", .detail = Detail::kAll};
   Section guesses{.name = "guesses"};
-  guesses.Add({"natural_frequency_hz", "natural frequency f0", document::kHertz},
-              drops.natural_frequency_hz);
-  guesses.Add({"quality_factor", "quality factor Q"}, drops.quality_factor);
+  guesses.Add(document::kNaturalFrequencyHz, drops.natural_frequency_hz);
+  guesses.Add(document::kQualityFactor, drops.quality_factor);
   guesses.Add({"force_constant_n_per_a", "force constant Km", document::kNewtonPerAmpere},
               drops.force_constant_n_per_a);
   guesses.Add({"inductance_h", "inductance L", document::kHenry}, drops.inductance_h);
@@ -134,9 +133,9 @@ Section ActuatorSection(const TestCard& card) {
               drops.speed_m_per_s);
   guesses.Add({"time_scale_standard_uncertainty"}, drops.time_scale_uncertainty);
   section.sections.push_back(std::move(guesses));
-  AddQuantity(section, "moving_mass_kg", "moving mass Mv", document::kKilogram,
-              drops.moving_mass_kg);
-  AddQuantity(section, "resistance_ohm", "resistance R", document::kOhm, drops.resistance_ohm);
+  AddQuantity(section, document::kMovingMass, drops.moving_mass_kg);
+  AddQuantity(section, {document::kResistance.name, "resistance R", document::kOhm},
+              drops.resistance_ohm);
   section.Add({"drop_height_m", "drop from", document::kMetre}, card.height_m);
   return section;
 }
@@ -151,9 +150,9 @@ Section RecorderSection(const TestCard& card) {
   section.Add({"bits", "bits"}, card.bits);
   section.Add({"step_v", "step", document::kVolt}, drops.step_v);
   section.Add({"noise_v", "noise (RMS)", document::kVolt}, drops.noise_v);
-  section.Add({"rate_hz", "rate", document::kHertz}, drops.rate_hz);
+  section.Add(document::kRate, drops.rate_hz);
   section.Add({"pre_trigger_s", "before the impact", document::kSecond}, card.pre_trigger_s);
-  section.Add({"length_s", "behind the impact", document::kSecond}, drops.length_s);
+  section.Add({document::kLength.name, "behind the impact", document::kSecond}, drops.length_s);
   ShowDigits(section.Add({"trigger_v", "trigger, single, at", document::kVolt}, card.trigger_v), 2);
   return section;
 }
@@ -179,7 +178,8 @@ Section DropsSection(const TestCard& card) {
     return card.load ? std::optional((*card.load).*member) : std::nullopt;
   };
   Section section{.heading = "load and drops"};
-  Section& load = AddQuantity(section, "load_ohm", "load", document::kOhm, drops.load_ohm);
+  Section& load =
+      AddQuantity(section, {document::kLoad.name, "load", document::kOhm}, drops.load_ohm);
   Section& json = load.sections.front();
   json.Add({"best_ohm"}, of(&fit::LoadChoice::best_ohm));
   json.Add({"least_ohm"}, of(&fit::LoadChoice::least_ohm));
@@ -196,11 +196,11 @@ Section DropsSection(const TestCard& card) {
 
 // in JSON an object a constant, in text a table of causes
 Section UncertaintySection(const TestCard& card) {
-  Section object{.name = "relative_standard_uncertainty"};
+  Section object{.name = document::kRelativeUncertainty.name};
   Section table{.heading = "expected standard uncertainty by cause",
                 .shape = Section::Shape::kTable};
   for (const fit::Constant constant : kConstants) {
-    Section one{.name = std::string(SymbolOf(constant))};
+    Section one{.name = SymbolOf(constant)};
     for (const Source& source : kSources) one.Add({source.key}, source.part(Of(card, constant)));
     one.Add({"limited_by"}, LargestSource(Of(card, constant)));
     object.sections.push_back(std::move(one));
@@ -334,7 +334,7 @@ document::Document PlanDocument(const TestCard& card) {
                            drops.force_constant_n_per_a)};
   Section& root = document.root;
   Section command;
-  command.Add({"command", "then"}, card.command);
+  command.Add({document::kCommand.name, "then"}, card.command);
   root.sections = {ActuatorSection(card), RecorderSection(card),    RingingSection(card.ringing),
                    DropsSection(card),    UncertaintySection(card), WishesSection(card),
                    std::move(command)};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "tools/document/keys.h"
 #include "tools/reproduce/reproduce.h"
 
 namespace haptometer::tools {
@@ -101,11 +102,11 @@ Section CandidatesSection(const ThesisRow& row) {
     const bool hits = Hits(number, cause);
     const double gives = cause.gives / number.unit.si;
     Section& section = list.sections.emplace_back();
-    section.Add({"text", Name(cause.kind)}, cause.text).note = fmt::format(
+    section.Add({document::kText.name, Name(cause.kind)}, cause.text).note = fmt::format(
         "gives {}{}{}{}",
         document::NumberText(gives, 0, kFurtherDigit * StepOf(number) / number.unit.si),
         number.unit.name.empty() ? "" : " ", number.unit.name, hits ? ", as printed" : "");
-    section.Add({"kind"}, Name(cause.kind));
+    section.Add(document::kKind, Name(cause.kind));
     section.Add({"gives"}, cause.gives);
     section.Add({"from_rounded_interval"}, RangeOf(cause.from_rounded));
     section.Add({"as_printed"}, hits);
@@ -120,9 +121,9 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   const double step = StepOf(number);
   const bool is_printed = number.relation != Relation::kNotPrinted;
   Section section;
-  section.Add({"key"}, row.key);
+  section.Add(document::kKey, row.key);
   section.Add({"group"}, number.group);
-  section.Add({"what", "quantity"}, number.what);
+  section.Add({document::kWhat.name, "quantity"}, number.what);
   section.Add({"where", "in the thesis"}, KnownText(number.where));
   section.Add({"relation", "relation"}, Name(number.relation));
   // zeros behind the point are printed too; before it a digit is as it stands, whatever it is true
@@ -130,13 +131,13 @@ Section RowSection(const ThesisRow& row, bool some_generated) {
   section.Add({"printed", "printed", unit}, is_printed ? Value(SiValue(number)) : Value())
       .resolution = number.half_step < kHalf ? step : 0;
   section.Add({"printed_half_step"}, step > 0 ? Value(step / 2) : Value());
-  section.Add({"unit"}, number.unit.si_name);
+  section.Add(document::kUnit, number.unit.si_name);
   section.Add({"ours", "computed", unit}, row.ours).resolution = kFurtherDigit * step;
   section.Add({"ours_interval_95", "95 %", unit}, RangeOf(row.interval)).resolution =
       kFurtherDigit * step;
   section.Add({"deviation", "deviation", document::kShare}, DeviationOf(row)).resolution =
       kLeastShare;
-  section.Add({"verdict", "verdict"}, Name(VerdictOf(row)));
+  section.Add({document::kVerdict.name, "verdict"}, Name(VerdictOf(row)));
   section.Add({"generated", some_generated ? "generated" : ""}, row.generated);
   section.sections.push_back(ReasonsSection(std::string(number.what), row.remark));
   section.sections.back().sections.push_back(CandidatesSection(row));
@@ -152,8 +153,9 @@ std::vector<Section> GroupsOf(const std::vector<ThesisRow>& rows) {
         row, rows.end(), [&](const ThesisRow& other) { return other.number().group != group; });
     const bool some_generated =
         std::any_of(row, end, [](const ThesisRow& of) { return of.generated; });
-    Section& table = groups.emplace_back(
-        Section{.name = "rows", .heading = std::string(group), .shape = Section::Shape::kTable});
+    Section& table = groups.emplace_back(Section{.name = document::kRows.name,
+                                                 .heading = std::string(group),
+                                                 .shape = Section::Shape::kTable});
     for (; row != end; ++row) table.sections.push_back(RowSection(*row, some_generated));
   }
   return groups;
@@ -171,7 +173,8 @@ void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
     return count([&](const ThesisRow& row) { return ExplainedBy(row) == kind; });
   };
   root.Add({"reproduced", "reproduced"}, of_verdict(RowVerdict::kReproduced));
-  root.Add({"explained", "explained by a candidate"}, of_verdict(RowVerdict::kExplained));
+  root.Add({document::kExplained.name, "explained by a candidate"},
+           of_verdict(RowVerdict::kExplained));
   root.Add({"explained_by_rounding", "of these by rounding alone"}, by_cause(CauseKind::kRounding));
   root.Add({"explained_by_tuned", "of these by a tuned one alone"}, by_cause(CauseKind::kTuned));
   root.Add({"disagree", "disagree"}, of_verdict(RowVerdict::kDisagrees));
@@ -185,11 +188,11 @@ void AddCounts(const std::vector<ThesisRow>& rows, Section& root) {
 Section ChainRowSection(const ChainRow& row) {
   constexpr double kDigits = 1e-6;  // of the truth
   Section section;
-  section.Add({"key"}, row.key);
-  section.Add({"sensor", "sensor"}, row.sensor);
-  section.Add({"scene", "scene"}, row.scene);
+  section.Add(document::kKey, row.key);
+  section.Add(document::kSensor, row.sensor);
+  section.Add({document::kScene.name, "scene"}, row.scene);
   section.Add({"quantity", "quantity"}, row.quantity);
-  section.Add({"unit"}, row.unit.symbol);
+  section.Add(document::kUnit, row.unit.symbol);
   section.Add({"truth", "truth", row.unit}, row.truth).resolution = kDigits * row.truth.value_or(0);
   document::Item& answer = section.Add({"answer", "answer", row.unit, document::Form::kInterval},
                                        row.answer, row.standard_uncertainty);

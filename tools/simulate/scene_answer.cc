@@ -30,7 +30,6 @@ namespace {
 
 constexpr double kWindowPeriods = 10;
 constexpr document::Key kCaseRms{"case_rms_m", "case displacement (RMS)", document::kMetre};
-constexpr document::Key kCurrentRms{"current_rms_a", "current (RMS)", document::kAmpere};
 
 // The last ten periods of the run, where it has as many.
 std::optional<WindowAnswer> AnswerWindow(const sim::Scene& scene) {
@@ -333,12 +332,12 @@ constexpr auto kSteadyNumbers = std::to_array<AnswerNumber>({
                                    &sim::SceneRun::mover_peak_m>},
     {kCaseRms, Settled<&sim::SteadyState::case_rms_m, &sim::SteadyTones::case_rms_m,
                        &sim::SceneRun::case_rms_m>},
-    {kCurrentRms, Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
-                          &sim::SceneRun::current_rms_a>},
+    {document::kCurrentRms,
+     Settled<&sim::SteadyState::current_rms_a, &sim::SteadyTones::current_rms_a,
+             &sim::SceneRun::current_rms_a>},
     {document::kPower,
      Settled<&sim::SteadyState::power_w, &sim::SteadyTones::power_w, &sim::SceneRun::power_w>},
-    {{"phase_rad", "phase of the current", document::kRadian},
-     Steady<&sim::SteadyState::phase_rad>},
+    {document::kPhase, Steady<&sim::SteadyState::phase_rad>},
     {document::kSkinForcePeak,
      SteadyOrTones<&sim::SteadyState::skin_force_peak_n, &sim::SteadyTones::skin_force_peak_n>},
 });
@@ -346,10 +345,10 @@ constexpr auto kSteadyNumbers = std::to_array<AnswerNumber>({
 constexpr auto kRunNumbers = std::to_array<AnswerNumber>({
     {document::kSkinRms, OfRun<&sim::SceneRun::skin_rms_m>},
     {kCaseRms, OfRun<&sim::SceneRun::case_rms_m>},
-    {kCurrentRms, OfRun<&sim::SceneRun::current_rms_a>},
+    {document::kCurrentRms, OfRun<&sim::SceneRun::current_rms_a>},
     {document::kPower, OfRun<&sim::SceneRun::power_w>},
     {document::kMoverPeak, OfRun<&sim::SceneRun::mover_peak_m>},
-    {{"mover_peak_of_run_m", "mover travel in the whole run", document::kMetre},
+    {document::Key{"mover_peak_of_run_m", "mover travel in the whole run", document::kMetre},
      OfRun<&sim::SceneRun::mover_peak_of_run_m>},
 });
 

@@ -13,6 +13,7 @@
 #include "sim/skin/skin_rise.h"
 #include "sim/waveforms.h"
 #include "tools/document/document.h"
+#include "tools/document/keys.h"
 
 namespace haptometer::tools {
 
@@ -81,7 +82,6 @@ struct AnswerNumber {
 inline constexpr document::Key kWindowRms{"window_rms_m", "RMS over the last ten periods",
                                           document::kMetre};
 inline constexpr document::Key kErrorEstimate{"error_estimate", "relative error, at most"};
-inline constexpr document::Key kEvents{"events", "events"};
 inline constexpr document::Key kEnergyImbalance{"energy_imbalance",
                                                 "remainder of the energy balance"};
 

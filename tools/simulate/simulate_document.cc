@@ -22,7 +22,6 @@ using document::Key;
 using document::Section;
 
 // keys of more than one place
-constexpr Key kWindowS{"window_s", "window", document::kSecond};
 constexpr Key kDrivePeriods{"drive_periods", "drive periods per repetition"};
 constexpr Key kChange{"change", "change"};
 
@@ -274,21 +273,21 @@ Section WindowSection(const SceneAnswer& solved) {
   const WindowAnswer window = solved.window.value_or(WindowAnswer{});
   section.Add(kWindowRms, window.skin_rms_m).note = fmt::format(
       "{:.6g} to {:.6g} s, from {}", window.begin_s, window.end_s, StartName(solved.scene));
-  section.Add({kWindowS.name}, document::Range{window.begin_s, window.end_s});
+  section.Add({document::kWindowS.name}, document::Range{window.begin_s, window.end_s});
   return section;
 }
 
 // --- the run ---
 
 Section EventsTable(const sim::SceneRun& run) {
-  Section events{.name = std::string(kEvents.name),
-                 .heading = run.events.empty() ? "" : std::string(kEvents.label),
+  Section events{.name = document::kEvents.name,
+                 .heading = run.events.empty() ? "" : std::string(document::kEvents.label),
                  .shape = Section::Shape::kTable};
   for (const sim::EventCount& event : run.events) {
     Section& row = events.sections.emplace_back();
-    row.Add({"name", "event"}, event.name);
-    row.Add({"count", "times"}, event.count);
-    row.Add({"first_s", "first at", document::kSecond}, event.first_s);
+    row.Add({document::kName.name, "event"}, event.name);
+    row.Add({document::kCount.name, "times"}, event.count);
+    row.Add({document::kFirst.name, "first at", document::kSecond}, event.first_s);
   }
   return events;
 }
@@ -300,7 +299,7 @@ Section RunSection(const SceneAnswer& solved) {
   const sim::SceneRun& run = *played;
   // numbers of what a scene settles to stand above
   if (SettledRun(solved) != nullptr || solved.steady) section.detail = Detail::kAll;
-  section.Add(kWindowS, document::Range{run.begin_s, run.end_s});
+  section.Add(document::kWindowS, document::Range{run.begin_s, run.end_s});
   AddNumbers(RunNumbers(), solved, run.error_estimate, section);
   const sim::RunEnd end =
       solved.effects ? solved.effects->end.value_or(sim::RunEnd{}) : sim::RunEnd{};
@@ -419,7 +418,8 @@ Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanatio
         verdict.ground != sim::Ground::kNamed && verdict.ground != sim::Ground::kNotNamed;
     Section& effect = effects.sections.emplace_back();
     effect.name = sim::kEffectNames[k];
-    effect.Add({"on", is_shown ? sim::kEffectNames[k] : ""}, verdict.on).note = GroundText(verdict);
+    effect.Add({document::kOn.name, is_shown ? sim::kEffectNames[k] : ""}, verdict.on).note =
+        GroundText(verdict);
     effect.Add({"ground"}, NameOf(verdict.ground));
     effect.Add({kChange.name}, is_asked ? std::optional(verdict.change) : std::nullopt);
   }
@@ -427,7 +427,7 @@ Section EffectsSection(const SceneAnswer& solved, const std::optional<Explanatio
 }
 
 Section ExplainedTable(const std::optional<Explanation>& explanation) {
-  Section table{.name = "explained",
+  Section table{.name = document::kExplained.name,
                 .heading = "each effect forced on and left out, best time of three runs",
                 .shape = Section::Shape::kTable,
                 .is_known = explanation.has_value()};
@@ -455,7 +455,7 @@ Section MethodSection(const SimulateAnswer& answer) {
   };
   add({"trial", "trial"}, answer.trial_path);
   add({"waveforms", "waveforms"}, answer.waveforms_path);
-  add({"plot", "plot"}, answer.plot_path);
+  add(document::kPlot, answer.plot_path);
   return section;
 }
 
@@ -473,10 +473,7 @@ document::Section RiseSection(const std::optional<sim::SkinRise>& known) {
   const sim::SkinRise rise = known.value_or(sim::SkinRise{});
   Section section{.name = "rise", .is_known = known.has_value()};
   section.Add(document::kRise, rise.rise_s, rise.uncertainty_s);
-  section
-      .Add({"rise_at_most_s", "rise from 10 % to 90 %, at most", document::kSecond},
-           rise.rise_at_most_s)
-      .resolution = rise.uncertainty_s / 10;
+  section.Add(document::kRiseAtMost, rise.rise_at_most_s).resolution = rise.uncertainty_s / 10;
   // a latency that is not above its uncertainty is a limit alone
   const bool is_limit = !rise.TellsLatency();
   section.Add(
@@ -491,7 +488,7 @@ document::Section RiseSection(const std::optional<sim::SkinRise>& known) {
       Severity::kNote,
       sim::VerdictOf(rise),
       {{"latency_s", rise.latency_s}, {"standard_uncertainty_s", rise.uncertainty_s}}};
-  section.Add({"verdict"}, document::SentenceOf(verdict.kind).kind);
+  section.Add(document::kVerdict, document::SentenceOf(verdict.kind).kind);
   sim::Findings findings;
   if (known) findings.Add(verdict);
   document::AddFindings(section, findings);
@@ -503,7 +500,7 @@ document::Document SimulateDocument(const SimulateAnswer& answer) {
   document::Document document{.verb = "simulate", .title = TitleOf(answer)};
   Section& root = document.root;
   root.sources = {document::DataSource::kSimulated};
-  root.Add({"scene"}, answer.scene_path);
+  root.Add(document::kScene, answer.scene_path);
   root.sections = {SteadySection(solved),
                    ContactSection(answer),
                    WindowSection(solved),

@@ -15,6 +15,7 @@
 #include "base/text.h"
 #include "dsp/spectrum/welch.h"
 #include "tools/cli/output_file.h"
+#include "tools/document/keys.h"
 #include "tools/simulate/simulated_trial.h"
 #include "trial/export/export.h"
 #include "trial/import/csv_header.h"
@@ -120,18 +121,20 @@ trial::Record RecordOf(const sim::Waveforms& waves, const sim::Scene& scene,
   record.channels = {ChannelOf("displacement", Role::kDisplacement, "m", TargetOf(waves, scene)),
                      ChannelOf("voltage", Role::kVoltage, "V", waves.voltage_v),
                      ChannelOf("current", Role::kCurrent, "A", waves.current_a)};
-  const auto add = [&](const char* name, const char* unit, const Eigen::VectorXd& values) {
-    if (values.size() > 0) record.channels.push_back(ChannelOf(name, Role::kOther, unit, values));
+  const auto add = [&](const document::Key& key, const Eigen::VectorXd& values) {
+    if (values.size() == 0) return;
+    record.channels.push_back(
+        ChannelOf(std::string(key.name), Role::kOther, std::string(key.unit.symbol), values));
   };
-  add("mover_m", "m", waves.mover_m);
-  add("mover_m_per_s", "m/s", waves.mover_m_per_s);
-  add("case_m", "m", waves.case_m);
-  add("case_m_per_s", "m/s", waves.case_m_per_s);
-  add("skin_m", "m", waves.skin_m);
-  add("skin_m_per_s", "m/s", waves.skin_m_per_s);
-  add("finger_m", "m", waves.finger_m);
-  add("force_n", "N", waves.force_n);
-  add("events", "", waves.events);
+  add({"mover_m", {}, document::kMetre}, waves.mover_m);
+  add({"mover_m_per_s", {}, document::kMetrePerSecond}, waves.mover_m_per_s);
+  add({"case_m", {}, document::kMetre}, waves.case_m);
+  add({"case_m_per_s", {}, document::kMetrePerSecond}, waves.case_m_per_s);
+  add({"skin_m", {}, document::kMetre}, waves.skin_m);
+  add({"skin_m_per_s", {}, document::kMetrePerSecond}, waves.skin_m_per_s);
+  add({"finger_m", {}, document::kMetre}, waves.finger_m);
+  add({"force_n", {}, document::kNewton}, waves.force_n);
+  add(document::kEvents, waves.events);
   record.rows = static_cast<std::size_t>(waves.rows());
   record.stretches.push_back(
       {.first_row = 0, .rows = record.rows, .start_s = 0, .rate_hz = waves.rate_hz});

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "tools/document/keys.h"
 #include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
@@ -97,14 +98,14 @@ StudyFindings FindingsOf(const DriveLine& line) {
 
 Section LineSection(const DriveLine& line) {
   Section section{.heading = NameOf(line)};
-  section.Add({kSubject.name}, TextOrUnknown(line.subject));
+  section.Add({document::kSubject.name}, TextOrUnknown(line.subject));
   section.Add({kCondition.name}, TextOrUnknown(line.condition));
-  section.Add({"readings", "readings"}, line.rms_m.size());
+  section.Add(document::kReadings, line.rms_m.size());
   section.Add({"below_floor"}, line.below_floor);
   section.Add({"floor_m", "noise correction", document::kMetre}, line.floor_m).note =
       "RMS, subtracted in mean square";
   section.Add({"drive_v"}, line.drive_v);
-  section.Add({"rms_m"}, line.rms_m);
+  section.Add(document::kRms, line.rms_m);
   section.sections = {FitSection(line), CurvatureSection(line.curvature)};
   document::AddFindings(section, FindingsOf(line));
   return section;

@@ -16,6 +16,7 @@
 #include "base/text.h"
 #include "base/toml.h"
 #include "tools/cli/csv_cell.h"
+#include "tools/document/keys.h"
 
 namespace haptometer::tools {
 namespace {
@@ -111,8 +112,8 @@ bool IsTableOfResults(const std::string& path) {
   }
   const auto names = cli::CellsOf(rest.substr(0, rest.find_first_of("\r\n")));
   const auto has = [&](std::string_view name) { return std::ranges::count(names, name) > 0; };
-  return has("subject") || has("rms_m") || has("band_rms_m") || has("matched_v") ||
-         (has("frequency_hz") && !has("time_s"));
+  return has(document::kSubject.name) || has(document::kRms.name) || has(document::kBandRms.name) ||
+         has("matched_v") || (has(document::kFrequency.name) && !has(document::kTime.name));
 }
 
 TrialFile Labelled(const std::string& path, const std::string& pattern) {

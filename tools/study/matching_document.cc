@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "tools/document/keys.h"
 #include "tools/study/statistics_items.h"
 #include "tools/study/study_document.h"
 
@@ -109,7 +110,7 @@ Section MatchedConditionSection(const MatchedCondition& condition) {
         .resolution = ResolutionBy(StandardUncertaintyOf(level.matched_v));
   }
   Section section{.heading = condition.name + ": matched voltage against the reference"};
-  section.Add(kName, condition.name);
+  section.Add(document::kName, condition.name);
   section.sections = {OverallSection(&condition.overall), StartSection(condition.start_log_ratio),
                       std::move(levels)};
   return section;
@@ -140,14 +141,14 @@ document::Document MatchingDocument(const MatchingResult& result, bool has_figur
                            result.source, result.settings, result.subjects.size())};
   Section& root = document.root;
   root.sources = {document::DataSource::kImported};
-  root.Add(kFile, result.source);
-  root.Add(kUnitOfAnalysis, kSubject.name);
+  root.Add(document::kFile, result.source);
+  root.Add(kUnitOfAnalysis, document::kSubject.name);
   root.Add({"settings"}, result.settings);
   root.Add({kSubjects.name}, result.subjects);
   root.Add(kContrastsPlanned, result.planned);
-  root.sections = {ListOf({.name = kConditionsName, .shape = Section::Shape::kArray},
+  root.sections = {ListOf({.name = kConditions.name, .shape = Section::Shape::kArray},
                           result.conditions, MatchedConditionSection),
-                   ListOf({.name = kContrastsName, .shape = Section::Shape::kArray},
+                   ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray},
                           result.contrasts, MatchedContrastSection)};
   if (has_figures) {
     root.figures = {

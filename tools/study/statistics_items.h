@@ -6,17 +6,15 @@
 
 #include "dsp/statistics/moments.h"
 #include "tools/document/document.h"
+#include "tools/document/keys.h"
 #include "tools/study/study_findings.h"
 
 /// How the numbers of statistics stand in the documents of study, and the keys that they share.
 namespace haptometer::tools {
 
-inline constexpr document::Key kSubject{"subject", "subject"};
 inline constexpr document::Key kCondition{"condition", "condition"};
 inline constexpr document::Key kTreatment{"treatment"};
 inline constexpr document::Key kControl{"control"};
-inline constexpr document::Key kFile{"file"};
-inline constexpr document::Key kName{"name"};
 inline constexpr document::Key kUnitOfAnalysis{"unit_of_analysis"};
 inline constexpr document::Key kContrastsPlanned{"contrasts_planned"};
 inline constexpr document::Key kLeftOutSubjects{"left_out_subjects", "without subject"};
@@ -24,8 +22,8 @@ inline constexpr document::Key kSubjects{"subjects", "subjects"};
 inline constexpr document::Key kN{"n", "subjects"};
 inline constexpr document::Key kP{"p"};
 inline constexpr document::Key kRatio{"ratio", "ratio", document::kNone, document::Form::kInterval};
-inline constexpr const char* kConditionsName = "conditions";
-inline constexpr const char* kContrastsName = "contrasts";
+inline constexpr document::Key kConditions{"conditions"};
+inline constexpr document::Key kContrasts{"contrasts"};
 
 /// "1 trial", "2 trials".
 [[nodiscard]] std::string Counted(std::size_t count, std::string_view noun);

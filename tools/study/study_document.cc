@@ -7,6 +7,7 @@
 #include <cmath>
 #include <set>
 
+#include "tools/document/keys.h"
 #include "tools/document/render.h"
 #include "tools/study/statistics_items.h"
 
@@ -21,12 +22,11 @@ using document::Section;
 using document::Value;
 
 // keys of more than one place
-constexpr Key kTrials{"trials", "trials"};
 constexpr Key kRepeat{"repeat", "repeat"};
-constexpr Key kOrder{"order"};
-constexpr Key kAnswered{"answered", "with a value"};
-constexpr Key kBandRms{"band_rms_m", "band RMS", document::kMetre, document::Form::kUncertain};
-constexpr std::string_view kOutlyingName = "outlying";
+constexpr Key kAnswered{document::kAnswered.name, "with a value"};
+constexpr Key kBandRms{document::kBandRms.name, "band RMS", document::kMetre,
+                       document::Form::kUncertain};
+constexpr Key kOutlying{"outlying"};
 
 template <typename T>
 Value MemberOf(const std::optional<T>& known, double T::* member) {
@@ -77,11 +77,11 @@ StudyFindings FindingsOf(const StudyResult& study) {
 // --- sections ---
 
 Section BandSection(const dsp::BandPass& band) {
-  Section section{.name = "band"};
-  section.Add({"lower_hz"}, band.lower_hz);
-  section.Add({"upper_hz"}, band.upper_hz);
-  section.Add(kOrder, band.order);
-  section.Add({"corner"}, band.corners == dsp::Corners::kWhole ? "whole" : "each");
+  Section section{.name = document::kBand.name};
+  section.Add(document::kLowerHz, band.lower_hz);
+  section.Add(document::kUpperHz, band.upper_hz);
+  section.Add(document::kOrder, band.order);
+  section.Add(document::kCorner, band.corners == dsp::Corners::kWhole ? "whole" : "each");
   section.Add({"", "RMS within", document::kHertz}, Range{band.lower_hz, band.upper_hz}).note =
       "one mean a subject";
   return section;
@@ -91,12 +91,12 @@ Section FloorSection(const std::optional<dsp::NoiseFloor>& floor) {
   const dsp::NoiseFloor known = floor.value_or(dsp::NoiseFloor{});
   const double rms_m = std::sqrt(known.power.mean_square);
   Section section{.name = "floor", .is_known = floor.has_value()};
-  section.Add(kFile, known.source);
+  section.Add(document::kFile, known.source);
   section
-      .Add({"rms_m", "noise correction", document::kMetre}, rms_m,
+      .Add({document::kRms.name, "noise correction", document::kMetre}, rms_m,
            std::sqrt(known.power.variance) / 2 / rms_m)
       .note = fmt::format("RMS of {}, subtracted in mean square", known.source);
-  section.Add({"duration_s"}, known.duration_s);
+  section.Add({document::kDuration.name}, known.duration_s);
   return section;
 }
 
@@ -104,9 +104,9 @@ Section ConditionRow(const ConditionSummary& condition) {
   const double resolution = ResolutionBy(StandardUncertaintyOf(condition.subjects));
   const auto& repeats = condition.repeats;
   Section row;
-  row.Add(Key{kName.name, kCondition.label}, condition.name);
+  row.Add(Key{document::kName.name, kCondition.label}, condition.name);
   row.Add(kSubjects, condition.subjects.n);
-  row.Add(kTrials, condition.trials);
+  row.Add(document::kTrials, condition.trials);
   AddMean(row, {"mean_m", "mean", document::kMetre, document::Form::kInterval}, condition.subjects);
   row.Add({"standard_deviation_m", "sd over subjects", document::kMetre},
           condition.subjects.standard_deviation)
@@ -197,11 +197,11 @@ Section ContrastSection(const Contrast& contrast) {
   return section;
 }
 
-Section AnovaSection(std::string name, std::string heading,
-                     const std::optional<dsp::RepeatedMeasuresAnova>& anova, std::size_t subjects) {
+Section AnovaSection(const Key& key, const std::optional<dsp::RepeatedMeasuresAnova>& anova,
+                     std::size_t subjects) {
   const auto known = anova.value_or(dsp::RepeatedMeasuresAnova{});
   Section section{
-      .name = std::move(name), .heading = std::move(heading), .is_known = anova.has_value()};
+      .name = key.name, .heading = std::string(key.label), .is_known = anova.has_value()};
   section.Add(kSubjects, subjects);
   section.Add({"f"}, known.f);
   section.Add({"df_conditions"}, known.df_conditions);
@@ -225,7 +225,7 @@ Section TrendSection(const std::optional<OrderTrend>& trend) {
   const dsp::OneSample& slope = known.per_trial;
   Section section{
       .name = "trend", .heading = "trend over a subject's trials", .is_known = trend.has_value()};
-  section.Add(Key{kOrder.name, "by"}, known.by_start ? "utc_start" : kRepeat.name);
+  section.Add(Key{document::kOrder.name, "by"}, known.by_start ? "utc_start" : kRepeat.name);
   section.Add(kSubjects, slope.n);
   AddMean(section, {"log_slope_per_trial", "", document::kNone, document::Form::kInterval}, slope);
   Item& percent = section.Add({"", "change a trial", document::kShare}, std::expm1(slope.mean),
@@ -242,8 +242,8 @@ Section AllConditions(const StudyResult& study) {
   const FurtherStatistics& further = study.further;
   Section all{.detail = Detail::kAll};
   all.sections = {ListOf({.heading = "repeats and error bars"}, further.conditions, RepeatsRow),
-                  AnovaSection("anova", "all conditions", further.anova, further.whole_subjects),
-                  AnovaSection("anova_of_logarithms", "all conditions, logarithms",
+                  AnovaSection({"anova", "all conditions"}, further.anova, further.whole_subjects),
+                  AnovaSection({"anova_of_logarithms", "all conditions, logarithms"},
                                further.log_anova, further.whole_subjects),
                   TrendSection(further.trend)};
   StudyFindings findings;
@@ -266,18 +266,18 @@ std::vector<std::string> DeviationsOf(const StudyTrial& trial) {
 
 // whose it is
 void AddPlace(const StudyTrial& trial, Section& row) {
-  row.Add(kSubject, TextOrUnknown(trial.subject));
+  row.Add(document::kSubject, TextOrUnknown(trial.subject));
   row.Add(kCondition, TextOrUnknown(trial.condition));
   row.Add(kRepeat, TextOrUnknown(trial.repeat));
 }
 
 Section TrialRow(const StudyTrial& trial) {
   Section row{.sources = trial.sources};
-  row.Add(Key{kFile.name, "file"}, trial.file);
+  row.Add(Key{document::kFile.name, "file"}, trial.file);
   AddPlace(trial, row);
   row.Add({"", "data"}, TextOrUnknown(document::SourcesText(trial.sources)));
   row.Add(kAnswered, trial.answered);
-  row.Add({"reasons"}, ReasonsOf(trial));
+  row.Add(document::kReasons, ReasonsOf(trial));
   row.Add({"deviations", "findings"}, DeviationsOf(trial));
   row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
   return row;
@@ -285,7 +285,7 @@ Section TrialRow(const StudyTrial& trial) {
 
 Section MissingRow(const MissingTrials& missing) {
   Section row;
-  row.Add({kSubject.name}, missing.subject);
+  row.Add({document::kSubject.name}, missing.subject);
   row.Add({kCondition.name}, missing.condition);
   row.Add({kAnswered.name}, missing.answered);
   row.Add({"expected"}, missing.expected);
@@ -294,9 +294,9 @@ Section MissingRow(const MissingTrials& missing) {
 
 Section OutlyingRow(const Outlying& outlying) {
   Section row;
-  row.Add({kSubject.name}, outlying.subject);
+  row.Add({document::kSubject.name}, outlying.subject);
   row.Add({kCondition.name}, outlying.condition);
-  row.Add(kFile, TextOrUnknown(outlying.file));
+  row.Add(document::kFile, TextOrUnknown(outlying.file));
   row.Add({"times"}, outlying.times);
   row.Add({"robust_standard_deviations"}, outlying.score);
   return row;
@@ -304,8 +304,8 @@ Section OutlyingRow(const Outlying& outlying) {
 
 Section TrialsSection(const StudyResult& study) {
   Section section{.detail = Detail::kAll};
-  section.sections.push_back(ListOf({.name = std::string(kTrials.name), .heading = "trials"},
-                                    study.table.trials, TrialRow));
+  section.sections.push_back(
+      ListOf({.name = document::kTrials.name, .heading = "trials"}, study.table.trials, TrialRow));
   // they were reported when the files were read
   document::AddFindings(section, RefusalsOf(study, true));
   return section;
@@ -374,17 +374,17 @@ document::Document StudyDocument(const StudyResult& study, bool has_figures) {
   Section& root = document.root;
   root.sources = SourcesOf(table);
   root.Add({"study"}, study.source);
-  root.Add(kUnitOfAnalysis, kSubject.name);
+  root.Add(kUnitOfAnalysis, document::kSubject.name);
   root.Add({kSubjects.name}, table.subjects);
   root.Add(kContrastsPlanned, study.planned);
   root.sections = {BandSection(study.question.band),
                    FloorSection(study.question.floor),
-                   ListOf({.name = kConditionsName}, study.further.conditions, ConditionRow),
-                   ListOf({.name = kContrastsName, .shape = Section::Shape::kArray},
+                   ListOf({.name = kConditions.name}, study.further.conditions, ConditionRow),
+                   ListOf({.name = kContrasts.name, .shape = Section::Shape::kArray},
                           study.contrasts, ContrastSection),
                    AllConditions(study),
                    ListOf({.name = "missing"}, study.missing, MissingRow),
-                   ListOf({.name = std::string(kOutlyingName)}, study.outlying, OutlyingRow),
+                   ListOf({.name = kOutlying.name}, study.outlying, OutlyingRow),
                    TrialsSection(study)};
   if (has_figures) root.figures = {{.caption = "conditions", .panels = StudyPanels(study)}};
   document::AddFindings(root, FindingsOf(study));
@@ -400,10 +400,10 @@ document::Section LongTable(const StudyResult& study) {
     AddPlace(trial, row);
     row.Add(kBandRms, trial.rms_m, trial.rms_uncertainty_m);
     row.Add(kAnswered, static_cast<int>(trial.answered));
-    row.Add({kOutlyingName}, static_cast<int>(is_outlying));
-    row.Add({"data_source"}, document::SourcesText(trial.sources));
+    row.Add(kOutlying, static_cast<int>(is_outlying));
+    row.Add(document::kDataSources, document::SourcesText(trial.sources));
     row.Add({"remarks"}, fmt::format("{}", fmt::join(remarks, "; ")));
-    row.Add(kFile, trial.file);
+    row.Add(document::kFile, trial.file);
     return row;
   });
 }
@@ -412,7 +412,7 @@ document::Section WideTable(const StudyResult& study) {
   Section table{.shape = Section::Shape::kTable};
   for (std::size_t s = 0; s < study.table.subjects.size(); ++s) {
     Section& row = table.sections.emplace_back();
-    row.Add(kSubject, study.table.subjects[s]);
+    row.Add(document::kSubject, study.table.subjects[s]);
     for (std::size_t c = 0; c < study.table.conditions.size(); ++c) {
       const Cell& cell = study.table.cells[s][c];
       row.Add({study.table.conditions[c] + "_mean_m"}, cell.mean_m());

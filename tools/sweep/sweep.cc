@@ -12,6 +12,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/sweep/sweep_picture.h"
 #include "tools/sweep/sweep_question.h"
@@ -263,13 +264,13 @@ document::Value CellValue(const std::string& cell) {
 
 Section BestSection(const SweepSummary& summary) {
   const BestWish& wish = summary.wish;
-  Section best{.name = "best", .is_known = summary.best.has_value()};
+  Section best{.name = document::kBest.name, .is_known = summary.best.has_value()};
   if (!summary.best) return best;
   const std::string direction = wish.least ? "least" : "largest";
   const std::string label = fmt::format("{} {}", direction, wish.column);
   best.Add({"column"}, wish.column);
   best.Add({"direction"}, direction);
-  best.Add({"value", label, document::UnitOfName(wish.column)}, summary.best->value);
+  best.Add({document::kValue.name, label, document::UnitOfName(wish.column)}, summary.best->value);
   best.Add({"rows_compared"}, summary.compared);
   best.Add({kPointColumn, "at point"}, summary.best->point);
   Section& values = best.sections.emplace_back();
@@ -292,14 +293,14 @@ document::Document SweepDocument(const SweepSummary& summary) {
   Section& root = document.root;
   root.sources = {document::DataSource::kSimulated};
   root.Add({"table"}, summary.table);
-  root.Add({"points", "points"}, header.points);
+  root.Add(document::kPoints, header.points);
   root.Add({"shard", "shard"}, known(header.shard));
-  root.Add({"rows", header.shard.empty() ? "" : "rows"}, summary.rows);
-  root.Add({"answered", "answered"}, summary.answered);
+  root.Add({document::kRows.name, header.shard.empty() ? "" : "rows"}, summary.rows);
+  root.Add({document::kAnswered.name, "answered"}, summary.answered);
   const auto first = header.columns.begin() + 1;
   root.Add({"varied"},
            std::vector<std::string>(first, first + static_cast<std::ptrdiff_t>(header.varied)));
-  root.Add({"plot", "plot"}, known(summary.plot));
+  root.Add(document::kPlot, known(summary.plot));
   root.sections.push_back(BestSection(summary));
   document::AddFindings(root, FindingsOf(summary));
   return document;

@@ -17,6 +17,7 @@
 #include "base/jobs.h"
 #include "base/text.h"
 #include "tools/cli/csv_cell.h"
+#include "tools/document/keys.h"
 #include "trial/byte_io.h"
 
 namespace haptometer::tools {
@@ -173,7 +174,7 @@ std::vector<AnswerColumn> MakeColumns() {
   add("", {kWindowRms, WindowRms});
   add("", {kErrorEstimate, SteadyError});
   for (const AnswerNumber& number : RunNumbers()) add(kOfRun, number);
-  add(kOfRun, {kEvents, Events});
+  add(kOfRun, {document::kEvents, Events});
   add(kOfRun, {kEnergyImbalance, Imbalance});
   return columns;
 }

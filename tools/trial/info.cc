@@ -8,6 +8,7 @@
 #include "tools/cli/options.h"
 #include "tools/cli/shared_options.h"
 #include "tools/cli/terminal.h"
+#include "tools/document/keys.h"
 #include "tools/document/present.h"
 #include "tools/plot/gnuplot.h"
 #include "tools/trial/trial.h"
@@ -91,27 +92,22 @@ double WorstUncertainty(const Record& record) {
 // --- sections ---
 
 // keys of more than one place
-constexpr Key kRows{"rows", "rows"};
+constexpr Key kLabels{"labels", "label"};
 constexpr Key kRow{"row", "before row"};
-constexpr Key kRate{"rate_hz", "rate", document::kHertz};
-constexpr Key kTimeUncertainty{"time_uncertainty_s", "standard uncertainty of a time",
-                               document::kSecond};
-constexpr Key kFirstRow{"first_row", "first row"};
 
 // a name in a file is a key here
-Section TextsSection(std::string name, std::string_view what,
-                     const std::map<std::string, std::string>& texts) {
-  Section section{.name = std::move(name)};
+Section TextsSection(const Key& list, const std::map<std::string, std::string>& texts) {
+  Section section{.name = list.name};
   for (const auto& [key, text] : texts) {
-    section.Add({key}, text).label = fmt::format("{} {}", what, key);
+    section.Add({key}, text).label = fmt::format("{} {}", list.label, key);
   }
   return section;
 }
 
 Section HeaderSection(const Metadata& metadata) {
   Section section;
-  section.Add({"source", "source"}, TextOrNotKnown(metadata.source));
-  section.Add({"sensor", "sensor"}, TextOrNotKnown(metadata.sensor));
+  section.Add(document::kSource, TextOrNotKnown(metadata.source));
+  section.Add(document::kSensor, TextOrNotKnown(metadata.sensor));
   section.Add({"head", "head"}, TextOrNotKnown(metadata.head));
   section.Add({"averages", "samples averaged in a reading"}, metadata.averages);
   section.Add({"sampling_s", "sampled every", document::kSecond}, metadata.sampling_s);
@@ -125,8 +121,8 @@ Section HeaderSection(const Metadata& metadata) {
   Item& tare = section.Add({"tare_m", "tare", document::kMetre}, metadata.tare_m);
   if (metadata.tare_m == 0) tare.label.clear();
   section.Add({"notes", metadata.notes.empty() ? "" : "notes"}, metadata.notes);
-  section.sections = {TextsSection("labels", "label", metadata.labels),
-                      TextsSection("fields", "field", metadata.fields)};
+  section.sections = {TextsSection(kLabels, metadata.labels),
+                      TextsSection({"fields", "field"}, metadata.fields)};
   return section;
 }
 
@@ -164,9 +160,9 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
           ? document::kMetre
           : document::Unit{.symbol = channel.unit, .spoken = {{{1, channel.unit}}}};
   using Number = std::optional<double>;
-  section.Add({"name"}, channel.name);
+  section.Add(document::kName, channel.name);
   section.Add({"role"}, role);
-  section.Add({"unit"}, channel.unit);
+  section.Add(document::kUnit, channel.unit);
   section.Add({"range_min"}, channel.range_min);
   section.Add({"range_max"}, channel.range_max);
   // nothing measures below a picometre
@@ -183,12 +179,12 @@ Section ChannelSection(const Channel& channel, StatusCounts& all) {
 }
 
 Section GapsSection(const Record& record) {
-  Section list{.name = "gaps", .heading = "gaps", .shape = Section::Shape::kTable};
+  Section list{.name = document::kGaps.name, .heading = "gaps", .shape = Section::Shape::kTable};
   for (const Gap& gap : GapsOf(record)) {
     Section& row = list.sections.emplace_back();
     row.Add(kRow, gap.row);
     row.Add({"at_s", "at", document::kSecond}, gap.at_s);
-    row.Add({"length_s", "length", document::kSecond}, gap.length_s);
+    row.Add({document::kLength.name, "length", document::kSecond}, gap.length_s);
   }
   return list;
 }
@@ -200,31 +196,31 @@ Section StretchesSection(const Record& record) {
                .detail = Detail::kAll};
   for (const Stretch& stretch : record.stretches) {
     Section& row = list.sections.emplace_back();
-    row.Add(kFirstRow, stretch.first_row);
-    row.Add(kRows, stretch.rows);
+    row.Add(document::kFirstRow, stretch.first_row);
+    row.Add(document::kRows, stretch.rows);
     row.Add({"start_s", "start", document::kSecond}, stretch.start_s);
-    row.Add(kRate, stretch.rate_hz);
-    row.Add(kTimeUncertainty, stretch.time_uncertainty_s);
+    row.Add(document::kRate, stretch.rate_hz);
+    row.Add(document::kTimeUncertainty, stretch.time_uncertainty_s);
   }
   return list;
 }
 
 // of labels that were given later the header has the last ones
 Section EventsSection(const std::vector<Event>& events) {
-  Section list{.name = "events", .shape = Section::Shape::kArray};
+  Section list{.name = document::kEvents.name, .shape = Section::Shape::kArray};
   for (const Event& event : events) {
     Section& section = list.sections.emplace_back();
     std::optional<double> time_s;
     if (event.time_ns) time_s = 1e-9 * static_cast<double>(*event.time_ns);
     section.Add({"event"}, Name(event.kind));
     section.Add({kRow.name}, event.row);
-    section.Add({"time_s"}, time_s);
-    Item& text = section.Add({"text"}, event.text);
+    section.Add(document::kTime, time_s);
+    Item& text = section.Add(document::kText, event.text);
     if (event.kind != EventKind::kTimeBase && !event.text.empty()) {
       text.label = Name(event.kind);
       text.note = fmt::format("before row {}", event.row);
     }
-    Section labels{.name = "labels"};
+    Section labels{.name = kLabels.name};
     for (const auto& [key, value] : event.labels) {
       labels.Add({key}, value);
       if (!text.label.empty()) text.label += " " + key;
@@ -238,11 +234,11 @@ Section LossesSection(const std::vector<trial::Loss>& losses) {
   Section list{.name = "losses", .shape = Section::Shape::kArray};
   for (const trial::Loss& loss : losses) {
     Section& section = list.sections.emplace_back();
-    section.Add({"what"}, document::SentenceOf(loss.kind).kind);
+    section.Add(document::kWhat, document::SentenceOf(loss.kind).kind);
     section.Add({"offset"}, loss.offset);
-    section.Add({"bytes"}, loss.bytes);
-    section.Add({kFirstRow.name}, loss.first_row);
-    section.Add({kRows.name}, loss.rows);
+    section.Add(document::kBytes, loss.bytes);
+    section.Add({document::kFirstRow.name}, loss.first_row);
+    section.Add({document::kRows.name}, loss.rows);
   }
   return list;
 }
@@ -263,14 +259,14 @@ Section RowsSection(const std::string& path, const Recording& recording) {
   const bool is_end_known =
       report.kind == trial::FileKind::kTrial || report.kind == trial::FileKind::kHdf5;
   Section section;
-  section.Add({"file"}, path);
-  section.Add({"kind"}, Name(report.kind));
+  section.Add(document::kFile, path);
+  section.Add(document::kKind, Name(report.kind));
   section.Add({"closed"}, is_end_known ? std::optional(report.closed) : std::optional<bool>());
-  section.Add(kRows, record.rows);
-  section.Add({"duration_s", "duration", document::kSecond}, Duration(record));
-  section.Add(kRate, MeanRate(record));
+  section.Add(document::kRows, record.rows);
+  section.Add(document::kDuration, Duration(record));
+  section.Add(document::kRate, MeanRate(record));
   section.Add({"timing"}, Name(record.timing));
-  Item& uncertainty = section.Add(kTimeUncertainty, WorstUncertainty(record));
+  Item& uncertainty = section.Add(document::kTimeUncertainty, WorstUncertainty(record));
   if (record.timing == trial::Timing::kUniform) uncertainty.label.clear();
   section.Add({"", "file"}, FileText(report));
   section.Add({"rows_lost"}, report.RowsLost());

@@ -152,7 +152,7 @@ std::string_view ProofName(sim::Proof proof) {
 // --- sections ---
 
 Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem& problem) {
-  Section best{.name = "best"};
+  Section best{.name = document::kBest.name};
   const auto add = [&best](const Key& key, double value, const sim::Range& range) {
     Item& item = best.Add(key, value);
     if (value == range.lower || value == range.upper) item.note = "at a bound";
@@ -167,7 +167,7 @@ Section AdapterSection(const sim::AdapterPoint& point, const sim::TuningProblem&
       bounds.stiffness_n_per_m);
   add({"damping_n_s_per_m", "damper", document::kNewtonSecondPerMetre}, adapter.damping_n_s_per_m,
       bounds.damping_n_s_per_m);
-  add({"contact_area_m2", "contact's area", document::kSquareMetre},
+  add({document::kContactArea.name, "contact's area", document::kSquareMetre},
       problem.fixed_skin ? kNaN : point.contact_area_m2, bounds.contact_area_m2);
   return best;
 }
@@ -177,10 +177,10 @@ Section ObjectiveSection(const TuneAnswer& answer) {
   const sim::AdapterOptimum& optimum = answer.optimum;
   const Unit unit = ObjectiveUnit(question.objective);
   Section objective{.name = "objective"};
-  objective.Add({"name"}, sim::Name(question.objective));
-  objective.Add({"unit"}, sim::UnitOf(question.objective));
+  objective.Add(document::kName, sim::Name(question.objective));
+  objective.Add(document::kUnit, sim::UnitOf(question.objective));
   objective.Add({"skin_variation"}, question.problem.skin_variation);
-  objective.Add({"value", sim::Name(question.objective), unit}, optimum.value);
+  objective.Add({document::kValue.name, sim::Name(question.objective), unit}, optimum.value);
   objective.Add({"upper_bound", "upper bound", unit}, optimum.upper_bound).note = fmt::format(
       "{:.2g} % above: {}", (optimum.upper_bound / optimum.value - 1) * 100, ProofText(answer));
   objective.Add({"matched_load_bound", "any adapter", unit}, answer.matched_load_bound).note =
@@ -236,7 +236,7 @@ Section GridSection(const TuneAnswer& answer) {
                .detail = Detail::kAll,
                .is_known = answer.grid.has_value()};
   grid.Add({"values_per_axis", "values an axis"}, answer.question.grid_values);
-  grid.Add({"points", "points"}, best.points);
+  grid.Add(document::kPoints, best.points);
   grid.Add(document::kSkinRms, best.skin_rms_m);
   grid.sections.push_back(AdapterSection(best.point, answer.question.problem));
   return grid;
@@ -244,16 +244,16 @@ Section GridSection(const TuneAnswer& answer) {
 
 // the best adapters of a list, with the objective of each
 Section PointList(const TuneAnswer& answer, const std::vector<sim::RidgePoint>& points,
-                  std::string name, std::string heading, Detail detail) {
+                  const document::Key& key, Detail detail) {
   const sim::Objective objective = answer.question.objective;
-  Section list{.name = std::move(name),
-               .heading = std::move(heading),
+  Section list{.name = key.name,
+               .heading = std::string(key.label),
                .shape = Section::Shape::kTable,
                .detail = detail};
   for (const sim::RidgePoint& point : points) {
     const bool is_found = point.value > 0;
     Section& row = list.sections.emplace_back();
-    row.Add({"value", sim::Name(objective), ObjectiveUnit(objective)},
+    row.Add({document::kValue.name, sim::Name(objective), ObjectiveUnit(objective)},
             is_found ? point.value : kNaN);
     row.sections.push_back(AdapterSection(point.point, answer.question.problem));
     row.sections.back().is_known = is_found;
@@ -272,7 +272,7 @@ Section WrongSprings(const TuneAnswer& answer) {
   for (const auto& [spring, mover_peak_m] : answer.springs) {
     Section& row = list.sections.emplace_back();
     row.Add({"factor", "of the best", document::kShare}, spring.factor);
-    row.Add({"value", sim::Name(answer.question.objective), unit}, spring.as_built);
+    row.Add({document::kValue.name, sim::Name(answer.question.objective), unit}, spring.as_built);
     row.Add({"", "change", document::kShare}, spring.as_built / answer.optimum.value - 1);
     row.Add({"value_with_new_skin_side_mass", "skin's mass chosen anew", unit},
             spring.rebalanced > 0 ? spring.rebalanced : kNaN);
@@ -444,17 +444,17 @@ document::Document TuneDocument(const TuneAnswer& answer, bool has_figures) {
   document::Document document{.verb = "tune", .title = TitleOf(question)};
   Section& root = document.root;
   root.sources = {document::DataSource::kSimulated};
-  root.Add({"scene"}, question.name);
+  root.Add(document::kScene, question.name);
   root.sections = {
       AdapterSection(answer.optimum.point, question.problem),
       ObjectiveSection(answer),
       MotionSection(answer),
       RiseOfRun(answer),
       SearchSection(answer),
-      PointList(answer, answer.listed, "springs", "the best with each spring", Detail::kShort),
+      PointList(answer, answer.listed, {"springs", "the best with each spring"}, Detail::kShort),
       GridSection(answer),
-      PointList(answer, answer.ridge, "ridge",
-                "the ridge: best with a given mass on the motor's side", Detail::kAll),
+      PointList(answer, answer.ridge,
+                {"ridge", "the ridge: best with a given mass on the motor's side"}, Detail::kAll),
       WrongSprings(answer)};
   if (has_figures) root.figures = {{.caption = "around the optimum", .panels = PanelsOf(answer)}};
   document::AddFindings(root, SimFindingsOf(answer));

@@ -217,8 +217,9 @@ void MindSaleaeKinds(const TableBeginning& beginning, ForeignTable* table) {
     table->findings.Doubt(FindingKind::kTransitionsOnly);
   }
   if (is_assumed) {
-    table->findings.Note(FindingKind::kValueUnitAssumed,
-                         {{"title", std::string("Saleae Logic 2")}, {"unit", std::string("V")}});
+    table->findings.Note(
+        FindingKind::kValueUnitAssumed,
+        {{"title", std::string(FactsOf(TableFormat::kSaleae).title)}, {"unit", std::string("V")}});
   }
 }
 

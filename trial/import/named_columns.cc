@@ -286,7 +286,7 @@ class Head {
       if (!unit && facts_.format == TableFormat::kLecroy) {
         unit = PrintedUnit{"s", 1};
         named_.findings.Note(FindingKind::kTimeUnitAssumed,
-                             {{"title", std::string("LeCroy")}, {"unit", std::string("s")}});
+                             {{"title", std::string(facts_.title)}, {"unit", std::string("s")}});
       }
       if (!unit && facts_.format != TableFormat::kTektronixDpo) unit = PrintedUnit{"s", 1};
     }

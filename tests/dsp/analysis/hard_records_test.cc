@@ -40,7 +40,7 @@ void ExpectNumbers(const BandAnalysis& analysis) {
     EXPECT_TRUE(std::isfinite(number)) << number;
   }
   for (const UncertaintyLine& line : numbers.rms.budget) {
-    EXPECT_TRUE(std::isfinite(line.standard_uncertainty_m)) << line.name;
+    EXPECT_TRUE(std::isfinite(line.standard_uncertainty_m)) << static_cast<int>(line.cause);
   }
   if (!numbers.tone) return;
   for (const double number : {numbers.tone->amplitude_m, numbers.tone->amplitude_uncertainty_m,

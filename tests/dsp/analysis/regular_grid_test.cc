@@ -11,6 +11,7 @@
 
 #include "tests/dsp/records.h"
 #include "tests/dsp/signals.h"
+#include "tests/findings.h"
 #include "tests/residual.h"
 
 namespace haptometer::dsp {
@@ -63,19 +64,19 @@ double WorstError(const trial::Record& record) {
 TEST(RegularGrid, SmallJitterIsTakenOutWithinTheBound) {
   for (const double jitter : {0.001, 0.02, 0.1}) {
     const auto grid = OnRegularGrid(Jittered(Counted(5000), jitter), kUpperHz);
-    ASSERT_TRUE(grid) << grid.error().Text();
-    EXPECT_EQ(grid->record.rows, 5000U);
-    EXPECT_EQ(grid->record.timing, trial::Timing::kUniform);
-    EXPECT_EQ(grid->dropped, 0U);
-    EXPECT_EQ(grid->left_out, 0U);
+    ASSERT_FALSE(grid.refusal);
+    EXPECT_EQ(grid.record.rows, 5000U);
+    EXPECT_EQ(grid.record.timing, trial::Timing::kUniform);
+    EXPECT_EQ(grid.dropped, 0U);
+    EXPECT_EQ(grid.left_out, 0U);
     // the slope's uncertainty is jitter sqrt(12) / n^1.5 of a period
-    EXPECT_REL(grid->rate_hz, kRateHz, 5 * jitter * std::sqrt(12) / std::pow(5000, 1.5),
+    EXPECT_REL(grid.rate_hz, kRateHz, 5 * jitter * std::sqrt(12) / std::pow(5000, 1.5),
                "five times the slope's uncertainty");
-    EXPECT_REL(grid->jitter_s, jitter * kPeriodS, 0.06, "5000 values; cut at 2.5 sd");
+    EXPECT_REL(grid.jitter_s, jitter * kPeriodS, 0.06, "5000 values; cut at 2.5 sd");
     // two tones of 1 um, and rounding at 30 mm
-    EXPECT_ABS(WorstError(grid->record), 0, 2e-6 * grid->error_bound + 1e-16, "the stated bound");
+    EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
     // left alone, jitter would add 2 pi f s
-    EXPECT_LT(grid->error_bound, 2 * std::numbers::pi * kUpperHz * grid->jitter_s / 50);
+    EXPECT_LT(grid.error_bound, 2 * std::numbers::pi * kUpperHz * grid.jitter_s / 50);
   }
 }
 
@@ -87,15 +88,15 @@ TEST(RegularGrid, TheBoundIsNotTooFarFromTheError) {
         std::sin(2 * std::numbers::pi * 1500 * record.raw_times_s[row]);
   }
   const auto tone = OnRegularGrid(record, 1500);
-  ASSERT_TRUE(tone);
+  ASSERT_FALSE(tone.refusal);
   double worst = 0;
-  for (std::size_t row = 0; row < tone->record.rows; ++row) {
-    const double t_s = TimeOf(tone->record, row);
-    worst = std::max(worst, std::abs(tone->record.channels[0].values[row] -
+  for (std::size_t row = 0; row < tone.record.rows; ++row) {
+    const double t_s = TimeOf(tone.record, row);
+    worst = std::max(worst, std::abs(tone.record.channels[0].values[row] -
                                      std::sin(2 * std::numbers::pi * 1500 * t_s)));
   }
-  EXPECT_LT(worst, tone->error_bound);
-  EXPECT_GT(worst, tone->error_bound / 10);
+  EXPECT_LT(worst, tone.error_bound);
+  EXPECT_GT(worst, tone.error_bound / 10);
 }
 
 TEST(RegularGrid, DroppedReadingsAreHolesAndNotJitter) {
@@ -106,15 +107,15 @@ TEST(RegularGrid, DroppedReadingsAreHolesAndNotJitter) {
     places.push_back(k);
   }
   const auto grid = OnRegularGrid(Jittered(places, 0.02), kUpperHz);
-  ASSERT_TRUE(grid) << grid.error().Text();
-  EXPECT_EQ(grid->dropped, 62U);
-  ASSERT_EQ(grid->record.stretches.size(), 2U);
-  EXPECT_EQ(grid->record.stretches[1].first_row, 2000U);
-  EXPECT_ABS(grid->record.stretches[1].start_s, 0.205, 1e-3 * kPeriodS, "the line's uncertainty");
-  EXPECT_EQ(grid->record.rows, 2950U);
-  EXPECT_EQ(grid->record.channels[0].statuses[77], SampleStatus::kLate);
-  EXPECT_TRUE(std::isnan(grid->record.channels[0].values[78]));
-  EXPECT_ABS(WorstError(grid->record), 0, 2e-6 * grid->error_bound + 1e-16, "the stated bound");
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.dropped, 62U);
+  ASSERT_EQ(grid.record.stretches.size(), 2U);
+  EXPECT_EQ(grid.record.stretches[1].first_row, 2000U);
+  EXPECT_ABS(grid.record.stretches[1].start_s, 0.205, 1e-3 * kPeriodS, "the line's uncertainty");
+  EXPECT_EQ(grid.record.rows, 2950U);
+  EXPECT_EQ(grid.record.channels[0].statuses[77], SampleStatus::kLate);
+  EXPECT_TRUE(std::isnan(grid.record.channels[0].values[78]));
+  EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
 }
 
 TEST(RegularGrid, ReadingsWithoutAMeasurementStaySo) {
@@ -122,19 +123,17 @@ TEST(RegularGrid, ReadingsWithoutAMeasurementStaySo) {
   record.channels[0].statuses[50] = SampleStatus::kOver;
   record.channels[0].values[60] = std::numeric_limits<double>::infinity();
   const auto grid = OnRegularGrid(record, kUpperHz);
-  ASSERT_TRUE(grid);
-  EXPECT_EQ(grid->record.channels[0].statuses[50], SampleStatus::kOver);
-  EXPECT_TRUE(std::isnan(grid->record.channels[0].values[50]));
-  EXPECT_TRUE(std::isnan(grid->record.channels[0].values[60]));
-  EXPECT_ABS(WorstError(grid->record), 0, 2e-6 * grid->error_bound + 1e-16, "the stated bound");
+  ASSERT_FALSE(grid.refusal);
+  EXPECT_EQ(grid.record.channels[0].statuses[50], SampleStatus::kOver);
+  EXPECT_TRUE(std::isnan(grid.record.channels[0].values[50]));
+  EXPECT_TRUE(std::isnan(grid.record.channels[0].values[60]));
+  EXPECT_ABS(WorstError(grid.record), 0, 2e-6 * grid.error_bound + 1e-16, "the stated bound");
 }
 
 TEST(RegularGrid, LargeJitterIsRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.25), kUpperHz);
-  ASSERT_FALSE(grid);
-  EXPECT_EQ(grid.error().cause, Cause::kCannotAnswer);
-  EXPECT_NE(grid.error().what.find("dropped readings cannot be told from late ones"),
-            std::string::npos);
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_EQ(grid.refusal->kind, FindingKind::kTimesTooUneven);
 }
 
 TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {
@@ -142,15 +141,17 @@ TEST(RegularGrid, OfRowsIsThatOfTheirRecord) {
   const auto grid = OnRegularGrid(trial::RecordRows(record), kUpperHz);
   ASSERT_TRUE(grid);
   EXPECT_EQ(grid->record.channels[0].values,
-            OnRegularGrid(record, kUpperHz)->record.channels[0].values);
+            OnRegularGrid(record, kUpperHz).record.channels[0].values);
 }
 
 TEST(RegularGrid, TooFewReadingsForTheBandAreRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.05), 4500);
-  ASSERT_FALSE(grid);
-  EXPECT_EQ(grid.error().what,
-            "its readings at uneven times are too far apart for motion at 4500 Hz: 1e+04 a second");
-  EXPECT_FALSE(OnRegularGrid(Jittered(Counted(3), 0.01), kUpperHz));
+  ASSERT_TRUE(grid.refusal);
+  EXPECT_EQ(grid.refusal->kind, FindingKind::kReadingsTooFarApart);
+  EXPECT_EQ(tests::NumbersOf(*grid.refusal).substr(0, 14), "upper_hz=4500 ");
+  const auto short_grid = OnRegularGrid(Jittered(Counted(3), 0.01), kUpperHz);
+  ASSERT_TRUE(short_grid.refusal);
+  EXPECT_EQ(short_grid.refusal->kind, FindingKind::kFewUnevenTimes);
 }
 
 }  // namespace

@@ -124,7 +124,7 @@ TEST(RmsEstimate, TheGainDividesTheToneOnly) {
 TEST(RmsEstimate, BoundsAreRectanglesAndCoverThemselves) {
   BandPower power;
   power.tone_mean_square = 1;
-  const std::vector<RmsBound> bounds{{"leak", 0.01, ""}};
+  const std::vector<RmsBound> bounds{{RmsCause::kBelowBand, 0.01}};
   const RmsEstimate estimate = EstimateRms(power, bounds);
   EXPECT_REL(estimate.standard_uncertainty_m, 0.01 / std::numbers::sqrt3, 1e-12, "a rectangle");
   EXPECT_LT(estimate.lower_m, 0.99);

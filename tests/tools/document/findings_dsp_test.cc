@@ -106,10 +106,20 @@ const std::vector<Case> kCases{
      "times-uncertain",
      "each reading's time is uncertain by 8 ms; motion at 500 Hz needs less than 0.2 ms: use a "
      "sensor that samples on a clock of its own"},
-    {kNoRegularGrid,
-     {{"error", "they are uneven: record again"s}},
-     "no-regular-grid",
-     "they are uneven: record again"},
+    {kFewUnevenTimes,
+     {{"rows", 3}},
+     "few-uneven-times",
+     "3 rows at uneven times are too few: record longer"},
+    {kTimesTooUneven,
+     {{"jitter_s", 2.5e-05}, {"grid_s", 0.0001}, {"largest_jitter_s", 9e-05}},
+     "times-too-uneven",
+     "the times of its readings scatter by 0.025 ms about a grid of 0.1 ms, up to 0.09 ms: dropped "
+     "readings cannot be told from late ones: record with a clocked source"},
+    {kReadingsTooFarApart,
+     {{"upper_hz", 4500.0}, {"readings_per_s", 10000.0}},
+     "readings-too-far-apart",
+     "its readings at uneven times are too far apart for motion at 4500 Hz: 10000 readings/s: ask "
+     "for a lower band, or record with a clocked source"},
     {kRegularGrid,
      {{"jitter_s", 5e-07},
       {"largest_jitter_s", 2e-06},
@@ -477,6 +487,22 @@ TEST(FindingsOfDsp, RefusalsStandForTheReasons) {
               ::testing::ElementsAre("none of its readings is a measurement",
                                      "a.bin: nothing in the displacement follows the drive"));
   EXPECT_EQ(RefusalOf(findings), "none of its readings is a measurement");
+}
+
+TEST(FindingsOfDsp, SayASensorsAveraging) {
+  using enum dsp::SensorKnowledge;
+  EXPECT_EQ(
+      TextOf(dsp::SensorAveraging{.knowledge = kKnown, .sampling_s = 0.33e-3, .averages = 16}),
+      "16 averages at 0.33 ms");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{}), "averaging unknown");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{.knowledge = kNone}), "no averaging");
+  EXPECT_EQ(TextOf(dsp::SensorAveraging{.knowledge = kNone, .repeats = 5}),
+            "no averaging, each reading held for 5 rows");
+}
+
+TEST(FindingsOfDsp, NameEachCauseOfAnUncertainty) {
+  EXPECT_EQ(TextOf(dsp::RmsCause::kNoise).name, "noise");
+  EXPECT_EQ(TextOf(dsp::RmsCause::kSteps).name, "steps");
 }
 
 }  // namespace
