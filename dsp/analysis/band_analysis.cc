@@ -36,7 +36,7 @@ Result<void> CheckQuestion(const BandQuestion& question) {
   if (question.choice == WindowChoice::kGiven &&
       !(question.window.end_s > question.window.begin_s)) {
     return Usage("window",
-                 fmt::format("{:g} s to {:g} s is no stretch of time", question.window.begin_s,
+                 fmt::format("{:g} s to {:g} s is not an interval of time", question.window.begin_s,
                              question.window.end_s),
                  "give its begin, then its end, as 1s:3s");
   }

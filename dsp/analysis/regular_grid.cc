@@ -257,8 +257,8 @@ Error TooUneven(const RegularGrid& grid) {
   return CannotAnswer(
              "",
              fmt::format(
-                 "the times of its readings scatter by {:.3g} ms about a grid of {:.4g} ms, "
-                 "up to {:.3g} ms: dropped readings cannot be told from late ones",
+                 "the times of its readings scatter by {:.3g} ms about a grid of {:.4g} ms, up to "
+                 "{:.3g} ms: dropped readings cannot be distinguished from late ones",
                  grid.jitter_s * 1e3, 1e3 / grid.rate_hz, grid.largest_jitter_s * 1e3),
              "record with a clocked source")
       .error();
@@ -270,7 +270,7 @@ Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz) 
   HAPTOMETER_CHECK(record.times_are_known && record.raw_times_s.size() == record.rows,
                    "{} times of {} rows", record.raw_times_s.size(), record.rows);
   if (record.rows < kPoints.front()) {
-    return CannotAnswer("", fmt::format("{} rows at uneven times are too few", record.rows),
+    return CannotAnswer("", fmt::format("{} rows at non-uniform times are too few", record.rows),
                         "record longer");
   }
   const std::span<const double> times_s = record.raw_times_s;
@@ -292,12 +292,11 @@ Result<RegularGrid> OnRegularGrid(const trial::Record& record, double upper_hz) 
       const std::size_t left_out_before = grid.left_out;
       values = interpolator.Values(grid.points, grid);
       if (2 * (grid.left_out - left_out_before) > interpolator.readings()) {
-        return CannotAnswer(
-            "",
-            fmt::format("its readings at uneven times are too far apart for motion at {:g} Hz: "
-                        "{:.4g} a second",
-                        upper_hz, grid.rate_hz),
-            "ask for a lower band, or record with a clocked source");
+        return CannotAnswer("",
+                            fmt::format("its readings at non-uniform times are too far apart for "
+                                        "motion at {:g} Hz: {:.4g} per second",
+                                        upper_hz, grid.rate_hz),
+                            "choose a lower band, or record with a clocked source");
       }
     }
     grid.record.channels.push_back(OnRows(channel, places, values, grid.record.rows));

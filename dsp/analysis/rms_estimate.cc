@@ -102,10 +102,10 @@ RmsEstimate EstimateRms(const BandPower& power, std::span<const RmsBound> bounds
     return total > 0 ? random * std::sqrt(variance) / total : 0;
   };
   estimate.budget.push_back({"noise", Evaluation::kStatistical, share(sum.variance),
-                             "periodogram of what the tone leaves"});
+                             "residual periodogram after subtraction of the sine fit"});
   if (power.floor) {
     estimate.budget.push_back({"noise floor", Evaluation::kStatistical, share(sum.floor_variance),
-                               "scatter of the floor that is taken off"});
+                               "scatter of the floor that is subtracted"});
   }
   // an error of the RMS behind the filter, in terms of the RMS that is stated
   const double scale = known ? estimate.as_measured_m / (gain_square * estimate.rms_m) : 1;

@@ -207,7 +207,8 @@ std::vector<RmsBound> BoundsOf(const Window& window, double edges_m) {
       window.step_m / std::sqrt(12) * std::sqrt(2 * window.bandwidth_hz() / window.rate_hz());
   add("quantisation", std::min(steps, steps * steps / (2 * rms)),
       "step / sqrt(12), white up to half the rate");
-  add("bridged readings", numbers.bridged_rms_m, "the error of the same bridging beside each hole");
+  add("interpolated readings", numbers.bridged_rms_m,
+      "the error of the same interpolation next to each gap");
   add("filter's ends", kSettledError * rms,
       "what lay beyond the ends, as far as it may still show");
   add("drive's edges", edges_m, "what a window shorter by a period at either end would change");

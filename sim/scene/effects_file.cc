@@ -26,7 +26,9 @@ void ReadGravity(TomlTable* table, Effects& effects) {
 void ReadGaps(TomlTable& table, TravelStops& stops) {
   const bool both = table.Has("gap_m");
   for (const std::string_view key : {"gap_up_m", "gap_down_m"}) {
-    if (both && table.Has(key)) table.Refuse(key, "stands beside gap_m", "give one or the other");
+    if (both && table.Has(key)) {
+      table.Refuse(key, "cannot be combined with gap_m", "give one or the other");
+    }
   }
   if (both) stops.gap_up_m = stops.gap_down_m = Positive(table, "gap_m", Dimension::kLength);
   if (both) return;

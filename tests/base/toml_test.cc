@@ -46,9 +46,9 @@ TEST_P(DeepToml, IsRefusedWithItsLineByEveryReader) {
   EXPECT_EQ(made.error().Text(), deep.told);
 }
 
-constexpr const char* kKey3 = "x.toml:3: names a key of more than 16 parts; mend the TOML there";
-constexpr const char* kKey1 = "x.toml:1: names a key of more than 16 parts; mend the TOML there";
-constexpr const char* kOpen2 = "x.toml:2: opens more than 16 brackets; mend the TOML there";
+constexpr const char* kKey3 = "x.toml:3: names a key of more than 16 parts; correct the TOML there";
+constexpr const char* kKey1 = "x.toml:1: names a key of more than 16 parts; correct the TOML there";
+constexpr const char* kOpen2 = "x.toml:2: opens more than 16 brackets; correct the TOML there";
 
 INSTANTIATE_TEST_SUITE_P(
     Kinds, DeepToml,

@@ -70,8 +70,8 @@ class AnalyzeMistakes : public ::testing::Test {
 
 TEST_F(AnalyzeMistakes, TheTransientsOfADriveOutsideOfTheBandAreNoDrive) {
   const Outcome outcome = Analyze({"--band", "300-500Hz", Burst()});
-  EXPECT_THAT(outcome.out, HasSubstr("taken for transients, not for a drive in this band"));
-  EXPECT_THAT(outcome.out, HasSubstr("all that has settled"));
+  EXPECT_THAT(outcome.out, HasSubstr("excluded as filter transients"));
+  EXPECT_THAT(outcome.out, HasSubstr("all that is free of filter transients"));
   EXPECT_THAT(outcome.out, Not(HasSubstr("steady part of the drive")));
 }
 
@@ -173,7 +173,7 @@ TEST_F(AnalyzeMistakes, WhatNoBudgetHoldsIsSaidOnce) {
   const std::string out = Analyze({trial, trial}).out;
   ASSERT_THAT(out, HasSubstr(words));
   EXPECT_EQ(out.find(words), out.rfind(words));
-  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("in no uncertainty  " + words));
+  EXPECT_THAT(Analyze({"--all", trial}).out, HasSubstr("uncertainty excludes  " + words));
   EXPECT_EQ(Json::parse(Analyze({"--json", trial}).out)["uncertainty_excludes"], words);
 }
 
@@ -196,7 +196,7 @@ TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {
     return 5 / std::hypot(1 - u * u, u / 10) * Sine(400 + 20 * t_s, t_s);
   });
   EXPECT_THAT(Analyze({"--sweep", sweep}).out,
-              HasSubstr("the resonance may be above it; sweep and look further with --band"));
+              HasSubstr("the resonance may be above it; sweep further, with a wider --band"));
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ TEST_F(SimulateDrives, SaysWhatItNeeds) {
   expect(Simulate({Scene(kTones), "--explain"}), "drives with tones and has no duration");
   expect(Simulate({Scene(kPulse), "--duration", "1000s"}), "shorten duration_s to 376 s or less");
   expect(Simulate({Scene("[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 1e-9\n")}),
-         "at 1e-09 Hz the skin moves so little that rounding hides it; raise frequency_hz");
+         "at 1e-09 Hz the skin moves so little that rounding exceeds it; raise frequency_hz");
 }
 
 TEST_F(SimulateDrives, ChoosesEffectsUnderABurst) {
@@ -164,7 +164,7 @@ TEST_F(SimulateDrives, ChoosesEffectsUnderABurst) {
   EXPECT_EQ(answer.at("run").at("mover_peak_of_run_m"), 5e-5) << "as it was written";
   EXPECT_GE(answer.at("contact_force_least_n").get<double>(), 0);
   EXPECT_THAT(Simulate({Scene(kBurst, stops), "--explain"}).out,
-              HasSubstr("each effect forced on and left out"));
+              HasSubstr("each effect forced on and forced off"));
   EXPECT_THAT(Simulate({Scene(kBurst, stops)}).out, HasSubstr("    travel_stops  yes, without it"));
 }
 

@@ -161,7 +161,7 @@ TEST_F(StudyVerb, TakesLabelsFromTheFilesAndSaysWhereTheyLack) {
   Trial("2.csv", 10, "# label.subject = x\n");
   const Outcome outcome = Study({directory()});
   EXPECT_EQ(outcome.status, 3);
-  EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; say haptometer trial label"));
+  EXPECT_THAT(outcome.err, HasSubstr("2.csv: has no label condition; use haptometer trial label"));
   EXPECT_THAT(outcome.out, HasSubstr("2 trials, 1 subject, 1 condition\n"));
 }
 
@@ -190,7 +190,7 @@ TEST_F(StudyVerb, WritesTablesAndTheParagraph) {
   EXPECT_THAT(methods, HasSubstr("\n- command: haptometer study "));
   const Outcome again = Study(words);
   EXPECT_EQ(again.status, 2);
-  EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or say --overwrite"));
+  EXPECT_THAT(again.err, HasSubstr("already exists; name another file, or give --overwrite"));
 }
 
 TEST_F(StudyVerb, NamesADeviationOnceAndAStuckSensorByItsReason) {

@@ -272,7 +272,8 @@ TEST_F(SweepVerb, RefusesBeforeAnyWork) {
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--shard", "1/"}, "'1/' is not I/N"},
       {{kCone, "--vary", "drive.amplitude_v=1,2", "--best", "skin_rms"},
        "did you mean skin_rms_m?"},
-      {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"}, "beside --resume"},
+      {{kCone, "--vary", "drive.amplitude_v=1,2", "--resume", "--overwrite"},
+       "cannot be combined with --resume"},
       {{"--merge", kCone, "--threads", "2"}, "joins tables and computes nothing"}};
   for (const auto& [words, said] : faults) {
     const Outcome outcome = Sweep(words, "t.csv");

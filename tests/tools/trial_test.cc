@@ -154,7 +154,7 @@ TEST_F(TrialVerb, ExportsDoNotOverwriteSilently) {
   std::ofstream(csv) << "precious";
   const Outcome refused = Trial({"export", trial_, "-o", csv});
   EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("already exists; name another file, or say --overwrite"));
+  EXPECT_THAT(refused.err, HasSubstr("already exists; name another file, or give --overwrite"));
   EXPECT_EQ(Content(csv), "precious");
   // not even then: it is no table of ours
   const Outcome other = Trial({"export", trial_, "-o", csv, "--overwrite"});

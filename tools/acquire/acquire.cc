@@ -156,7 +156,7 @@ int ReportFault(const std::string& file, const acquire::RecordingSummary& summar
     return cli::ReportError(kVerb,
                             {Cause::kCannotAnswer, port,
                              fmt::format("the trigger did not fire in {} readings", summary.seen),
-                             "look at the values with --live, and set --trigger within them"});
+                             "examine the values with --live, and set --trigger within them"});
   }
   return cli::ReportError(
       kVerb, {Cause::kCannotAnswer, port,

@@ -119,7 +119,7 @@ std::string BeginOf(int descriptor, std::size_t most) {
 Result<void> CheckReplaceable(const std::string& path, const std::string& target,
                               const OutputKind& kind, bool overwrite) {
   if (!kind.is_marked && !overwrite) {
-    return Usage(path, "already exists", "name another file, or say --overwrite");
+    return Usage(path, "already exists", "name another file, or give --overwrite");
   }
   if (access(target.c_str(), W_OK) != 0) return CannotBeWritten(path, errno);
   const int descriptor = open(target.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);

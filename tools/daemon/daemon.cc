@@ -205,10 +205,11 @@ bool StandsAlone(int argc, const char* const* argv, const std::vector<std::strin
 }  // namespace
 
 void DeclareDaemon(cli::Options& options, DaemonOptions& wanted) {
-  options.Text("--daemon", &wanted.config, "CONFIG.toml",
-               "Record several sensors until SIGTERM, as the file says (docs/reference/daemon.md)");
+  options.Text(
+      "--daemon", &wanted.config, "CONFIG.toml",
+      "Record the sensors of a configuration file until SIGTERM (docs/reference/daemon.md)");
   options.OptionalText("--status", &wanted.wants_status, &wanted.asked, "SOCKET|CONFIG.toml",
-                       "Show what a running daemon is about");
+                       "Show the status of a running daemon");
 }
 
 std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document::Outputs& outputs,
@@ -219,7 +220,7 @@ std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document:
   if (wanted.wants_status) allowed.insert(allowed.end(), {"--json", "--all"});
   if (!StandsAlone(argc, argv, allowed)) {
     return cli::ReportError(kVerb, {Cause::kUsage, which, "stands alone",
-                                    "leave the other options out; CONFIG.toml says the rest"});
+                                    "leave the other options out; CONFIG.toml states the rest"});
   }
   if (wanted.wants_status) return ShowStatus(wanted.asked, outputs, argc, argv);
   const std::vector<std::string> words(argv, argv + argc);

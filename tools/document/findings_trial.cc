@@ -19,7 +19,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "[block {block} is damaged][blocks {first_block} to {last_block} are damaged]"},
     {"blocks-missing",
      "[block {block} is missing][blocks {first_block} to {last_block} are missing]"},
-    {"block-out-of-order", "block {block} is out of its order"},
+    {"block-out-of-order", "block {block} is out of order"},
     {"block-no-event", "block {block} holds no event"},
     {"block-unfit", "block {block} does not fit the header"},
     {"ends-in-block", "the file ends inside block {block}"},
@@ -48,7 +48,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
      "{line}"},
     {"times-rebuilt",
      "{repeated} of {rows} times equal that of the row before, because they have too few digits; "
-     "they are replaced by the even grid that explains all"},
+     "they are replaced by the uniform grid that explains all of them"},
     {"channels-apart",
      "the channels begin up to {apart_s} apart (t0); all are given the times of the first one"},
     {"transitions-only", "digital channels list their transitions only: their rows are no samples"},

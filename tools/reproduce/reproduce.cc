@@ -19,7 +19,7 @@ constexpr std::string_view kVerb = "reproduce";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Compute every number of the thesis anew and compare.",
+    .summary = "Recompute every number of the thesis and compare.",
     .examples = {"haptometer reproduce", "haptometer reproduce --figures figures/ --chain",
                  "haptometer reproduce --report thesis.html --json"}};
 

@@ -26,7 +26,7 @@ constexpr std::string_view kVerb = "sweep";
 
 constexpr cli::VerbText kText{
     .name = kVerb,
-    .summary = "Answer a scene at many values of its keys, as a table.",
+    .summary = "Simulate a scene at many values of its keys and write a table.",
     .examples = {"haptometer sweep scene.toml --vary drive.frequency_hz=100Hz:400Hz:301 -o f.csv",
                  "haptometer sweep scene.toml --vary skin.stiffness_n_per_m=600:2000 --vary "
                  "skin.damping_n_s_per_m=0.75:2.38 --samples 10000 --seed 7 -o s.csv --resume",
@@ -72,7 +72,7 @@ Result<Made> Compute(const SweepWords& words) {
   if (!made) return std::unexpected(made.error());
   const std::uint64_t rows = question->shard.RowsOf(question->points.size());
   if (*made == rows) return Made{.mended = file->mended_rows()};
-  cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; go on with --resume",
+  cli::Remark(kVerb, fmt::format("{}: stopped with {} of {} rows; continue with --resume",
                                  words.output, *made, rows));
   return Made{.is_whole = false};
 }

@@ -243,7 +243,7 @@ int RunTrialExport(int argc, const char* const* argv) {
   if (const auto status = options.Parse(argc, argv)) return *status;
   if (options.json()) {
     return cli::ReportError(kText.name, {Cause::kUsage, "--json", "does not go with an export",
-                                         "say haptometer trial info FILE --json"});
+                                         "use haptometer trial info FILE --json"});
   }
   const auto status = Export(wanted);
   if (!status && wanted.output.empty() && cli::IsUnread()) return cli::kUnreadStatus;

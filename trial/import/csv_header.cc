@@ -98,7 +98,7 @@ Result<CsvColumn> ReadCsvColumn(std::string_view cell, const std::string& where)
       bar == std::string::npos ? "" : std::string_view(name).substr(bar + 1);
   const auto unit = FindUnit(suffix);
   if (!unit || unit->si_unit != quantity->si_unit) {
-    return CannotAnswer(where, fmt::format("column '{}' does not say its unit", cell),
+    return CannotAnswer(where, fmt::format("column '{}' does not state its unit", cell),
                         fmt::format("name it {}", quantity->examples));
   }
   return CsvColumn{.kind = quantity->name == "time" ? CsvColumnKind::kTime : CsvColumnKind::kValue,

@@ -425,14 +425,14 @@ class Parser {
       shift_s = *clock_s - *first_clock_s_ + first_start_s_ - start_s;
     }
     if (times_.Append(part, shift_s)) return {};
-    return Wrong("ends a segment whose X begins again and whose Date and Time do not tell when");
+    return Wrong("ends a segment whose X begins again and whose Date and Time do not state when");
   }
 
   Result<Record> Complete() {
     if (options_.segment && *options_.segment > segments_) {
       return CannotAnswer(name_,
                           fmt::format("has {} segment{}", segments_, segments_ == 1 ? "" : "s"),
-                          "say <segment> with one of them, counted from 1");
+                          "give <segment> with one of them, counted from 1");
     }
     if (options_.format) {
       findings_.Note(FindingKind::kFormatNotUsed);

@@ -199,7 +199,7 @@ Result<std::optional<IlChange>> WriteOne(IlTalk& talk, int unit, const il_settin
   if (!*after || dl::NumberOf(**after) != write.code) {
     return CannotAnswer(
         talk.name(),
-        fmt::format("amplifier {:02} took {} = {} but says {}", unit, write.key,
+        fmt::format("amplifier {:02} was set to {} = {} but reports {}", unit, write.key,
                     il_setting::Describe(write.number, write.code), TextOf(write.number, *after)),
         "set it at the amplifier");
   }

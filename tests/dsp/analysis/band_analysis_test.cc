@@ -293,7 +293,7 @@ TEST(BandAnalysis, KnownTimesTooUnevenAreAReason) {
   const BandAnalysis analysis = Answer(record);
   EXPECT_FALSE(analysis.answered);
   EXPECT_THAT(TextOf(FirstOf(analysis.findings, FindingKind::kNoRegularGrid), "error"),
-              ::testing::HasSubstr("dropped readings cannot be told from late ones"));
+              ::testing::HasSubstr("dropped readings cannot be distinguished from late ones"));
 }
 
 TEST(BandAnalysis, NoiseHasNoTone) {

@@ -133,7 +133,7 @@ TEST(RegularGrid, LargeJitterIsRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.25), kUpperHz);
   ASSERT_FALSE(grid);
   EXPECT_EQ(grid.error().cause, Cause::kCannotAnswer);
-  EXPECT_NE(grid.error().what.find("dropped readings cannot be told from late ones"),
+  EXPECT_NE(grid.error().what.find("dropped readings cannot be distinguished from late ones"),
             std::string::npos);
 }
 
@@ -149,7 +149,8 @@ TEST(RegularGrid, TooFewReadingsForTheBandAreRefused) {
   const auto grid = OnRegularGrid(Jittered(Counted(2000), 0.05), 4500);
   ASSERT_FALSE(grid);
   EXPECT_EQ(grid.error().what,
-            "its readings at uneven times are too far apart for motion at 4500 Hz: 1e+04 a second");
+            "its readings at non-uniform times are too far apart for motion at 4500 Hz: 1e+04 per "
+            "second");
   EXPECT_FALSE(OnRegularGrid(Jittered(Counted(3), 0.01), kUpperHz));
 }
 

@@ -312,7 +312,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kActuator + kDrive + kSkin + "law = 'power'\n",
        "[skin]: law: stands without contact_area_m2; add it or remove this"},
       {kActuator + kDrive + kSkin + "contact_area_m2 = 1e-6\nlaw = 'power'\nrange = 'text'\n",
-       "[skin]: stiffness_n_per_m: stands beside contact_area_m2; give one or the other"},
+       "[skin]: stiffness_n_per_m: cannot be combined with contact_area_m2; give one or the other"},
       {kCone + "[run]\nduration_s = 1e7\n",
        "[run]: duration_s: is longer than 1e+06 s; leave it out for the steady state"},
       {kCone + "[run]\nstart = 'warm'\n",

@@ -28,7 +28,7 @@ const std::vector<Case> kCases{
     {kBlocksMissing,
      {{"first_block", 3}, {"last_block", 5}, {"row", 10}},
      "blocks 3 to 5 are missing: row 10 is lost"},
-    {kBlockOutOfOrder, {{"block", 3}}, "block 3 is out of its order"},
+    {kBlockOutOfOrder, {{"block", 3}}, "block 3 is out of order"},
     {kBlockNoEvent, {{"block", 3}}, "block 3 holds no event"},
     {kBlockUnfit, {{"block", 3}}, "block 3 does not fit the header"},
     {kEndsInBlock,
@@ -69,7 +69,7 @@ const std::vector<Case> kCases{
     {kTimesRebuilt,
      {{"repeated", 7}, {"rows", 300}},
      "7 of 300 times equal that of the row before, because they have too few digits; they are "
-     "replaced by the even grid that explains all"},
+     "replaced by the uniform grid that explains all of them"},
     {kChannelsApart,
      {{"apart_s", 1.5e-3}},
      "the channels begin up to 1.5 ms apart (t0); all are given the times of the first one"},

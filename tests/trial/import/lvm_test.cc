@@ -122,7 +122,7 @@ TEST(Lvm, SegmentsBecomeStretches) {
   EXPECT_EQ(again.channels[0].values[3], 1);
   // or nothing does
   EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tOne\n", kSegment + rows + "\n" + kSegment + rows)),
-              HasSubstr("whose Date and Time do not tell when"));
+              HasSubstr("whose Date and Time do not state when"));
   EXPECT_THAT(
       LvmErrorOf(Lvm("", kSegment + rows + "Channels\t1\n***End_of_Header***\nX_Value\tA\n0\t1\n")),
       HasSubstr("begins a segment of 1 channels where the first has 2"));
@@ -191,7 +191,7 @@ TEST(Lvm, XAgainstDeltaXIsRefusedUntilTheRateIsSaid) {
   const std::string text = TwoChannels(
       kVolts, 100, [](auto i) { return fmt::format("{}", 1e-3 * static_cast<double>(i)); });
   EXPECT_THAT(LvmErrorOf(text),
-              HasSubstr("its times say 1000 rows a second and 'Delta_X' says 40960"));
+              HasSubstr("its times give 1000 rows per second and 'Delta_X' gives 40960"));
   EXPECT_REL(ParsedLvm(text, {.rate_hz = 1000.0}).stretches.at(0).rate_hz, 1000, 1e-9, "X");
   EXPECT_REL(ParsedLvm(text, {.rate_hz = 40'960.0}).stretches.at(0).rate_hz, 40'960, 1e-9,
              "header");
