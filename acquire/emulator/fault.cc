@@ -99,7 +99,7 @@ Result<FaultPlan> ParseFaultPlan(std::string_view text) {
     if (fault.name == name) plan.fault = &fault;
   }
   if (plan.fault == nullptr) {
-    return Usage("<fault>", fmt::format("'{}' is no fault", name),
+    return Usage("<fault>", fmt::format("'{}' is not a fault", name),
                  fmt::format("give one of {}", KnownNames()));
   }
   if (colon == std::string_view::npos) return plan;

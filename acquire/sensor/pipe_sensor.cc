@@ -39,7 +39,7 @@ Result<std::vector<Word>> ReadWords(std::string_view text) {
                    std::string(kExample));
     }
     if (std::ranges::find(words, read.name, &Word::name) != words.end()) {
-      return Usage(std::string(kOption), fmt::format("{} is there twice", read.name),
+      return Usage(std::string(kOption), fmt::format("{} is given twice", read.name),
                    fmt::format("call the second one {}_2", read.name));
     }
     words.push_back(std::move(read));

@@ -81,7 +81,7 @@ Result<void> CheckReadings(const trial::Record& head, const RawSummary& summary,
   }
   const double farthest_m = std::max(-summary.least, summary.most);
   if (farthest_m > kFarthestM) {
-    return CannotAnswer("", fmt::format("a reading of {:.3g} m is no displacement", farthest_m),
+    return CannotAnswer("", fmt::format("a reading of {:.3g} m is not a displacement", farthest_m),
                         "convert the column to metres, and its error codes to no value");
   }
   return {};

@@ -51,13 +51,13 @@ std::optional<TravelStops> ReadTravelStops(TomlTable* table) {
     }
     stops.damping_n_s_per_m = NotNegativeOr(*table, "damping_n_s_per_m", Dimension::kDamping, 0);
     if (table->Has("restitution")) {
-      table->Refuse("restitution", "is of rigid stops, which have no stiffness_n_per_m",
+      table->Refuse("restitution", "applies to rigid stops, which have no stiffness_n_per_m",
                     "give one or the other");
     }
     return stops;
   }
   if (table->Has("damping_n_s_per_m")) {
-    table->Refuse("damping_n_s_per_m", "stands without stiffness_n_per_m",
+    table->Refuse("damping_n_s_per_m", "needs stiffness_n_per_m",
                   "a rigid stop has restitution instead");
   }
   stops.restitution = table->Require("restitution", Dimension::kNone);

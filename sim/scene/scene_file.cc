@@ -135,7 +135,7 @@ Skin ReadSkin(TomlTable& table) {
   if (table.Has("contact_area_m2")) return ReadSkinUnderArea(table);
   for (const std::string_view key : {"law", "range"}) {
     if (table.Has(key)) {
-      table.Refuse(key, "stands without contact_area_m2", "add it or remove this");
+      table.Refuse(key, "needs contact_area_m2", "add it or remove this");
     }
   }
   return {.stiffness_n_per_m = NotNegative(table, "stiffness_n_per_m", Dimension::kStiffness),
@@ -156,7 +156,7 @@ void ReadStart(TomlTable& table, Scene& scene) {
   initial.current_a = Signed(table, "current_a", Dimension::kNone);
   for (const std::string_view key : {"case_m", "case_m_per_s"}) {
     if (!scene.grip.holds || !table.Has(key)) continue;
-    table.Refuse(key, "is of a case that moves, and [mounting] holds it", "remove one of the two");
+    table.Refuse(key, "applies to a moving case, and [mounting] holds it", "remove one of the two");
   }
   for (const std::string_view key : {"skin_m", "skin_m_per_s"}) {
     if (scene.adapter || !table.Has(key)) continue;
@@ -228,7 +228,7 @@ void ReadRun(TomlTable* table, Scene& scene) {
   scene.start = *start == "rest" ? Start::kRest : Start::kSteady;
   if (*scene.start == Start::kRest || IsLasting(scene.drive)) return;
   table->Refuse("start",
-                fmt::format("\"steady\" is of drives that last, and kind = \"{}\" ends",
+                fmt::format("\"steady\" applies to continuous drives, and kind = \"{}\" ends",
                             Name(scene.drive.kind)),
                 "write start = \"rest\"");
 }
@@ -310,7 +310,7 @@ void RefuseImpossibleRest(TomlTable& actuator, TomlTable& skin, const Scene& sce
   if (scene.grip.stiffness_n_per_m > 0) {
     skin.Refuse(
         "preload_n",
-        fmt::format("stands with {} and a grip, which carries part of {}",
+        fmt::format("is given with {} and a grip, which carries part of {}",
                     gravity ? "gravity" : "the mover's preload", gravity ? "the weight" : "it"),
         gravity ? "leave gravity out and give the whole preload" : "leave one of the two out");
   }

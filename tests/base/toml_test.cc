@@ -223,11 +223,11 @@ INSTANTIATE_TEST_SUITE_P(
               "x.toml:1: mass_kg: is not a number; write an SI number or a string with a unit"},
         Fault{"mass_kg = nan", "x.toml:1: mass_kg: is not a finite number; write an SI number"},
         Fault{"mass_kg = 2e-310",
-              "x.toml:1: mass_kg: '2e-310' is beyond a mass that is possible; its size is 0, or "
-              "from 1e-12 to 1000000 kg"},
+              "x.toml:1: mass_kg: '2e-310' is outside the possible range of a mass; its size is 0, "
+              "or from 1e-12 to 1000000 kg"},
         Fault{"load_ohm = '4e-200 ohm'",
-              "x.toml:1: load_ohm: '4e-200 ohm' is beyond a resistance that is possible; its size "
-              "is 0, or from 1e-09 to 1000000000000000 ohm"},
+              "x.toml:1: load_ohm: '4e-200 ohm' is outside the possible range of a resistance; its "
+              "size is 0, or from 1e-09 to 1000000000000000 ohm"},
         Fault{"load_ohm = -inf", "x.toml:1: load_ohm: is not a finite number; write an SI number"},
         Fault{"mass_kg = \"3mm\"",
               "x.toml:1: mass_kg: 'mm' is not a unit of a mass; use one of kg, g, mg"},

@@ -187,7 +187,7 @@ TEST_F(AnalyzeMistakes, AResolutionIsUsedOrRefused) {
               ContainsRegex("resolution +20 Hz"));
   const Outcome alone = Analyze({"--resolution", "5Hz", sweep});
   EXPECT_EQ(alone.status, 2);
-  EXPECT_THAT(alone.err, HasSubstr("--resolution: is of a spectrum or a sweep"));
+  EXPECT_THAT(alone.err, HasSubstr("--resolution: applies to a spectrum or a sweep only"));
 }
 
 TEST_F(AnalyzeMistakes, AResonanceBeyondTheBandIsLookedForFurther) {

@@ -73,7 +73,7 @@ TEST_F(FitLraEvidence, WhatIsNoRingDownIsRefusedWithADocument) {
                                   return std::exp(-8 * t) * (std::cos(kTwoPi * 80 * t) +
                                                              0.7 * std::sin(kTwoPi * 149 * t));
                                 }),
-                          "no single decaying oscillation");
+                          "is not a single decaying oscillation");
   ExpectNothingDetermined(Write("decay.csv", 2e-4, 3000, 2e-3,
                                 [](double t) { return t < 0.1 ? 0 : std::exp(-20 * (t - 0.1)); }),
                           "decay.csv");

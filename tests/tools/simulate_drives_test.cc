@@ -299,7 +299,7 @@ TEST_F(SimulateDrives, RefusesFilesBeforeTheWork) {
   expect(Simulate({scene, "--waveforms", Path("w.txt")}), "use .csv, .h5 or .bin");
   expect(Simulate({scene, "--plot", Path("w.txt")}), "w.txt");
   expect(Simulate({scene, "--rate", "1kHz"}), "add --waveforms FILE");
-  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}), "0 Hz is no rate");
+  expect(Simulate({scene, "--rate", "0Hz", "--waveforms", Path("w.csv")}), "0 Hz is not a rate");
   expect(Simulate({scene, "--rate", "1MHz", "--duration", "10s", "--waveforms", Path("w.csv")}),
          "10 s at 1e+06 Hz are 1e+07 rows; give a --duration or --rate for 1 to 2e+06");
   std::ofstream(Path("kept.csv")) << "the only copy";
@@ -328,7 +328,7 @@ TEST_F(SimulateDrives, ASweepHasTheRunUnderABurst) {
   std::ifstream table(Path("s.csv"));
   std::stringstream text;
   text << table.rdbuf();
-  EXPECT_THAT(text.str(), HasSubstr("the drive is no sine: its numbers are those of run_"));
+  EXPECT_THAT(text.str(), HasSubstr("the drive is not a sine: its numbers are those of run_"));
   EXPECT_REL(json::parse(swept.out).at("best").at("value").get<double>(), rms_m * 2 / 5, 1e-12,
              "linear");
 }

@@ -121,7 +121,7 @@ TEST_F(SweepVerb, GoesOnOnlyWithItsOwnTable) {
   (void)File("t.csv", "time_s,voltage_v\n1,2\n");
   const Outcome foreign = Sweep(kGrid, "t.csv", {"--resume"});
   EXPECT_EQ(foreign.status, 3);
-  EXPECT_THAT(foreign.err, HasSubstr("t.csv: is no table of haptometer sweep"));
+  EXPECT_THAT(foreign.err, HasSubstr("t.csv: is not a table of haptometer sweep"));
 }
 
 // the table of a version that wrote no checksums
@@ -249,7 +249,7 @@ TEST_F(SweepVerb, RefusesWhatMakesNoWhole) {
           "'sampling = latin hypercube, 40 samples, seed 8', not 'sampling");
   refused({"1.csv", "cut.csv", "3.csv"}, 3,
           "cut.csv: ends within a row; continue it with --resume");
-  refused({"1.csv", "header.csv"}, 3, "header.csv: is no table of haptometer sweep");
+  refused({"1.csv", "header.csv"}, 3, "header.csv: is not a table of haptometer sweep");
   refused({"1.csv", "none.csv"}, 3, "none.csv: no such file");
 }
 

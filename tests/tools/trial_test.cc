@@ -159,7 +159,7 @@ TEST_F(TrialVerb, ExportsDoNotOverwriteSilently) {
   // not even then: it is no table of ours
   const Outcome other = Trial({"export", trial_, "-o", csv, "--overwrite"});
   EXPECT_EQ(other.status, 2);
-  EXPECT_THAT(other.err, HasSubstr("is there and is not a table of time_s"));
+  EXPECT_THAT(other.err, HasSubstr("exists and is not a table of time_s"));
   EXPECT_EQ(Content(csv), "precious");
   std::ofstream(csv) << "# source = an older export\ntime_s,displacement_m\n0,1\n";
   EXPECT_EQ(Trial({"export", trial_, "-o", csv, "--overwrite"}).status, 0);

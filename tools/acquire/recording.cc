@@ -326,7 +326,7 @@ Result<std::time_t> ParseUntil(const std::string& text, std::time_t now) {
     }
     return *instant;
   }
-  return Usage("--until", fmt::format("'{}' is no time of day", text),
+  return Usage("--until", fmt::format("'{}' is not a time of day", text),
                "write HH:MM, HH:MM:SS or YYYY-MM-DDTHH:MM, in local time");
 }
 

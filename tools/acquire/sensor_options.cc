@@ -151,7 +151,7 @@ Result<double> ReadSpeed(const std::string& speed) {
   if (speed == "recorded" || speed.empty()) return 1.0;
   const auto factor = trial::ReadNumber(speed);
   if (!factor || !std::isfinite(*factor) || !(*factor > 0)) {
-    return Usage("--speed", fmt::format("'{}' is no speed", speed),
+    return Usage("--speed", fmt::format("'{}' is not a speed", speed),
                  "write recorded, max, or a factor such as 10");
   }
   return *factor;

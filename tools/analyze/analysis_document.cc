@@ -521,7 +521,8 @@ void AddSources(std::vector<trial::DataSource> sources, Section& section) {
 
 Section ClosingSection(bool has_numbers) {
   Section section;
-  section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""}, dsp::kNotInBudget);
+  section.Add({"uncertainty_excludes", has_numbers ? "uncertainty excludes" : ""},
+              dsp::kNotInBudget);
   return section;
 }
 

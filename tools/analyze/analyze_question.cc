@@ -24,7 +24,7 @@ constexpr std::int64_t kMostThreads = 64;
 Result<dsp::TimeWindow> ParseWindow(const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos) {
-    return Usage("--window", fmt::format("'{}' is no window", text),
+    return Usage("--window", fmt::format("'{}' is not a window", text),
                  "give auto, all, or two times as 1s:3s");
   }
   const auto begin_s = ParseQuantity(text.substr(0, colon), Dimension::kTime, "--window");
@@ -53,15 +53,16 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
        {"--response", &words.response}}};
   for (const auto& [option, path] : tables) {
     if (path->empty() || words.files.size() < 2) continue;
-    return Usage(std::string(option), fmt::format("is of one trial, not {}", words.files.size()),
+    return Usage(std::string(option),
+                 fmt::format("applies to one trial, not to {}", words.files.size()),
                  "give one file");
   }
   if (words.sweep && (!words.report.empty() || words.window != "auto" || !words.floor.empty())) {
-    return Usage("--sweep", "goes without --window, --floor and --report",
+    return Usage("--sweep", "cannot be combined with --window, --floor and --report",
                  "analyse the trial as a whole with --plot and --response");
   }
   if (!words.sweep && !words.response.empty()) {
-    return Usage("--response", "is of a sweep", "give --sweep too");
+    return Usage("--response", "applies to a sweep only", "give --sweep too");
   }
   if (!words.response.empty()) {
     auto writable =
@@ -71,7 +72,7 @@ Result<void> CheckPictures(const AnalyzeWords& words) {
   const bool has_spectrum = !words.spectrum.spectrum.empty() ||
                             !words.spectrum.spectrogram.empty() || !words.report.empty();
   if (words.spectrum.resolution_hz && !words.sweep && !has_spectrum) {
-    return Usage("--resolution", "is of a spectrum or a sweep",
+    return Usage("--resolution", "applies to a spectrum or a sweep only",
                  "give --spectrum FILE, --spectrogram FILE, --report FILE or --sweep too");
   }
   return words.report.empty() ? Result<void>{} : report::CheckReportPath(words.report);
@@ -111,11 +112,15 @@ void DeclareAnalyze(cli::Options* options, AnalyzeWords* words) {
                 cli::Shown::kHelpAll);
   options->Output("--response", &words->response, "FILE.csv", "Write the points of a sweep",
                   cli::Shown::kHelpAll);
-  options->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
-                  "Frequency of the drive, which is fitted where a record is too slow for the band",
-                  cli::Shown::kHelpAll).Default("what the file states");
-  options->Count("--threads", &words->threads, 1, kMostThreads,
-                 "Number of threads; no result depends on it", cli::Shown::kHelpAll).Default("the number of cores");
+  options
+      ->Number("--drive-frequency", &words->drive_frequency_hz, Dimension::kFrequency,
+               "Frequency of the drive, which is fitted where a record is too slow for the band",
+               cli::Shown::kHelpAll)
+      .Default("what the file states");
+  options
+      ->Count("--threads", &words->threads, 1, kMostThreads,
+              "Number of threads; no result depends on it", cli::Shown::kHelpAll)
+      .Default("the number of cores");
   DeclareSpectrum(options, &words->spectrum);
   cli::DeclareImport(options, &words->import);
 }
@@ -176,14 +181,18 @@ void DeclareSpectrum(cli::Options* options, SpectrumWords* words) {
                   cli::Shown::kHelpAll);
   options->Output("--spectrogram", &words->spectrogram, "FILE.csv|svg|png|pdf",
                   "Write the spectrum over time", cli::Shown::kHelpAll);
-  options->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
-                  "Resolution of the spectra", cli::Shown::kHelpAll).Default("1 Hz, or eight segments in a short window");
+  options
+      ->Number("--resolution", &words->resolution_hz, Dimension::kFrequency,
+               "Resolution of the spectra", cli::Shown::kHelpAll)
+      .Default("1 Hz, or eight segments in a short window");
   options->Choice("--spectrum-window", &words->window, WindowNames(),
                   "Window function of each segment; the output states its noise bandwidth",
                   cli::Shown::kHelpAll);
-  options->Number("--overlap", &words->overlap, Dimension::kNone,
-                  "Overlap of consecutive segments as a share of their length, 0 to 0.95",
-                  cli::Shown::kHelpAll).Default("0.5");
+  options
+      ->Number("--overlap", &words->overlap, Dimension::kNone,
+               "Overlap of consecutive segments as a share of their length, 0 to 0.95",
+               cli::Shown::kHelpAll)
+      .Default("0.5");
   options->Flag("--overwrite", &words->overwrite,
                 "Replace older tables of --spectrum, --spectrogram and --response",
                 cli::Shown::kHelpAll);

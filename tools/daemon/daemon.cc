@@ -116,7 +116,7 @@ std::optional<Error> Serve(const std::string& config_path, const StatusSocket& s
 Result<void> CheckDirectory(const DaemonConfig& config, const std::string& config_path) {
   std::error_code error;
   if (std::filesystem::is_directory(config.trials.directory, error)) return {};
-  return Usage(config_path + ": directory", config.trials.directory + " is no directory",
+  return Usage(config_path + ": directory", config.trials.directory + " is not a directory",
                "make it, or name another");
 }
 
@@ -219,7 +219,7 @@ std::optional<int> RunDaemonOptions(const DaemonOptions& wanted, const document:
   std::vector<std::string> allowed{which, wanted.config, wanted.asked};
   if (wanted.wants_status) allowed.insert(allowed.end(), {"--json", "--all"});
   if (!StandsAlone(argc, argv, allowed)) {
-    return cli::ReportError(kVerb, {Cause::kUsage, which, "stands alone",
+    return cli::ReportError(kVerb, {Cause::kUsage, which, "cannot be combined with other options",
                                     "leave the other options out; CONFIG.toml states the rest"});
   }
   if (wanted.wants_status) return ShowStatus(wanted.asked, outputs, argc, argv);

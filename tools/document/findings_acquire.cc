@@ -75,7 +75,7 @@ constexpr std::array<Sentence, kKinds> kSentences{{
     {"ideal-sensor", "the scene has no [sensor]: an ideal one on the skin at {rate_hz} is assumed"},
 
     // what was seen
-    {"heading-lines", "{lines} lines before the first row are no rows: \"{first}\""},
+    {"heading-lines", "{lines} lines before the first row are not rows: \"{first}\""},
     {"lines-too-soon",
      "{lines} lines came in {elapsed_s}, and {baud} baud carry them in {wire_s} at least: the port "
      "is not a serial line of this rate, or the sensor has another baud rate"},

@@ -263,7 +263,7 @@ constexpr auto kRows = std::to_array<Row>({
     {kElectricalUnmeasured,
      {"electrical-unmeasured",
       "electrical state not determined: {readings} readings of voltage or current in the window "
-      "are no measurements"}},
+      "are not measurements"}},
     {kElectricalNoTone,
      {"electrical-no-tone",
       "electrical state not determined: no voltage or no current exceeds the noise at "

@@ -179,7 +179,7 @@ Result<void> CheckTogether(const cli::Options& options, const Wanted& wanted) {
   for (const auto& [name, time] : times) {
     // below a nanosecond and above a year nothing can be scheduled
     if (*time && !((*time)->value >= 1e-9 && (*time)->value <= 3.2e7)) {
-      return Usage(name, fmt::format("{:g} s is no time to wait", (*time)->value),
+      return Usage(name, fmt::format("{:g} s is not a time to wait", (*time)->value),
                    "give 1ns to 1 year");
     }
   }

@@ -139,7 +139,7 @@ class CardMaker {
     }
     if (!(drops.quality_factor >= 2 && drops.quality_factor <= 1000)) {
       return Usage("--guess", fmt::format("Q {:.3g} is not from 2 to 1000", drops.quality_factor),
-                   "a plan is for what rings");
+                   "a plan needs an actuator that oscillates");
     }
     auto km = guesses->force_constant_n_per_a;
     if (!km && actuator_ && actuator_->force_constant_n_per_a) {
@@ -173,7 +173,7 @@ class CardMaker {
       return {};
     }
     if (!(words_.load_ohm->value > 0 && std::isfinite(words_.load_ohm->value))) {
-      return Usage("--load", "is no load", "write --load 33ohm; the open drops are planned too");
+      return Usage("--load", "is not a load", "write --load 33ohm; the open drops are planned too");
     }
     drops.load_ohm = *words_.load_ohm;
     has_load_ = true;
@@ -369,7 +369,7 @@ Result<fit::AccuracyWish> ParseWish(const std::string& word) {
   for (const auto constant :
        {fit::Constant::kStiffness, fit::Constant::kDamping, fit::Constant::kForceConstant}) {
     if (SymbolOf(constant) != symbol) continue;
-    if (!word.ends_with('%')) return Usage("--want", word + " is no percentage", example);
+    if (!word.ends_with('%')) return Usage("--want", word + " is not a percentage", example);
     const auto number = ParseQuantity(percent, Dimension::kNone, "--want");
     if (!number) return std::unexpected(number.error());
     if (!(number->value > 0 && number->value <= 25)) {

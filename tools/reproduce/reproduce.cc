@@ -36,7 +36,7 @@ Result<void> CheckPlaces(const Wanted& wanted) {
   std::error_code failure;
   fs::create_directories(wanted.figures, failure);
   if (failure || !fs::is_directory(wanted.figures)) {
-    return Usage(wanted.figures, "is no folder and none can be made there", "name another");
+    return Usage(wanted.figures, "is not a folder, and none can be made there", "name another");
   }
   return {};
 }

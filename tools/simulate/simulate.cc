@@ -65,8 +65,8 @@ void Declare(cli::Options& options, SimulateOptions& wanted) {
                  "Write the readings of the scene's sensor as a trial");
   options.Output("--waveforms", &wanted.waveforms, "FILE",
                  "Write the exact motion, voltage, current and force over time, .csv, .h5 or .bin");
-  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency,
-                 "Rows per second of --waveforms").Default("64 in the shortest period");
+  options.Number("--rate", &wanted.rate_hz, Dimension::kFrequency, "Rows per second of --waveforms")
+      .Default("64 in the shortest period");
   options.Flag("--all", &wanted.outputs.all, "Print the whole run and the method too");
   options.Output("--plot", &wanted.outputs.plot, "FILE",
                  "Draw waveforms and spectrum, .svg, .png or .pdf");
@@ -230,10 +230,11 @@ Result<void> CheckFiles(const SimulateOptions& wanted) {
   }
   if (wanted.waveforms.empty()) {
     if (!wanted.rate_hz) return {};
-    return Usage("--rate", "is of --waveforms, which are not asked for", "add --waveforms FILE");
+    return Usage("--rate", "applies to --waveforms only, which is not given",
+                 "add --waveforms FILE");
   }
   if (wanted.rate_hz && !(wanted.rate_hz->value > 0)) {
-    return Usage("--rate", fmt::format("{:g} Hz is no rate", wanted.rate_hz->value),
+    return Usage("--rate", fmt::format("{:g} Hz is not a rate", wanted.rate_hz->value),
                  "give rows per second");
   }
   return CheckWaveformPath(wanted.waveforms, wanted.overwrite);

@@ -296,7 +296,7 @@ Result<int> Verify(const std::string& path, const document::Document& document) 
   if (!earlier) return std::unexpected(earlier.error());
   const Json before = Json::parse(*earlier, nullptr, false);
   if (before.is_discarded() || !before.is_object()) {
-    return CannotAnswer(path, "is no JSON document", "give what study --json printed");
+    return CannotAnswer(path, "is not a JSON document", "give what study --json printed");
   }
   std::vector<std::string> differences;
   Compare(before, Json::parse(document::JsonOf(document)), "", differences);

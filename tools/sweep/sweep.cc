@@ -175,7 +175,7 @@ Result<BestWish> ReadBestWish(const std::string& word) {
   const std::string nearest = Nearest(wish.column, names);
   std::string all;
   for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-  return Usage("--best", fmt::format("'{}' is no column of the answers", wish.column),
+  return Usage("--best", fmt::format("'{}' is not a column of the answers", wish.column),
                nearest.empty() ? "use one of " + all : fmt::format("did you mean {}?", nearest));
 }
 
@@ -192,7 +192,7 @@ Result<SweepSummary> Summarise(const std::string& table, const BestWish& wish) {
   const auto found = std::ranges::find(columns, wish.column);
   if (found == columns.end()) {
     return CannotAnswer(table, fmt::format("has no column {}", wish.column),
-                        "name one of its own by --best");
+                        "name one of its columns by --best");
   }
   const auto column = static_cast<std::size_t>(found - columns.begin());
   for (auto row = reader->Next(); row; row = reader->Next()) {

@@ -62,7 +62,7 @@ Result<sim::SweepPoints> ReadPoints(const SweepWords& words) {
   auto axes = ReadAxes(words);
   if (!axes) return std::unexpected(axes.error());
   if (!words.samples && words.seed) {
-    return Usage("--seed", "stands without --samples", "a grid has nothing random");
+    return Usage("--seed", "needs --samples", "a grid has nothing random");
   }
   std::optional<sim::LatinHypercube> sampling;
   if (words.samples) {
@@ -261,7 +261,7 @@ Result<std::size_t> ReadCount(const std::vector<std::string>& parts, RangesAre r
   }
   const auto count = SignedWholeNumber(parts[2]);
   if (!count || *count < 2 || *count > kMostValues) {
-    return Usage(where, fmt::format("'{}' is no count of values", parts[2]),
+    return Usage(where, fmt::format("'{}' is not a count of values", parts[2]),
                  "give 2 or more, both ends among them");
   }
   return static_cast<std::size_t>(*count);

@@ -131,7 +131,7 @@ Result<TableFile> TableFile::Open(const std::string& path) {
   }
   struct stat status{};
   if (fstat(file.descriptor_, &status) != 0 || !S_ISREG(status.st_mode)) {
-    return Usage(path, "is there and is no file", "name another");
+    return Usage(path, "exists and is not a file", "name another");
   }
   if (flock(file.descriptor_, LOCK_EX | LOCK_NB) != 0) {
     return Usage(path, "is being written by another run", "wait for it, or name another file");
@@ -255,7 +255,7 @@ Result<TableReader> TableReader::Open(const std::string& path) {
 
 Result<void> TableReader::ReadHeader() {
   const auto unknown = [&] {
-    return CannotAnswer(path_, "is no table of haptometer sweep", "give one that it wrote");
+    return CannotAnswer(path_, "is not a table of haptometer sweep", "give one that it wrote");
   };
   auto line = Next();
   if (!line || !line->starts_with(kTitle)) return unknown();

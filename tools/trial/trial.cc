@@ -82,7 +82,7 @@ constexpr cli::VerbText kLabelText{
 
 // a file of another kind has its labels elsewhere
 Error Explained(Error error, const std::string& path) {
-  if (error.what != "is no trial") return error;
+  if (error.what != "is not a trial") return error;
   const auto other = trial::ReadRecording(path);
   if (!other || other->report.kind == trial::FileKind::kTrial) return error;
   error.what = fmt::format("is a {}", Name(other->report.kind));

@@ -42,7 +42,7 @@ Result<void> ReadSprings(const std::string& text, std::vector<double>& springs_n
     const auto spring = ParseQuantity(word, Dimension::kStiffness, "--springs");
     if (!spring) return std::unexpected(spring.error());
     if (!(spring->value >= kLeastStiffness && spring->value <= kMostStiffness)) {
-      return Usage("--springs", fmt::format("has {}, which is no stiffness of a spring", word),
+      return Usage("--springs", fmt::format("has {}, which is not a stiffness of a spring", word),
                    "give those that can be had, such as --springs 8200,9100");
     }
     springs_n_per_m.push_back(spring->value);

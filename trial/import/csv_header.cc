@@ -172,7 +172,7 @@ constexpr std::string_view kChannelPrefix = "channel.";
 
 std::unexpected<Error> NoNumber(const std::string& where, std::string_view key,
                                 std::string_view value) {
-  return CannotAnswer(where, fmt::format("'{} = {}' is no number", key, value),
+  return CannotAnswer(where, fmt::format("'{} = {}' is not a number", key, value),
                       "write a plain number in the unit that the key names");
 }
 

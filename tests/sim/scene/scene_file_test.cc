@@ -207,13 +207,13 @@ TEST(SceneFile, TellsWhatIsWrongWithEffects) {
       {"[travel_stops]\ngap_m = '1mm'\nrestitution = 1.5\n",
        "[travel_stops]: restitution: is not 0 to 1; speed after over speed before the impact"},
       {"[travel_stops]\ngap_m = '1mm'\ngap_up_m = '1mm'\nrestitution = 0\n",
-       "[travel_stops]: gap_up_m: stands beside gap_m; give one or the other"},
+       "[travel_stops]: gap_up_m: cannot be combined with gap_m; give one or the other"},
       {"[travel_stops]\ngap_m = '1mm'\nrestitution = 0\nstiffness_n_per_m = 1e5\n",
-       "[travel_stops]: restitution: is of rigid stops, which have no stiffness_n_per_m; give one "
-       "or the other"},
+       "[travel_stops]: restitution: applies to rigid stops, which have no stiffness_n_per_m; give "
+       "one or the other"},
       {"[travel_stops]\ngap_m = '1mm'\nrestitution = 0\ndamping_n_s_per_m = 1\n",
-       "[travel_stops]: damping_n_s_per_m: stands without stiffness_n_per_m; a rigid stop has "
-       "restitution instead"},
+       "[travel_stops]: damping_n_s_per_m: needs stiffness_n_per_m; a rigid stop has restitution "
+       "instead"},
       {"[gravity]\nacceleration_m_per_s2 = 0\n",
        "[gravity]: acceleration_m_per_s2: is 0; leave gravity out"},
       {"[run]\ntolerance = 2\n",
@@ -292,7 +292,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {"[actuator]\nmodel = 'c10'\n" + kDrive + kSkin,
        "[actuator]: model: \"c10\" is not known; use one of thesis-c10-100"},
       {kActuator + "moving_mass_kg = 1\n" + kDrive + kSkin,
-       "[actuator]: moving_mass_kg: stands beside model; give one or the other"},
+       "[actuator]: moving_mass_kg: cannot be combined with model; give one or the other"},
       {kActuator + kSkin + "[drive]\nkind = 'sine'\namplitude_v = 5\nfrequency_hz = 0\n",
        "[drive]: frequency_hz: must be greater than 0; check its sign"},
       {kActuator + kSkin + "[drive]\namplitude_v = 5\nfrequency_hz = 1\n",
@@ -310,7 +310,7 @@ TEST(SceneFile, TellsWhatIsWrongWithIt) {
       {kActuator + kDrive + "[skin]\ncontact_area_m2 = 1e-6\nlaw = 'power'\n",
        "[skin]: range: is missing; \"text\" (600-2000 N/m) or \"table\" (600-1200 N/m)"},
       {kActuator + kDrive + kSkin + "law = 'power'\n",
-       "[skin]: law: stands without contact_area_m2; add it or remove this"},
+       "[skin]: law: needs contact_area_m2; add it or remove this"},
       {kActuator + kDrive + kSkin + "contact_area_m2 = 1e-6\nlaw = 'power'\nrange = 'text'\n",
        "[skin]: stiffness_n_per_m: cannot be combined with contact_area_m2; give one or the other"},
       {kCone + "[run]\nduration_s = 1e7\n",

@@ -107,7 +107,7 @@ const std::vector<Case> kCases{
      "the scene has no sensor: an ideal one on the skin at 10000 Hz is assumed"},
     {kHeadingLines,
      {{"lines", 2}, {"first", "volts"}},
-     "2 lines before the first row are no rows: \"volts\""},
+     "2 lines before the first row are not rows: \"volts\""},
     {kLinesTooSoon,
      {{"lines", 100}, {"elapsed_s", 0.5}, {"baud", 9600}, {"wire_s", 1.0}},
      "100 lines came in 500 ms, and 9600 baud carry them in 1 s at least: the port is not a serial "

@@ -360,7 +360,7 @@ const std::vector<Case> kCases{
     {kElectricalUnmeasured,
      {{"readings", 2}},
      "electrical-unmeasured",
-     "electrical state not determined: 2 readings of voltage or current in the window are no "
+     "electrical state not determined: 2 readings of voltage or current in the window are not "
      "measurements"},
     {kElectricalNoTone,
      {{"frequency_hz", 225.0}},

@@ -75,7 +75,7 @@ const std::vector<Case> kCases{
      "the channels begin up to 1.5 ms apart (t0); all are given the times of the first one"},
     {kTransitionsOnly,
      {},
-     "digital channels list their transitions only: their rows are no samples"},
+     "digital channels list their transitions only: their rows are not samples"},
     {kValueUnitAssumed,
      {{"title", "LeCroy"}, {"unit", "V"}},
      "the unit of the values is not in the file; LeCroy writes V"},

@@ -167,10 +167,9 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_THAT(ErrorOf("time_s\n0\n1\n"), HasSubstr("no column beside the time"));
   EXPECT_THAT(ErrorOf("time_s,time_ms,voltage_v\n0,1\n"), HasSubstr("two columns are named time"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v,status_2\n0,1,ok\n"), HasSubstr("is not there"));
-  EXPECT_EQ(
-      ErrorOf("time_s,voltage_v\n0,1\n1,abc\n"),
-      "f.csv: line 3: 'abc' is no number (column 'voltage'); leave the cell empty where there "
-      "is no value, or remove the column");
+  EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,abc\n"),
+            "f.csv: line 3: 'abc' is not a number (column 'voltage'); leave the cell empty where "
+            "there is no value, or remove the column");
   EXPECT_EQ(ErrorOf("# a\n\ntime_s,voltage_v\n0,1\n1,2,3\n"),
             "f.csv: line 5: has 3 cells where the columns are 2; complete or remove the line");
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n1,3\n"),
@@ -180,15 +179,15 @@ TEST(Csv, WhatCannotBeReadIsExplained) {
   EXPECT_EQ(ErrorOf("time_s,voltage_v\n0,1\n1,2\n0.5,3\n"),
             "f.csv: line 4: time 0.5 s does not grow (the row before is at 1 s); sort the rows, or "
             "print the times with more digits");
-  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\nnan,2\n"), HasSubstr("line 3: 'nan' is no time"));
-  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n,2\n"), HasSubstr("line 3: '' is no time"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\nnan,2\n"), HasSubstr("line 3: 'nan' is not a time"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n,2\n"), HasSubstr("line 3: '' is not a time"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n0,1\n"), HasSubstr("holds 1 row; a measurement needs"));
   EXPECT_THAT(ErrorOf("time_s,voltage_v\n"), HasSubstr("holds 0 rows"));
   EXPECT_THAT(ErrorOf("# only = comments\n"), HasSubstr("holds no columns"));
-  EXPECT_THAT(ErrorOf("time_s,voltage_v,status\n0,1,fine\n"), HasSubstr("'fine' is no status"));
+  EXPECT_THAT(ErrorOf("time_s,voltage_v,status\n0,1,fine\n"), HasSubstr("'fine' is not a status"));
   EXPECT_EQ(ErrorOf("# averages = many\ntime_s,voltage_v\n0,1\n"),
-            "f.csv: line 1: 'averages = many' is no number; write a plain number in the unit that "
-            "the key names");
+            "f.csv: line 1: 'averages = many' is not a number; write a plain number in the unit "
+            "that the key names");
 }
 
 TEST(Csv, EditedExportsAreNotTrustedToTheirStretchLines) {

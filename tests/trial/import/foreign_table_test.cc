@@ -211,8 +211,9 @@ TEST(ForeignTable, EmptyRowsAtTheEndArePassedOverAndInTheMiddleNot) {
 }
 
 TEST(ForeignTable, WhatASpreadsheetMadeOfANumberIsNamed) {
-  EXPECT_THAT(ErrorOf("Time (s);CH1 (V)\n0;1,5\n1;2,5\n2;1.234.567\n"),
-              HasSubstr("line 4: '1.234.567' is no number (column 'CH1'): a spreadsheet may have"));
+  EXPECT_THAT(
+      ErrorOf("Time (s);CH1 (V)\n0;1,5\n1;2,5\n2;1.234.567\n"),
+      HasSubstr("line 4: '1.234.567' is not a number (column 'CH1'): a spreadsheet may have"));
 }
 
 TEST(ForeignTable, TheOnlyChannelIsWhatTheScaleIsAbout) {

@@ -131,14 +131,14 @@ TEST(Lvm, SegmentsBecomeStretches) {
 TEST(Lvm, WhatCannotBeReadIsExplained) {
   EXPECT_THAT(LvmErrorOf("LabVIEW Measurement\nX_Columns\tOne\n"),
               HasSubstr("header does not end"));
-  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is no number"));
+  EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\tabc\t1\n")), HasSubstr("'abc' is not a number"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "0\t1\n")),
               HasSubstr("has 2 cells where 3 are needed"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment + "1\t1\t1\n0\t1\t1\n")), HasSubstr("does not grow"));
   EXPECT_THAT(LvmErrorOf(Lvm("", "0\t1\n")), HasSubstr("a line of names"));
   EXPECT_THAT(LvmErrorOf(Lvm("", kSegment)), HasSubstr("holds 0 rows"));
   EXPECT_THAT(LvmErrorOf(Lvm("Decimal_Separator\t.\n", kSegment + "0,5\t1\t1\n")),
-              HasSubstr("'0,5' is no X value"));
+              HasSubstr("'0,5' is not an X value"));
   EXPECT_THAT(LvmErrorOf(Lvm("X_Columns\tNo\n", "X_Value\tA\n\t1\n\t2\n")),
               HasSubstr("neither X values nor a Delta_X"));
 }
@@ -285,7 +285,7 @@ TEST(Lvm, ChannelsOfOtherClocksAreReadOneByOne) {
 TEST(Lvm, ASpectrumIsNoSignalOverTime) {
   const std::string header = "Channels\t2\nX_Dimension\tFrequency\tFrequency\n";
   EXPECT_THAT(LvmErrorOf(TwoChannels(header, 4, Microseconds)),
-              HasSubstr("its X is no time: X_Dimension is Frequency"));
+              HasSubstr("its X is not a time: X_Dimension is Frequency"));
 }
 
 TEST(Lvm, OneSegmentCanBeRead) {
