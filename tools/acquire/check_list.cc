@@ -301,7 +301,7 @@ CheckItem CheckBad(const Context& c) {
 CheckItem CheckClock(const Context& c) {
   const CheckFindings& f = c.findings;
   std::string finding = fmt::format(
-      "jitter {:.3g} ms, {} gaps, a reading's time known to {:.3g} ms",
+      "jitter {:.3g} ms, {} gaps, standard uncertainty of a reading's time {:.3g} ms",
       f.summary.interval_sd_s.value_or(0) * 1e3, f.summary.gaps, f.time_uncertainty_s * 1e3);
   if (f.summary.gaps > 0) {
     return Fix(std::move(finding),
